@@ -28,6 +28,7 @@ OPENERS = {
     "ProfileDialog": "minus",
     "EngagementDialog": "equals_sign",
     "TrialDialog": "asterisk",
+    "PhasesDialog": "quotation_mark",
     "RobotDialog": "at",
     "MoveDialog": "percent_sign",
 }

@@ -9,8 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.console import studied
+from woz_tui.console.keyboard import HELD_US
 from woz_tui.console.study.questions import Answer, Asked, items_of
-from woz_tui.console.study.round import HELD_US, QUICK, SETTLING_US, Page, Round
+from woz_tui.console.study.round import QUICK, SETTLING_US, Page, Round
 from woz_tui.core.requests import AskAnswer, AskQuestionnaire
 from woz_tui.core.settings import Item, Questionnaire
 

@@ -146,7 +146,10 @@ YIELDING = {item.chord: item.id for item in BUILTIN if item.yields and not item.
 
 
 def test_which_of_the_consoles_keys_yield() -> None:
-    assert YIELDING == {"@": "robot", "%": "move", "_": "camera"}
+    assert YIELDING == {
+        **{")": "phase_next", '"': "phases"},
+        **{"@": "robot", "%": "move", "_": "camera"},
+    }
     assert all(item.reserves for item in BUILTIN if item.yields)
 
 

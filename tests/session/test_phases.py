@@ -62,7 +62,7 @@ def test_one_after_the_other(tmp_path: Path) -> None:
         assert refused(session, "lunch") == "there is no phase 'lunch'"
         session.phase("", KEY)
         session.phase("", KEY)
-        assert refused(session) == "closing is the last phase"
+        assert refused(session) == "no later phase can begin now"
         session.phase("ride", KEY)  # whatever has begun may begin again
         session.phase("opening", KEY)
         session.phase("closing", KEY)

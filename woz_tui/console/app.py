@@ -24,6 +24,7 @@ from woz_tui.console.screen_app import BEAT, ScreenApp
 from woz_tui.console.screens.dialog import Command, Dialog
 from woz_tui.console.status import Line
 from woz_tui.console.stopbar import Bar, News
+from woz_tui.console.study.picture import Tiding
 from woz_tui.console.surface import Surface
 from woz_tui.console.thrift import tight
 from woz_tui.core.messages import StopPressed
@@ -115,6 +116,7 @@ class Console(ScreenApp):
         """Hear of keys, and lay out the screen."""
         self.keyboard.on_pressed = self.inbox.elsewhere(self._pressed)
         self.keyboard.on_stale = self.inbox.elsewhere(self._stale)
+        self.keyboard.on_held = self.inbox.elsewhere(self._held)
         self.keyboard.on_prefix = self.inbox.elsewhere(self._prefix)
         self._measure()
 
@@ -168,8 +170,7 @@ class Console(ScreenApp):
         if (refusal := self.picture.runs.read_refusal()) is not None:
             self.news(refusal.sentence(self.picture.label(refusal.action)), "warn")
         for tiding in self.picture.study.read_tidings():
-            right = " or ".join(map(self._with_key, tiding.right))
-            self.news(f"{tiding.text}; right: {right}" if right else tiding.text, tiding.look)
+            self.news(self._sentence(tiding), tiding.look)
         for why in self.inbox.losses():
             self.picture.lose(why)
             self.desk.forget()
@@ -182,6 +183,14 @@ class Console(ScreenApp):
         if self.picture.edition != self._edition:
             self._edition = self.picture.edition
             self._adopt()
+
+    def _sentence(self, tiding: Tiding) -> str:
+        """With the keys that it names."""
+        right = " or ".join(map(self._with_key, tiding.right))
+        text = f"{tiding.text}; right: {right}" if right else tiding.text
+        command, does = tiding.command
+        key = self._key(command) if command else ""
+        return f"{text} ({key} {does})" if key else text
 
     def _replied(self, reply: Reply) -> None:
         self.desk.replied(reply)
@@ -247,7 +256,8 @@ class Console(ScreenApp):
             self._key("release") if self.picture.role != "watcher" else "",
             self._stop_asked,
         )
-        line = Line(self.feed.line_ok, self.feed.round_trip_us, self._key("failures"))
+        keys = self._key("failures"), self._key("phase_next")
+        line = Line(self.feed.line_ok, self.feed.round_trip_us, *keys)
         frame = functools.partial(self._frame, now)
         self._surface.paint(self.picture, frame, line, bar, self.size)
         if self.dialog is not None and self.dialog.is_mounted:
@@ -319,6 +329,10 @@ class Console(ScreenApp):
     def _stale(self, chord: str, name: str, ref: int) -> None:
         what = self.picture.label(name) or key_name(chord, self.look.glyphs)
         self.news(f"not played, the line had stalled: {what}", "warn")
+
+    def _held(self, chord: str, name: str, ref: int) -> None:
+        """Who holds a key sees why it does no more; who meant it presses it again later."""
+        self.news(f"{key_name(chord, self.look.glyphs)} counts once while it is held", "muted")
 
     def _prefix(self, prefix: str) -> None:
         if prefix:

@@ -102,6 +102,12 @@ def cut(row: Row, width: int, ellipsis: str = "…") -> Row:
     return tuple(pieces)
 
 
+def fit_most(text: str, width: int, ellipsis: str) -> str:
+    """`text`, cut if it is longer than `width` cells."""
+    text = clean(text)
+    return text if cell_len(text) <= width else fit(text, width, ellipsis)
+
+
 def spread(left: Row, right: Row, width: int, ellipsis: str = "…") -> Row:
     """`left` at the left, `right` at the right end; `left` gives way."""
     room = width - length(right)

@@ -26,6 +26,7 @@ from woz_tui.core.requests import (
     AskEmptyQueue,
     AskMarker,
     AskMistake,
+    AskPhase,
     AskRelease,
     AskScript,
     AskVerb,
@@ -74,6 +75,10 @@ def _has_robot(picture: ConsoleState) -> bool:
     return bool(picture.robot_outlines)
 
 
+def _has_phases(picture: ConsoleState) -> bool:
+    return bool(picture.settings.phases)
+
+
 def _has_script(picture: ConsoleState) -> bool:
     return bool(picture.script) or not picture.welcomed
 
@@ -107,6 +112,10 @@ def _script(by: int) -> Run:
     return run
 
 
+def _next_phase(press: Press) -> AskPhase:
+    return AskPhase(source="key", key=press.key, age_us=press.age_us, stale=press.stale)
+
+
 def _play_script(press: Press) -> AskScript:
     return AskScript(key=press.key, age_us=press.age_us, stale=press.stale)
 
@@ -135,9 +144,17 @@ def _colours(name: str, theme: str, words: str) -> Command:
 COMMANDS = (
     _row("stop stop_too", found=False, hint=Hint(1, "stop"), users=WATCHER),
     _row("release", sends=lambda press: AskRelease(source="key"), found=False),
-    _row("script_next", sends=_play_script, found=False, hint=Hint(2, "script", _has_script)),
+    _row(
+        "script_next",
+        sends=_play_script,
+        once=True,
+        found=False,
+        hint=Hint(2, "script", _has_script),
+    ),
     _row("script_back", _script(-1), opens=False),
     _row("script_on", _script(1), opens=False),
+    _row("phase_next", sends=_next_phase, once=True, hint=Hint(2.5, "phase", _has_phases)),
+    _row("phases", opens("screens.phases:PhasesDialog"), users=WATCHER),
     _row("say", opens("screens.say:SayDialog"), hint=Hint(3, "say")),
     _row(
         "find find_too",

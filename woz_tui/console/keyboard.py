@@ -17,6 +17,7 @@ from woz_tui.core.clock import Clock, RealClock
 from woz_tui.core.requests import (
     AnyRequest,
     AskAction,
+    AskPhase,
     AskRelease,
     AskScript,
     AskStop,
@@ -25,6 +26,10 @@ from woz_tui.core.requests import (
 from woz_tui.experiment.builtins import Builtin
 from woz_tui.experiment.terminals import STOPS
 
+#: Microseconds in which a key that has just counted may come again because it is held: a terminal
+#: says of no key that it was let go. Longer than keyboards wait before the first repeat (250 to
+#: 660 ms; between the others 25 to 100 ms), shorter than it takes to decide on another press.
+HELD_US = 750_000
 #: The second key of a sequence must follow within this time, in seconds.
 SEQUENCE_S = 1.0
 
@@ -62,12 +67,14 @@ class OwnKey:
         sends: Makes its request; None: the screen carries it out.
         verb: Without a driver that offers this, nothing is sent; empty: no verb is needed.
         opens: Whether it may open a dialog: keys pressed behind it then wait for the screen.
+        once: Held down, or pressed again at once, it counts once.
     """
 
     keys: tuple[Builtin, ...]
     sends: Callable[[Press], AnyRequest] | None = field(default=None, kw_only=True)
     verb: str = field(default="", kw_only=True)
     opens: bool = field(default=True, kw_only=True)
+    once: bool = field(default=False, kw_only=True)
 
     @property
     def name(self) -> str:
@@ -97,6 +104,8 @@ class Keyboard:
         #: A press too old to be played. What would have moved the robot is logged as refused,
         #: under the given `ref`.
         self.on_stale: OnPress = _ignore
+        #: A press that may come from a held key did nothing: its chord and the command's name.
+        self.on_held: OnPress = _ignore
         #: The first key of a sequence, while it waits for the second; then empty again.
         self.on_prefix: Callable[[str], None] = lambda prefix: None
         #: Keys that belong to what is drawn over the screen while the rest plays the robot.
@@ -117,6 +126,8 @@ class Keyboard:
         self._stops = 0
         self._prefix = ""
         self._prefix_us = 0
+        #: The last key, when it came, and whether it has been told that it may be held.
+        self._last, self._came_us, self._told_held = "", 0, False
 
     # -- what the app says ----------------------------------------------------------------------
 
@@ -196,6 +207,8 @@ class Keyboard:
         return self._free and self._press(chord, age_us, stale)
 
     def _press(self, chord: str, age_us: int, stale: bool) -> bool:
+        if self._is_held(chord):
+            return True
         prefix = self._take_prefix()
         if prefix:
             action = self._table.get(f"{prefix} {chord}")
@@ -210,6 +223,18 @@ class Keyboard:
             self._begin(chord, stale)
             return True
         return self._send(chord, age_us, stale)
+
+    def _is_held(self, chord: str) -> bool:
+        """Whether it may be the rest of a held key that counts once."""
+        now, own = self._clock.now_us(), self._own.get(chord)
+        with self._lock:
+            again = chord == self._last and now - self._came_us < HELD_US
+            self._last, self._came_us = chord, now
+            held = again and own is not None and own.once and chord not in self._table
+            tells, self._told_held = held and not self._told_held, held
+        if tells and own is not None:
+            self.on_held(chord, own.name, 0)
+        return held
 
     def stop(self, source: str) -> None:
         """Stop everything; `source` is the stop key (`escape`, `ctrl+c`) or another word."""
@@ -274,7 +299,7 @@ class Keyboard:
         request = own.sends(Press(chord, age_us, stale, self.steps))
         if not stale:
             self.on_pressed(chord, "", self.feed.ask(request))
-        elif isinstance(request, AskScript | AskVerb):  # to be found in the log as refused
+        elif isinstance(request, AskPhase | AskScript | AskVerb):  # the log says it was refused
             self.on_stale(chord, own.name, self.feed.ask(request))
         else:
             self.on_stale(chord, own.name, 0)

@@ -9,7 +9,7 @@ from rich.cells import cell_len, set_cell_size
 from textual import events
 
 from woz_tui.console.caps import Cap, caption
-from woz_tui.console.cells import Cells, Piece, Row, clean, cut, fit
+from woz_tui.console.cells import Cells, Piece, Row, clean, cut, fit, fit_most
 from woz_tui.console.columns import GUTTER, Plan, Slot, plan
 from woz_tui.console.figures import left
 from woz_tui.console.glyphs import Frame, Glyphs
@@ -82,7 +82,7 @@ def panel_rows(picture: ConsoleState, frame: Frame, arranged: Plan, board: Board
 
 
 def _slot(picture: ConsoleState, slot: Slot, frame: Frame, board: Board, cap: int) -> Row:
-    panel = picture.panels[slot.panel]
+    panel = picture.front[slot.panel]
     if slot.action is None:
         return _title(picture, slot, frame, slot.panel == board.chosen)
     standing = picture.standing(panel, slot.action, frame.now)
@@ -103,7 +103,7 @@ def _said_above(picture: ConsoleState, panel: PanelView, state: State) -> bool:
 
 
 def _title(picture: ConsoleState, slot: Slot, frame: Frame, chosen: bool) -> Row:
-    panel = picture.panels[slot.panel]
+    panel = picture.front[slot.panel]
     glyphs, width = frame.glyphs, frame.width
     mark = f"{glyphs.here} " if chosen and not slot.again else "  "
     note = " locked" if picture.is_locked(panel) else " continued" if slot.again else ""
@@ -113,12 +113,6 @@ def _title(picture: ConsoleState, slot: Slot, frame: Frame, chosen: bool) -> Row
     used = 2 + cell_len(title) + len(note)
     rule = glyphs.rule * max(0, width - used - 1)
     return ((mark, "title"), (title, "title"), (note, "muted"), (" ", "plain"), (rule, "faint"))
-
-
-def fit_most(text: str, width: int, ellipsis: str) -> str:
-    """`text`, cut if it is longer than `width` cells."""
-    text = clean(text)
-    return text if cell_len(text) <= width else fit(text, width, ellipsis)
 
 
 def _centred(text: str, width: int, ellipsis: str) -> str:
@@ -171,9 +165,9 @@ class Panels(Cells):
         super().__init__(id=id)
         self.board = Board({})
         self._arranged: Plan | None = None
-        self._arranged_for: tuple[int, int, int, int] = (-1, -1, -1, -1)
+        self._arranged_for: tuple[object, ...] = ()
         self._needed = 1
-        self._needed_for: tuple[int, int, int, int] = (-1, -1, -1, -1)
+        self._needed_for: tuple[object, ...] = ()
 
     def paint(self, picture: ConsoleState, frame: Frame) -> None:
         """Show the picture's panels as they stand."""
@@ -186,10 +180,10 @@ class Panels(Cells):
     def arranged(self, picture: ConsoleState, frame: Frame) -> Plan:
         """The arrangement, made anew only when the file or the size has changed."""
         cap = cap_width(picture, self.board, frame.glyphs)
-        wanted = (picture.edition, frame.width, frame.height, cap)
+        wanted = (picture.front, frame.width, frame.height, cap)
         if self._arranged is None or wanted != self._arranged_for:
             self._arranged_for = wanted
-            self._arranged = plan(picture.panels, frame.width, frame.height, cap)
+            self._arranged = plan(picture.front, frame.width, frame.height, cap)
         return self._arranged
 
     @property
@@ -202,22 +196,22 @@ class Panels(Cells):
 
     def needs(self, picture: ConsoleState, glyphs: Glyphs) -> int:
         """Lines in which all panels find room on one page of this width, as far as they do."""
-        wanted = (picture.edition, self.size.width, MOST, cap_width(picture, self.board, glyphs))
+        wanted = (picture.front, self.size.width, MOST, cap_width(picture, self.board, glyphs))
         if wanted != self._needed_for:
             self._needed_for = wanted
-            found = plan(picture.panels, *wanted[1:])
+            found = plan(picture.front, *wanted[1:])
             self._needed = 1 + max((slot.row for slot in found.slots), default=0)
         return self._needed
 
     def walk(self, picture: ConsoleState, by: int) -> None:
         """Choose the next panel, or with a negative `by` the one before."""
-        if picture.panels:
-            chosen = (self.board.chosen + by) % len(picture.panels)
+        if picture.front:
+            chosen = (self.board.chosen + by) % len(picture.front)
             self.board = replace(self.board, chosen=chosen)
 
     def turn_to(self, picture: ConsoleState, action: str) -> None:
         """Choose the panel on which an action is."""
-        for index, panel in enumerate(picture.panels):
+        for index, panel in enumerate(picture.front):
             if any(each.name == action for each in panel.actions):
                 self.board = replace(self.board, chosen=index)
 

@@ -31,6 +31,9 @@ def script_row(picture: ConsoleState, frame: Frame, key: str) -> Row:
     else:
         first, *later = picture.script[picture.position : picture.position + 12]
         body = ((f"{glyphs.here} {clean(picture.label(first))}", "strong"),)
+        if picture.halted:
+            again = f"{picture.halted}, {key} plays it again, > goes on"
+            body += ((f" {glyphs.warning} {again} ", "warn"),)
         for name in later:
             body += ((f"  {glyphs.next} {clean(picture.label(name))}", "muted"),)
     return (*front, *cut(body, max(1, room), glyphs.ellipsis), (right, "muted"))

@@ -135,6 +135,16 @@ class ConsoleState:
         return next((each for each in phases if begun and each.name == begun.label), None)
 
     @property
+    def front(self) -> tuple[PanelView, ...]:
+        """The panels in front: without those that only other phases have there."""
+        phase = self.phase
+        if phase is None or not phase.panels:
+            return self.panels
+        others = {title for each in self.settings.phases for title in each.panels}
+        others -= {*phase.panels}
+        return tuple(panel for panel in self.panels if panel.title not in others)
+
+    @property
     def script_name(self) -> str:
         """Whose script Space plays: the phase's, or the file's (empty)."""
         phase = self.phase

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from rich.cells import cell_len
 
-from woz_tui.console.cells import Cells, Piece, Row, clean, fit, length, spread
+from woz_tui.console.cells import Cells, Piece, Row, clean, fit, fit_most, length, spread
 from woz_tui.console.figures import elapsed, millis
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.replay.standing import wall_at
@@ -19,6 +19,8 @@ SLOW_LINE_US, BAD_LINE_US = 150_000, 500_000
 LATE_US = 1_000_000
 #: Cells of a profile's name at the most, and columns from which its word stands before it.
 PROFILE, WORDY = 14, 100
+#: Cells of a phase's title at the most.
+PHASE = 18
 #: Cells that a long title keeps beside a trial.
 TITLE = 8
 
@@ -26,12 +28,13 @@ TITLE = 8
 @dataclass(frozen=True, slots=True)
 class Line:
     """The line to the wizard's terminal: whether it takes output, its round trip if known; and
-    the key that shows what has failed.
+    the keys that show what has failed and that go on to the next phase.
     """
 
     well: bool = True
     round_trip_us: int | None = None
     failures: str = "enter"
+    phase: str = ""
 
 
 def status_rows(picture: ConsoleState, frame: Frame, line: Line) -> list[Row]:
@@ -45,7 +48,9 @@ def status_rows(picture: ConsoleState, frame: Frame, line: Line) -> list[Row]:
     failures = (*_seers(picture), *_failures(picture, glyphs, line.failures))
     room = width - length(vitals)
     first = spread(_whole(_session(picture, frame, room), room), vitals, width, glyphs.ellipsis)
-    return [first, spread(_drivers(picture, glyphs), failures, width, glyphs.ellipsis)]
+    drivers = _drivers(picture, glyphs)
+    phase = _phase(picture, frame, line.phase, width - length(drivers) - length(failures))
+    return [first, spread(drivers, (*phase, *failures), width, glyphs.ellipsis)]
 
 
 def _whole(parts: list[Row], width: int) -> Row:
@@ -213,6 +218,26 @@ def _failures(picture: ConsoleState, glyphs: Glyphs, key: str) -> Row:
     if not count:
         return ()
     return ((f" {glyphs.failed} {count} failed: {key} ", "alarm"),)
+
+
+def _phase(picture: ConsoleState, frame: Frame, key: str, room: int) -> Row:
+    """The phase with its time and, where there is room, the key and the phase that it begins."""
+    study, phases = picture.session.study, picture.settings.phases
+    if not phases:
+        return ()
+    row: Row = (("no phase ", "muted"),)
+    if (present := study.phase) is not None:
+        name = fit_most(picture.heading(present.label), PHASE, frame.glyphs.ellipsis)
+        planned, passed = present.changed.planned_us, frame.now - present.begin
+        limit = f"/{elapsed(planned)}" if planned else ""
+        late = "warn" if 0 < planned < passed else "plain"
+        row = ((f"{name} ", "title"), (f"{elapsed(passed)}{limit} ", late))
+    following = study.next_phase(phases)
+    if following is not None and key:
+        then: Row = ((f" {key} ", "key"), (f" {clean(following.heading)} ", "muted"))
+        if length(row) + length(then) <= room:
+            row += then
+    return row
 
 
 def _seers(picture: ConsoleState) -> Row:

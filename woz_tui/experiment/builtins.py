@@ -30,6 +30,8 @@ BUILTIN: tuple[Builtin, ...] = (
     Builtin("script_next", "space", "play the script's next line"),
     Builtin("script_back", "<", "script one line back, without playing"),
     Builtin("script_on", ">", "script one line on, without playing"),
+    Builtin("phase_next", ")", "go on to the next phase", reserves=("^", "!"), yields=True),
+    Builtin("phases", '"', "choose the phase", reserves=("'", "}"), yields=True),
     Builtin("say", "/", "type something to say"),
     Builtin("find", ":", "find any action by typing"),
     Builtin("find_too", "ctrl+p", "find any action by typing"),

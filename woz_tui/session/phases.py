@@ -53,34 +53,20 @@ class LivePhases:
         if not phases:
             raise AskError("the experiment has no phases", "add them to the file: phases: [...]")
         if not name:
-            return self._next()
+            following = self._state.next_phase(phases)
+            if following is None:
+                raise AskError("no later phase can begin now", "choose one", command="phases")
+            return following
         phase = self._read().phase(name)
         if phase is None:
             listed = ", ".join(each.name for each in phases)
             raise AskError(f"there is no phase {name!r}", f"there are {listed}")
         if name == self.name:
             raise AskError(f"{phase.heading} is the present phase")
-        if why := self.why_not(phase):
-            raise AskError(why)
+        if not self._state.can_begin(phase, phases):
+            before = [each.heading for each in phases if each.name in phase.after]
+            raise AskError(f"{phase.heading} comes after {' or '.join(before)}")
         return phase
-
-    def _next(self) -> Phase:
-        phases, current = self._read().phases, self.current
-        behind = phases[phases.index(current) + 1 :] if current is not None else phases
-        for phase in behind:
-            if not self.why_not(phase):
-                return phase
-        if current is not None and not behind:
-            raise AskError(f"{current.heading} is the last phase", "choose one from the list")
-        raise AskError("no later phase can begin yet", "choose one from the list")
-
-    def why_not(self, phase: Phase) -> str:
-        """Why it cannot begin; empty: it can. Whatever has begun once may begin again."""
-        first = self._read().phases[0]
-        if not phase.after or phase is first or self._state.phases.keys() & {*phase.after}:
-            return ""
-        named = [each.heading for each in self._read().phases if each.name in phase.after]
-        return f"{phase.heading} comes after {' or '.join(named)}"
 
     def enter(self, phase: Phase | None, source: str) -> None:
         """Let it hold from here on; None: none."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Protocol, TypeVar
 
 from msgspec.structs import replace
 
@@ -24,6 +25,23 @@ class Due:
 
     questionnaire: str
     trial: int = -1
+
+
+class PhaseLike(Protocol):
+    """A phase of the experiment file, or what a console is shown of it."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        ...
+
+    @property
+    def after(self) -> Sequence[str]:
+        """It can begin once one of these has begun; none: at any time."""
+        ...
+
+
+P = TypeVar("P", bound=PhaseLike)
 
 
 @dataclass(slots=True)
@@ -116,6 +134,17 @@ class StudyState:
     def ticked(self, check: str) -> bool:
         """Whether this line of the preflight list is in order."""
         return check in self.checks and self.checks[check].level == "ok"
+
+    def can_begin(self, phase: PhaseLike, phases: Sequence[PhaseLike]) -> bool:
+        """Whether this one of the file's `phases` can begin now; whatever has begun once can."""
+        return not phase.after or phase is phases[0] or bool(self.phases.keys() & {*phase.after})
+
+    def next_phase(self, phases: Sequence[P]) -> P | None:
+        """The first of the file's `phases` behind the present one that can begin now."""
+        present = self.phase.label if self.phase is not None else ""
+        places = [place for place, each in enumerate(phases) if each.name == present]
+        behind = phases[places[0] + 1 :] if places else phases
+        return next((each for each in behind if self.can_begin(each, phases)), None)
 
     @property
     def number(self) -> int | None:

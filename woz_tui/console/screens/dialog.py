@@ -52,7 +52,7 @@ REPLAY = frozenset({"replay"})
 class Hint:
     """A key's word in the lowest line, where `worth` says so; the lower `rank`, the earlier."""
 
-    rank: int
+    rank: float
     word: str
     worth: Callable[[ConsoleState], bool] = lambda picture: True
 

@@ -17,7 +17,7 @@ from woz_tui.console.engagement.hand import ORDERS, is_offered
 from woz_tui.console.robot.orders import orders_of
 from woz_tui.console.screens.choice import Search
 from woz_tui.console.screens.orders import steer
-from woz_tui.core.requests import AskLock, AskVerb
+from woz_tui.core.requests import AskLock, AskPhase, AskVerb
 
 #: Cells for a key and for a name.
 KEY, LABEL = 7, 38
@@ -52,7 +52,13 @@ class FindDialog(Search[Find]):
     @cached_property
     def _all(self) -> list[Find]:
         """All there is, in the file's order."""
-        found = [*self._actions(), *self._locks(), *self._orders(), *self._robots()]
+        found = [
+            *self._actions(),
+            *self._phases(),
+            *self._locks(),
+            *self._orders(),
+            *self._robots(),
+        ]
         return [*found, *self._commands()]
 
     def _actions(self) -> Iterable[Find]:
@@ -67,6 +73,12 @@ class FindDialog(Search[Find]):
                     functools.partial(self.desk.play, action.name),
                     words,
                 )
+
+    def _phases(self) -> Iterable[Find]:
+        for phase in self.picture.settings.phases:
+            request = AskPhase(phase=phase.name, source="palette")
+            name = f"Phase {phase.heading}"
+            yield Find(name, "", "phase", functools.partial(self.desk.ask, request), name)
 
     def _locks(self) -> Iterable[Find]:
         for panel in self.picture.panels:

@@ -17,6 +17,8 @@ from woz_tui.timeline.state import SessionState
 
 #: Sentences for the wizard that may wait to be read.
 _TIDINGS = 8
+#: Sources of actions that the wizard plays.
+_HANDS = ("key", "script", "palette")
 #: What a wizard did with a cue: how it is said, and its look.
 _JUDGED = {
     "right": ("right", "good"),
@@ -28,12 +30,13 @@ _JUDGED = {
 
 class Tiding(NamedTuple):
     """A sentence for the wizard and its look. `right`: names of the actions that would have
-    answered a cue.
+    answered a cue; `command`: that of the console which helps, and what it does.
     """
 
     text: str
     look: str
     right: tuple[str, ...] = ()
+    command: tuple[str, str] = ("", "")
 
 
 class Trial(NamedTuple):
@@ -54,6 +57,8 @@ class Study:
     _started: m.QuestionnaireStarted | None = None
     #: The last cue of a training.
     _cue: m.CueGiven | None = None
+    #: Whether it was said that no trial is under way, since the last one.
+    _told_outside: bool = False
     _tidings: deque[Tiding] = field(default_factory=lambda: deque(maxlen=_TIDINGS))
 
     # -- reading ------------------------------------------------------------------------------
@@ -176,6 +181,10 @@ class Study:
     def take(self, message: m.Message) -> None:
         """Work a message in that `session` has taken."""
         match message:
+            case m.ActionRequested(source=source) if source in _HANDS:
+                self._outside()
+            case m.TrialEnded():
+                self._told_outside = False
             case m.TrialStarted():
                 missing = self.unticked() if self.last is None else []
                 if missing:
@@ -191,6 +200,15 @@ class Study:
                 self.follow()
                 if self.asked is not None:
                     self.asked.take(message)
+
+    def _outside(self) -> None:
+        """Say once that what is played belongs to no trial, in a study that has trials."""
+        study = self.session.study
+        apart = study.trial is not None or study.in_break is not None or self._told_outside
+        if self.designed and not apart:
+            self._told_outside = True
+            text = "Played outside of a trial"
+            self._tidings.append(Tiding(text, "warn", command=("trial", "begins one")))
 
     def follow(self) -> None:
         """Ask what `session` asks now; in the same round the sheet that shows it keeps what was

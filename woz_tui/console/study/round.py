@@ -9,6 +9,7 @@ from __future__ import annotations
 import enum
 from collections.abc import Callable
 
+from woz_tui.console.keyboard import HELD_US
 from woz_tui.console.study.questions import Answer, Asked
 from woz_tui.core.requests import AskAnswer, AskQuestionnaire
 from woz_tui.core.settings import Item
@@ -25,10 +26,6 @@ WIDE = 12
 #: longer than two fingers need that hit the keys at once, shorter than anybody takes to read the
 #: next question.
 SETTLING_US = 300_000
-#: Microseconds in which a key that has just answered may come again because it is held: a terminal
-#: says of no key that it was let go. Longer than keyboards wait before the first repeat (250 to
-#: 660 ms; between the others 25 to 100 ms), shorter than it takes to read an item and answer it.
-HELD_US = 750_000
 
 
 class Page(enum.Enum):

@@ -1,0 +1,158 @@
+"""Phases on the screen: the status line, panels that fold away, the key and the list."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from msgspec.structs import replace
+
+from tests.console import scenes
+from tests.console.dialogs import opened
+from tests.console.driving import Sitting, sitting
+from tests.console.still_feed import StillFeed
+from woz_tui.console.commands import COMMANDS, by_key
+from woz_tui.console.keyboard import HELD_US, Keyboard
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+from woz_tui.core.clock import ManualClock
+
+NOW = scenes.NOW
+SIZES = pytest.mark.parametrize("size", [(80, 24), (160, 50)])
+PHASES = [
+    {"name": "opening", "title": "Opening", "panels": ["Speech"], "script": ["Hello", "Nod"]},
+    {
+        **{"name": "ride", "title": "The ride", "panels": ["Gestures"], "after": ["opening"]},
+        **{"planned": 120.0},
+    },
+    {"name": "end", "after": ["ride"]},
+]
+
+
+def guide(**settings: Any) -> r.Welcome:
+    return scenes.welcome(settings={"phases": PHASES, **settings})
+
+
+def begins(phase: str, source: str = "key", **more: Any) -> m.PhaseChanged:
+    return m.PhaseChanged(phase=phase, source=source, **more)
+
+
+async def at(seat: Sitting, message: Any, seq: int = 5000) -> None:
+    """A message of this moment."""
+    now = seat.console.picture.now(seat.console.clock.now_us())
+    await seat.tell(replace(message, seq=seq, t=now))
+
+
+@SIZES
+async def test_the_phase_stands_in_the_status_line_with_its_time(size: tuple[int, int]) -> None:
+    async with sitting(guide(), size=size) as seat:
+        assert "no phase  )  Opening" in seat.text("Status")
+        await at(seat, begins("opening"))
+        assert "Opening 00:00" in seat.text("Status")
+        assert ") phase" in seat.text("StopBar")
+        await at(seat, begins("ride", planned_us=120_000_000), 5001)
+        await seat.pass_time(130)
+        assert "The ride 02:10/02:00" in seat.text("Status")
+        assert (" )  end" in seat.text("Status")) == (size[0] >= 100)
+        assert "Phase The ride" in seat.text("Events")
+
+
+@SIZES
+async def test_panels_of_other_phases_fold_away(size: tuple[int, int]) -> None:
+    async with sitting(guide(), size=size) as seat:
+        before = seat.text("Panels")
+        assert "Speech" in before
+        await at(seat, begins("ride"))
+        shown = seat.text("Panels")
+        assert "Gestures" in shown
+        assert "Speech" not in shown
+        await seat.press("h")  # its keys play all the same
+        assert [each.action for each in seat.feed.asked if isinstance(each, r.AskAction)]
+        await at(seat, begins("end"), 5001)
+        assert "Speech" in seat.text("Panels")
+
+
+@SIZES
+async def test_space_plays_the_script_of_the_phase(size: tuple[int, int]) -> None:
+    async with sitting(guide(), size=size) as seat:
+        await at(seat, begins("opening"))
+        await at(seat, m.ScriptMoved(position=1, phase="opening", played=[0]), 5001)
+        assert "1/2" in seat.text("StopBar")
+        assert "Nod" in seat.text("StopBar")
+        halted = m.ScriptMoved(position=0, phase="opening", played=[], halted="failed")
+        await at(seat, halted, 5002)
+        assert "Hello" in seat.text("StopBar")
+        assert "failed" in seat.text("StopBar")
+
+
+@SIZES
+async def test_the_list_of_phases(size: tuple[int, int]) -> None:
+    async with sitting(guide(), size=size) as seat:
+        await at(seat, begins("opening"))
+        await opened(seat, "PhasesDialog")
+        drawn = seat.drawn()
+        assert "present" in drawn
+        assert "after The ride" in drawn
+        assert "planned 02:00" in drawn
+        await seat.press("enter")
+        asked = [each for each in seat.feed.asked if isinstance(each, r.AskPhase)]
+        assert [(each.phase, each.source) for each in asked] == [("ride", "key")]
+
+
+async def test_a_file_without_phases_shows_none() -> None:
+    async with sitting(scenes.welcome()) as seat:
+        assert "phase" not in seat.drawn()
+        await opened(seat, "PhasesDialog")
+        assert "has no phases" in seat.drawn()
+        await seat.press("enter")
+
+
+async def test_a_late_console_knows_the_phase() -> None:
+    state = [*scenes.healthy(), begins("ride")]
+    welcome = scenes.welcome(state=state, settings={"phases": PHASES})
+    async with sitting(welcome) as seat:
+        assert "The ride" in seat.text("Status")
+        assert "Speech" not in seat.text("Panels")
+
+
+@pytest.mark.parametrize(("key", "kind"), [("space", r.AskScript), (")", r.AskPhase)])
+def test_a_held_key_counts_once(key: str, kind: type[r.Request]) -> None:
+    feed, clock = StillFeed(), ManualClock()
+    keyboard = Keyboard(feed, clock)
+    keyboard.bind({"h": "Hello"}, {each.chord: c for c in COMMANDS for each in c.keys})
+    held: list[str] = []
+    keyboard.on_held = lambda chord, name, ref: held.append(chord)
+
+    def press(*keys: str, pause_us: int) -> int:
+        before = len(feed.asked)
+        for each in keys:
+            clock.advance(pause_us / 1_000_000)
+            assert keyboard.press(each)
+        return sum(isinstance(each, kind) for each in feed.asked[before:])
+
+    assert press(key, pause_us=2_000_000) == 1
+    assert press(key, pause_us=500_000) == 0  # the first repeat comes late
+    assert press(*[key] * 60, pause_us=33_000) == 0
+    assert held == [key]
+    assert press(key, pause_us=HELD_US) == 1
+    assert press("h", key, "h", key, pause_us=100_000) == 2
+    assert press(*"hhhh", pause_us=33_000) == 0
+    assert len([each for each in feed.asked if isinstance(each, r.AskAction)]) == 6
+
+
+@pytest.mark.parametrize("trial", [False, True])
+async def test_a_line_outside_of_a_trial_is_named_once(trial: bool) -> None:
+    study = {"design": {"order": "fixed", "within": True, "trials": 2}}
+    async with sitting(scenes.welcome(settings={"study": study})) as seat:
+        if trial:
+            await at(seat, m.TrialStarted(trial=1))
+        asked = m.ActionRequested(run="a1", action="Hello", panel="Speech", source="key")
+        await at(seat, asked, 5001)
+        assert ("outside of a trial (* begins one)" in seat.text("StopBar")) is not trial
+        await seat.pass_time(30)
+        await at(seat, m.ActionRequested(run="a2", action="Nod", panel="x", source="key"), 5002)
+        assert "outside of a trial" not in seat.text("StopBar")
+
+
+def test_every_command_of_phases_has_a_key() -> None:
+    assert {"phase_next", "phases"} <= by_key(COMMANDS).keys()

@@ -1,0 +1,80 @@
+"""Which phase holds, which can begin now, and how long each was and should be."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich.cells import cell_len
+from textual.content import Content
+from textual.widgets import OptionList
+
+from woz_tui.console.cells import Row, clean, fit
+from woz_tui.console.figures import elapsed
+from woz_tui.console.screens.choice import Choice
+from woz_tui.core.requests import AskPhase
+from woz_tui.core.views import PhaseView
+
+#: Cells of a phase's title at the most.
+TITLE = 26
+
+
+class PhasesDialog(Choice):
+    """The next one is chosen at first."""
+
+    heading = "Phase"
+    hint = "arrows choose · enter begins it · ctrl+q closes"
+
+    def lines(self) -> list[Row]:
+        """Where there is none, that the file has none."""
+        if self._phases:
+            return []
+        return [(("The experiment file has no phases. phases: [...] adds them.", "muted"),)]
+
+    @property
+    def _phases(self) -> Sequence[PhaseView]:
+        return self.picture.settings.phases
+
+    def choices(self) -> Sequence[Content]:
+        """All phases of the file, in its order."""
+        self._offered = [*self._phases]
+        width = min(
+            TITLE, max((cell_len(clean(each.heading)) for each in self._offered), default=1)
+        )
+        return [
+            Content.assemble(
+                (f"{self._mark(phase)} ", "bold"),
+                fit(clean(phase.heading), width, self.glyphs.ellipsis),
+                (f"  {self._about(phase)}", "$woz-muted"),
+            )
+            for phase in self._offered
+        ]
+
+    def _mark(self, phase: PhaseView) -> str:
+        study = self.picture.session.study
+        if study.phase is not None and study.phase.label == phase.name:
+            return self.glyphs.here
+        return self.glyphs.done if phase.name in study.phases else " "
+
+    def _about(self, phase: PhaseView) -> str:
+        study, picture = self.picture.session.study, self.picture
+        parts = []
+        if study.phase is not None and study.phase.label == phase.name:
+            parts.append("present")
+        elif not study.can_begin(phase, self._offered):
+            parts.append(f"after {' or '.join(map(picture.heading, phase.after))}")
+        if phase.planned:
+            parts.append(f"planned {elapsed(round(phase.planned * 1_000_000))}")
+        if phase.panels:
+            parts.append(", ".join(phase.panels))
+        return clean("; ".join(parts))
+
+    def on_mount(self) -> None:
+        """Begin at the next one; a stop may have come before there is a list."""
+        following = self.picture.session.study.next_phase(self._phases)
+        for choices in self.query("#choices").results(OptionList):
+            if following is not None:
+                choices.highlighted = self._offered.index(following)
+
+    def chose(self, index: int) -> None:
+        """Ask for it; a refusal is shown above the hints."""
+        self.desk.ask(AskPhase(phase=self._offered[index].name, source="key"))

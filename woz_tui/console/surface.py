@@ -61,7 +61,7 @@ class Surface:
         width, height = size
         base.set_class(width < WHOLE.width or height < WHOLE.height, "-small")
         base.set_class(width < LEAST.width or height < LEAST.height, "-tiny")
-        lines = bar_lines(size, bool(picture.script))
+        lines = bar_lines(size, any(picture.scripts.values()))
         if self.bar.styles.height is None or self.bar.styles.height.value != lines:
             self.bar.styles.height = lines
         self.body.lay_out(

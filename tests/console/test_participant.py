@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 
+import msgspec
 import pytest
 from textual.pilot import Pilot
 
@@ -19,6 +20,7 @@ from woz_tui.console.participant import Participant
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core.clock import ManualClock
+from woz_tui.core.settings import QuestionnaireWords
 
 #: Keys that play, mark, open, suspend or leave on a wizard's console.
 WIZARDS = ["h", "f1", "space", "full_stop", "slash", "colon", "backspace", "up", "ctrl+t"]
@@ -90,6 +92,18 @@ async def test_it_waits_asks_and_thanks(size: tuple[int, int]) -> None:
         await seat.tell(studied.ended("quick"))
         assert "Thank you!" in seat.drawn()
         assert seat.app.is_running
+
+
+async def test_it_speaks_the_language_of_the_experiment() -> None:
+    words = QuestionnaireWords(wait="Bitte warten.", thanks="Danke!", questions_one="1 Frage.")
+    study = studied.told(words=msgspec.to_builtins(words))
+    first = studied.welcome(role="participant", study=study)
+    async with seated(first) as seat:
+        assert seat.drawn().split() == ["Bitte", "warten."]
+        await seat.tell(studied.started(studied.QUICK))
+        assert "1 Frage." in seat.drawn()
+        await seat.tell(studied.ended("quick"))
+        assert "Danke!" in seat.drawn()
 
 
 async def test_it_shows_nothing_of_the_session() -> None:

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from tests.console import studied
 from woz_tui.console.keyboard import HELD_US
 from woz_tui.console.study.questions import Answer, Asked, items_of
-from woz_tui.console.study.round import QUICK, SETTLING_US, Page, Round
+from woz_tui.console.study.round import SETTLING_US, Page, Round
 from woz_tui.core.requests import AskAnswer, AskQuestionnaire
-from woz_tui.core.settings import Item, Questionnaire
+from woz_tui.core.settings import ENGLISH, Item, Questionnaire
 
 KEYS = ["enter", "tab", "up", "down", "left", "right", "backspace", "home", "end", "pageup"]
 KEYS += ["pagedown", "ctrl+d", "y", "n", "space", "x", "-", *"0123456789"]
@@ -138,7 +138,7 @@ def test_the_first_repeat_answers_nothing_however_long_the_keyboard_waits(delay:
 def test_who_presses_the_same_key_too_soon_is_told_and_may_press_again() -> None:
     seat = many()
     seat.press("5", "5", apart=0.5)
-    assert (len(seat.sent), seat.taken.complaint) == (1, QUICK)
+    assert (len(seat.sent), seat.taken.complaint) == (1, ENGLISH.press_again)
     seat.now += HELD_US
     seat.press("5")
     assert (len(seat.sent), seat.taken.complaint) == (2, "")

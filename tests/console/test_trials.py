@@ -6,6 +6,7 @@ import pytest
 
 from tests.console import scenes, studied
 from tests.console.driving import sitting
+from woz_tui.console.screens.questionnaire import QuestionnaireDialog
 from woz_tui.console.screens.trial import OfferDialog, TrialDialog, stands
 from woz_tui.console.study.picture import Study
 from woz_tui.core import messages as m
@@ -122,8 +123,11 @@ async def test_one_questionnaire_after_the_other_is_offered() -> None:
     async with sitting(studied.welcome(studied.trial(), study=told)) as seat:
         await seat.tell(over(), studied.started(studied.QUICK))
         await seat.press("asterisk", "q")
-        await seat.settle()
+        await seat.until(lambda: isinstance(seat.console.dialog, QuestionnaireDialog))
+        await seat.until(lambda: "This visit" in seat.drawn())
         await seat.tell(studied.ended("quick"))
+        await seat.until(lambda: "Thank you!" in seat.drawn())
+        await seat.press("ctrl+q")
         await seat.until(lambda: isinstance(seat.console.dialog, OfferDialog))
         await seat.settle()
         assert "You and the robot" in seat.drawn()

@@ -15,25 +15,15 @@ from woz_tui.console.feed import GONE, Feed
 from woz_tui.console.keyboard import Keyboard
 from woz_tui.console.screen_app import ScreenApp
 from woz_tui.console.study.questions import Asked
-from woz_tui.console.study.sheet import Sheet, Words
+from woz_tui.console.study.sheet import Sheet, Words, thanks
 from woz_tui.core import messages as m
 from woz_tui.core.requests import AnyRequest, AskQuestionnaire, Reply
+from woz_tui.core.settings import QuestionnaireWords
 from woz_tui.experiment.terminals import STOPS
 from woz_tui.experiment.textual_names import from_textual
 
 #: Leaves this screen; for whoever has set it up, so it stands nowhere on it.
 LEAVE = "ctrl+q"
-
-_WAIT: Words = [("Please wait.", "strong")]
-_THANKS: Words = [("Thank you!", "strong"), ("", "plain"), ("Please wait.", "muted")]
-_LOST: Words = [
-    ("Just a moment, please.", "strong"),
-    ("", "plain"),
-    ("What you have answered is kept.", "muted"),
-]
-#: What a press of escape has done, also to somebody who did not mean it.
-_HALTED = "The robot has been stopped."
-_STOPPED: Words = [(_HALTED, "strong"), ("", "plain"), *_WAIT]
 
 
 class Participant(ScreenApp):
@@ -79,8 +69,8 @@ class Participant(ScreenApp):
         self._begin()
         lost, halted = bool(self.picture.lost), self.picture.stop is not None
         for sheet in self.query(Sheet):
-            notice = _HALTED if halted else ""
-            sheet.follow(self._asked(), self._words(), away=lost, notice=notice)
+            notice = self._words.stopped if halted else ""
+            sheet.follow(self._asked(), self._lines(), words=self._words, away=lost, notice=notice)
 
     def _begin(self) -> None:
         """Whoever waits for one questionnaire alone asks for it as soon as it is due."""
@@ -103,12 +93,20 @@ class Participant(ScreenApp):
         wanted = asked is not None and self._only in ("", asked.name)
         return asked if wanted else None
 
-    def _words(self) -> Words:
+    @property
+    def _words(self) -> QuestionnaireWords:
+        return self.picture.settings.study.words
+
+    def _lines(self) -> Words:
+        """What is shown while nothing is asked."""
+        words = self._words
+        wait: Words = [(words.wait, "strong")]
         if self.picture.lost:
-            return _THANKS if self._thanks else _LOST
+            lost: Words = [(words.moment, "strong"), ("", "plain"), (words.kept, "muted")]
+            return thanks(words) if self._thanks else lost
         if self.picture.stop is not None:
-            return _STOPPED
-        return _THANKS if self._thanks else _WAIT
+            return [(words.stopped, "strong"), ("", "plain"), *wait]
+        return thanks(words) if self._thanks else wait
 
     def _ask(self, request: AnyRequest, on_reply: Callable[[Reply], None]) -> None:
         self._waiting[self.feed.ask(request)] = on_reply

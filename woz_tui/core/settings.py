@@ -106,13 +106,57 @@ class ShapingView(msgspec.Struct, frozen=True):
     cues: list[str] = []
 
 
+class QuestionnaireWords(msgspec.Struct, frozen=True, omit_defaults=True):
+    """What a participant reads of the console, in the language of the experiment. What stands
+    between braces is filled in; `stop_key` and `go_on_key` are letters.
+    """
+
+    wait: str = "Please wait."
+    thanks: str = "Thank you!"
+    moment: str = "Just a moment, please."
+    kept: str = "What you have answered is kept."
+    stopped: str = "The robot has been stopped."
+    questions_one: str = "1 question."
+    questions: str = "{count} questions."
+    position: str = "{number} of {count}"
+    optional: str = "may be left out"
+    left_out: str = "left out"
+    no_answer: str = "no answer"
+    finish: str = "Everything is as it should be: finish"
+    stop_question: str = "Stop here and leave the rest unanswered?"
+    stop_kept: str = "What has been answered so far is kept."
+    keys_begin: str = "enter begins · Ctrl+D: decline"
+    keys_scale: str = "{low} to {high}, or {left} {right} and enter · {up} back"
+    keys_scale_enter: str = "{low} to {high} and enter · {up} back"
+    keys_text: str = "enter goes on · {up} at the top: back"
+    keys_skip: str = "tab leaves it out"
+    keys_stop: str = "Ctrl+D: stop here"
+    keys_summary: str = "enter finishes · {up} choose one to change"
+    keys_decline: str = "{stop}: stop here · {go_on}: go on"
+    stop_key: str = "y"
+    go_on_key: str = "n"
+    press_again: str = "If that was meant, please press it again."
+    open_item: str = "This one has no answer yet."
+    answer_first: str = "Please answer first."
+    answer_or_skip: str = "Please answer first; tab leaves it out."
+    number: str = "A number from {low} to {high}, please."
+    number_or_skip: str = "A number from {low} to {high}, or tab leaves it out."
+    wants_answer: str = "This one wants an answer; Ctrl+D if you would rather stop here."
+    too_long: str = "An answer may have {most} characters at most."
+    refused: str = "This answer was not taken. Please try again."
+
+
+#: What every word says by itself.
+ENGLISH = QuestionnaireWords()
+
+
 class StudySettings(msgspec.Struct, frozen=True):
     """What the file says of the study, and how it stands at this moment.
 
     `blind`: condition -> label; for whoever is blind to the condition, label -> label.
     `by_condition`: variable -> condition -> text. The last six are as of this moment: `assigned`
     is the participant's order of conditions, `trial` the number of the next one or of that which
-    is `running`, `due` names questionnaires.
+    is `running`, `due` names questionnaires. `words`: what participants read of the console.
     """
 
     design: DesignView | None = None
@@ -128,6 +172,7 @@ class StudySettings(msgspec.Struct, frozen=True):
     running: bool = False
     on_break: bool = False
     due: list[str] = []
+    words: QuestionnaireWords = ENGLISH
 
 
 class ReplayedLog(msgspec.Struct, frozen=True):

@@ -20,6 +20,7 @@ from woz_tui.experiment.by_condition import read_variables
 from woz_tui.experiment.calls import Vocabulary
 from woz_tui.experiment.effects import EngagementReader
 from woz_tui.experiment.engagement_check import check_engagement
+from woz_tui.experiment.languages import Language
 from woz_tui.experiment.layouts import LAYOUTS
 from woz_tui.experiment.nodes import Table
 from woz_tui.experiment.phases import read_phases
@@ -46,7 +47,8 @@ from woz_tui.experiment.verbs import ENGAGEMENT, SESSION, engagement_verbs, sess
 #: Everything that an experiment file may say at its top level.
 TOP_LEVEL = (
     *("title", "robot", "robots", "participants", "conditions", "variables", "keyboard"),
-    *("session", "steps", "panels", "script", "phases", "profiles", "engagement", *SECTIONS),
+    *("language", "session", "steps", "panels", "script", "phases", "profiles", "engagement"),
+    *SECTIONS,
 )
 
 
@@ -93,6 +95,8 @@ class _Decoder:
         section = table.get("engagement")
         filled = (*template.BUILT_IN, *((template.VISITOR,) if section is not None else ()))
         variables = read_variables(table.get("variables"), filled, conditions)
+        language = Language(table.get("language"), self._path.absolute().parent, self._sources)
+        words = language.questionnaire()
         keyboard = table.get("keyboard")
         layout = (keyboard and read_word(keyboard, LAYOUTS)) or "us"
         panels_spot = missing(table, "panels", root)
@@ -129,6 +133,8 @@ class _Decoder:
             variables=variables.always,
             by_condition=variables.by_condition,
             keyboard=layout,
+            language=language.code,
+            words=words,
             session=read_section(table.get("session"), SessionSettings) or SessionSettings(),
             steps=read_section(table.get("steps"), Steps) or Steps(),
             profiles=read_profiles(table.get("profiles"), known),

@@ -23,6 +23,7 @@ from woz_tui.experiment.actions import WHEN_BUSY
 from woz_tui.experiment.by_condition import ANY
 from woz_tui.experiment.effects import ENTERED, ON_ENTER
 from woz_tui.experiment.engagement import EngagementSettings
+from woz_tui.experiment.languages import DEFAULT
 from woz_tui.experiment.layouts import LAYOUTS
 from woz_tui.experiment.profiles import FIELDS as PROFILE_FIELDS
 from woz_tui.experiment.robot import SIMULATED
@@ -322,6 +323,11 @@ def experiment_schema(
                     "description": "values for {name} in utterances; a mapping: by condition",
                     "propertyNames": {"pattern": "^[A-Za-z_][A-Za-z0-9_]*$"},
                     "additionalProperties": {"oneOf": [TEXT, BY_CONDITION]},
+                },
+                "language": {
+                    **TEXT,
+                    "description": "in which the console speaks to participants",
+                    "default": DEFAULT,
                 },
                 "keyboard": {"enum": list(LAYOUTS), "description": "the wizard's keyboard"},
                 "session": {

@@ -14,6 +14,7 @@ from typing import Annotated, Any
 from woz_tui.core.driver import Verb
 from woz_tui.core.fields import Doc, Range, Seconds
 from woz_tui.core.messages import Json
+from woz_tui.core.settings import QuestionnaireWords
 from woz_tui.experiment.engagement import EngagementSettings
 from woz_tui.experiment.study import Study
 
@@ -277,6 +278,9 @@ class Experiment:
     by_condition: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     #: Keyboard layout: us, gb, de, es, fr ...
     keyboard: str = "us"
+    #: In which the console speaks to participants, and its words.
+    language: str = "en"
+    words: QuestionnaireWords = field(default_factory=QuestionnaireWords)
     session: SessionSettings = field(default_factory=SessionSettings)
     #: Of the arrow keys.
     steps: Steps = field(default_factory=Steps)

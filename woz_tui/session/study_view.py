@@ -21,6 +21,7 @@ def study_settings(experiment: Experiment) -> s.StudySettings:
         preflight=[*map(s.Check, study.preflight)],
         perception=s.Restricted([*study.perception.hide], [*study.perception.blur]),
         shaping=s.ShapingView(shaping.floor, shaping.jitter, [*shaping.cues]) if shaping else None,
+        words=experiment.words,
         by_condition={name: dict(texts) for name, texts in experiment.by_condition.items()},
     )
 

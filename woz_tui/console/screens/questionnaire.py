@@ -9,16 +9,20 @@ from textual.widget import Widget
 
 from woz_tui.console.screens.dialog import Dialog
 from woz_tui.console.screens.trial import offer_due
-from woz_tui.console.study.sheet import Sheet
-
-#: The hint beneath the keys.
-LEAVE = "wizard: ctrl+q closes this; it goes on where it was"
+from woz_tui.console.study.sheet import Sheet, thanks
 
 
 class QuestionnaireDialog(Dialog):
-    """Takes the whole screen. Closed in the middle it goes on where it was when it is opened."""
+    """Takes the whole screen, and shows nothing of a wizard: a participant may read it. So it
+    stays when all is answered, with thanks. ctrl+q closes it, as every dialog; opened in the middle
+    it goes on where it was.
+    """
 
     heading = "Questionnaire"
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._shown = self._over = False
 
     def compose(self) -> ComposeResult:
         """Nothing but the questionnaire."""
@@ -27,22 +31,27 @@ class QuestionnaireDialog(Dialog):
     def body(self) -> Iterable[Widget]:
         """The sheet."""
         app = self.console_app
-        yield Sheet(self.desk.ask, app.clock.now_us, self.glyphs, LEAVE)
+        yield Sheet(self.desk.ask, app.clock.now_us, self.glyphs)
 
     def on_mount(self) -> None:
         """Begin where the questionnaire stands."""
         self.refreshed()
 
     def refreshed(self) -> None:
-        """Follow what is asked; when it is over, so is this."""
+        """Follow what is asked."""
         asked, lost = self.picture.study.asked, bool(self.picture.lost)
         for sheet in self.query(Sheet):
-            if asked is None and not lost and self.picture.welcomed:
-                self.call_later(self._over)
-            elif asked is not None:
-                sheet.follow(asked)
+            words = self.picture.settings.study.words
+            self._over = asked is None and not lost and self.picture.welcomed
+            if asked is not None:
+                self._shown = True
+                sheet.follow(asked, words=words)
+            elif self._over and self._shown:
+                sheet.follow(None, thanks(words), words=words)
+            elif self._over:
+                self.call_later(self.leave)
 
-    def _over(self) -> None:
+    def closing(self) -> None:
         """What is to be asked behind it is offered."""
-        self.leave()
-        offer_due(self.console_app)
+        if self._over:
+            self.app.call_later(offer_due, self.console_app)

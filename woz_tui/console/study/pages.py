@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 
-from rich.cells import cell_len
+from rich.cells import cell_len, chop_cells
 
 from woz_tui.console.cells import Piece, Row, clean, cut, fit
 from woz_tui.console.glyphs import Frame, Glyphs
@@ -46,8 +46,8 @@ def question_height(taken: Round, width: int, glyphs: Glyphs) -> int:
     return len(_head(taken, frame)) + 1 + len(_item(taken, frame))
 
 
-def foot_rows(taken: Round, frame: Frame, leave: str = "", notice: str = "") -> list[Row]:
-    """What is wrong, the keys, and how whoever may do so leaves it, or a `notice` in its place."""
+def foot_rows(taken: Round, frame: Frame, notice: str = "") -> list[Row]:
+    """What is wrong, the keys, and a `notice`."""
     if frame.width < NARROWEST:
         return []
     width = column_of(frame.width)
@@ -55,11 +55,10 @@ def foot_rows(taken: Round, frame: Frame, leave: str = "", notice: str = "") -> 
     glyphs = frame.glyphs
     complaint: Row = ((f"{glyphs.warning} {taken.complaint}", "warn"),) if taken.complaint else ()
     keys = glyphs.plain(_keys(taken, glyphs))
-    last: Piece = (notice, "strong") if notice else (leave, "faint")
     return [
         cut((left, *complaint), frame.width, glyphs.ellipsis),
         cut((left, (keys, "muted")), frame.width, glyphs.ellipsis),
-        cut((left, last), frame.width, glyphs.ellipsis),
+        cut((left, (notice, "strong")), frame.width, glyphs.ellipsis),
     ]
 
 
@@ -80,7 +79,7 @@ def _head(taken: Round, frame: Frame) -> list[Row]:
     """Title, and how far it is."""
     asked, count = taken.asked, len(taken.asked.items)
     done = min(taken.position + (taken.page is Page.ITEM), count)
-    told = f"{done} of {count}" if taken.page is Page.ITEM else ""
+    told = taken.words.position.format(number=done, count=count) if taken.page is Page.ITEM else ""
     title = clean(asked.questionnaire.heading)
     title = fit(title, frame.width - cell_len(told) - 1, frame.glyphs.ellipsis)
     full = round(frame.width * asked.answered / count) if count else 0
@@ -94,7 +93,9 @@ def _introduction(taken: Round, frame: Frame) -> list[Row]:
     told = taken.asked.questionnaire.introduction
     rows: list[Row] = [((line, "plain"),) for line in _wrapped(told, frame.width)]
     count = len(taken.asked.items)
-    return [*rows, (), ((f"{count} question{'' if count == 1 else 's'}.", "muted"),)]
+    words = taken.words
+    many = words.questions_one if count == 1 else words.questions.format(count=count)
+    return [*rows, (), ((many, "muted"),)]
 
 
 def _wrapped(text: str, width: int) -> list[str]:
@@ -103,6 +104,8 @@ def _wrapped(text: str, width: int) -> list[str]:
 
 
 def _folded(line: str, width: int) -> list[str]:
+    if cell_len(line) > len(line):  # of wide signs, between which there are no blanks
+        return chop_cells(line, width) or [""]
     return textwrap.wrap(line, width) or [""]
 
 
@@ -112,7 +115,7 @@ def _item(taken: Round, frame: Frame) -> list[Row]:
         return []
     rows: list[Row] = [((line, "strong"),) for line in _wrapped(item.question, frame.width)]
     if item.optional:
-        rows.append((("may be left out", "muted"),))
+        rows.append(((taken.words.optional, "muted"),))
     rows += [(), ()] if frame.height >= _AIRY else [()]
     if item.text:
         return rows
@@ -170,12 +173,12 @@ def _ends(item: Item, width: int, frame: Frame) -> list[Row]:
 
 def _summary(taken: Round, frame: Frame) -> list[Row]:
     """All answers, the chosen line marked; beneath them the way to finish."""
-    glyphs = frame.glyphs
+    glyphs, words = frame.glyphs, taken.words
     rows: list[Row] = []
     for number, item in enumerate(taken.asked.items):
         here = number == taken.chosen
         answer = taken.asked.answers.get(item.name)
-        said = answer.words() if answer is not None else "no answer"
+        said = answer.shown(words.left_out) if answer is not None else words.no_answer
         said = fit(said, min(cell_len(clean(said)), frame.width // 3), glyphs.ellipsis)
         question = fit(item.question, frame.width - cell_len(said) - 4, glyphs.ellipsis)
         look = "strong" if here else "plain"
@@ -185,15 +188,15 @@ def _summary(taken: Round, frame: Frame) -> list[Row]:
     room = max(1, frame.height - 6)
     first = max(0, min(len(rows) - room, taken.chosen - room // 2))
     here = taken.chosen >= len(taken.asked.items)
-    finish = f"{glyphs.here if here else ' '} Everything is as it should be: finish"
+    finish = f"{glyphs.here if here else ' '} {words.finish}"
     return [*rows[first : first + room], (), ((finish, "strong" if here else "plain"),)]
 
 
 def _decline(taken: Round, frame: Frame) -> list[Row]:
     return [
-        (("Stop here and leave the rest unanswered?", "strong"),),
+        ((taken.words.stop_question, "strong"),),
         (),
-        (("What has been answered so far is kept.", "plain"),),
+        ((taken.words.stop_kept, "plain"),),
     ]
 
 
@@ -207,20 +210,21 @@ _BODIES = {
 
 def _keys(taken: Round, glyphs: Glyphs) -> str:
     """What the keys do on this page."""
-    item = taken.item
+    item, words = taken.item, taken.words
     match taken.page:
         case Page.INTRODUCTION:
-            return "enter begins · ctrl+d: rather not"
+            return words.keys_begin
         case Page.DECLINE:
-            return "y: stop here · n: go on"
+            return words.keys_decline.format(stop=words.stop_key, go_on=words.go_on_key)
         case Page.SUMMARY:
-            return f"enter finishes · {glyphs.up} choose one to change"
-        case _ if item is not None and item.text:
-            keys = f"enter goes on · {glyphs.up} at the top: back"
-        case _ if item is not None:
-            arrows = f", or {glyphs.left} {glyphs.right} and enter" if item.digits else " and enter"
-            keys = f"{item.low} to {item.high}{arrows} · {glyphs.up} back"
-        case _:
-            keys = ""
-    leave = " · tab leaves it out" if item is not None and item.optional else ""
-    return f"{keys}{leave} · ctrl+d: stop here"
+            return words.keys_summary.format(up=glyphs.up)
+    if item is None:
+        return words.keys_stop
+    keys = words.keys_scale if item.digits else words.keys_scale_enter
+    if item.text:
+        keys = words.keys_text
+    filled = keys.format(
+        low=item.low, high=item.high, left=glyphs.left, right=glyphs.right, up=glyphs.up
+    )
+    skips = [words.keys_skip] if item.optional else []
+    return " · ".join([filled, *skips, words.keys_stop])

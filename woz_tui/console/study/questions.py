@@ -19,10 +19,10 @@ class Answer:
     text: str = ""
     skipped: bool = False
 
-    def words(self) -> str:
-        """It in a few words."""
+    def shown(self, left_out: str) -> str:
+        """It in a few words; `left_out` stands for none."""
         if self.skipped:
-            return "left out"
+            return left_out
         return self.text if self.value is None else str(self.value)
 
 

@@ -12,14 +12,13 @@ from collections.abc import Callable
 from woz_tui.console.keyboard import HELD_US
 from woz_tui.console.study.questions import Answer, Asked
 from woz_tui.core.requests import AskAnswer, AskQuestionnaire
-from woz_tui.core.settings import Item
+from woz_tui.core.settings import ENGLISH, Item, QuestionnaireWords
+from woz_tui.session.questioning import LONGEST
 
 #: Steps of the page keys on a wide scale.
 _LEAP = 10
 #: Keys that answer or go on wherever they are taken; digits do on some items.
 _ANSWERING = frozenset({"enter", "tab"})
-#: Told when a key comes again so soon that it may be held.
-QUICK = "If that was meant, please press it again."
 #: Points from which a scale is drawn as a line instead of boxes.
 WIDE = 12
 #: Microseconds after an answer by digit in which digits and enter do nothing, and begin it anew:
@@ -44,6 +43,7 @@ class Round:
         asked: The questionnaire and the answers so far; answers are put into it.
         send: Where answers go.
         now_us: A clock that goes on evenly, in microseconds: how long an answer took.
+        words: The console's own words to the participant.
     """
 
     def __init__(
@@ -51,8 +51,9 @@ class Round:
         asked: Asked,
         send: Callable[[AskAnswer | AskQuestionnaire], None],
         now_us: Callable[[], int],
+        words: QuestionnaireWords = ENGLISH,
     ) -> None:
-        self.asked = asked
+        self.asked, self.words = asked, words
         self._send, self._now_us = send, now_us
         #: The item shown; behind the last one is the summary.
         self.position = 0
@@ -153,10 +154,10 @@ class Round:
 
     def _tell_quick(self, pause: int) -> None:
         """Who presses a key again soon has to know why it does nothing; who holds it need not."""
-        if pause < SETTLING_US and self.complaint == QUICK:
+        if pause < SETTLING_US and self.complaint == self.words.press_again:
             self.complaint = ""
         elif pause >= SETTLING_US and not self.complaint:
-            self.complaint = QUICK
+            self.complaint = self.words.press_again
 
     def _begin(self, key: str) -> bool:
         if key not in ("enter", "down", "right", "space"):
@@ -165,10 +166,10 @@ class Round:
         return True
 
     def _decline(self, key: str) -> bool:
-        if key in ("y", "enter"):
+        if key in (self.words.stop_key, "enter"):
             self._send(AskQuestionnaire(questionnaire=self.asked.name, what="declined"))
             return True
-        if key in ("n", "backspace", "up", "left"):
+        if key in (self.words.go_on_key, "backspace", "up", "left"):
             self._show(self.position)
             return True
         return False
@@ -192,7 +193,7 @@ class Round:
         open_item = self.asked.first_open()
         if open_item < len(self.asked.items):
             self._show(open_item)
-            self.complaint = "This one has no answer yet."
+            self.complaint = self.words.open_item
         else:
             self._send(AskQuestionnaire(questionnaire=self.asked.name, what="done"))
 
@@ -218,11 +219,8 @@ class Round:
         if item.name in self.asked.answers:
             self._on()
         else:
-            self.complaint = (
-                "Please answer first; tab leaves it out."
-                if item.optional
-                else ("Please answer first.")
-            )
+            words = self.words
+            self.complaint = words.answer_or_skip if item.optional else words.answer_first
 
     def _scale(self, item: Item, key: str) -> bool:
         step = {"left": -1, "right": 1, "pagedown": -_LEAP, "pageup": _LEAP}.get(key)
@@ -258,7 +256,7 @@ class Round:
         fits = any(_begins(value, typed) for value in range(item.low, item.high + 1))
         if not fits:
             self._set_typed(item, "")
-            self.complaint = f"A number from {item.low} to {item.high}, please."
+            self.complaint = self.words.number.format(low=item.low, high=item.high)
         elif item.digits:
             self._take(item, Answer(int(typed)))
             self._last, self._settled_us = digit, self._now_us() + SETTLING_US
@@ -275,21 +273,23 @@ class Round:
         if self.mark is not None:
             self._take(item, Answer(self.mark))
         else:
-            leave = ", or tab leaves it out." if item.optional else ", please."
-            self.complaint = f"A number from {item.low} to {item.high}{leave}"
+            words = self.words.number_or_skip if item.optional else self.words.number
+            self.complaint = words.format(low=item.low, high=item.high)
 
     def _skip(self, item: Item) -> None:
         if item.optional:
             self._take(item, Answer(skipped=True))
         else:
-            self.complaint = "This one wants an answer; ctrl+d if you would rather stop here."
+            self.complaint = self.words.wants_answer
 
     def write(self, text: str) -> None:
         """The text field was confirmed with enter."""
         item = self.item
         if item is None or not item.text:
             return
-        if text.strip():
+        if len(text.strip()) > LONGEST:
+            self.complaint = self.words.too_long.format(most=LONGEST)
+        elif text.strip():
             self._take(item, Answer(text=text.strip()))
         else:
             self._skip(item)

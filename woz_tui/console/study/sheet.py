@@ -24,6 +24,7 @@ from woz_tui.console.study.pages import (
 from woz_tui.console.study.questions import Asked
 from woz_tui.console.study.round import Page, Round
 from woz_tui.core.requests import AskAnswer, AskQuestionnaire, Reply
+from woz_tui.core.settings import ENGLISH, QuestionnaireWords
 
 #: Sends a request; the reply comes later, in the screen's thread.
 Ask = Callable[[AskAnswer | AskQuestionnaire, Callable[[Reply], None]], None]
@@ -35,6 +36,11 @@ Words = list[tuple[str, str]]
 _FIELD, _FIELD_LEAST = 8, 3
 #: Lines of the keys at the bottom.
 _FOOT = 3
+
+
+def thanks(words: QuestionnaireWords) -> Words:
+    """What stands there once it has been answered."""
+    return [(words.thanks, "strong"), ("", "plain"), (words.wait, "muted")]
 
 
 class Written(TextArea):
@@ -87,21 +93,18 @@ class Sheet(Vertical):
         ask: Sends a request.
         now_us: A clock that goes on evenly, in microseconds.
         glyphs: The terminal's signs.
-        leave: How the wizard leaves it; empty on a participant's terminal.
     """
 
     can_focus = True
 
-    def __init__(
-        self, ask: Ask, now_us: Callable[[], int], glyphs: Glyphs, leave: str = ""
-    ) -> None:
+    def __init__(self, ask: Ask, now_us: Callable[[], int], glyphs: Glyphs) -> None:
         super().__init__(id="sheet")
         self._ask = ask
         self._now_us = now_us
         self._glyphs = glyphs
-        self._leave = leave
         self._taken: Round | None = None
-        self._words: Words = []
+        self._lines: Words = []
+        self._words = ENGLISH
         self._written_for = ""
         self._field_height = _FIELD
         self._kept: Round | None = None
@@ -134,27 +137,31 @@ class Sheet(Vertical):
     def follow(
         self,
         asked: Asked | None,
-        words: Words | None = None,
+        lines: Words | None = None,
         *,
+        words: QuestionnaireWords = ENGLISH,
         away: bool = False,
         notice: str = "",
     ) -> None:
-        """Show what is asked at this moment, with a `notice` at the bottom, or else some words.
+        """Show what is asked at this moment, with a `notice` at the bottom, or else some lines.
 
+        `words` are the console's own.
         `away`: nobody knows what is asked, as the line is lost. What has not been confirmed is
         kept until it is back.
         """
         taken = self._kept if self._away else self._taken
         if away and not self._away:
             self._kept = taken
-        self._words, self._away, self._notice = words or [], away, notice
+        self._lines, self._words, self._away, self._notice = lines or [], words, away, notice
         if asked is None or away:
             self._taken = None
         elif taken is None or taken.asked.name != asked.name:
-            self._taken = Round(asked, self._send, self._now_us)
+            self._taken = Round(asked, self._send, self._now_us, words)
         elif taken.asked is not asked:
             self._taken = taken
             taken.go_on(asked)
+        if self._taken is not None:
+            self._taken.words = words
         self.draw()
 
     def _send(self, request: AskAnswer | AskQuestionnaire) -> None:
@@ -167,9 +174,9 @@ class Sheet(Vertical):
         if isinstance(request, AskAnswer) and reply.ok:
             taken.confirmed(request)
         elif isinstance(request, AskAnswer) and reply.reason != GONE:
-            taken.refused(request, f"{reply.reason} {reply.hint}".strip())
+            taken.refused(request, self._words.refused)
         elif not reply.ok:
-            taken.complaint = f"{reply.reason} {reply.hint}".strip()
+            taken.complaint = self._words.refused
         self.draw()
 
     # -- keys -----------------------------------------------------------------------------------
@@ -219,11 +226,11 @@ class Sheet(Vertical):
         self._show_field(taken)
         frame = self._frame(page)
         if taken is None:
-            page.show(words_rows(self._words, frame))
+            page.show(words_rows(self._lines, frame))
             foot.show([])
         else:
             page.show(page_rows(taken, frame))
-            foot.show(foot_rows(taken, self._frame(foot), self._leave, self._notice))
+            foot.show(foot_rows(taken, self._frame(foot), self._notice))
 
     def _frame(self, cells: Cells) -> Frame:
         return Frame(cells.size.width, cells.size.height, 0, self._glyphs)

@@ -96,11 +96,21 @@ EXAMPLES: dict[str, Any] = {
     "engagement.visitors": "visitors.json",
     **{f"engagement.on_enter.{state}": {"eyes": "green"} for state in ENTERED},
     "profiles.verbs": ["say"],
+    "phases": [{"name": "opening", "script": ["Hello", "Consent"]}],
+    "phases.name": "opening",
+    "phases.title": "Opening",
+    "phases.panels": ["Speech"],
+    "phases.script": ["Hello", "Consent"],
+    "phases.on_enter": "Look up",
+    "phases.after": "opening",
+    "phases.duration": "5 min",
+    "phases.locks": True,
 }
 #: What sections within `engagement` are about.
 MEANINGS = {
     **{f"engagement.{sign}": "this sign's own sensor and filter" for sign in SIGNS},
     "engagement.joint": "the filter `joint`",
+    "phases.name": "what `after` and the log call it",
     "engagement.sound": "what counts as speech",
     "engagement.timeouts": "how long a state may last",
     "engagement.handshake": "how somebody without a name is asked for it",

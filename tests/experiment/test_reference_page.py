@@ -8,7 +8,7 @@ from docs.experiment_reference import PAGE, page
 from woz_tui.experiment.decode import TOP_LEVEL
 
 ROWS = [
-    line.strip("| ").split(" | ")
+    line[2:-2].split(" | ")
     for line in page().splitlines()
     if line.startswith("| `") and line.count(" | ") == 4
 ]

@@ -79,6 +79,8 @@ EXAMPLES: dict[str, Any] = {
     "actions.locked": True,
     "actions.name": "Hello again",
     "actions.when_busy": "replace",
+    "answers.engagement": ["say", "Gestures"],
+    "answers.marker": "play",
     "design.block": 4,
     "design.seed": 7,
     "design.within": False,

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from msgspec.structs import replace
+
 from tests.analysis.told import SECOND, Told, figures_of, in_time, seconds
+from tests.core.examples import messages as examples
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.gather import Options
 from woz_tui.core import messages as m
+from woz_tui.core.views import ActionView, PanelView
 
 
 def told(it: Told, options: Options | None = None) -> SessionFigures:
@@ -34,6 +38,39 @@ def test_an_act_that_is_refused_is_a_reaction_all_the_same() -> None:
 def test_the_robot_by_itself_answers_nothing() -> None:
     it = Told().speech(1, 3).act(4, source="engagement").end(20)
     assert fates(told(it)) == [("speech", "missed", None)]
+
+
+def said_by_the_file(answers: dict[str, list[str]]) -> m.SessionPlan:
+    plan = next(each for each in examples() if isinstance(each, m.SessionPlan))
+    study = replace(plan.settings.study, answers=answers)
+    return replace(plan, settings=replace(plan.settings, study=study))
+
+
+def test_a_nod_answers_nothing_unless_the_file_says_so() -> None:
+    def course(answers: dict[str, list[str]]) -> list[tuple[str, str, float | None]]:
+        it = Told().add(0, said_by_the_file(answers)).add(2, m.Marker(text="go", source="key"))
+        it.speech(2, 3).act(4, "Nod", "Gestures", verb="play").act(6)
+        return sorted(fates(told(it.end(20))))
+
+    speech = [("marker", "answered", 4.0), ("speech", "answered", 3.0)]
+    assert course({}) == speech, "the default, as in older logs"
+    assert course({"speech": ["play"]}) == [speech[0], ("speech", "answered", 1.0)]
+    assert course({"marker": ["Gestures"]}) == [("marker", "answered", 2.0), speech[1]]
+
+
+def test_a_typed_sentence_answers_and_a_turn_of_the_head_does_not() -> None:
+    it = Told().speech(1, 3)
+    for at, verb in ((4, "gaze"), (5, "say")):
+        it.add(at, m.Command(command=verb, verb=verb, args={}, driver="robot", source="key"))
+    assert fates(told(it.end(20))) == [("speech", "answered", 2.0)]
+
+
+def test_an_act_that_was_refused_is_judged_by_what_it_would_have_done() -> None:
+    plan = said_by_the_file({})
+    nod = ActionView(name="Nod", label="Nod", verbs=["play"])
+    plan = replace(plan, panels=[PanelView(title="Body", actions=[nod])])
+    it = Told().add(0, plan).speech(1, 3).act(4, "Nod", "Body", end="refused")
+    assert fates(told(it.end(20))) == [("speech", "missed", None)]
 
 
 def test_at_the_end_of_the_window_an_answer_still_counts() -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.experiment.catalogue import CATALOGUE
-from tests.experiment.reading import HEAD, HELLO, SEEING, panel, read
+from tests.experiment.reading import HEAD, HELLO, SEEING, errors, panel, read
 from woz_tui.experiment.decode import load
 from woz_tui.experiment.shape import Experiment
 from woz_tui.experiment.study import (
@@ -173,3 +173,21 @@ def test_speech_as_a_cue_wants_somebody_who_hears(tmp_path: Path) -> None:
     deaf = warnings(tmp_path, "shaping: {floor: 1}", head=SEEING % "presence")
     assert deaf == ["shaping: speech never comes: no driver hears when somebody has spoken"]
     assert warnings(tmp_path, "shaping: {floor: 1}", head=SEEING % "speech") == []
+
+
+def test_what_answers_a_cue_is_verbs_and_panels(tmp_path: Path) -> None:
+    def answers(section: str) -> object:
+        return read(tmp_path, panel(HELLO, head=f"{HEAD}answers: {section}\n")).study.answers
+
+    some = {"speech": ("say",), "marker": ("emotion", "P")}
+    assert answers("{speech: say, marker: [emotion, P]}") == some
+    assert answers("[say, P]") == dict.fromkeys(("speech", "engagement", "marker"), ("say", "P"))
+
+
+def test_what_cannot_answer_is_named_with_its_place(tmp_path: Path) -> None:
+    found = errors(tmp_path, panel(HELLO, head=f"{HEAD}answers: {{speach: say, marker: [sya]}}\n"))
+    assert [each.split(": ", 1)[1].split(";")[0] for each in found] == [
+        "answers.speach: unknown",
+        "answers.marker[0]: 'sya' is neither a verb nor a panel",
+    ]
+    assert "say" in found[1]

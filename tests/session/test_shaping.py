@@ -17,7 +17,7 @@ from woz_tui.core import messages as m
 from woz_tui.core.driver import Ask, Verb
 from woz_tui.core.hub import Hub
 from woz_tui.session.runner import Origin
-from woz_tui.session.shaping import Shaper, answers
+from woz_tui.session.shaping import Shaper, may_wait
 
 KEY = Origin("key", "h")
 SECOND = 1_000_000
@@ -160,8 +160,8 @@ def test_a_cue_of_before_counts_no_more_when_the_settings_change(play: Play) -> 
 
 @pytest.mark.parametrize("how", [{"stream": True}, {"brief": True}, {"drives": True}])
 def test_what_streams_is_brief_or_drives_is_no_answer(how: dict[str, bool]) -> None:
-    assert answers(Verb("look", ""))
-    assert not answers(Verb("look", "", **how))  # type: ignore[arg-type]
+    assert may_wait(Verb("look", ""))
+    assert not may_wait(Verb("look", "", **how))  # type: ignore[arg-type]
 
 
 def test_waiting_for_the_moment_is_no_waiting_for_the_robot(play: Play) -> None:

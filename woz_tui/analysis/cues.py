@@ -15,6 +15,7 @@ from woz_tui.analysis.figures import Training
 from woz_tui.analysis.rows import PREFLIGHT, Cue, moments, placed
 from woz_tui.analysis.series import Series
 from woz_tui.core import messages as m
+from woz_tui.sensing.stream import SPEECH
 from woz_tui.timeline import episodes as e
 from woz_tui.timeline.context import Context
 from woz_tui.timeline.timeline import Timeline
@@ -40,6 +41,34 @@ _REACTED = (e.Outcome.RIGHT, e.Outcome.WRONG)
 Placed = tuple[Context, Cue]
 
 
+class _Answers:
+    """Which acts answer which cues: as the experiment file says (`answers`), else speech."""
+
+    def __init__(self, timeline: Timeline) -> None:
+        self._said = timeline.state.study.settings.answers
+        #: What was sent, by the command's id, and what was to be sent, by the action's name.
+        self._sent = {each.request.command: each.label for each in timeline.of(e.Command)}
+        self._planned = {
+            action.name: action.verbs
+            for _, plan in moments(timeline, m.SessionPlan)
+            for panel in plan.panels
+            for action in panel.actions
+        }
+
+    def by(self, act: Act, cue_type: str) -> bool:
+        """Whether this act is an answer to such a cue. One of which nothing is known is one: an
+        action that was refused in a log that does not say what it would have done.
+        """
+        wanted = frozenset(self._said.get(cue_type, SPEECH))
+        if act.request.panel in wanted:
+            return True
+        if isinstance(act, e.Command):
+            return act.label in wanted
+        verbs = [self._sent[command] for command in act.commands if command in self._sent]
+        verbs += self._planned.get(act.label, ())
+        return not verbs or not wanted.isdisjoint(verbs)
+
+
 @dataclass(slots=True)
 class _Open:
     cue_type: str
@@ -50,14 +79,15 @@ class _Open:
 
 
 class _Cues:
-    """Matches cues with acts, line by line. A cue is open until the next act, the end of the
-    window, or until it is superseded: by another one of its type, by the visitor going on to speak,
-    or by the engagement model leaving the state. One that is not a marker may be answered before
-    it comes.
+    """Matches cues with acts, line by line. A cue is open until the next act that answers it, the
+    end of the window, the end of the trial, or until it is superseded: by another one of its type,
+    by the visitor going on to speak, or by the engagement model leaving the state. One that is not
+    a marker may be answered before it comes.
     """
 
     def __init__(self, timeline: Timeline, window_us: int) -> None:
         self._at = timeline.contexts.at
+        self._answers = _Answers(timeline)
         self._window = window_us
         #: Where the present line is.
         self.t = self.seq = 0
@@ -67,10 +97,11 @@ class _Cues:
         self.found: list[Placed] = []
 
     def act(self, act: Act) -> None:
-        """The wizard does something: it answers what is open."""
+        """The wizard does something: it may answer what is open."""
         self._acts.append(act)
-        while self._open:
-            self._answer(self._open.pop(next(iter(self._open))), act)
+        for cue_type in [*self._open]:
+            if self._answers.by(act, cue_type):
+                self._answer(self._open.pop(cue_type), act)
 
     def border(self, _: object) -> None:
         """Another trial, condition or participant, or a break: what comes now answers nothing."""
@@ -111,23 +142,23 @@ class _Cues:
         if self._early is not None:
             others.append(self._early)
         cue.echo = any(abs(t - each.t) <= ECHO_US for each in others)
-        early = None if since is None else self._act(max(since, t - EARLY_US), t)
+        early = None if since is None else self._act(cue_type, max(since, t - EARLY_US), t)
         if early is not None:
             if not cue.echo:
                 self._early = cue
             self._close(cue, "answered_early", action=early.label, run=id_of(early))
-        elif (already := self._act(t + 1, self.t)) is not None:
+        elif (already := self._act(cue_type, t + 1, self.t)) is not None:
             self._answer(cue, already)
         else:
             self._open[cue_type] = cue
 
-    def _act(self, begin: int, end: int) -> Act | None:
-        """The first act in this time, both ends included."""
+    def _act(self, cue_type: str, begin: int, end: int) -> Act | None:
+        """The first act in this time, both ends included, that answers such a cue."""
         first = None
         for act in reversed(self._acts):
             if act.begin < begin:
                 break
-            if act.begin <= end:
+            if act.begin <= end and self._answers.by(act, cue_type):
                 first = act
         return first
 

@@ -45,6 +45,8 @@ def lines(experiment: Experiment) -> Iterator[tuple[str, str]]:
             "shaping",
             f"answers come no sooner than {span} after {' and '.join(study.shaping.cues)}",
         )
+    for cue, names in study.answers.items():
+        yield "answers", f"{cue}: {', '.join(names)}"
     if study.perception.hide:
         yield "hidden", ", ".join(study.perception.hide)
     if study.perception.blur:

@@ -165,6 +165,7 @@ class StudySettings(msgspec.Struct, frozen=True):
     preflight: list[Check] = []
     perception: Restricted = Restricted()
     shaping: ShapingView | None = None
+    answers: dict[str, list[str]] = {}
     by_condition: dict[str, dict[str, str]] = {}
     assigned: list[str] = []
     planned: int = 0

@@ -119,7 +119,8 @@ class _Decoder:
         actions = {draft.action.name: draft.action for draft in panels.drafts}
         reader = EngagementReader(vocabulary, steps, actions)
         engagement = reader.read(section) if section is not None else None
-        around = Around(conditions, actions, _published(robots), section is not None)
+        playable = {*known.verbs, *(panel.title for panel in read)} if known.complete else None
+        around = Around(conditions, actions, _published(robots), playable, section is not None)
         experiment = Experiment(
             title=(title and read_text(title)) or "",
             path=self._path.absolute(),

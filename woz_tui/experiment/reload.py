@@ -131,6 +131,8 @@ def _study(old: Study, new: Study) -> Iterable[str]:
         {each.name: each for each in new.questionnaires},
     )
     yield from _entries("preflight", dict.fromkeys(old.preflight), dict.fromkeys(new.preflight))
+    if old.answers != new.answers:
+        yield "answers changed"
     if old.training != new.training:
         yield "training changed"
 

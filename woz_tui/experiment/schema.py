@@ -29,7 +29,7 @@ from woz_tui.experiment.profiles import FIELDS as PROFILE_FIELDS
 from woz_tui.experiment.robot import SIMULATED
 from woz_tui.experiment.settings import fields_of, note, split
 from woz_tui.experiment.shape import Phase, SessionSettings, Steps
-from woz_tui.experiment.study import SORTS, Design, Perception, Shaping, Training
+from woz_tui.experiment.study import CUES, SORTS, Design, Perception, Shaping, Training
 from woz_tui.experiment.study_sections import CODE, WHENS
 from woz_tui.experiment.verbs import WAIT, engagement_verbs, session_verbs
 
@@ -156,6 +156,18 @@ def study_properties() -> Schema:
         "shaping": {
             **settings_schema(Shaping),
             "description": "how soon the robot may answer a cue",
+        },
+        "answers": {
+            "oneOf": [
+                mapping(
+                    {
+                        cue: {**_ONE_OR_MORE, "description": f"what answers the cue {cue}"}
+                        for cue in CUES
+                    }
+                ),
+                _ONE_OR_MORE,
+            ],
+            "description": "verbs or panels that answer a cue in the figures (default: say)",
         },
         "perception": {
             **settings_schema(Perception),

@@ -135,5 +135,8 @@ class Study:
     #: What a human has to see to before the first participant, in words.
     preflight: tuple[str, ...] = ()
     shaping: Shaping | None = None
+    #: Cue -> verbs and titles of panels that answer it, for the figures; others are answered by
+    #: speech.
+    answers: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     perception: Perception = field(default_factory=Perception)
     training: Training = field(default_factory=Training)

@@ -41,6 +41,7 @@ from woz_tui.experiment.spot import (
     read_word,
 )
 from woz_tui.experiment.study import (
+    CUES,
     SORTS,
     Design,
     Item,
@@ -292,7 +293,7 @@ def _labels(spot: Spot | None, conditions: Sequence[str], seed: int) -> dict[str
 
 
 #: The names of these sections.
-SECTIONS = ("design", "questionnaires", "preflight", "shaping", "perception", "training")
+SECTIONS = ("design", "questionnaires", "preflight", "shaping", "answers", "perception", "training")
 CUE_FIELDS = ("cue", "says", "answers", "window")
 #: How long an answer may take at most, in the section and in one cue.
 WINDOW = Seconds(0.5, 60)
@@ -300,11 +301,14 @@ WINDOW = Seconds(0.5, 60)
 
 @dataclass(frozen=True, slots=True)
 class Around:
-    """What the sections refer to. `sensors`: None where the robot files are not right."""
+    """What the sections refer to. `sensors` and `playable` (verbs and titles of panels): None where
+    the robot files are not right.
+    """
 
     conditions: Sequence[str]
     actions: Mapping[str, Action]
     sensors: Collection[str] | None
+    playable: Collection[str] | None
     engaged: bool
 
 
@@ -319,6 +323,7 @@ def read_study(table: Mapping[str, Spot], around: Around) -> Study:
         questionnaires=questionnaires,
         preflight=_preflight(table.get("preflight")),
         shaping=_shaping(table.get("shaping"), around),
+        answers=_answering(table.get("answers"), around.playable),
         perception=_perception(table.get("perception")),
         training=_training(table.get("training"), around.actions),
     )
@@ -358,6 +363,29 @@ def _shaping(spot: Spot | None, around: Around) -> Shaping | None:
     if "speech" in shaping.cues and around.sensors is not None and not _heard(around.sensors):
         cues.warning("speech never comes: no driver hears when somebody has spoken")
     return shaping
+
+
+def _answering(spot: Spot | None, playable: Collection[str] | None) -> dict[str, tuple[str, ...]]:
+    """What answers which cue; a list alone answers every one."""
+    if spot is None:
+        return {}
+    expected = "cues with verbs or panels that answer them, such as speech: [say]"
+    if not isinstance(spot.node, Table):
+        found = _playable(spot, playable)
+        return dict.fromkeys(CUES, found) if found else {}
+    entries = spot.fields(CUES, "a cue is", expected) or {}
+    return {cue: _playable(entry, playable) for cue, entry in entries.items() if cue in CUES}
+
+
+def _playable(spot: Spot, playable: Collection[str] | None) -> tuple[str, ...]:
+    given = [*one_or_more(spot, "a verb or a panel's title, or a list of them")]
+    if not given and isinstance(spot.node, Items):
+        spot.error("nothing stands here; leave it out, and speech answers")
+    for entry, name in given:
+        if playable is not None and name not in playable:
+            near = spot.report.hint(name, playable, or_list="there are")
+            entry.error(f"{quoted(name)} is neither a verb nor a panel{near}")
+    return tuple(name for _, name in given)
 
 
 def _heard(sensors: Collection[str]) -> bool:

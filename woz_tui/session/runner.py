@@ -17,7 +17,7 @@ from woz_tui.core.hub import Hub
 from woz_tui.experiment.shape import Action, Call
 from woz_tui.experiment.verbs import ENGAGEMENT, PERFORMERS, SESSION
 from woz_tui.sensing.stream import SPEECH
-from woz_tui.session.shaping import Shaper, answers
+from woz_tui.session.shaping import Shaper, may_wait
 from woz_tui.session.variables import MissingError
 
 #: Runs and commands that can still be labelled as mistakes.
@@ -203,7 +203,7 @@ class Runner:
             if call.driver not in (SESSION, ENGAGEMENT)
             and (known := self._verbs.get(call.driver, {}).get(call.verb)) is not None
         ]
-        if any(verb.drives for verb in verbs) or not any(map(answers, verbs)):
+        if any(verb.drives for verb in verbs) or not any(map(may_wait, verbs)):
             return False
         return self._shaper.hold(run, name, origin.source, begin)
 

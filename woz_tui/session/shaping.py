@@ -36,8 +36,8 @@ class Cue:
     until: int
 
 
-def answers(verb: Verb) -> bool:
-    """Whether doing this is an answer that may wait."""
+def may_wait(verb: Verb) -> bool:
+    """Whether what comes too soon after a cue may wait: whatever it is, it shows a hand."""
     return not (verb.stream or verb.drives or verb.brief)
 
 

@@ -22,6 +22,7 @@ def study_settings(experiment: Experiment) -> s.StudySettings:
         perception=s.Restricted([*study.perception.hide], [*study.perception.blur]),
         shaping=s.ShapingView(shaping.floor, shaping.jitter, [*shaping.cues]) if shaping else None,
         words=experiment.words,
+        answers={cue: [*names] for cue, names in study.answers.items()},
         by_condition={name: dict(texts) for name, texts in experiment.by_condition.items()},
     )
 

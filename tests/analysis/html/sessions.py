@@ -175,7 +175,7 @@ def ordinary(
     it.act(10 + shift, "Hello", "Speech", 2.5, say="Hello, I am the guide.")
     mistake = it.act(13 + shift, "Whale", "Speech", 4, say="The whale is 18 metres long.")
     it.act(14 + shift, "Nod", "Body", 1.5)
-    it.act(34 + shift, "Point", "Body", 3, end="failed")
+    it.act(34 + shift, "Point", "Body", 3, end="failed", say="Look there.")
     it.act(40 + shift, "Dance", "Body", 5, end="refused")
     it.act(80 + shift, "Bye", "Speech", 6, end="stopped", say="Good bye.")
     it.tell(20, m.Mistake(run=mistake, action="Whale", text="too early"))

@@ -14,6 +14,7 @@ SIZES = [(80, 24), (160, 50), (60, 20)]
 OPENERS = {
     "SayDialog": "slash",
     "FindDialog": "colon",
+    "PeekDialog": "apostrophe",
     "NoteDialog": "comma",
     "MistakeDialog": "ctrl+w",
     "FailuresDialog": "enter",
@@ -63,6 +64,8 @@ CHARACTERS = {
     "slash": "/",
     "colon": ":",
     "comma": ",",
+    "quotation_mark": '"',
+    "apostrophe": "'",
     "question_mark": "?",
     "semicolon": ";",
     "plus": "+",

@@ -121,7 +121,9 @@ async def test_find_an_action_by_a_few_letters_and_play_it() -> None:
 @pytest.mark.parametrize("size", [(80, 24), (160, 50)])
 async def test_each_find_takes_one_line(size: tuple[int, int]) -> None:
     first = scenes.welcome()
-    spoken = msgspec.structs.replace(first.panels[0].actions[0], help="and so on " * 20)
+    spoken = msgspec.structs.replace(
+        first.panels[0].actions[0], help="and so on " * 20, utterances=[]
+    )
     panel = msgspec.structs.replace(first.panels[0], actions=[spoken])
     first = msgspec.structs.replace(first, panels=[panel, *first.panels[1:]])
     async with sitting(first, size=size) as seat:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -148,7 +149,7 @@ YIELDING = {item.chord: item.id for item in BUILTIN if item.yields and not item.
 def test_which_of_the_consoles_keys_yield() -> None:
     assert YIELDING == {
         **{")": "phase_next", '"': "phases"},
-        **{"@": "robot", "%": "move", "_": "camera"},
+        **{"@": "robot", "%": "move", "_": "camera", "'": "peek"},
     }
     assert all(item.reserves for item in BUILTIN if item.yields)
 
@@ -170,7 +171,9 @@ def test_some_of_the_consoles_keys_yield_to_an_action(wanted: list[str]) -> None
 
 def test_an_experiment_with_such_a_key_is_right(tmp_path: Path) -> None:
     wanted = list(YIELDING)
-    actions = [f"{{key: '{key}', label: L{n}, say: Hello}}" for n, key in enumerate(wanted)]
+    actions = [
+        f"{{key: {json.dumps(key)}, label: L{n}, say: Hello}}" for n, key in enumerate(wanted)
+    ]
     assert errors(tmp_path, panel(*actions)) == []
     told = read(tmp_path, panel(*actions))
     assert told.warnings == ()

@@ -153,6 +153,7 @@ class LaneJob:
                 command=self.command,
                 driver=self._ticket.command.driver,
                 expected_us=round(seconds * 1_000_000),
+                tells=self._ticket.command.tells,
             )
         )
         self._extend(seconds)

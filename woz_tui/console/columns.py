@@ -11,6 +11,8 @@ from woz_tui.core.views import ActionView, PanelView
 
 #: Cells of a column: below, labels suffer; above, the eye has too far to go.
 NARROW, COMFORTABLE, BEST, WIDE = 18, 24, 32, 38
+#: From this width on there is room for what is said beside the labels: columns are wider then.
+ROOM_FOR_WORDS, BEST_WITH_WORDS, WIDE_WITH_WORDS = 100, 54, 74
 #: Cells between two columns.
 GUTTER = 1
 #: Cells of a slot beside key cap and label: a blank, the state's glyph, a blank.
@@ -55,10 +57,12 @@ def plan(panels: Sequence[PanelView], width: int, height: int, cap: int) -> Plan
     between the panels, then columns of a comfortable width.
     """
     height = max(3, height)
+    roomy = width >= ROOM_FOR_WORDS
+    best, widest = (BEST_WITH_WORDS, WIDE_WITH_WORDS) if roomy else (BEST, WIDE)
     most = max(1, (width + GUTTER) // (NARROW + GUTTER))
     candidates = []
     for columns in range(1, most + 1):
-        cells = min(WIDE, (width - GUTTER * (columns - 1)) // columns)
+        cells = min(widest, (width - GUTTER * (columns - 1)) // columns)
         for split in (False, True):
             for air in (1, 0):
                 flow = _flow(panels, columns, height, air, split)
@@ -69,12 +73,12 @@ def plan(panels: Sequence[PanelView], width: int, height: int, cap: int) -> Plan
                     if flow.used < columns:
                         continue
                 short = _cut_short(panels, cells - cap - FIXED)
-                far = abs(BEST - cells)
+                far = abs(best - cells)
                 cost = (flow.pages, short, flow.splits, -air, cells < COMFORTABLE, far)
                 found = Plan(tuple(flow.slots), flow.pages, columns, cells, short, flow.splits)
                 candidates.append((cost, found))
     if not candidates:  # no panels at all
-        return Plan((), 1, 1, min(WIDE, width), 0, 0)
+        return Plan((), 1, 1, min(widest, width), 0, 0)
     return min(candidates, key=lambda candidate: candidate[0])[1]
 
 

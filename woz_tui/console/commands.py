@@ -163,6 +163,7 @@ COMMANDS = (
         hint=Hint(4, "find"),
         users=WATCHER,
     ),
+    _row("peek", opens("screens.peek:PeekDialog"), found=False, users=EVERYBODY),
     _row("marker", sends=lambda press: AskMarker(), hint=Hint(7, "mark"), users=WATCHER),
     _row("note", opens("screens.note:NoteDialog"), hint=Hint(8, "note"), users=WATCHER),
     _row("mistake_last", sends=lambda press: AskMistake(), found=False, hint=Hint(9, "mistake")),

@@ -12,6 +12,7 @@ from woz_tui.console.figures import elapsed, left, seconds
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.sentences import Event
 from woz_tui.console.state import ConsoleState
+from woz_tui.session.variables import UNTOLD
 
 #: Rows the list may repaint at once, and a second in the long run. A flood of lines moves every row
 #: at every painting; nobody reads that, and it would fill a slow line to the terminal.
@@ -74,7 +75,11 @@ def event_row(event: Event, picture: ConsoleState, frame: Frame) -> Row:
     times = f"{event.times} times" if event.times > 1 else ""
     detail = glyphs.plain(clean(", ".join(filter(None, (times, event.detail)))))
     tone = look if event.mark in ("failed", "error", "refused", "warning", "stop") else "plain"
-    body: Row = ((text, tone), (f"  {detail}" if detail else "", "muted"))
+    said = glyphs.plain(clean(event.said)) if event.said != UNTOLD else ""
+    said = f" {glyphs.opening}{said}{glyphs.closing}" if said else ""
+    body: Row = ((text, tone), (said, "muted"), (f"  {detail}" if detail else "", "muted"))
+    if tone != "plain":  # why it went wrong comes before what it was
+        body = (body[0], body[2], body[1])
     return (*front, *cut(body, max(1, room), glyphs.ellipsis), back)
 
 
@@ -83,6 +88,7 @@ def _back(event: Event, picture: ConsoleState, frame: Frame) -> Piece:
         return (" mistake ", "warn")
     if event.took_us is not None:
         told = event.took_us >= BRIEF_US and event.mark not in ("refused", "failed")
+        told = told and not event.untimed
         return (f" {seconds(event.took_us)} " if told else " ", "muted")
     if event.mark == "running":
         return _under_way(event, picture, frame)

@@ -14,13 +14,17 @@ from woz_tui.console.columns import GUTTER, Plan, Slot, plan
 from woz_tui.console.figures import left
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.parts import Standing, State
+from woz_tui.console.sentence import quoted
 from woz_tui.console.state import ConsoleState
-from woz_tui.core.views import ActionView, PanelView
+from woz_tui.core.views import PanelView
 
 #: Key caps are at least and at most this wide, with a blank at each side.
 CAP_LEAST, CAP_MOST = 3, 8
 #: Lines that panels get at most on a roomy screen, where events stand beneath them.
 MOST = 32
+
+#: Cells of what is said, beside its label, at the least.
+SAID = 12
 
 _LOOK = {
     State.READY: "plain",
@@ -91,7 +95,10 @@ def _slot(picture: ConsoleState, slot: Slot, frame: Frame, board: Board, cap: in
     key = caption(board.caps.get(slot.action.name, Cap(slot.action.key)), frame.glyphs)
     keylook = "flash" if board.pressed == slot.action.name else "key" if key else "plain"
     word = "" if _said_above(picture, panel, standing.state) else _word(standing)
-    body = _body(slot.action, standing, (word, look), frame.width - cap - 1, frame.glyphs)
+    said = quoted(picture, slot.action.name, frame.glyphs)
+    room = frame.width - cap - 1
+    texts = clean(slot.action.label), said
+    body = _body(texts, standing, (word, look), room, frame.glyphs)
     return ((_centred(key, cap, frame.glyphs.ellipsis), keylook), (" ", "plain"), *body)
 
 
@@ -122,21 +129,26 @@ def _centred(text: str, width: int, ellipsis: str) -> str:
 
 
 def _body(
-    action: ActionView, standing: Standing, said: Piece, room: int, glyphs: Glyphs
+    texts: tuple[str, str], standing: Standing, how: Piece, room: int, glyphs: Glyphs
 ) -> tuple[Piece, ...]:
-    """Glyph, label and word; while it runs, the ground behind them is the time left."""
-    word, look = said
+    """Glyph, label, what is said where there is room, and word; while it runs, the ground behind
+    them is the time left.
+    """
+    (label, said), (word, look) = texts, how
     glyph = " " if standing.state is State.READY else str(getattr(glyphs, standing.state.value))
-    label = clean(action.label)
     spare = room - 2 - cell_len(label)
     timed = standing.state in (State.RUNNING, State.HELD)
     if timed:
         shown = f"{word} " if word else ""
     else:
         shown = f"{word} " if spare > cell_len(word) + 1 else ""
-    text = f"{glyph} {fit(label, room - 2 - cell_len(shown), glyphs.ellipsis)}{shown}"
+    left_over = room - 4 - cell_len(label) - cell_len(shown)
+    beside = f"  {fit(said, left_over, glyphs.ellipsis)}" if said and left_over >= SAID else ""
+    width = room - 2 - cell_len(shown) - cell_len(beside)
+    front = f"{glyph} {fit(label, width, glyphs.ellipsis)}"
     if not timed or standing.share is None:
-        return ((text, look),)
+        return ((front, look), (beside, "muted"), (shown, look))
+    text = f"{front}{beside}{shown}"
     filled = round((1 - standing.share) * room)
     front = set_cell_size(text, filled)
     return ((front, "fill"), (set_cell_size(text[len(front) :], room - filled), look))

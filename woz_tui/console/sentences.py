@@ -104,6 +104,10 @@ class Event:
     stepping: bool = False
     #: The sensor whose line it is.
     sensor: str = ""
+    #: What an action has said so far.
+    said: str = ""
+    #: Whether how long it took is kept from the wizard.
+    untimed: bool = False
 
     def again(self, other: Event) -> bool:
         """Take in the same step made once more, so that a held or repeated key is one line."""
@@ -116,6 +120,11 @@ class Event:
         self.detail = other.detail
         self.times += 1
         return True
+
+    def say(self, text: str) -> None:
+        """Put what is said behind the action; what two robots say together is there once."""
+        if text and text not in self.said:
+            self.said = f"{self.said} {text}".strip()
 
     def end(self, outcome: Outcome) -> None:
         """Put the outcome behind what was begun."""

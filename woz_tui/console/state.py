@@ -314,6 +314,7 @@ class ConsoleState:
         )
         if self.settings.study.blind and not before.study.blind:
             self._go_by(self.session.messages(), Redactor(self.settings.study).message)
+            self._unsay()
             if (given := self.session.study.assigned) is not None:
                 order = [*self.settings.study.assigned]  # by its labels
                 self.session.study.assigned = msgspec.structs.replace(given, order=order)
@@ -332,6 +333,12 @@ class ConsoleState:
         self.engaged.forget()
         told = [event for event in self.events if event.mark not in _TELLING]
         self.events = deque(told, maxlen=EVENTS)
+        self._unsay()
+
+    def _unsay(self) -> None:
+        """Take what was said from the list of events: it may tell what is kept from now on."""
+        for event in self.events:
+            event.said = ""
 
     def _plan(self, plan: r.Welcome | r.PanelsChanged, drivers: list[str]) -> None:
         self.title = plan.title
@@ -384,6 +391,18 @@ class ConsoleState:
                 )
         if tell:
             self._tell(message, outcome)
+        if isinstance(message, m.Command):
+            self._put_said(message)
+
+    def _put_said(self, command: m.Command) -> None:
+        """Put what is said behind the event that began it."""
+        run = command.run or command.command
+        for event in reversed(self.events):
+            if event.run == run:
+                if command.run:
+                    event.say(said_in(command))
+                event.untimed = event.untimed or self._untold(command)
+                return
 
     def _tell(self, message: m.Message, outcome: Outcome | None) -> None:
         """Put it on the list of events, or its outcome behind the event that began it."""
@@ -401,6 +420,11 @@ class ConsoleState:
             self.events.append(told)
 
     # -- reading ----------------------------------------------------------------------------
+
+    def _untold(self, command: m.Command) -> bool:
+        """Whether something of a command is kept from the wizard: then its length is, too."""
+        blind = bool(self.settings.study.blind)
+        return (blind and "condition" in command.tells) or self.perception.keeps(*command.tells)
 
     @property
     def keeps(self) -> bool:

@@ -27,7 +27,7 @@ _PLAIN = frozenset({"on", "level", "percent"})
 
 
 def said_in(command: m.Command | m.FilledCall) -> str:
-    """What is said; empty if nothing is."""
+    """What is said; empty if nothing is. A text that is kept is `UNTOLD`."""
     text = command.args.get("text")
     return text if isinstance(text, str) and command.driver not in PERFORMERS else ""
 

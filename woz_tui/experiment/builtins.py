@@ -35,6 +35,11 @@ BUILTIN: tuple[Builtin, ...] = (
     Builtin("say", "/", "type something to say"),
     Builtin("find", ":", "find any action by typing"),
     Builtin("find_too", "ctrl+p", "find any action by typing"),
+    Builtin(
+        *("peek", "'", "see what a key would do, without playing it"),
+        reserves=("`", "{"),
+        yields=True,
+    ),
     Builtin("marker", ".", "put a marker into the log"),
     Builtin("note", ",", "write a note into the log"),
     Builtin("mistake_last", "backspace", "the last action was a mistake"),

@@ -268,7 +268,9 @@ class Redactor:
             return message
         if isinstance(message, m.Command):
             return replace(message, args={**message.args, **message.unfilled})
-        if isinstance(message, m.Notice) and message.level == "info":
+        if isinstance(message, m.Progress) or (
+            isinstance(message, m.Notice) and message.level == "info"
+        ):
             return None
         names = _words(message)
         words: Any = dict.fromkeys(names, "")
@@ -277,7 +279,7 @@ class Redactor:
                 words["text"] = f"{driver and f'{driver}: '}{_NOT_SHOWN.format(f'this {level}')}"
                 words["remedy"] = "the log has it"
             case m.Done():
-                words["sent"] = {}
+                words |= {"sent": {}, "duration_us": 0}
             case m.End() | m.ActionEnd():
                 words["reason"] = _NOT_SHOWN.format("the reason")
             case _:
@@ -604,6 +606,8 @@ def _may_tell(message: m.Worded) -> bool:
             return isinstance(message, m.Done | m.Failed)
         case m.ActionEnd():
             return isinstance(message, m.ActionFailed | m.ActionRefused)
+        case m.Ack():
+            return isinstance(message, m.Progress)
     return True
 
 

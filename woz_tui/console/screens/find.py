@@ -17,29 +17,48 @@ from woz_tui.console.engagement.hand import ORDERS, is_offered
 from woz_tui.console.robot.orders import orders_of
 from woz_tui.console.screens.choice import Search
 from woz_tui.console.screens.orders import steer
+from woz_tui.console.sentence import quoted
 from woz_tui.core.requests import AskLock, AskPhase, AskVerb
 
-#: Cells for a key and for a name.
+#: Cells for a key and for a name at the most.
 KEY, LABEL = 7, 38
 
 
 @dataclass(frozen=True, slots=True)
 class Find:
-    """Something that can be found: what it is called, where it belongs, what it does."""
+    """Something that can be found: what it is called, where it belongs, what it does, what it says.
+
+    `acts`: it is an action of the experiment, and no command of the console.
+    """
 
     name: str
     key: str
     where: str
     do: Callable[[], None]
     search: str
+    said: str = ""
+    acts: bool = False
 
 
-def _score(matcher: Matcher, typed: str, find: Find) -> float:
-    """Letters of the name in their order count; of utterances and help only whole pieces do."""
-    score = matcher.match(find.name)
-    if typed.casefold() in find.name.casefold():
-        return score + 2
-    return score or float(typed.casefold() in find.search.casefold()) / 100
+def _rank(matcher: Matcher, typed: str, find: Find) -> tuple[int, float]:
+    """How well it fits what is typed; 0: not at all.
+
+    Whole pieces in what is said and in names come before letters of a name in their order, speech
+    before gaze and gesture; but the console's own commands keep their names.
+    """
+    pieces = typed.casefold().split()
+    named = typed.casefold() in find.name.casefold()
+    said = all(piece in find.said.casefold() for piece in pieces)
+    letters = matcher.match(find.name)
+    if named and (find.said or not find.acts):
+        return (6 if find.said else 5), letters
+    if said and find.said:
+        return 4, letters
+    if named:
+        return 3, letters
+    if letters:
+        return (2 if find.said else 1), letters
+    return 0, float(typed.casefold() in find.search.casefold())
 
 
 class FindDialog(Search[Find]):
@@ -61,17 +80,26 @@ class FindDialog(Search[Find]):
         ]
         return [*found, *self._commands()]
 
+    @cached_property
+    def _label(self) -> int:
+        """Cells for names of actions: what is said gets the rest."""
+        longest = max((cell_len(find.name) for find in self._all if find.acts), default=LABEL)
+        return max(LABEL // 2, min(LABEL, longest))
+
     def _actions(self) -> Iterable[Find]:
         for panel in self.picture.panels:
             for action in panel.actions:
                 cap = self.console_app.caps.get(action.name, Cap(action.key))
-                words = " ".join((action.label, action.help, panel.title, *action.utterances))
+                said = quoted(self.picture, action.name, self.glyphs)
+                where = panel.title if not action.help else f"{panel.title}: {action.help}"
                 yield Find(
                     action.label,
                     caption(cap, self.glyphs),
-                    panel.title if not action.help else f"{panel.title}: {action.help}",
+                    f"{said}  {where}".lstrip(),
                     functools.partial(self.desk.play, action.name),
-                    words,
+                    " ".join((action.label, action.help, panel.title)),
+                    said,
+                    acts=True,
                 )
 
     def _phases(self) -> Iterable[Find]:
@@ -116,18 +144,19 @@ class FindDialog(Search[Find]):
         if not typed:
             return self._all
         matcher = Matcher(typed)
-        scores = [(_score(matcher, typed, find), find) for find in self._all]
-        hits = sorted(scores, key=lambda scored: -scored[0])
-        return [find for score, find in hits if score > 0]
+        ranked = [(_rank(matcher, typed, find), find) for find in self._all]
+        hits = sorted(ranked, key=lambda hit: hit[0], reverse=True)
+        return [find for rank, find in hits if any(rank)]
 
     def line(self, item: Find) -> Content:
         """On one line; where a help is cut off, the list of keys has it whole."""
         ellipsis = self.glyphs.ellipsis
         where = clean(item.where)
-        room = max(1, self._width() - KEY - LABEL - 2)
+        label = self._label if item.acts else LABEL
+        room = max(1, self._width() - KEY - label - 2)
         return Content.assemble(
             fit(item.key, KEY, ellipsis),
-            fit(item.name, LABEL, ellipsis),
+            fit(item.name, label, ellipsis),
             "  ",
             (fit(where, min(room, cell_len(where)), ellipsis), "$woz-muted"),
         )

@@ -16,6 +16,7 @@ from woz_tui.console.robot.tags import Begun, Numbered, Offer, begun_tag, comple
 from woz_tui.console.screens.dialog import Entry, content, plain
 from woz_tui.console.state import ConsoleState
 from woz_tui.core.robots import RobotOutline
+from woz_tui.session.variables import UNTOLD
 
 #: Lines of matching utterances under the field, and of matching tags or animations.
 MATCHES, TAGS = 5, 9
@@ -45,7 +46,8 @@ def utterances_of(picture: ConsoleState, said: Iterable[str]) -> list[str]:
         utterance
         for panel in picture.panels
         for action in panel.actions
-        for utterance in action.utterances
+        for utterance in action.utterances or [picture.sentence(action.name)]
+        if utterance and utterance != UNTOLD
     ]
     return list(dict.fromkeys([*reversed(list(said)), *told]))
 

@@ -1,0 +1,188 @@
+"""What an action says, wherever it stands: beside its label, in finder, peek and events."""
+
+from __future__ import annotations
+
+import msgspec
+import pytest
+from textual.widgets import OptionList
+
+from tests.console import scenes
+from tests.console.dialogs import opened
+from tests.console.driving import Sitting, sitting
+from tests.console.scripted import raw
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+from woz_tui.core.settings import Settings, StudySettings
+from woz_tui.core.views import ActionView, PanelView
+from woz_tui.session.variables import UNTOLD
+
+NOW = scenes.NOW
+KRILL = "Whales eat four tonnes of krill a day."
+
+
+def call(verb: str, **more: object) -> m.FilledCall:
+    return msgspec.convert({"verb": verb, **more}, m.FilledCall)
+
+
+def says(text: str) -> list[m.FilledCall]:
+    return [call("say", args={"text": text}, driver="voice")]
+
+
+FILLED = m.ActionsFilled(
+    t=NOW,
+    actions={
+        "Food": [says(KRILL)],
+        "Look": [[call("gaze", args={"yaw": 20.0, "pitch": 0.0})]],
+        "Show": [
+            [*says("This is the krill tank."), call("play", args={"move": "point-left"})],
+            0.5,
+            [call("gaze", args={"yaw": 0.0})],
+        ],
+        "Secret": [
+            [call("say", args={"text": UNTOLD}, tells=["condition"], unfilled={"text": UNTOLD})]
+        ],
+    },
+)
+
+
+def guide(*recent: m.Message, blind: bool = False) -> r.Welcome:
+    actions = [
+        ActionView(name="Look", label="Look at the krill", key="l", verbs=["gaze"]),
+        ActionView(name="Food", label="Food", key="f", verbs=["say"]),
+        ActionView(name="Show", label="Tank", key="c r", verbs=["say", "play", "gaze"]),
+        ActionView(name="Secret", label="Secret", key="s", verbs=["say"]),
+    ]
+    study = StudySettings(blind={"A": "A", "B": "B"} if blind else {})
+    return msgspec.structs.replace(
+        scenes.welcome(state=[scenes.start(), FILLED, *recent]),
+        panels=[PanelView(title="Whales", actions=actions)],
+        script=["Show", "Secret"],
+        settings=Settings(study=study),
+    )
+
+
+def found(seat: Sitting) -> list[str]:
+    return [str(it.prompt) for it in seat.console.screen.query_one("#found", OptionList).options]
+
+
+async def test_the_finder_searches_what_is_said_and_puts_speech_before_gaze() -> None:
+    async with sitting(guide()) as seat:
+        await opened(seat, "FindDialog")
+        await seat.type("krill")
+        names = [line[7:].split("  ")[0] for line in found(seat)]
+        assert names[:3] == ["Food", "Tank", "Look at the krill"]
+        assert "Whales eat four" in found(seat)[0]
+        await seat.press("enter")
+        asked = seat.feed.last(r.AskAction)
+        assert isinstance(asked, r.AskAction)
+        assert asked.action == "Food"
+
+
+async def test_a_command_of_the_console_keeps_its_name() -> None:
+    """Enter would make the robot speak where the wizard wants to write a note."""
+    loud = msgspec.structs.replace(FILLED, actions={"Food": [says("Please note the teeth.")]})
+    async with sitting(guide(loud)) as seat:
+        await opened(seat, "FindDialog")
+        await seat.type("note")
+        first, second = found(seat)[:2]
+        assert "write a note" in first
+        assert "Food" in second
+
+
+async def test_the_finder_has_no_hit_for_what_is_kept() -> None:
+    async with sitting(guide(blind=True)) as seat:
+        await opened(seat, "FindDialog")
+        await seat.type(UNTOLD)
+        assert not any("Secret" in line for line in found(seat))
+        await seat.press("backspace", "backspace", "backspace")
+        await seat.type("secret")
+        assert UNTOLD not in found(seat)[0]
+
+
+async def test_a_peek_shows_steps_and_sentence_and_plays_nothing() -> None:
+    async with sitting(guide()) as seat:
+        await opened(seat, "PeekDialog")
+        shown = seat.drawn()
+        assert "Tank" in shown  # the script's next line, before any key
+        assert "Spc plays it next" in shown or "Space plays it next" in shown
+        await seat.press("f")
+        assert KRILL in seat.drawn()
+        await seat.press("c", "r")
+        shown = seat.drawn()
+        for part in ("“This is the krill tank.”", "play point-left", "wait 0.5 s", "gaze yaw 0"):
+            assert part in shown
+        await seat.press("z")
+        assert "z is not assigned" in seat.drawn()
+        await seat.press("apostrophe")
+        assert seat.console.dialog is None
+        assert not [asked for asked in seat.feed.asked if isinstance(asked, r.AskAction)]
+        await seat.press("f")
+        assert isinstance(seat.feed.last(r.AskAction), r.AskAction)
+
+
+async def test_escape_stops_from_a_peek() -> None:
+    async with sitting(guide()) as seat:
+        await opened(seat, "PeekDialog")
+        await seat.press("escape")
+        assert isinstance(seat.feed.last(r.AskStop), r.AskStop)
+        assert seat.console.dialog is None
+
+
+async def test_what_is_kept_is_named_as_kept() -> None:
+    async with sitting(guide(m.ScriptMoved(position=1), blind=True)) as seat:
+        assert "what it says is kept from you" in seat.text("StopBar")
+        await opened(seat, "PeekDialog")
+        await seat.press("s")
+        assert "what it says is kept from you" in seat.drawn()
+
+
+@pytest.mark.parametrize("size", [(80, 24), (160, 50)])
+async def test_wide_screens_show_the_sentence_beside_the_label(size: tuple[int, int]) -> None:
+    async with sitting(guide(), size=size) as seat:
+        beside = "Food  “Whales eat four tonnes" in seat.text("Panels")
+        assert beside == (size[0] > 100)
+        assert "Secret  “" not in seat.text("Panels")
+
+
+async def test_the_event_row_of_what_was_said_has_the_text() -> None:
+    async with sitting(guide(), size=(160, 50)) as seat:
+        await seat.tell(*pressed("a1", "Food", KRILL))
+        assert "Food “Whales eat four tonnes" in seat.text("Events")
+        await seat.tell(m.ActionDone(run="a1", action="Food", t=NOW + 2_400_000))
+        row = seat.text("Events").splitlines()[1]
+        assert "Food “Whales eat four tonnes" in row
+        assert row.rstrip().endswith("2.4 s")
+
+
+async def test_how_long_a_kept_text_took_is_kept_too() -> None:
+    async with sitting(guide(blind=True), size=(160, 50)) as seat:
+        told = pressed("a1", "Secret", UNTOLD, ("condition",))
+        await seat.tell(*told, m.ActionDone(run="a1", action="Secret", t=NOW + 2_400_000))
+        row = seat.text("Events").splitlines()[1]
+        assert row.split()[1:] == ["✓", "Secret"]
+
+
+async def test_a_late_console_has_text_and_sentence() -> None:
+    first = msgspec.structs.replace(guide(), recent=raw(pressed("a1", "Food", KRILL)))
+    async with sitting(first, size=(160, 50)) as seat:
+        assert "Food “Whales eat four" in seat.text("Events")
+        assert "This is the krill tank." in seat.text("StopBar")
+
+
+def pressed(run: str, action: str, text: str, tells: tuple[str, ...] = ()) -> list[m.AnyMessage]:
+    return [
+        m.ActionRequested(run=run, action=action, source="key", t=NOW, seq=9000),
+        m.Command(
+            command="c1",
+            run=run,
+            action=action,
+            verb="say",
+            args={"text": text},
+            driver="voice",
+            source="key",
+            tells=tells,
+            unfilled={"text": UNTOLD} if tells else {},
+            t=NOW,
+            seq=9001,
+        ),
+    ]

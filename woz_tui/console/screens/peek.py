@@ -1,0 +1,84 @@
+"""What a key would do, without playing it."""
+
+from __future__ import annotations
+
+from textual import events
+
+from woz_tui.console.caps import Cap, caption, key_name
+from woz_tui.console.cells import Row
+from woz_tui.console.screens.dialog import Report
+from woz_tui.console.script import upcoming
+from woz_tui.console.sentence import KEPT, step_words
+from woz_tui.experiment.textual_names import from_textual
+from woz_tui.session.variables import UNTOLD
+
+
+class PeekDialog(Report):
+    """Press a key: its action, what it says and each of its steps. Nothing is sent."""
+
+    heading = "What a key would do"
+    hint = "press a key: nothing is played · ctrl+q closes"
+    wide = True
+    indent = 2
+    _action = ""
+    _typed = ""
+
+    def lines(self) -> list[Row]:
+        """The action of the key pressed last; before, the script's next one."""
+        action = self._action or ("" if self._typed else upcoming(self.picture))
+        if action:
+            return self._of(action)
+        if self._typed:
+            return [((f"{key_name(self._typed, self.glyphs)} is not assigned", "warn"),)]
+        return [(("Press the key of an action.", "muted"),)]
+
+    def _of(self, name: str) -> list[Row]:
+        app, picture, glyphs = self.console_app, self.picture, self.glyphs
+        panel = next(
+            (each for each in picture.panels if any(a.name == name for a in each.actions)), None
+        )
+        view = picture.action(name)
+        key = caption(app.caps.get(name, Cap("")), glyphs)
+        where = panel.title if panel is not None else ""
+        rows: list[Row] = [
+            (
+                (f"{key} " if key else "", "key"),
+                (picture.label(name), "strong"),
+                (f"  {where}", "muted"),
+            )
+        ]
+        if view is not None and view.help:
+            rows.append(((view.help, "muted"),))
+        if name == upcoming(picture):
+            script = key_name(app.key_of("script_next"), glyphs)
+            rows.append(((f"{script} plays it next", "muted"),))
+        if (panel is not None and picture.is_locked(panel)) or (view is not None and view.locked):
+            rows.append((("It is locked and plays nothing.", "warn"),))
+        said = picture.sentence(name)
+        if said == UNTOLD:
+            rows += [(), ((KEPT, "muted"),)]
+        elif said:
+            rows += [(), ((f"{glyphs.opening}{said}{glyphs.closing}", "plain"),)]
+        steps = [glyphs.plain(step_words(step)) for step in picture.steps(name)]
+        if not said or len(steps) > 1 or " + " in "".join(steps):
+            rows.append(())
+            rows += [((f"{n}. ", "muted"), (step, "plain")) for n, step in enumerate(steps, 1)]
+        return rows
+
+    def on_key(self, event: events.Key) -> None:
+        """A key of an action, perhaps the second one of two; of the script; or of this dialog."""
+        chord = from_textual(event.key, event.character)
+        if not chord:
+            return
+        event.stop()
+        event.prevent_default()
+        app = self.console_app
+        keys = app.keymap
+        if chord == app.key_of("peek"):
+            self.leave()
+            return
+        both = f"{self._typed} {chord}"
+        self._typed = both if both in keys.table else chord
+        script = chord == app.key_of("script_next")
+        self._action = upcoming(self.picture) if script else keys.table.get(self._typed, "")
+        self.renew()

@@ -154,5 +154,43 @@ async def test_a_line_outside_of_a_trial_is_named_once(trial: bool) -> None:
         assert "outside of a trial" not in seat.text("StopBar")
 
 
+def follows(**more: Any) -> r.Welcome:
+    """The guide, with actions that are likely to follow Hello."""
+    panels = [
+        replace(
+            panel,
+            actions=[
+                replace(a, then=["Nod", "Bow"]) if a.name == "Hello" else a for a in panel.actions
+            ],
+        )
+        for panel in scenes.panels()
+    ]
+    return replace(scenes.welcome(**more), panels=panels)
+
+
+@SIZES
+async def test_what_follows_is_within_reach_until_the_next_act(size: tuple[int, int]) -> None:
+    async with sitting(follows(), size=size) as seat:
+
+        def row() -> str:
+            return next((x for x in seat.text("StopBar").splitlines() if x.startswith(" then")), "")
+
+        await at(seat, m.ActionRequested(run="a1", action="Hello", source="key"))
+        assert not row()
+        await at(seat, m.ActionDone(run="a1", action="Hello"), 5001)
+        assert row().index("Nod") < row().index("Bow")
+        caps = {name: seat.console.caps[name].chord for name in ("Nod", "Bow")}
+        assert all(f" {cap} " in row() for cap in caps.values())
+        await opened(seat, "FindDialog")
+        listed = seat.drawn().partition("Find")[2]
+        assert listed.index("Nod") < listed.index("Hello")
+        await seat.press("ctrl+q")
+        await at(seat, m.ActionRequested(run="a2", action="Yes", source="script"), 5002)
+        assert not row()
+        await at(seat, m.ActionDone(run="a1", action="Hello"), 5003)  # late
+        await at(seat, m.ActionFailed(run="a2", action="Yes", reason="hot"), 5004)
+        assert not row()
+
+
 def test_every_command_of_phases_has_a_key() -> None:
     assert {"phase_next", "phases"} <= by_key(COMMANDS).keys()

@@ -39,6 +39,7 @@ _SOURCES = {
     "palette": "from the palette",
     "midi": "on a MIDI panel",
     "program": "by a program",
+    "phase": "with a phase",
     "engagement": "by the engagement model itself",
     "replay": "by a re-run",
 }

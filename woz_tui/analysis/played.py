@@ -7,13 +7,14 @@ from dataclasses import dataclass, field, replace
 
 from woz_tui.analysis.rows import moments
 from woz_tui.core import messages as m
+from woz_tui.core.commands import HANDS
 from woz_tui.experiment.verbs import ENGAGEMENT
 from woz_tui.timeline.episodes import Action, Command, Episode, Outcome, Rerun
 from woz_tui.timeline.timeline import Timeline
 
 #: Sources of commands that the session asked for: a hand, a program, the engagement model, another
 #: log. With every other one a driver has asked by itself, as a body does for the sound of a move.
-ASKED = frozenset({"key", "script", "palette", "midi", "program", ENGAGEMENT, "replay"})
+ASKED = HANDS | {ENGAGEMENT, "replay"}
 #: Commands of one driver and verb that follow each other within this time (microseconds), with
 #: nothing between them, are one act: a joystick, a key that is held down.
 STROKE_US = 500_000

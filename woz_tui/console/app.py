@@ -255,6 +255,8 @@ class Console(ScreenApp):
             self._key("script_next"),
             self._key("release") if self.picture.role != "watcher" else "",
             self._stop_asked,
+            skip=self._key("script_on"),
+            then=tuple(map(self._cap_and_label, self.picture.then)),
         )
         keys = self._key("failures"), self._key("phase_next")
         line = Line(self.feed.line_ok, self.feed.round_trip_us, *keys)
@@ -311,6 +313,11 @@ class Console(ScreenApp):
         """`Hello (h)`."""
         label, cap = self.picture.label(action), self.caps.get(action, Cap(""))
         return f"{label} ({caption(cap, self.look.glyphs)})" if cap.chord else label
+
+    def _cap_and_label(self, action: str) -> tuple[str, str]:
+        """One without a key is the first in the finder."""
+        cap = caption(self.caps.get(action, Cap("")), self.look.glyphs)
+        return cap or self._key("find"), self.picture.label(action)
 
     def walk(self, by: int) -> None:
         """Choose another panel."""

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Sequence
 from dataclasses import replace
 
 from rich.cells import cell_len
 
-from woz_tui.console.cells import Cells, Row, clean, cut, fit, heading
+from woz_tui.console.cells import Cells, Row, clean, cut, fit, heading, length
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.state import ConsoleState
 
@@ -17,11 +18,29 @@ def upcoming(picture: ConsoleState) -> str:
     return picture.script[picture.position] if picture.position < len(picture.script) else ""
 
 
-def script_row(picture: ConsoleState, frame: Frame, key: str) -> Row:
-    """The line that space plays next, those after it, and how far the script is."""
+def script_row(
+    picture: ConsoleState,
+    frame: Frame,
+    key: str,
+    skip: str = "",
+    then: Sequence[tuple[str, str]] = (),
+) -> Row:
+    """The line that `key` plays next, those after it, and how far the script is; `skip` is the key
+    that leaves the line out. What is likely to follow the last act, `then`, stands first: key and
+    label of each.
+    """
     glyphs = frame.glyphs
+    if then:
+        row: Row = ((" then ", "title"),)
+        for cap, label in then:
+            row += ((f" {cap or glyphs.dash} ", "key"), (f" {clean(label)}  ", "strong"))
+        room = frame.width - length(row)
+        if room >= THEN_ROOM:
+            return row + script_row(picture, replace(frame, width=room), key, skip)
+        return cut(row, frame.width, glyphs.ellipsis)
     if not picture.script:
-        return ((fit(" no script", frame.width), "faint"),)
+        none = " no phase, no script" if picture.without_phase else " no script"
+        return ((fit(none, frame.width), "faint"),)
     count = len(picture.script)
     right = f" {picture.position}/{count} "
     front: Row = ((f" {key} ", "key"), (" ", "plain"))
@@ -32,13 +51,16 @@ def script_row(picture: ConsoleState, frame: Frame, key: str) -> Row:
         first, *later = picture.script[picture.position : picture.position + 12]
         body = ((f"{glyphs.here} {clean(picture.label(first))}", "strong"),)
         if picture.halted:
-            again = f"{picture.halted}, {key} plays it again, > goes on"
+            goes_on = f", {skip} goes on" if skip else ""
+            again = f"{picture.halted}: {key} plays it again{goes_on}"
             body += ((f" {glyphs.warning} {again} ", "warn"),)
         for name in later:
             body += ((f"  {glyphs.next} {clean(picture.label(name))}", "muted"),)
     return (*front, *cut(body, max(1, room), glyphs.ellipsis), (right, "muted"))
 
 
+#: Cells that the script needs at least behind what is likely to follow.
+THEN_ROOM = 24
 #: Lines of the script that stay above the next one where not all have room.
 BEFORE = 1
 #: Lines an entry's words get at most.

@@ -25,6 +25,7 @@ _SOURCES = {
     "palette": "found",
     "midi": "panel",
     "program": "program",
+    "phase": "phase",
     "engagement": "robot",
     "replay": "replay",
 }

@@ -29,6 +29,7 @@ from woz_tui.console.study.picture import Study
 from woz_tui.console.wording import said_in
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
+from woz_tui.core.commands import HANDS
 from woz_tui.core.robots import RobotOutline
 from woz_tui.core.settings import Settings
 from woz_tui.core.views import ActionView, PanelView, PhaseView
@@ -85,6 +86,9 @@ class ConsoleState:
     #: How the last commands ended, by command.
     ends: dict[str, m.End] = field(default_factory=dict)
     events: deque[Event] = field(default_factory=lambda: deque(maxlen=EVENTS))
+    #: The last act of the wizard or of a program; once it is done, what is likely to follow.
+    act: str = ""
+    then: tuple[str, ...] = ()
     lost: str = ""
     #: Raised whenever panels or script are new, so that keys and layout follow.
     edition: int = 0
@@ -133,6 +137,11 @@ class ConsoleState:
         begun = self.session.study.phase
         phases = self.settings.phases if begun is not None else ()
         return next((each for each in phases if begun and each.name == begun.label), None)
+
+    @property
+    def without_phase(self) -> bool:
+        """Whether the file has phases and none holds."""
+        return bool(self.settings.phases) and self.session.study.phase is None
 
     @property
     def front(self) -> tuple[PanelView, ...]:
@@ -375,6 +384,7 @@ class ConsoleState:
         outcome = self.runs.take(self.session.take(message))
         self.engaged.take(message)
         self.study.take(message)
+        self._follow_up(message)
         match message:
             case m.End():
                 keep(self.ends, message.command, message, ENDS)
@@ -403,6 +413,23 @@ class ConsoleState:
                     event.say(said_in(command))
                 event.untimed = event.untimed or self._untold(command)
                 return
+
+    def _follow_up(self, message: m.Message) -> None:
+        """What an action brings within reach, from its end to the next act."""
+        match message:
+            case m.ActionRequested(run=run, source=source) if source in HANDS:
+                self.act, self.then = run, ()
+            case m.Command(run="", passing=False, source=source) if source in HANDS:
+                self.act, self.then = message.command, ()
+            case m.StopPressed(scope="all") | m.TrialStarted() | m.TrialEnded():
+                self.act, self.then = "", ()
+            case m.ActionDone(run=self.act, action=name) if self.act:
+                action = self.action(name)
+                names = action.then if action is not None else ()
+                there = {each: self.action(each) for each in names}
+                self.then = tuple(
+                    each for each, view in there.items() if view is not None and not view.locked
+                )
 
     def _tell(self, message: m.Message, outcome: Outcome | None) -> None:
         """Put it on the list of events, or its outcome behind the event that began it."""

@@ -32,7 +32,8 @@ class Bar:
 
     `news` takes the place of the `hints` (keys with a word each) for a while; `page` stands behind
     the hints and says which page of the panels is shown. `next` is the key
-    of the script, `release` the one that releases the stop. `asked_us`: session time at which this
+    of the script, `skip` leaves its line out, `release` the one that releases the stop. `then`:
+    keys and labels of what is likely to follow the last act. `asked_us`: session time at which this
     console asked for a stop that has not been answered yet.
     """
 
@@ -42,13 +43,15 @@ class Bar:
     release: str = ""
     asked_us: int | None = None
     page: str = ""
+    skip: str = ""
+    then: tuple[tuple[str, str], ...] = ()
 
 
 def bar_rows(picture: ConsoleState, frame: Frame, bar: Bar) -> list[Row]:
     """As many rows as the frame has, two at least. What is urgent takes the lowest."""
     lines = max(2, frame.height)
     urgent = _urgent(picture, frame, bar)
-    script = [script_row(picture, frame, bar.next)]
+    script = [script_row(picture, frame, bar.next, bar.skip, bar.then)]
     if lines > len(script) + 1:
         script += sentence_rows(picture, replace(frame, height=2), upcoming(picture))
     hints = [hint_row(bar.hints, frame.width, bar.page)]

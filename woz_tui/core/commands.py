@@ -11,9 +11,9 @@ from woz_tui.core.envelope import Json, Message, Worded
 
 #: Verbs with which a robot shows by itself how the engagement model stands.
 SIGNALS = frozenset({"eyes", "screen", "sound"})
-#: Sources of what a hand asks for, or a program in its place; a body that asks for the sound of a
-#: move is none.
-HANDS = frozenset({"key", "script", "palette", "midi", "program"})
+#: Sources of what a hand asks for, or a program in its place; `phase` is what begins with a phase
+#: that a hand chose. A body that asks for the sound of a move is none.
+HANDS = frozenset({"key", "script", "palette", "midi", "program", "phase"})
 
 
 class ActionRequested(
@@ -21,8 +21,8 @@ class ActionRequested(
 ):
     """Somebody asked for an action by name: one press, from which one or more commands follow.
 
-    `source` is key, script, palette, midi, program, engagement or replay; `console` names the
-    connection it came over. `run` ties the action's commands and its end together.
+    `source` is key, script, palette, midi, program, phase, engagement or replay; `console` names
+    the connection it came over. `run` ties the action's commands and its end together.
     """
 
     run: str

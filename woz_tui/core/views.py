@@ -7,7 +7,8 @@ import msgspec
 
 class ActionView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """An action as the console shows it; `key` is the chord as the experiment file has it, in the
-    normal form of `woz_tui.experiment.keys`; `verbs` what it does, for icons and search.
+    normal form of `woz_tui.experiment.keys`; `verbs` what it does, for icons and search; `then`
+    names actions that are likely to follow.
     """
 
     name: str
@@ -17,6 +18,7 @@ class ActionView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     verbs: list[str] = []
     utterances: list[str] = []
     locked: bool = False
+    then: list[str] = []
 
 
 class PanelView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):

@@ -14,6 +14,7 @@ from woz_tui.experiment.spot import (
     Spot,
     is_set,
     missing,
+    one_or_more,
     read_filled,
     read_seconds,
     read_text,
@@ -23,8 +24,9 @@ from woz_tui.experiment.spot import (
 from woz_tui.experiment.verbs import WAIT
 
 #: What an action may say beside verbs and their arguments.
-ACTION_FIELDS = ("key", "label", "name", "help", "locked", "when_busy", "on", "steps")
+ACTION_FIELDS = ("key", "label", "name", "help", "locked", "when_busy", "on", "steps", "then")
 PANEL_FIELDS = ("title", "locked", "covers", "actions")
+_THEN = "the name of an action, or a list of them"
 WHEN_BUSY = ("queue", "replace", "refuse")
 
 #: Seconds. A longer pause inside an action is a slip of the decimal point.
@@ -121,6 +123,7 @@ class PanelReader:
                 when_busy=(when_busy and read_word(when_busy, WHEN_BUSY)) or WHEN_BUSY[0],
                 help=read_filled(fields.get("help")) or "",
                 locked=is_set(fields.get("locked")),
+                then=tuple(text for _, text in one_or_more(fields.get("then"), _THEN)),
             ),
         )
 

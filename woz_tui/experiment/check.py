@@ -24,6 +24,7 @@ def across(experiment: Experiment, drafts: Sequence[Drafted], report: Report) ->
     _names(drafts, report)
     _keys(drafts, experiment.keyboard, report)
     _script(experiment, report)
+    _then(drafts, report)
 
 
 def _ports(experiment: Experiment, report: Report) -> None:
@@ -112,3 +113,15 @@ def _script(experiment: Experiment, report: Report) -> None:
             report.error_at(path, f"there is no action {quoted(name)}{near}")
         elif actions[name].locked:
             report.warning_at(path, f"{quoted(name)} is locked, it will not play")
+
+
+def _then(drafts: Sequence[Drafted], report: Report) -> None:
+    actions = {draft.action.name: draft.action for draft in drafts}
+    for draft in drafts:
+        for name in draft.action.then:
+            path = f"{draft.path}.then"
+            if name not in actions:
+                near = report.hint(name, actions)
+                report.error_at(path, f"there is no action {quoted(name)}{near}")
+            elif actions[name].locked:
+                report.warning_at(path, f"{quoted(name)} is locked, it will not play")

@@ -219,6 +219,8 @@ def _action(old: Action, new: Action) -> Iterable[str]:
             yield f"{what.replace('_', ' ')} {getattr(new, what)!r}"
     if old.locked != new.locked:
         yield "locked" if new.locked else "unlocked"
+    if old.then != new.then:
+        yield f"then {_listed(new.then)}"
     if old.help != new.help:
         yield "help changed"
     if _essences(old) != _essences(new):

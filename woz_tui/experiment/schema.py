@@ -501,6 +501,7 @@ def _action(verbs: Sequence[Verb]) -> Schema:
             "description": "what a press does while it is running",
         },
         "on": _ON,
+        "then": {**_ONE_OR_MORE, "description": "names of actions to be within reach behind it"},
         "steps": {
             "type": "array",
             "items": {"$ref": "#/$defs/step"},

@@ -129,7 +129,8 @@ class Action:
     """What one key does: steps, one after the other.
 
     `name` is unique in the experiment and is what scripts and programs call it by.
-    `when_busy`: queue, replace or refuse. `locked`: shown but never played.
+    `when_busy`: queue, replace or refuse. `locked`: shown but never played. `then`: actions that
+    are likely to follow it.
     """
 
     name: str
@@ -141,6 +142,7 @@ class Action:
     when_busy: str = "queue"
     help: str = ""
     locked: bool = False
+    then: tuple[str, ...] = ()
 
     @property
     def calls(self) -> list[Call]:
@@ -175,7 +177,7 @@ class Phase:
     in front. Without a script of its own the experiment's goes on.
     """
 
-    name: str
+    name: Annotated[str, Doc("what logs and tables call it (default: the title)")]
     title: Annotated[str, Doc("what the screen shows (default: the name)")] = ""
     panels: Annotated[tuple[str, ...], Doc("titles of the panels that are in front")] = ()
     script: Annotated[tuple[str, ...], Doc("names of actions; space plays the next one")] = ()

@@ -75,6 +75,7 @@ def _action_view(action: Action, profile: Profile | None) -> ActionView:
             text for call in calls if isinstance(text := call.args.get("text"), str) and text
         ],
         locked=action.locked or (profile is not None and not profile.plays(action)),
+        then=[*action.then],
     )
 
 

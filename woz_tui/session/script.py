@@ -141,6 +141,8 @@ class Scripts:
         script = self.now
         if script.position >= len(script.lines):
             if not script.lines:
+                if len(self._scripts) > 1 and not self._phase():
+                    raise AskError("no phase holds", "begins one", command="phase_next")
                 raise AskError("there is no script", "add script: [...] to the file")
             raise AskError("the script is at its end", "one line back", command="script_back")
         for run, played in self._runs.items():

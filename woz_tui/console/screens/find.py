@@ -87,20 +87,23 @@ class FindDialog(Search[Find]):
         return max(LABEL // 2, min(LABEL, longest))
 
     def _actions(self) -> Iterable[Find]:
-        for panel in self.picture.panels:
-            for action in panel.actions:
-                cap = self.console_app.caps.get(action.name, Cap(action.key))
-                said = quoted(self.picture, action.name, self.glyphs)
-                where = panel.title if not action.help else f"{panel.title}: {action.help}"
-                yield Find(
-                    action.label,
-                    caption(cap, self.glyphs),
-                    f"{said}  {where}".lstrip(),
-                    functools.partial(self.desk.play, action.name),
-                    " ".join((action.label, action.help, panel.title)),
-                    said,
-                    acts=True,
-                )
+        """Those first that are likely to follow the last act."""
+        then = self.picture.then
+        actions = [(each, panel) for panel in self.picture.panels for each in panel.actions]
+        actions.sort(key=lambda pair: (pair[0].name not in then, *map(pair[0].name.__ne__, then)))
+        for action, panel in actions:
+            cap = self.console_app.caps.get(action.name, Cap(action.key))
+            said = quoted(self.picture, action.name, self.glyphs)
+            where = panel.title if not action.help else f"{panel.title}: {action.help}"
+            yield Find(
+                action.label,
+                caption(cap, self.glyphs),
+                f"{said}  {where}".lstrip(),
+                functools.partial(self.desk.play, action.name),
+                " ".join((action.label, action.help, panel.title)),
+                said,
+                acts=True,
+            )
 
     def _phases(self) -> Iterable[Find]:
         for phase in self.picture.settings.phases:

@@ -82,15 +82,6 @@ EXAMPLES: dict[str, Any] = {
     "answers.engagement": ["say", "Gestures"],
     "answers.marker": "play",
     "actions.then": ["Yes", "No"],
-    "phases": [{"name": "opening", "panels": ["Greeting"], "script": ["Hello"]}],
-    "phases.name": "whales",
-    "phases.title": "The whales",
-    "phases.panels": ["Whales"],
-    "phases.script": ["Whale intro", "Whale song"],
-    "phases.on_enter": "Show the whale",
-    "phases.after": ["opening"],
-    "phases.planned": "2 min",
-    "phases.lock_others": True,
     "design.block": 4,
     "design.seed": 7,
     "design.within": False,
@@ -115,8 +106,8 @@ EXAMPLES: dict[str, Any] = {
     "phases.script": ["Hello", "Consent"],
     "phases.on_enter": "Look up",
     "phases.after": "opening",
-    "phases.duration": "5 min",
-    "phases.locks": True,
+    "phases.planned": "5 min",
+    "phases.lock_others": True,
 }
 #: What sections within `engagement` are about.
 MEANINGS = {

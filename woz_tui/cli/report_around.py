@@ -37,7 +37,7 @@ def _trials(page: Page, figures: SessionFigures) -> None:
             str(trial.actions),
             trial.text,
         )
-    page.console.print(made)
+    page.put(made)
     if figures.breaks:
         lengths = [each.end - each.begin for each in figures.breaks if each.end is not None]
         page.say(f"{some(len(figures.breaks), 'break')}, {clock(sum(lengths))} together")
@@ -57,7 +57,7 @@ def _settings(page: Page, figures: SessionFigures, top: int) -> None:
             trial if each.counted or each.trial < 0 else f"({trial})",
             *(each.condition, clock(each.first), s(each.us)),
         )
-    page.console.print(made)
+    page.put(made)
     for line in more(page, len(found) - top, "row"):
         page.console.print(line)
     if not all(each.counted or each.trial < 0 for each in found):
@@ -79,7 +79,7 @@ def _stops(page: Page, figures: SessionFigures) -> None:
             ms(stop.elapsed_us),
             s(released),
         )
-    page.console.print(made)
+    page.put(made)
 
 
 def _confirmed(stop: Stop) -> str:
@@ -119,7 +119,7 @@ def _questionnaires(page: Page, figures: SessionFigures) -> None:
         if answer.low is not None and answer.high is not None:
             scale = f"{answer.low:g}{page.signs.dash}{answer.high:g}"
         made.add_row(answer.item, answer.question, told or NONE, scale)
-    page.console.print(made)
+    page.put(made)
 
 
 def _marks(page: Page, figures: SessionFigures, top: int) -> None:
@@ -130,7 +130,7 @@ def _marks(page: Page, figures: SessionFigures, top: int) -> None:
     for mark in figures.marks[:top]:
         words = f"{mark.action} {mark.text}".strip()
         made.add_row(clock(mark.t), mark.sort, words)
-    page.console.print(made)
+    page.put(made)
     for line in more(page, len(figures.marks) - top, "line"):
         page.console.print(line)
 

@@ -74,7 +74,7 @@ def _trainings(page: Page, grouped: Grouped) -> None:
             *map(str, (training.missed, training.uncalled)),
             *(in_unit(training.score, "share"), s(training.times.median)),
         )
-    page.console.print(made)
+    page.put(made)
 
 
 def _counted(sessions: int, rows: Sequence[Row]) -> str:
@@ -95,7 +95,7 @@ def _rows(page: Page, rows: Sequence[Row]) -> None:
             *(_cell(measure, row.values[measure.name]) for measure in measures),
         )
         last = who
-    page.console.print(made)
+    page.put(made)
 
 
 def _called(row: Row) -> str:
@@ -149,7 +149,7 @@ def _totals(page: Page, totals: Sequence[ConditionTotal]) -> None:
             cells = [_total(BY_NAME[name], each.values[name], each.participants) for each in shown]
             if any(cell != NONE for cell in cells):
                 made.add_row(_head(BY_NAME[name]), *cells)
-        page.console.print(made)
+        page.put(made)
 
 
 def _total(measure: Measure, total: Total, participants: int) -> str:
@@ -181,7 +181,7 @@ def _items(page: Page, items: Sequence[ItemTotal]) -> None:
         if first.low is not None and first.high is not None:
             scale = f"{first.low:g}{page.signs.dash}{first.high:g}"
         made.add_row(*key, scale, *(_item(found.get(condition)) for condition in conditions))
-    page.console.print(made)
+    page.put(made)
 
 
 def _item(item: ItemTotal | None) -> str:

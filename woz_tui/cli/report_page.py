@@ -5,11 +5,13 @@ from __future__ import annotations
 import io
 import locale
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TextIO
 
+from rich.cells import cell_len
 from rich.console import Group, RenderableType
-from rich.table import Table
+from rich.table import Column, Table
 from rich.text import Text
 
 from woz_tui.cli.streams import beneath
@@ -17,6 +19,8 @@ from woz_tui.console.text_console import TextConsole
 
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 80
+#: Cells between two columns of a table, and between two blocks.
+_GAP, _BETWEEN = 2, 4
 #: What stands where there is no figure.
 NONE = "-"
 
@@ -101,17 +105,29 @@ class Page:
         self.say()
         self.say(text, style="bold")
 
+    @property
+    def half(self) -> int:
+        """Cells of each of two things beside each other; of a whole line where there is no room."""
+        return (self.width - _BETWEEN) // 2 if self.wide else self.width
+
+    def put(self, made: Table, room: int = 0) -> None:
+        """A table, as wide as the page unless there is less `room`."""
+        for piece in fitted(made, room or self.width):
+            self.console.print(piece)
+
     def beside(self, left: Block, right: Block) -> None:
         """Two blocks beside each other where there is room, else one after the other."""
         if self.wide and left and right:
-            grid = Table.grid(padding=(0, 4, 0, 0))
-            grid.add_row(Group(*left), Group(*right))
+            grid = Table.grid(padding=(0, _BETWEEN, 0, 0), pad_edge=False)
+            grid.add_column(width=self.half)
+            grid.add_column(width=self.half)
+            grid.add_row(*(Group(*_pieces(block, self.half)) for block in (left, right)))
             self.say()
             self.console.print(grid)
             return
         for block in filter(None, (left, right)):
             self.say()
-            for each in block:
+            for each in _pieces(block, self.width):
                 self.console.print(each)
 
     def trouble(self, text: str) -> None:
@@ -139,13 +155,71 @@ def _shows(encoding: str, signs: Signs) -> bool:
 
 def table(*heads: str, left: int = 1) -> Table:
     """A table without lines whose first `left` columns are words, the others figures."""
-    made = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="dim")
+    made = Table(box=None, pad_edge=False, padding=(0, _GAP, 0, 0), header_style="dim")
     for place, head in enumerate(heads):
         if place < left:
             made.add_column(head, overflow="fold")
         else:
-            made.add_column(head, justify="right", no_wrap=True)
+            made.add_column(head, justify="right")
     return made
+
+
+def fitted(made: Table, room: int) -> list[Table]:
+    """The table in `room` cells without a broken word: words go on in the next line, and figures
+    for which there is no room stand in a further table beside the same names. Only a word that is
+    longer than its line is broken.
+    """
+    widths = [_widths(column) for column in made.columns]
+    figures = [place for place, each in enumerate(made.columns) if each.justify == "right"]
+    names = [place for place in range(len(widths)) if place not in figures]
+    least = sum(widths[place][0] + _GAP for place in names)
+    groups: list[list[int]] = [[]]
+    left = room - least + _GAP
+    for place in figures:
+        taken = widths[place][0] + _GAP
+        if taken > left and groups[-1]:
+            groups.append([])
+            left = room - least + _GAP
+        groups[-1].append(place)
+        left -= taken
+    return [_part(made, [*names, *group], widths, room) for group in groups]
+
+
+def _widths(column: Column) -> tuple[int, int]:
+    """Of a column's longest word, and of its longest line."""
+    lines = [line for cell in (column.header, *column.cells) for line in str(cell).split("\n")]
+    words = [word for line in lines for word in line.split()]
+    # A figure is no sentence: it stays with its unit.
+    whole = [str(cell) for cell in column.cells] if column.justify == "right" else []
+    return max(map(cell_len, [*words, *whole]), default=0), max(map(cell_len, lines), default=0)
+
+
+def _part(
+    made: Table, places: Sequence[int], widths: Sequence[tuple[int, int]], room: int
+) -> Table:
+    """Some columns of a table, the widest of them narrowed until they have room."""
+    least, wanted = ([widths[place][which] for place in places] for which in (0, 1))
+    over = sum(wanted) + _GAP * (len(places) - 1) - room
+    for _ in range(max(0, over)):
+        free = [at for at, width in enumerate(wanted) if width > least[at]]
+        free = free or [at for at, width in enumerate(wanted) if width > 1]
+        wanted[max(free, key=wanted.__getitem__)] -= 1
+    part = table()
+    for width, place in zip(wanted, places, strict=True):
+        column = made.columns[place]
+        part.add_column(column.header, justify=column.justify, overflow="fold", width=width)
+    cells = zip(*(made.columns[place].cells for place in places), strict=True)
+    for row, line in zip(made.rows, cells, strict=True):
+        part.add_row(*line, style=row.style, end_section=row.end_section)
+    return part
+
+
+def _pieces(block: Block, room: int) -> Block:
+    return [
+        piece
+        for each in block
+        for piece in (fitted(each, room) if isinstance(each, Table) else [each])
+    ]
 
 
 def more(page: Page, left: int, one: str) -> Block:

@@ -32,8 +32,6 @@ from woz_tui.cli.report_page import (
 )
 from woz_tui.cli.report_timeline import picture
 
-#: Columns of one block: half a wide page.
-_ONE = 80
 #: States that can have a letter.
 _LETTERS = 26
 #: Rows of a table unless all are wanted.
@@ -82,7 +80,7 @@ def show(page: Page, report: Report, top: int = TOP) -> None:
         page.head("Timeline")
         for line in picture(report.timeline, page.width, page.signs):
             page.console.print(line, no_wrap=True, overflow="crop")
-    page.beside(_figures(page, figures), _actions(page, figures.whole, top))
+    page.beside(_figures(figures), _actions(page, figures.whole, top))
     page.beside(_latencies(page, figures.whole, top), _reactions(figures))
     page.beside(_reaction_bars(page, figures), _press_bars(page, figures.whole))
     page.beside(_states(figures.whole), _transitions(page, figures.whole))
@@ -122,8 +120,8 @@ def title(page: Page, figures: SessionFigures) -> None:
         page.say(f"The log is whole ({checked}).", style="green")
 
 
-def _figures(page: Page, figures: SessionFigures) -> Block:
-    """A column for the session and one for each condition, in as many tables as it takes."""
+def _figures(figures: SessionFigures) -> Block:
+    """A column for the session and one for each condition."""
     parts = list(figures.parts) if len(figures.parts) > 1 else []
     alike = len({part.participant for part in parts}) == 1
     names = [
@@ -141,9 +139,7 @@ def _figures(page: Page, figures: SessionFigures) -> Block:
         for part in parts
     ]
     columns = [("all", figures.whole), *zip(names, parts, strict=True)]
-    room = max(1, (min(page.width, _ONE) - 28) // 12)
-    groups = [columns[at : at + room] for at in range(0, len(columns), room)]
-    return [bold("Figures"), *map(_main, groups)]
+    return [bold("Figures"), _main(columns)]
 
 
 def _main(columns: Sequence[tuple[str, Part]]) -> Table:
@@ -235,18 +231,14 @@ def _reaction_bars(page: Page, figures: SessionFigures) -> Block:
     told = found.get(ALL_CUES) or found.get("training")
     if told is None or not (told.times or told.missed):
         return []
-    lines = reaction_bars(told, figures.window_us, _half(page), page.signs)
+    lines = reaction_bars(told, figures.window_us, page.half, page.signs)
     return [bold("Reaction times"), *lines]
 
 
 def _press_bars(page: Page, part: Part) -> Block:
     if not part.press:
         return []
-    return [bold("Key to robot"), *latency_bars(part.press, _half(page), page.signs)]
-
-
-def _half(page: Page) -> int:
-    return (page.width - 4) // 2 if page.wide else page.width
+    return [bold("Key to robot"), *latency_bars(part.press, page.half, page.signs)]
 
 
 def _states(part: Part) -> Block:

@@ -1,0 +1,107 @@
+"""No word of a report is broken, however narrow the terminal is."""
+
+from __future__ import annotations
+
+import io
+import re
+import tempfile
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from tests.analysis.told import SECOND, Told, figures_of, in_time, study
+from woz_tui.analysis.groups import Grouped
+from woz_tui.analysis.report import Report
+from woz_tui.analysis.session import examine
+from woz_tui.cli import report_many, report_session
+from woz_tui.cli.report_page import page
+from woz_tui.core import messages as m
+
+WORD = re.compile(r"[^\W\d_]{2,}")
+CONDITIONS = ("empathic", "neutral", "matter-of-fact")
+
+
+@cache
+def session() -> Report:
+    """Every table that there is, with long names and every result of a cue."""
+    it = Told(condition="").add(0, m.EngagementAdopted(settings={"start": "run"}))
+    for number, condition in enumerate(CONDITIONS):
+        at = 100 * number + 10
+        it.add(at, m.TrialStarted(trial=number + 1, condition=condition))
+        it.state(at + 1, "PersonDetected", "EngagedWithUnknown")
+        it.speech(at + 2, at + 4, 10 * number).act(at + 3.5, "Introduce the exhibition", "Opening")
+        it.speech(at + 10, at + 11, 10 * number + 1).speech(at + 12, at + 13, 10 * number + 2)
+        it.act(at + 14, "Encouragement without any words", "Nonverbal behaviour", verb="emotion")
+        it.act(at + 15, "Encouragement", "Nonverbal behaviour", end="failed")
+        it.act(at + 16, "Encouragement", "Nonverbal behaviour", end="refused")
+        it.state(at + 17, "UserSpeaks", "RobotThinks").speech(at + 20, at + 21, 10 * number + 3)
+        it.add(at + 40, m.Marker(text="laughs, then hesitates", source="wizard"))
+        it.add(
+            at + 80, m.TrialEnded(trial=number + 1, outcome="done", text="a remark of some length")
+        )
+    it.add(295, m.StopPressed(source="no wizard's console is attached"))
+    confirmed = ["microphone", "simulated"]
+    it.add(296, m.StopConfirmed(confirmed=confirmed, missing=["head"], elapsed_us=SECOND))
+    question = "The robot understood all that I said to it"
+    item: dict[str, m.Json] = {"name": "got", "question": question, "low": 1, "high": 7}
+    it.add(297, m.QuestionnaireStarted(questionnaire="ux", title="Acceptance", items=[item]))
+    it.add(
+        298,
+        m.QuestionnaireAnswered(questionnaire="ux", item="got", question=question, value=6.0),
+    )
+    wanted: dict[str, m.Json] = {"autonomous blinking": False}
+    shown = m.SettingsShown(driver="pepper", values={"autonomous blinking": True}, wanted=wanted)
+    it.add(298, shown)
+    return Report(figures_of(in_time(it.speech(299, 300, 99).end(301))))
+
+
+def words(text: str) -> set[str]:
+    return set(WORD.findall(text))
+
+
+def printed(width: int, what: Report | Grouped) -> str:
+    stream = io.StringIO()
+    paper = page(stream, width)
+    if isinstance(what, Grouped):
+        report_many.show(paper, what)
+    else:
+        report_session.show(paper, what, 99)
+    return stream.getvalue()
+
+
+@cache
+def sessions() -> Grouped:
+    found = Grouped()
+    with tempfile.TemporaryDirectory() as folder:
+        for path in study(Path(folder)):
+            found.add(examine(path, places=[]).figures)
+    found.add(session().figures)
+    return found
+
+
+@cache
+def all_words() -> list[set[str]]:
+    return [words(printed(1000, what)) for what in (session(), sessions())]
+
+
+@pytest.mark.parametrize("width", range(80, 161))
+def test_no_word_is_broken(width: int) -> None:
+    whats: list[Report | Grouped] = [session(), sessions()]
+    for what, whole in zip(whats, all_words(), strict=True):
+        narrow = printed(width, what)
+        assert words(narrow) <= whole
+        assert max(map(len, narrow.splitlines())) <= width
+
+
+@pytest.mark.parametrize("width", [80, 130, 160])
+def test_nothing_is_left_out_where_it_is_narrow(width: int) -> None:
+    assert words(printed(width, session())) == all_words()[0]
+
+
+def test_a_name_that_is_longer_than_a_line_goes_on_in_the_next(tmp_path: Path) -> None:
+    name = "x" * 200
+    it = Told(condition=name).act(1, name, name).end(60)
+    report = examine(it.written(tmp_path), places=[])
+    assert max(map(len, printed(80, report).splitlines())) <= 80
+    assert printed(80, report).replace("\n", "").count("x") >= 400

@@ -29,7 +29,10 @@ gc.set_threshold(20_000, 20, 20)
 
 @pytest.fixture(autouse=True, scope="session")
 def state_of_its_own(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """A log that moves on to the second place does not land among its user's."""
+    """A log that moves on to the second place does not land among its user's; nor does what the
+    console remembers.
+    """
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
+        patch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.mktemp("config")))
         yield

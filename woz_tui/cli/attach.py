@@ -8,7 +8,7 @@ from pathlib import Path
 
 from woz_tui.cli import screen
 from woz_tui.cli.failure import explained
-from woz_tui.cli.options import add_keymap, add_pictures, builtins
+from woz_tui.cli.options import add_keymap, add_pictures, add_theme, builtins
 from woz_tui.host import place
 
 
@@ -31,6 +31,7 @@ def add(parser: ArgumentParser) -> None:
     )
     add_keymap(parser)
     add_pictures(parser)
+    add_theme(parser)
 
 
 def run(arguments: Namespace) -> int:
@@ -47,7 +48,7 @@ def _attach(arguments: Namespace) -> int:
     if socket is None:
         return 1
     if arguments.questionnaire is not None:
-        return screen.open_questionnaire(socket, arguments.questionnaire)[1]
+        return screen.open_questionnaire(socket, arguments.questionnaire, arguments.theme)[1]
     left, code = screen.open_console(
         screen.ScreenOptions(
             socket=socket,
@@ -55,6 +56,7 @@ def _attach(arguments: Namespace) -> int:
             take_over=arguments.take_over,
             builtins=builtins(arguments),
             pictures=arguments.pictures,
+            theme=arguments.theme,
         )
     )
     if left == "detached":

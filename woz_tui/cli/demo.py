@@ -8,7 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from woz_tui.cli import run as run_command
-from woz_tui.cli.options import add_keymap, add_pictures, add_session
+from woz_tui.cli.options import add_keymap, add_pictures, add_session, add_theme
 
 #: Robots that can be shown: their experiment, and the condition and participant it begins with.
 DEMOS: dict[str, tuple[str, str, str]] = {
@@ -35,6 +35,7 @@ def add(parser: ArgumentParser) -> None:
     add_session(parser)
     add_keymap(parser)
     add_pictures(parser)
+    add_theme(parser)
 
 
 def run(arguments: Namespace) -> int:

@@ -40,6 +40,17 @@ def add_pictures(parser: ArgumentParser) -> None:
     )
 
 
+def add_theme(parser: ArgumentParser) -> None:
+    """Declare the colours: the same words as `console.look.CHOICES`."""
+    parser.add_argument(
+        "--theme",
+        choices=("auto", "dark", "light", "16"),
+        default="",
+        help="colours, remembered for the next time; 16: the terminal's own; auto: what suits the"
+        " terminal",
+    )
+
+
 def identity(arguments: Namespace) -> Identity:
     """The codes; the robot process finds a session code where none was given."""
     return Identity(

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import locale
 import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from woz_tui.cli.failure import explained
+from woz_tui.cli.options import add_theme
 
 if TYPE_CHECKING:
     from woz_tui.console.replay.app import ReplayConsole
@@ -42,6 +42,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     screen.add_argument("--paused", action="store_true", help="begin standing still")
     robot = parser.add_argument_group("on the robot")
+    add_theme(parser)
     robot.add_argument("--robot", action="store_true", help="run its commands on the robot again")
     robot.add_argument(
         "--dry-run", action="store_true", help="say what --robot would do, and check it"
@@ -110,7 +111,7 @@ def _show(arguments: argparse.Namespace) -> int:
             feed = feed_of(index, path, arguments)
             if feed is None:
                 return 1
-            _, code = screen.run_console(_console(feed))
+            _, code = screen.run_console(_console(feed, arguments.theme))
             feed.close()
             return code
     except (LogError, PlaceError) as error:
@@ -198,9 +199,9 @@ def _plan(experiment: Experiment, catalogue: Catalogue) -> SessionPlan:
     return plan_of(Shown(experiment, catalogue, values=dict(experiment.variables)))
 
 
-def _console(feed: ReplayFeed) -> ReplayConsole:
+def _console(feed: ReplayFeed, theme: str) -> ReplayConsole:
     """The console, ready to run."""
-    from woz_tui.console.look import look_for  # noqa: PLC0415
+    from woz_tui.cli.screen import found_look  # noqa: PLC0415
     from woz_tui.console.replay.app import ReplayConsole  # noqa: PLC0415
     from woz_tui.console.replay.commands import ReplayKeyboard  # noqa: PLC0415
     from woz_tui.console.terminal import WizardDriver  # noqa: PLC0415
@@ -209,7 +210,7 @@ def _console(feed: ReplayFeed) -> ReplayConsole:
     return ReplayConsole(
         feed,
         ReplayKeyboard(feed),
-        look=look_for(os.environ, locale.getencoding()),
+        look=found_look(theme)[0],
         terminal=detected(os.environ),
         driver_class=WizardDriver,
     )

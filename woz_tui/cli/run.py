@@ -10,7 +10,7 @@ from pathlib import Path
 from woz_tui.cli import screen
 from woz_tui.cli.failure import explained
 from woz_tui.cli.launch import host_arguments
-from woz_tui.cli.options import add_keymap, add_pictures, add_session, builtins, identity
+from woz_tui.cli.options import add_keymap, add_pictures, add_session, add_theme, builtins, identity
 from woz_tui.cli.screen import open_both
 from woz_tui.record.names import present
 
@@ -21,6 +21,7 @@ def add(parser: ArgumentParser) -> None:
     add_session(parser)
     add_keymap(parser)
     add_pictures(parser)
+    add_theme(parser)
 
 
 def run(arguments: Namespace) -> int:
@@ -48,6 +49,7 @@ def _play(arguments: Namespace, experiment: Path) -> int:
             restart=[*command, *robot.again],
             builtins=own_keys,
             pictures=arguments.pictures,
+            theme=arguments.theme,
         ),
     )
     if opened is None:

@@ -17,6 +17,7 @@ from woz_tui.experiment.builtins import BUILTIN, Builtin
 
 if TYPE_CHECKING:
     from woz_tui.console.app import Console
+    from woz_tui.console.look import Look
 
 #: Collecting young objects is quick, a full collection is not: it must not fall into a key press.
 GC_THRESHOLDS = (50_000, 20, 100)
@@ -31,7 +32,7 @@ class ScreenOptions:
 
     `restart` are the arguments of `woz host` with which a lost robot process is started again;
     None if nobody can. `builtins` are the console's own keys, moved by a keymap file or not.
-    `pictures`: how a camera's are drawn.
+    `pictures`: how a camera's are drawn. `theme`: its colours, as `add_theme` has them.
     """
 
     socket: Path
@@ -41,6 +42,7 @@ class ScreenOptions:
     restart: Sequence[str] | None = None
     builtins: Sequence[Builtin] = BUILTIN
     pictures: str = "auto"
+    theme: str = ""
 
 
 def refusal() -> str:
@@ -68,10 +70,10 @@ def make_console(options: ScreenOptions) -> Console:
     from woz_tui.console.app import Console  # noqa: PLC0415
     from woz_tui.console.keyboard import Keyboard  # noqa: PLC0415
     from woz_tui.console.link import Link  # noqa: PLC0415
-    from woz_tui.console.look import look_for  # noqa: PLC0415
     from woz_tui.console.terminal import WizardDriver  # noqa: PLC0415
     from woz_tui.experiment.terminals import detected  # noqa: PLC0415
 
+    look, stops = found_look(options.theme)
     link = Link(
         options.socket,
         role="watcher" if options.watch else "wizard",
@@ -79,10 +81,13 @@ def make_console(options: ScreenOptions) -> Console:
         take_over=options.take_over,
     )
     link.connect()
+    keyboard = Keyboard(link)
+    for stop in stops:
+        keyboard.stop(stop)
     app = Console(
         link,
-        Keyboard(link),
-        look=look_for(os.environ, locale.getencoding()),
+        keyboard,
+        look=look,
         terminal=detected(os.environ),
         builtins=options.builtins,
         ask_participant=options.ask_participant,
@@ -94,24 +99,50 @@ def make_console(options: ScreenOptions) -> Console:
     return app
 
 
-def open_questionnaire(socket: Path, only: str) -> tuple[str, int]:
+def found_look(theme: str) -> tuple[Look, tuple[str, ...]]:
+    """What suits this terminal, and the stops that were pressed while it was asked.
+
+    `theme` as `add_theme` has it; a choice is remembered.
+    """
+    from woz_tui.console.ground import ask_ground  # noqa: PLC0415
+    from woz_tui.console.look import look_for, remember  # noqa: PLC0415
+
+    stops: tuple[str, ...] = ()
+
+    def light() -> bool | None:
+        nonlocal stops
+        found = ask_ground(sys.stdin.fileno(), sys.stdout.fileno())
+        stops = found.stops
+        return found.light
+
+    if theme:
+        theme = theme.replace("auto", "")
+        remember(theme, os.environ)
+    look = look_for(os.environ, locale.getencoding(), theme=theme, light=light)
+    return look, stops
+
+
+def open_questionnaire(socket: Path, only: str, theme: str = "") -> tuple[str, int]:
     """Run a participant's own screen until it is left: how (ended, detached), and the exit code.
 
     `only` is the name of the one questionnaire that is shown; empty: all.
     """
     from woz_tui.console.keyboard import Keyboard  # noqa: PLC0415
     from woz_tui.console.link import Link  # noqa: PLC0415
-    from woz_tui.console.look import look_for  # noqa: PLC0415
     from woz_tui.console.participant import Participant  # noqa: PLC0415
     from woz_tui.console.terminal import WizardDriver  # noqa: PLC0415
 
+    look, stops = found_look(theme)
     link = Link(socket, role="participant", name=os.environ.get("TERM", ""))
     link.connect()
+    keyboard = Keyboard(link)
+    for stop in stops:
+        keyboard.stop(stop)
     app = Participant(
         link,
-        Keyboard(link),
+        keyboard,
         only=only,
-        look=look_for(os.environ, locale.getencoding()),
+        look=look,
         driver_class=WizardDriver,
     )
     favour_keys()

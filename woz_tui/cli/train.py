@@ -14,7 +14,7 @@ from woz_tui.cli import screen
 from woz_tui.cli.failure import explained
 from woz_tui.cli.launch import host_arguments
 from woz_tui.cli.numbers import number
-from woz_tui.cli.options import add_keymap, builtins
+from woz_tui.cli.options import add_keymap, add_theme, builtins
 from woz_tui.cli.screen import ScreenOptions, open_both
 from woz_tui.console.text_console import TextConsole
 from woz_tui.session.identity import check_code
@@ -46,6 +46,7 @@ def add(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--name", default="", help="name of the socket (default: the session code)")
     add_keymap(parser)
+    add_theme(parser)
 
 
 def run(arguments: Namespace) -> int:
@@ -83,7 +84,7 @@ def _train(arguments: Namespace) -> int:
     own_keys = builtins(arguments)
     opened = open_both(
         _host_command(arguments),
-        lambda robot: ScreenOptions(socket=robot.socket, builtins=own_keys),
+        lambda robot: ScreenOptions(socket=robot.socket, builtins=own_keys, theme=arguments.theme),
     )
     if opened is None:
         return 1

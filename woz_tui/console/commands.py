@@ -8,11 +8,13 @@ Dialogs are imported when they are first opened: the first painting does not wai
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Mapping
 from pkgutil import resolve_name
 from typing import Any
 
 from woz_tui.console.keyboard import Press
+from woz_tui.console.look import CHOICES, remember
 from woz_tui.console.screens.dialog import (
     EVERYBODY,
     WATCHER,
@@ -134,9 +136,21 @@ def _suspend(app: ConsoleApp) -> None:
         app.keyboard.on_suspend()
 
 
-def _colours(name: str, theme: str, words: str) -> Command:
+def _next_colours(app: ConsoleApp) -> None:
+    """The theme behind this one."""
+    at = CHOICES.index(app.theme.removeprefix("woz-"))
+    _use_colours(app, CHOICES[(at + 1) % len(CHOICES)])
+
+
+def _use_colours(app: ConsoleApp, choice: str) -> None:
+    app.theme = f"woz-{choice}"
+    remember(choice, os.environ)
+    app.news(f"colours: {choice}; woz begins with them from now on, --theme auto undoes it")
+
+
+def _colours(name: str, choice: str, words: str) -> Command:
     def run(app: ConsoleApp) -> None:
-        app.theme = theme
+        _use_colours(app, choice)
 
     return Command((Builtin(name, "", words),), run, users=WATCHER)
 
@@ -220,6 +234,7 @@ COMMANDS = (
     ),
     _row("profile", opens("screens.profile:ProfileDialog"), users=WATCHER),
     _row("redraw", lambda app: app.refresh(layout=True), opens=False, users=EVERYBODY),
+    _row("theme", _next_colours, users=WATCHER),
     _row("help", opens("screens.help:HelpDialog"), hint=Hint(5, "keys"), users=WATCHER),
     _row("suspend", _suspend, users=WATCHER),
     _row("leave", opens("screens.leave:LeaveDialog"), hint=Hint(13, "leave"), users=WATCHER),
@@ -228,7 +243,7 @@ COMMANDS = (
         opens("screens.questionnaire:QuestionnaireDialog"),
         found=False,
     ),
-    _colours("dark", "woz-dark", "dark colours"),
-    _colours("light", "woz-light", "light colours"),
-    _colours("sixteen", "woz-16", "the terminal's own sixteen colours"),
+    _colours("dark", "dark", "dark colours"),
+    _colours("light", "light", "light colours"),
+    _colours("sixteen", "16", "the terminal's own sixteen colours"),
 )

@@ -9,8 +9,10 @@ little more colour the nearest of its 6 x 6 x 6 cube is black, teal or lavender.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import contextlib
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 from textual.theme import BUILTIN_THEMES, Theme
 
@@ -141,6 +143,8 @@ SIXTEEN = Theme(
     variables=BUILTIN_THEMES["ansi-dark"].variables | _SIXTEEN,
 )
 THEMES = (DARK, LIGHT, SIXTEEN)
+#: What can be chosen: each is a theme's name without `woz-`.
+CHOICES = ("dark", "light", "16")
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,19 +163,60 @@ def colours_of(environ: Mapping[str, str]) -> int:
     return 256 if kind in ("256color", "kitty") else 16
 
 
-def look_for(environ: Mapping[str, str], encoding: str, colours: int | None = None) -> Look:
+def look_for(
+    environ: Mapping[str, str],
+    encoding: str,
+    colours: int | None = None,
+    *,
+    theme: str = "",
+    light: Callable[[], bool | None] = lambda: None,
+) -> Look:
     """What suits a terminal: `colours` is how many it has, by default what it says itself.
 
     NO_COLOR and terminals of 16 colours get the terminal's own colours, so that nothing but its
-    palette is used; `COLORFGBG`, where a terminal sets it, tells light ground from dark.
-    `WOZ_THEME` (dark, light, 16) overrules.
+    palette is used. Otherwise it is the theme that was chosen last (`remember`), or what
+    `COLORFGBG` tells of the terminal's ground, or what `light` finds out about it. `theme`, and
+    then `WOZ_THEME` (dark, light, 16), overrule all that.
     """
     glyphs = glyphs_for(environ, encoding)
-    wanted = environ.get("WOZ_THEME", "")
-    if wanted in ("dark", "light", "16"):
+    wanted = theme or environ.get("WOZ_THEME", "")
+    if wanted in CHOICES:
         return Look(glyphs, f"woz-{wanted}")
     colours = colours_of(environ) if colours is None else colours
     if "NO_COLOR" in environ or environ.get("TERM", "") == "linux" or colours <= 16:
         return Look(glyphs, "woz-16")
+    if chosen := remembered(environ):
+        return Look(glyphs, f"woz-{chosen}")
     ground = environ.get("COLORFGBG", "").rpartition(";")[2]
-    return Look(glyphs, "woz-light" if ground in ("7", "15") else "woz-dark")
+    return Look(
+        glyphs, "woz-light" if ground in ("7", "15") or (not ground and light()) else "woz-dark"
+    )
+
+
+# -- what was chosen last --------------------------------------------------------------------------
+
+
+def _memory(environ: Mapping[str, str]) -> Path:
+    configured = environ.get("XDG_CONFIG_HOME", "")
+    return (Path(configured) if configured else Path.home() / ".config") / "woz" / "theme"
+
+
+def remembered(environ: Mapping[str, str]) -> str:
+    """The theme that was chosen last: one of `CHOICES`, or nothing."""
+    with contextlib.suppress(OSError, ValueError, RuntimeError):
+        word = _memory(environ).read_text(encoding="utf-8").strip()
+        return word if word in CHOICES else ""
+    return ""
+
+
+def remember(theme: str, environ: Mapping[str, str]) -> None:
+    """Begin with this theme from now on; with an empty one, with what suits the terminal. A folder
+    that takes no file is no reason not to play.
+    """
+    with contextlib.suppress(OSError, RuntimeError):
+        file = _memory(environ)
+        if not theme:
+            file.unlink(missing_ok=True)
+            return
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(f"{theme}\n", encoding="utf-8")

@@ -39,7 +39,12 @@ SEQUENCE_LIMIT = 2048
 #: how long it may be.
 GRAPHICS, _GRAPHICS_END, _GRAPHICS_LIMIT = b"\x1b_Gi=31;", b"\x1b\\", 256
 
-_ESC, _CTRL_C = 0x1B, 0x03
+#: The same for the question for the terminal's ground (`ground.QUESTION`); it may end with a bell.
+GROUND, _GROUND_LIMIT = b"\x1b]11;", 64
+#: Held so far, no person has pressed escape and typed the rest: a piece of a late answer.
+_GROUND_SURE = b"\x1b]11;rgb"
+
+_ESC, _CTRL_C, _BELL = 0x1B, 0x03, 0x07
 _PASTE_BEGIN, _PASTE_END = b"\x1b[200~", b"\x1b[201~"
 _CONTROLS = {
     0x00: "ctrl+@",
@@ -64,6 +69,7 @@ class _In(Enum):
     CHARACTER = auto()
     PASTE = auto()
     GRAPHICS = auto()
+    TERMINAL_GROUND = auto()
 
 
 class Scanner:
@@ -79,6 +85,8 @@ class Scanner:
         #: The terminal was asked for pictures: until it answers, `ESC _` may begin the answer, and
         #: a stop with a `_` right behind it takes a moment. At all other times it is a stop.
         self.expects_graphics = False
+        #: The same for its ground, and `ESC ]`.
+        self.expects_ground = False
         self._state = _In.GROUND
         self._held = bytearray()
         self._pasted = bytearray()
@@ -117,7 +125,7 @@ class Scanner:
             else:
                 self._still = True
         elif self._state not in (_In.GROUND, _In.CHARACTER):
-            self._break_off()
+            self._give_up()
         return self._give()
 
     def close(self) -> list[Token]:
@@ -125,7 +133,7 @@ class Scanner:
         if self._state is _In.PASTE:
             self._end_paste()
         while self._state not in (_In.GROUND, _In.CHARACTER):
-            self._break_off()
+            self._give_up()
         self._drop_character()
         return self._give()
 
@@ -151,6 +159,8 @@ class Scanner:
                 self._paste(byte)
             case _In.GRAPHICS:
                 self._graphics(byte)
+            case _In.TERMINAL_GROUND:
+                self._terminal_ground(byte)
 
     # -- single bytes and characters ---------------------------------------------------------
 
@@ -201,6 +211,9 @@ class Scanner:
         elif byte == 0x5F and self.expects_graphics:
             self._held.append(byte)
             self._state = _In.GRAPHICS
+        elif byte == 0x5D and self.expects_ground:
+            self._held.append(byte)
+            self._state = _In.TERMINAL_GROUND
         else:
             self._tokens.append(Stop("escape", self._release()))
             self._ground(byte)
@@ -248,6 +261,19 @@ class Scanner:
         elif len(held) > _GRAPHICS_LIMIT or held[-2] == _ESC or not (byte >= 0x20 or byte == _ESC):
             self._break_off()
 
+    def _terminal_ground(self, byte: int) -> None:
+        """Nothing but the very answer, as in `_graphics`."""
+        self._held.append(byte)
+        held = self._held
+        if len(held) <= len(GROUND):
+            if not GROUND.startswith(held):
+                self._break_off()
+        elif byte == _BELL or held.endswith(_GRAPHICS_END):
+            said = bytes(held[len(GROUND) :]).rstrip(b"\x07\x1b\\")
+            self._tokens.append(Reply("ground", _colour(said), self._release()))
+        elif len(held) > _GROUND_LIMIT or held[-2] == _ESC or not (byte >= 0x20 or byte == _ESC):
+            self._break_off()
+
     def _complete(self, token: Token | None) -> None:
         if token is None:
             self._break_off()
@@ -258,6 +284,13 @@ class Scanner:
             self._release()
             fold = isinstance(token, Key) and token.chord in self._folded
             self._tokens.append(Stop("escape", token.raw) if fold else token)
+
+    def _give_up(self) -> None:
+        """The rest does not come: a piece of the terminal's answer is nobody's stop."""
+        if self._state is _In.TERMINAL_GROUND and self._held.startswith(_GROUND_SURE):
+            self._tokens.append(Reply("unknown", (), self._release()))
+        else:
+            self._break_off()
 
     def _break_off(self) -> None:
         """No sequence after all: ESC was the stop, and the bytes behind it count as they are."""
@@ -317,3 +350,12 @@ class Scanner:
         self._still = True
         self._pasted.pop()
         self._tokens.append(Stop("escape", b"\x1b"))
+
+
+def _colour(said: bytes) -> tuple[int, ...]:
+    """Red, green and blue in per mille out of `rgb:ffff/0/80`; nothing where it says no colour."""
+    parts = said.removeprefix(b"rgb:").split(b"/")
+    try:
+        return tuple(round(1000 * int(part, 16) / (16 ** len(part) - 1)) for part in parts)
+    except (ValueError, ZeroDivisionError):
+        return ()

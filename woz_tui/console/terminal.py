@@ -218,6 +218,7 @@ class WizardDriver(LinuxDriver):
         ask_for_short_turns()
         scanner = self._scanner = Scanner(folded(detected(os.environ)))
         scanner.expects_graphics = bool(question(os.environ))
+        scanner.expects_ground = True  # asked for before this began: its answer may be late
         self._line.reset()
         poll = select.poll()
         for fd in (self.fileno, self._wake_in):
@@ -328,7 +329,7 @@ class WizardDriver(LinuxDriver):
         elif reply.what == "graphics":
             self._side.kitty = reply.values == (1,)
         elif reply.what == "attributes":  # asked last: what has not come by now will not come
-            self._scanner.expects_graphics = False
+            self._scanner.expects_graphics = self._scanner.expects_ground = False
             self._side.sixel = reply.raw.startswith(b"\x1b[?") and 4 in reply.values[1:]
             found = getattr(self._app, "terminal_found", None)
             if found is not None:

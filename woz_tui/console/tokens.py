@@ -42,8 +42,9 @@ class Reply:
     """The terminal's answer to a question.
 
     `what`: `status` (to `CSI 5 n`), `kitty` (keyboard flags, in `values`), `attributes`
-    (`CSI c`), `graphics` (kitty's pictures: 1 if it draws them), `position`, or `unknown`: not
-    understood, and therefore kept from everybody.
+    (`CSI c`), `graphics` (kitty's pictures: 1 if it draws them), `ground` (its colour: red, green
+    and blue in per mille), `position`, or `unknown`: not understood, and therefore kept from
+    everybody.
     """
 
     what: str

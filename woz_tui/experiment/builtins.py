@@ -88,6 +88,7 @@ BUILTIN: tuple[Builtin, ...] = (
     Builtin("camera", "_", "what the robot's camera sees", reserves=("|", "#"), yields=True),
     Builtin("profile", "-", "the profile: how much may be used"),
     Builtin("redraw", "ctrl+l", "draw the screen again"),
+    Builtin("theme", "ctrl+]", "colours: dark, light, the terminal's own"),
     Builtin("help", "?", "all keys as they are bound now"),
     Builtin("suspend", "ctrl+z", "leave the console for a moment; the robot goes on"),
     Builtin("leave", "ctrl+q", "leave: end the session, or let it run"),

@@ -70,7 +70,7 @@ def test_one_lane_is_in_order_and_lanes_do_not_wait_for_each_other() -> None:
         ("fail", m.Failed, "no"),
         ("crash", m.Failed, "ZeroDivisionError: oops"),
         ("exit", m.Failed, "the driver raised SystemExit"),
-        ("cancel", m.Failed, "the driver gave the job up"),
+        ("cancel", m.Failed, "the driver cancelled the command"),
         ("reject", m.Refused, "nonsense"),
     ],
 )

@@ -173,10 +173,10 @@ async def test_tab_walks_through_panels_and_pages() -> None:
 async def test_a_refusal_is_shown_where_the_hints_are() -> None:
     async with sitting() as seat:
         seat.feed.answers[r.AskScript] = lambda _, ref: r.Reply(
-            ref=ref, ok=False, reason="the script is at its end"
+            ref=ref, ok=False, reason="the script has no more lines"
         )
         await seat.press("space")
-        await seat.until(lambda: "the script is at its end" in seat.text("StopBar"))
+        await seat.until(lambda: "the script has no more lines" in seat.text("StopBar"))
 
 
 async def test_a_refusal_names_the_key_that_helps_as_it_is_bound_here() -> None:

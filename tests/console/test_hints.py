@@ -58,12 +58,12 @@ def told(news: str, width: int = 80) -> list[str]:
 
 
 def test_news_that_is_too_long_for_a_line_takes_both() -> None:
-    long = "you are watching; another console plays the robot"
-    remedy = "(`woz attach --take-over` to play it yourself)"
+    long = "this console only watches; another console plays the robot"
+    remedy = "(start `woz attach --take-over` to play the robot here)"
     assert told(long)[1] == long
     assert told(f"{long} {remedy}") == [
-        f"{long} (`woz attach --take-over` to",
-        "play it yourself)",
+        f"{long} (start `woz attach",
+        "--take-over` to play the robot here)",
     ]
     assert told("word " * 100)[1].endswith("…")
     assert told("x" * 200)[1].endswith("…")

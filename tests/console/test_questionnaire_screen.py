@@ -196,7 +196,7 @@ async def test_a_refusal_is_shown_and_the_item_is_open_again() -> None:
     async with sitting(studied.welcome()) as seat:
         await asking(seat)
         seat.feed.answers[r.AskAnswer] = lambda asked, ref: r.Reply(
-            ref=ref, ok=False, reason="the questionnaire 'robot' is not under way"
+            ref=ref, ok=False, reason="the questionnaire 'robot' is not open"
         )
         await seat.press("enter", "6")
         assert ENGLISH.refused in seat.drawn()

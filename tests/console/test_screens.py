@@ -358,7 +358,7 @@ async def test_a_lost_robot_process_says_so_and_offers_a_restart() -> None:
 async def test_what_was_too_old_for_a_robot_process_that_woke_is_told() -> None:
     late: list[m.AnyMessage] = [
         m.ActionRequested(run="a00007", action="Hello", source="key", key="h", t=NOW + 9_000_000),
-        m.ActionRefused(run="a00007", action="Hello", reason="stale: 8.0 s old", t=NOW + 9_000_000),
+        m.ActionRefused(run="a00007", action="Hello", reason="stale: 8.0 s ago", t=NOW + 9_000_000),
     ]
     async with sitting() as seat:
         seat.feed.cut("silent")
@@ -366,7 +366,7 @@ async def test_what_was_too_old_for_a_robot_process_that_woke_is_told() -> None:
         await seat.tell(scenes.welcome(recent=late))
         bar = seat.text("StopBar")
         assert "not played: Hello" in bar
-        assert "8.0 s old" in bar
+        assert "8.0 s ago" in bar
 
 
 async def test_a_robot_process_that_comes_back_by_itself_closes_the_dialog() -> None:

@@ -14,7 +14,7 @@ from woz_tui.console.screens.start import StartDialog, proposal_of
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 
-WHY = "row 1 was given to 2 participants so far, row 0 to 3"
+WHY = "row 2 of 2: least used so far (2 participants)"
 DATA: dict[str, m.Json] = {
     "order": ["cold", "warm"],
     "method": "latin-square",

@@ -247,7 +247,7 @@ async def test_leaving_tells_what_the_end_would_cut_off() -> None:
         await seat.press("ctrl+q")
         await seat.settle()
         drawn = seat.drawn()
-        assert "trial 3 is under way: the end makes it aborted" in drawn
+        assert "trial 3 is running: the end makes it aborted" in drawn
         assert "This visit: 0 of 1 answered, the end leaves it so" in drawn
         assert "You and the robot has not been asked" in drawn
         await seat.press("down", "down", "enter")

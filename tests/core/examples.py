@@ -371,7 +371,9 @@ def answers() -> list[r.AnyAnswer]:
             boot_id="6ba7b810-9dad-11d1-80b4-00c04fd430c8",
         ),
         r.Reply(ref=4, ok=True, run="a00001"),
-        r.Reply(ref=5, ok=False, reason="stale: the press was 4.0 s old", hint="press it again"),
+        r.Reply(
+            ref=5, ok=False, reason="too late: the key was pressed 4.0 s ago", hint="press it again"
+        ),
         r.Reply(ref=6, ok=False, reason="no participant is set", command="start"),
         r.Reply(ref=17, ok=True, data=["Speech: 'Bye' is new"]),
         r.Pulse(t=2_000_000),

@@ -260,4 +260,4 @@ def test_a_missing_verb_is_named_before_anything_moves(
     assert b"not possible now: there is no driver 'head'" in out
     refused = _again(lab, original.path, "--changed", "--experiment", str(other))
     assert refused.returncode == 1
-    assert b"no command in it that can be sent again" in refused.stderr
+    assert b"no command that can be sent again" in refused.stderr

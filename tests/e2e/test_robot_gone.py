@@ -96,7 +96,7 @@ def test_what_waited_while_it_stood_still_is_not_played_and_the_stop_is(lab: Lab
     log.wait("stop.confirmed")
     refused = [line.fields for line in log.lines() if str(line.fields["kind"]).endswith(".refused")]
     assert len(refused) == 3
-    assert all("stale" in str(each["reason"]) for each in refused)
+    assert all("too late" in str(each["reason"]) for each in refused)
     kinds = {line.fields["kind"] for line in log.lines()}
     assert kinds.isdisjoint({"command.dispatched", "stop.released"})
 

@@ -42,7 +42,7 @@ async def test_who_reads_no_acks_is_let_go_of(tmp_path: Path) -> None:
         await peer.say(kind="hello", role="program")
         await host.published(lambda line: isinstance(line, m.ConsoleAttached))
         await turns(lambda: host.session.mark("x" * 200, "program"), 20_000)
-        await lost(host, "too slow")
+        await lost(host, "the client reads too slowly")
         peer.leave()
 
 
@@ -59,7 +59,7 @@ async def test_who_asks_and_never_reads_is_let_go_of(tmp_path: Path) -> None:
                 await peer.writer.drain()
 
         asking = asyncio.ensure_future(ask())
-        await lost(host, "too slow")
+        await lost(host, "the client reads too slowly")
         asking.cancel()
         await asyncio.wait([asking])
 

@@ -100,7 +100,7 @@ async def test_after_a_second_it_says_that_there_is_none(host: Served) -> None:
     line = await asked(peer, after=1)
     assert line["kind"] == "picture"
     assert "data" not in line
-    assert line["why"] == "robot gave no new picture within 1 s"
+    assert line["why"] == "robot sent no new picture within 1 s"
 
 
 async def test_the_camera_hears_what_all_who_watch_want(host: Served) -> None:
@@ -166,7 +166,7 @@ async def test_one_picture_at_a_time(host: Served) -> None:
     await peer.hello("wizard")
     await peer.say(kind="picture", ref=1, after=1)
     line = await asked(peer, after=1)
-    assert line["reason"] == "the picture you asked for before is still on its way"
+    assert line["reason"] == "the previous picture has not arrived yet"
     give(host, BLUE)
     assert (await peer.kind("picture"))["ref"] == 1
     assert (await asked(peer))["kind"] == "picture"

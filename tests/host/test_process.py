@@ -157,7 +157,7 @@ def test_a_driver_that_blocks_the_end_does_not_keep_the_process(tmp_path: Path) 
         log = Path(host.announced()["host_log"])
         host.process.send_signal(signal.SIGTERM)
         assert host.ended() == 1
-        assert "a driver does not end" in log.read_text()
+        assert "a driver does not stop" in log.read_text()
 
 
 def test_a_driver_that_never_falls_silent_neither_holds_up_the_stop_nor_the_end(
@@ -186,7 +186,7 @@ def test_a_driver_that_cannot_be_made_is_named(tmp_path: Path) -> None:
         assert host.ended() == 1
         assert host.process.stderr is not None
         told = host.process.stderr.read().decode()
-        assert told == "woz: the driver 'voice' cannot be made: LookupError: no such thing\n"
+        assert told == "woz: the driver 'voice' cannot be created: LookupError: no such thing\n"
 
 
 def test_closed_standard_streams_are_no_place_for_a_log_or_a_socket(tmp_path: Path) -> None:

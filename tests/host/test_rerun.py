@@ -200,7 +200,7 @@ async def test_the_sessions_end_ends_it(tmp_path: Path) -> None:
 async def test_a_log_without_a_command_is_refused(tmp_path: Path) -> None:
     async with served(tmp_path) as it:
         log = written(tmp_path / "original" / LOG, [(0, START), (1, END)])
-        with pytest.raises(AskError, match="no command in it"):
+        with pytest.raises(AskError, match="no command"):
             read_plan(RerunOptions(log), it.session.experiment)
         with pytest.raises(AskError, match="name of a log ends"):
             read_plan(RerunOptions(Path(__file__)), it.session.experiment)

@@ -53,7 +53,7 @@ def test_a_participant_from_the_proposal_to_the_answers(tmp_path: Path) -> None:
             "order": ["B", "A"],
             "method": "latin-square",
             "row": 1,
-            "why": "row 1 was given to 1 participant so far, row 0 to 2",
+            "why": "row 2 of 2: least used so far (1 participant)",
             "condition": "B",
             "trial": 1,
             "planned": 4,
@@ -111,7 +111,7 @@ def test_a_participant_can_never_play_the_robot(
         before = host.session.hub.seq
         reply = await guest.ask(kind, **fields)
         assert not reply["ok"]
-        assert reply["reason"] == "you can answer questionnaires here, and nothing else"
+        assert reply["reason"] == "this console can only answer questionnaires"
         assert host.session.hub.seq == before
         assert host.host.wizard is None
 
@@ -151,7 +151,7 @@ def test_a_watcher_looks_on(tmp_path: Path) -> None:
             ("questionnaire", {"questionnaire": "ux"}),
         ):
             reply = await peer.ask(kind, **fields)
-            assert reply["reason"] == "you are watching; another console plays the robot"
+            assert reply["reason"] == "this console only watches; another console plays the robot"
 
     hosted(tmp_path, scenario)
 
@@ -159,11 +159,11 @@ def test_a_watcher_looks_on(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("kind", "fields", "reason"),
     [
-        ("proposal", {"participant": "x y"}, "'x y' is no participant code"),
+        ("proposal", {"participant": "x y"}, "'x y' is not a valid participant code"),
         ("assign", {"participant": "P01", "order": []}, "each participant gets all conditions"),
-        ("trial", {"what": "done"}, "no trial is under way"),
+        ("trial", {"what": "done"}, "no trial is running"),
         ("trial", {"what": "finish"}, "Invalid enum value 'finish'"),
-        ("answer", {"questionnaire": "ux", "item": "x"}, "the questionnaire 'ux' is not under way"),
+        ("answer", {"questionnaire": "ux", "item": "x"}, "the questionnaire 'ux' is not open"),
         ("check", {"check": "x"}, "the preflight list has no 'x'"),
     ],
 )

@@ -43,7 +43,7 @@ async def test_it_begins_with_a_wizard_and_says_how_it_went(tmp_path: Path) -> N
         assert (await wizard.ask("action", action="Hello", source="key"))["ok"]
         await it.published(lambda line: isinstance(line, m.Notice) and "is over" in line.text)
         assert notices(it) == [
-            "training: 1 cue, the first one soon; nothing moves",
+            "training: 1 cue; the first comes soon; the robot does not move",
             "the training is over: 1 right",
         ]
         session.end()

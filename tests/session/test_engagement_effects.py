@@ -115,7 +115,7 @@ def test_what_waits_is_dropped_when_the_state_is_left(tmp_path: Path) -> None:
     assert "play" not in [verb for verb, _ in room.robot.calls]
     ends = room.of(m.ActionStopped)
     assert len(ends) == 3
-    assert "PersonDetected was left for EngagedWithUnknown" in ends[0].reason
+    assert "PersonDetected to EngagedWithUnknown" in ends[0].reason
 
 
 class Stumbling(Guide):

@@ -64,7 +64,7 @@ def test_what_the_model_had_begun_ends_with_it(tmp_path: Path) -> None:
         reload(room, replace(experiment, engagement=None))
         await asyncio.sleep(5)
         assert room.robot.calls == []
-        assert room.of(m.ActionStopped)[-1].reason == "the engagement model is gone"
+        assert room.of(m.ActionStopped)[-1].reason == "the engagement model was removed"
 
     in_room(tmp_path, scenario, experiment)
 
@@ -137,7 +137,7 @@ def test_what_waits_for_a_busy_robot_is_dropped_when_the_state_is_left(tmp_path:
         assert len(began) + len(late) <= 6
         assert late in ([], ["Hello"])
         reasons = {end.reason for end in room.of(m.ActionStopped)}
-        assert "Wait was left for PersonDetected" in reasons
+        assert "the state changed from Wait to PersonDetected" in reasons
 
     in_room(tmp_path, scenario, guided(tmp_path, PLAIN, effects))
 
@@ -168,6 +168,6 @@ def test_states_that_chase_each_other_are_left_in_peace(tmp_path: Path) -> None:
         room.tell("toggle", sign="presence")
         await asyncio.sleep(10)
         assert 10 < len(room.path) <= 40
-        assert [text for text in room.notices if "chase each other" in text]
+        assert [text for text in room.notices if "change in a loop" in text]
 
     in_room(tmp_path, scenario, guided(tmp_path, PLAIN, effects))

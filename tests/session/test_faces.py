@@ -64,7 +64,7 @@ def test_the_face_of_whoever_was_introduced_gets_the_name(tmp_path: Path) -> Non
 
 def test_a_face_that_was_not_learnt_is_told_of(tmp_path: Path) -> None:
     room = introduced(tmp_path, "Nobody")
-    assert "robot has not learnt the face of Nobody: nobody shows a face" in room.notices
+    assert "robot did not learn the face of Nobody: nobody shows a face" in room.notices
 
 
 def test_a_face_that_is_recognised_has_its_name_already(tmp_path: Path) -> None:

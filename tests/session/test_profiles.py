@@ -147,7 +147,7 @@ def test_a_reload_keeps_the_profile_also_when_it_is_gone_from_the_file(tmp_path:
             session.use_profile("child", "key")
 
     stage = on_stage(tmp_path, scenario)
-    assert "the profile child is not in the file any more, but still in use" in [
+    assert "the profile child was removed from the file, but is still in use" in [
         line.text for line in stage.lines if isinstance(line, m.Notice)
     ]
     changed = [line.profile for line in stage.lines if isinstance(line, m.ProfileChanged)]

@@ -64,14 +64,14 @@ def test_rows_are_used_equally_often_however_many_come(design: Design, count: in
 @settings(max_examples=60)
 @given(DESIGNS, st.lists(st.sampled_from(["done", "aborted", "fresh"]), max_size=14))
 def test_the_place_of_who_did_nothing_usable_is_given_again(
-    design: Design, fates: list[str]
+    design: Design, results: list[str]
 ) -> None:
     earlier: list[Past] = []
-    for number, fate in enumerate(fates):
+    for number, result in enumerate(results):
         proposal = one(f"P{number:02}", design, earlier)
-        earlier.append(past(proposal, begun=fate != "fresh", done=fate == "done"))
+        earlier.append(past(proposal, begun=result != "fresh", done=result == "done"))
         following = one("X1", design, earlier)
-        if fate == "aborted":
+        if result == "aborted":
             assert (following.row, following.order) == (proposal.row, proposal.order)
         elif design.order == "blocks":
             assert following.row != proposal.row
@@ -89,16 +89,14 @@ def test_who_comes_again_goes_on_where_they_stopped(design: Design, over: int) -
         assert again.condition == first.order[over // design.trials]
     else:
         assert again.condition == first.order[-1]
-    assert (
-        again.why == f"P01 goes on with their own order: {over} of {again.planned} trials are over"
-    )
+    assert again.why == f"P01 continues with their own order: {over} of {again.planned} trials done"
 
 
 def test_an_order_that_the_design_does_not_know_any_more_is_proposed_anew() -> None:
     old = Past("P01", ("a", "b"), "latin-square", 0, 1, begun=True, done=True)
     proposal = one("P01", Design(), [old])
     assert (proposal.row, proposal.trial) == (0, 1)
-    assert proposal.why.endswith("; the order that P01 had does not fit the design any more")
+    assert proposal.why.endswith("; the earlier order of P01 does not fit the present design")
 
 
 def test_orders_chosen_by_hand_count_for_the_row_that_has_them() -> None:
@@ -108,10 +106,7 @@ def test_orders_chosen_by_hand_count_for_the_row_that_has_them() -> None:
     assert other.order not in square
     proposal = one("P4", Design(), [*chosen, other])
     assert proposal.row == 1
-    assert (
-        proposal.why
-        == "row 1 was given to 0 participants so far, row 0 to 2, row 2 to 0, row 3 to 0"
-    )
+    assert proposal.why == "row 2 of 4: least used so far (0 participants)"
 
 
 def test_blocks_of_another_seed_have_left_all_places_free() -> None:
@@ -125,13 +120,13 @@ def test_blocks_of_another_seed_have_left_all_places_free() -> None:
 def test_why_says_how_often_and_names_no_condition() -> None:
     conditions = ("warmest", "coldest", "middling")
     square = propose("P01", Design(), conditions, [])
-    assert square.why == "row 0 was given to 0 participants so far, each of the others to 0 or more"
+    assert square.why == "row 1 of 6: least used so far (0 participants)"
     block = propose("P01", Design(order="blocks"), conditions, [])
-    assert block.why == "place 0 is the first that nobody has: number 1 of 3 in block 1"
+    assert block.why == "place 1 of 3 in block 1: the first free one"
     fixed = propose(
         "P02", Design(order="fixed"), conditions, [past(replace(block, order=conditions))]
     )
-    assert fixed.why == "everybody has the order of the file; 1 participant so far"
+    assert fixed.why == "all participants have the order of the file (1 participant so far)"
     for proposal in (square, block, fixed):
         assert not any(condition in proposal.why for condition in conditions)
 

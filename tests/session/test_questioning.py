@@ -110,12 +110,17 @@ def test_a_round_from_its_beginning_to_its_end(tmp_path: Path) -> None:
         ("pleasant", 6, {}, "expected a whole number from 1 to 5, not 6"),
         ("pleasant", 2.5, {}, "expected a whole number from 1 to 5, not 2.5"),
         ("pleasant", None, {}, "expected a whole number from 1 to 5, not None"),
-        ("pleasant", 3, {"text": "three"}, "'pleasant' is answered with a number"),
-        ("pleasant", None, {"skipped": True}, "'pleasant' wants an answer"),
-        ("else", 3, {}, "'else' is answered in words"),
+        ("pleasant", 3, {"text": "three"}, "'pleasant' needs a number as its answer"),
+        ("pleasant", None, {"skipped": True}, "'pleasant' needs an answer"),
+        ("else", 3, {}, "'else' needs a text as its answer"),
         ("else", None, {"text": " \n"}, "the answer is empty"),
-        ("else", None, {"text": "x" * (LONGEST + 1)}, "an answer has 10000 characters at most"),
-        ("else", None, {"text": "x", "skipped": True}, "what is left out has no answer"),
+        (
+            "else",
+            None,
+            {"text": "x" * (LONGEST + 1)},
+            "an answer can have at most 10000 characters",
+        ),
+        ("else", None, {"text": "x", "skipped": True}, "a skipped item cannot have an answer"),
     ],
 )
 def test_what_is_no_answer(
@@ -138,20 +143,20 @@ def test_what_cannot_be_asked(tmp_path: Path) -> None:
         return f"{caught.value.reason}; {caught.value.hint}"
 
     async def scenario(stage: Stage) -> None:
-        with pytest.raises(AskError, match="the questionnaire 'ux' is not under way"):
+        with pytest.raises(AskError, match="the questionnaire 'ux' is not open"):
             answer(stage, "pleasant", 3)
         assert why(stage, "xu", "begin") == (
             "there is no questionnaire 'xu'; there are each, ux, last, whenever"
         )
-        assert why(stage, "ux", "done") == "the questionnaire 'ux' is not under way; none is"
+        assert why(stage, "ux", "done") == "the questionnaire 'ux' is not open; none is"
         assert why(stage, "ux", "begin", "participant") == (
-            "the questionnaire 'ux' is not due yet; the wizard can begin it"
+            "the questionnaire 'ux' is not due yet; the wizard can start it"
         )
         ask(stage, "ux")
-        assert why(stage, "last", "begin") == "the questionnaire 'ux' is under way; end it first"
-        assert why(stage, "last", "done") == ("the questionnaire 'last' is not under way; 'ux' is")
+        assert why(stage, "last", "begin") == "the questionnaire 'ux' is open; end it first"
+        assert why(stage, "last", "done") == ("the questionnaire 'last' is not open; 'ux' is")
         assert why(stage, "ux", "done") == "1 item has no answer yet: pleasant; "
-        with pytest.raises(AskError, match="the questionnaire 'ux' is under way"):
+        with pytest.raises(AskError, match="the questionnaire 'ux' is open"):
             stage.session.study.assign("P01", ["warm", "cold"])
         ask(stage, "ux", "declined")
         assert "ux" in stage.session.study.state.had
@@ -194,7 +199,7 @@ def test_a_questionnaire_by_hand_inside_a_trial_belongs_to_it(tmp_path: Path) ->
         stage.session.study.trial("begin", "")
         ask(stage, "whenever")
         stage.session.study.trial("done", "")
-        with pytest.raises(AskError, match="the questionnaire 'whenever' is under way"):
+        with pytest.raises(AskError, match="the questionnaire 'whenever' is open"):
             stage.session.study.trial("begin", "")
 
     stage = on_stage(tmp_path, scenario)

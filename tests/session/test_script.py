@@ -96,7 +96,7 @@ def test_one_line_waits_at_the_most(tmp_path: Path) -> None:
         session.script_next(SPACE)
         await asyncio.sleep(0.1)
         for _ in range(20):
-            with pytest.raises(AskError, match="'Hello' still waits"):
+            with pytest.raises(AskError, match="'Hello' is still waiting"):
                 session.script_next(SPACE)
         await asyncio.sleep(1)
         session.script_next(SPACE)

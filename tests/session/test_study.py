@@ -46,8 +46,8 @@ def test_a_whole_participant(tmp_path: Path) -> None:
             study.trial("begin", "")
             study.trial("done", "")
         assert refused(stage, "begin") == (
-            "all 4 trials of P01 are over; choose the next participant,"
-            " or set the trial to run one again"
+            "all 4 trials of P01 are done; choose the next participant,"
+            " or set a trial number to repeat a trial"
         )
         stage.session.set(trial=2)
         study.trial("begin", "")
@@ -103,15 +103,15 @@ def test_refusals(tmp_path: Path) -> None:
         assert (
             refused(stage, "begin") == "no condition is set; choose the participant's order first"
         )
-        assert refused(stage, "done") == "no trial is under way; begin one"
-        assert refused(stage, "resume") == "there is no break"
-        assert refused(stage, "break", "break") == "there is a break already"
+        assert refused(stage, "done") == "no trial is running; start one"
+        assert refused(stage, "resume") == "no break is running"
+        assert refused(stage, "break", "break") == "a break is already running"
         stage.session.set(condition="cold")
         study.trial("begin", "")
-        assert refused(stage, "begin") == "trial 1 is under way; end it first"
-        with pytest.raises(AskError, match="trial 1 is under way"):
+        assert refused(stage, "begin") == "trial 1 is running; end it first"
+        with pytest.raises(AskError, match="trial 1 is running"):
             stage.session.set("P06")
-        with pytest.raises(AskError, match="trial 1 is under way"):
+        with pytest.raises(AskError, match="trial 1 is running"):
             study.assign("P06", ["warm", "cold"])
         stage.session.set("P05", trial=7)
 
@@ -127,11 +127,11 @@ def test_refusals(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("participant", "order", "reason"),
     [
-        ("Anna", ["warm", "cold"], "'Anna' does not match the experiment's pattern P\\d\\d"),
-        ("Anna B.", ["warm", "cold"], "'Anna B.' is no participant code"),
+        ("Anna", ["warm", "cold"], "'Anna' is not a code of this study"),
+        ("Anna B.", ["warm", "cold"], "'Anna B.' is not a valid participant code"),
         ("P01", ["warm", "hot"], "there is no condition 'hot'"),
-        ("P01", ["warm", "warm"], "a condition stands in the order twice"),
-        ("P01", ["warm"], "each participant gets all conditions; some are missing in the order"),
+        ("P01", ["warm", "warm"], "the order has a condition twice"),
+        ("P01", ["warm"], "each participant gets all conditions; the order lacks some"),
     ],
 )
 def test_orders_that_cannot_be_assigned(
@@ -154,7 +154,7 @@ def test_an_order_other_than_the_proposed_one_was_chosen_by_hand(tmp_path: Path)
 
     stage = on_stage(tmp_path, scenario)
     (line,) = (line for line in stage.lines if isinstance(line, m.ConditionsAssigned))
-    assert (line.method, line.row, line.why) == ("hand", -1, "chosen by hand")
+    assert (line.method, line.row, line.why) == ("hand", -1, "chosen by the wizard")
     assert said(stage, m.TrialStarted) == ["trial.started 1 cold"]
 
 
@@ -163,8 +163,8 @@ def test_a_proposal_says_which_logs_could_not_be_read(tmp_path: Path) -> None:
 
     async def scenario(stage: Stage) -> None:
         assert stage.session.study.propose("P01").why == (
-            "row 0 was given to 0 participants so far, row 1 to 0;"
-            " could not be read and is left out: 2026-02-01T10-00-00_S01.jsonl"
+            "row 1 of 2: least used so far (0 participants);"
+            " not counted because they cannot be read: 2026-02-01T10-00-00_S01.jsonl"
         )
 
     on_stage(tmp_path, scenario)
@@ -172,9 +172,9 @@ def test_a_proposal_says_which_logs_could_not_be_read(tmp_path: Path) -> None:
 
 def test_without_a_design_there_is_nothing_to_propose_but_trials_count(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
-        with pytest.raises(AskError, match="the experiment has no design"):
+        with pytest.raises(AskError, match="the file has no design"):
             stage.session.study.propose("P01")
-        with pytest.raises(AskError, match="the experiment has no design"):
+        with pytest.raises(AskError, match="the file has no design"):
             stage.session.study.assign("P01", [])
         for what in ("begin", "done", "begin", "aborted", "begin"):
             stage.session.study.trial(what, "")
@@ -209,7 +209,7 @@ def test_who_comes_again_goes_on_in_the_next_session(tmp_path: Path) -> None:
     assert said(stage, m.TrialStarted) == ["trial.started 4 warm"]
     (line,) = (line for line in stage.lines if isinstance(line, m.ConditionsAssigned))
     assert (line.method, line.row) == ("latin-square", 1)
-    assert line.why == "P02 goes on with their own order: 3 of 4 trials are over"
+    assert line.why == "P02 continues with their own order: 3 of 4 trials done"
 
 
 def test_participants_of_this_very_session_count(tmp_path: Path) -> None:
@@ -296,7 +296,7 @@ def test_a_variable_that_depends_on_the_condition_waits_for_one(tmp_path: Path) 
         with pytest.raises(AskError) as caught:
             stage.session.play("Greet", KEY)
         assert caught.value.reason == (
-            "{greeting} has no value yet: it depends on the condition, and none is set"
+            "{greeting} has no value yet: it depends on the condition, and no condition is set"
         )
         stage.session.set(condition="warm")
         with pytest.raises(AskError) as caught:
@@ -307,7 +307,7 @@ def test_a_variable_that_depends_on_the_condition_waits_for_one(tmp_path: Path) 
         only_warm = replace(stage.session.experiment, by_condition={"greeting": {"warm": "Hi"}})
         stage.session.adopt(only_warm, [])
         stage.session.set(condition="cold")
-        with pytest.raises(AskError, match="no text for the present one"):
+        with pytest.raises(AskError, match="no text for the present condition"):
             stage.session.play("Greet", KEY)
 
     stage = on_stage(tmp_path, scenario)

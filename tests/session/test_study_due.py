@@ -127,7 +127,7 @@ def test_nobody_gets_another_order_while_a_trial_is_under_way(tmp_path: Path) ->
     async def scenario(stage: Stage) -> None:
         assigned(stage)
         stage.session.study.trial("begin", "")
-        with pytest.raises(AskError, match="trial 1 is under way"):
+        with pytest.raises(AskError, match="trial 1 is running"):
             stage.session.study.assign("P01", ["cold", "warm"])
 
     assert said(on_stage(tmp_path, scenario), m.ConditionsAssigned) == ["condition.assigned"]

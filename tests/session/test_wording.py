@@ -148,7 +148,7 @@ def test_a_text_follows_the_condition(tmp_path: Path) -> None:
     async def scenario(stage: Played) -> None:
         with pytest.raises(AskError) as caught:
             await stage.play("Greet")
-        assert "depends on the condition, and none is set" in caught.value.reason
+        assert "depends on the condition, and no condition is set" in caught.value.reason
         assert stage.shown("Greet") == "..."
         stage.session.set(condition="cold")
         assert stage.shown("Greet") == "Hello."

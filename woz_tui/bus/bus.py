@@ -109,7 +109,7 @@ class Bus:
             requested_us=recorded.t,
         )
         if self.latched and command.driver not in self._unstopped:
-            ticket.refuse("stopped", "the stop is pressed", "release it first")
+            ticket.refuse("stopped", "the stop is pressed", "release the stop first")
         elif verb is None:
             ticket.refuse("unknown", self._unknown(command))
         elif verb.drives and self.unwatched:

@@ -195,8 +195,8 @@ class Lane:
         if self.faulted:
             ticket.refuse(
                 "faulted",
-                f"{self.driver_name} still hangs in its last job",
-                "wait until it recovers, or end the session and check the device",
+                f"{self.driver_name} does not respond: its last command has not ended",
+                "wait until it responds, or end the session and check the device",
             )
             return
         if ticket.verb.stream or when_busy == "replace":
@@ -248,7 +248,7 @@ class Lane:
             ticket, args = self._waiting.popleft()
             deadline = ticket.command.deadline_us
             if deadline and self._hub.now() > deadline:
-                ticket.refuse("late", "it waited too long")
+                ticket.refuse("late", "it was queued too long")
                 continue
             self._start(ticket, args)
 
@@ -317,7 +317,10 @@ class Lane:
         waiting = list(self._waiting)
         self._waiting.clear()
         for ticket, _ in waiting:
-            ticket.refuse("faulted", f"{self.driver_name} hangs in the job before it")
+            ticket.refuse(
+                "faulted",
+                f"{self.driver_name} does not respond: the previous command has not ended",
+            )
 
     def _ended(
         self, ticket: Ticket, task: asyncio.Task[Mapping[str, Json]], started_us: int
@@ -378,7 +381,7 @@ def _outcome(
 ) -> End:
     command = ticket.command.command
     if task.cancelled():
-        return Failed(command=command, driver=driver, reason="the driver gave the job up")
+        return Failed(command=command, driver=driver, reason="the driver cancelled the command")
     error = task.exception()
     if error is None:
         return Done(
@@ -399,7 +402,9 @@ def _outcome(
         command=command,
         driver=driver,
         reason=f"{type(error).__name__}: {error}",
-        remedy="this is a bug of the driver; the robot process's own log has its traceback",
+        remedy=(
+            "this is an error in the driver; the traceback is in the log file of the robot process"
+        ),
     )
 
 

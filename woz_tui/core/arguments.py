@@ -105,7 +105,9 @@ def _pose(path: str, argument: Argument, value: Json) -> dict[str, Json]:
         raise ArgumentError(f"{path} must be a pose: joints and seconds")
     unknown = set(value) - {"joints", "seconds"}
     if unknown:
-        raise ArgumentError(f"{path} has no {sorted(unknown)[0]!r}; a pose has joints and seconds")
+        raise ArgumentError(
+            f"{path} has no {sorted(unknown)[0]!r}; a pose has the keys joints and seconds"
+        )
     seconds = Argument("seconds", "seconds")
     pose: dict[str, Json] = {"joints": _joints(f"{path}.joints", argument, value.get("joints"))}
     if value.get("seconds") is not None:

@@ -24,6 +24,29 @@ def matches(pattern: str, code: str) -> bool:
         return re.fullmatch(pattern, code) is not None
 
 
+_PIECE = re.compile(r"(\\d|\[\w[^\]]*\]|\w)(?:\{(\d+)[,\d]*\}|([+*?]))?")
+
+
+def example(pattern: str) -> str:
+    """A code that matches, such as P01; empty if none is found for this pattern."""
+    code = ""
+    for piece in _PIECE.finditer(pattern):
+        one, times, many = piece.groups()
+        character = "0" if one == r"\d" else one.strip("[")[0]
+        code += character * (int(times) if times else 0 if many in ("*", "?") else 1)
+    try:
+        found = (each for each in ("P01", code[:-1] + "1", code) if matches(pattern, each))
+        return next(found, "")
+    except TimeoutError:
+        return ""
+
+
+def looks_like(pattern: str) -> str:
+    """What a code must look like, for a person."""
+    found = example(pattern)
+    return f"the code must look like {found}" if found else f"the code must match {pattern}"
+
+
 def is_slow(pattern: str) -> bool:
     """Whether a long code of one letter or digit cannot be compared in time."""
     try:

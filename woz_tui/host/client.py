@@ -238,7 +238,9 @@ class Client(asyncio.Protocol):
     def _line(self, line: bytes, since_us: int, overtaken: bool) -> None:
         left = self._transport is None or self._transport.is_closing()
         if len(line) > wire.MAX_LINE:
-            self.send(Reply(ref=0, ok=False, reason=f"a line may have {wire.MAX_LINE} bytes"))
+            self.send(
+                Reply(ref=0, ok=False, reason=f"a line can have at most {wire.MAX_LINE} bytes")
+            )
             self.close("line too long")
             return
         try:
@@ -250,8 +252,10 @@ class Client(asyncio.Protocol):
             return
         if overtaken and isinstance(request, AskRelease):
             # It was sent before the stop, and so not because of it.
-            reason = "a stop came behind it on the same connection"
-            self.send(Reply(ref=request.ref, ok=False, reason=reason, hint="release it again"))
+            reason = "a newer stop arrived on the same connection"
+            self.send(
+                Reply(ref=request.ref, ok=False, reason=reason, hint="release the stop again")
+            )
         elif not left or isinstance(request, LASTING):
             if not request.sent_us:
                 request = msgspec.structs.replace(request, sent_us=since_us)
@@ -293,7 +297,7 @@ class Client(asyncio.Protocol):
         transport, subscription = self._transport, self._subscription
         overrun = subscription is not None and subscription.overrun
         if transport and (overrun or transport.get_write_buffer_size() > MOST_WAITING):
-            self.close("too slow")
+            self.close("the client reads too slowly")
 
     def _collect(self) -> None:
         if self._subscription is not None and not self._paused:

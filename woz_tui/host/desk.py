@@ -93,12 +93,12 @@ class Desk:
                 Reply(
                     ref=request.ref,
                     ok=False,
-                    reason="you are watching; another console plays the robot",
-                    hint="`woz attach --take-over` to play it yourself",
+                    reason="this console only watches; another console plays the robot",
+                    hint="start `woz attach --take-over` to play the robot here",
                 )
             )
         elif client.role == PARTICIPANT and not isinstance(request, PARTICIPANT_MAY):
-            reason = "you can answer questionnaires here, and nothing else"
+            reason = "this console can only answer questionnaires"
             client.send(Reply(ref=request.ref, ok=False, reason=reason))
         elif isinstance(request, AskPicture):
             self._pictures.ask(client, request)
@@ -172,7 +172,7 @@ class Desk:
             case AskCheck(check=check, ok=ok, text=text):
                 study.check(check, ok, text, client.role)
             case _:
-                raise AskError(f"{type(request).__name__} cannot be asked here")
+                raise AskError(f"{type(request).__name__} cannot be used here")
 
     def _write(self, client: Client, request: AskMarker | AskNote | AskMistake) -> None:
         tells = self._tells(client)
@@ -217,7 +217,7 @@ class Desk:
             try:
                 call = call_with(call, self._session.values())
             except MissingError as error:
-                raise AskError(str(error), "write {{ and }} for braces that are meant") from error
+                raise AskError(str(error), "to write a brace, double it: {{ or }}") from error
         if tells := self._tells(client):
             call = dataclasses.replace(call, tells=tells, unfilled=dict.fromkeys(texts, "..."))
         return self._session.send(
@@ -236,7 +236,7 @@ class Desk:
         age_us = self._session.standstill.waited_us(request.sent_us)
         if isinstance(request, AskAction | AskVerb | AskScript | AskPhase):
             if request.stale:
-                return "stale: it came in a burst after the line had stalled"
+                return "too late: it arrived in a burst after the connection had stalled"
             age_us += max(0, request.age_us)
         return self._session.too_old(age_us)
 
@@ -253,7 +253,7 @@ class Desk:
         if len(waiting) < SLOW_WAITING:
             waiting.append(request)
         else:
-            reason = f"{SLOW_WAITING} requests of this kind are waiting already"
+            reason = f"too many requests of this kind are waiting ({SLOW_WAITING})"
             client.send(
                 Reply(ref=request.ref, ok=False, reason=reason, hint="wait for their answers")
             )
@@ -316,7 +316,7 @@ class Desk:
         reread = await asyncio.to_thread(self._session.reread, experiment, dry_run=dry_run)
         changes = [*difference.changes, *reread]
         telling = [*difference.telling, *reread]
-        instead.update(dict.fromkeys(telling, "a difference that may tell the condition"))
+        instead.update(dict.fromkeys(telling, "a change that could reveal the condition"))
         if self._session.ended:
             raise AskError("the session is ending")
         if not dry_run:

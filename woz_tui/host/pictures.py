@@ -64,22 +64,22 @@ class Pictures:
     def _refusal(self, client: Client, request: AskPicture) -> Reply | None:
         reason = hint = ""
         if client.role not in MAY:
-            reason = f"a {client.role} does not get to see pictures"
-            hint = "`woz attach --watch` shows them"
+            reason = f"a {client.role} cannot see camera pictures"
+            hint = "start `woz attach --watch` to see them"
         elif client in self._asking:
-            reason = "the picture you asked for before is still on its way"
+            reason = "the previous picture has not arrived yet"
         elif not (1 <= request.width <= MOST_PIXELS and 1 <= request.height <= MOST_PIXELS):
-            reason = f"a picture has from 1 x 1 to {MOST_PIXELS} x {MOST_PIXELS} pixels"
+            reason = f"a picture can have 1 x 1 to {MOST_PIXELS} x {MOST_PIXELS} pixels"
         elif not 0 < request.rate <= MOST_RATE:
-            reason = f"the rate is more than 0 and at most {MOST_RATE:g} pictures a second"
+            reason = f"the rate must be above 0 and at most {MOST_RATE:g} pictures a second"
         elif request.driver and request.driver not in self._session.drivers:
             reason = f"there is no driver {request.driver!r}"
         elif request.driver and request.driver not in self.cameras:
             reason = f"{request.driver} has no camera"
-            hint = f"these have one: {', '.join(self.cameras)}" if self.cameras else ""
+            hint = f"drivers with a camera: {', '.join(self.cameras)}" if self.cameras else ""
         elif not self.cameras:
             reason = "no driver of this session has a camera"
-            hint = "docs/camera.md says how to give it one"
+            hint = "docs/camera.md explains how to add one"
         return Reply(ref=request.ref, ok=False, reason=reason, hint=hint) if reason else None
 
     def _watch(self, client: Client, driver: str, request: AskPicture) -> None:
@@ -108,7 +108,7 @@ class Pictures:
     async def _shown(self, shown: PictureShown, request: AskPicture) -> PictureShown:
         found = await self._next(shown.driver, request.after)
         if found is None:
-            why = f"{shown.driver} gave no new picture within {WAIT_S:g} s"
+            why = f"{shown.driver} sent no new picture within {WAIT_S:g} s"
             return replace(shown, why=why)
         number, picture = found
         async with self._one:

@@ -42,11 +42,11 @@ def folder() -> Path:
     status = place.lstat()
     if not stat.S_ISDIR(status.st_mode):
         raise PlaceError(
-            f"{place} is no folder; the sockets of sessions belong there: remove it, or set"
+            f"{place} is not a folder, but sessions need a folder there: remove it, or set"
             " XDG_RUNTIME_DIR to another folder"
         )
     if status.st_uid != os.getuid():
-        raise PlaceError(f"{place} is not yours; remove it or set XDG_RUNTIME_DIR")
+        raise PlaceError(f"{place} belongs to another user; remove it or set XDG_RUNTIME_DIR")
     if stat.S_IMODE(status.st_mode) & 0o077:
         place.chmod(0o700)
     return place
@@ -141,16 +141,19 @@ def bind(path: Path) -> socket.socket:
         path.parent.mkdir(mode=0o700, exist_ok=True)
     except OSError as error:
         raise PlaceError(
-            f"no folder for sockets at {path.parent}: {error.strerror}; put a folder there, or set"
+            f"cannot create the folder {path.parent}: {error.strerror}; create it, or set"
             " WOZ_SOCKET elsewhere"
         ) from error
     if inode(path) is not None:
         if not path.is_socket():
-            raise PlaceError(f"{path} is there already and no socket; set WOZ_SOCKET elsewhere")
+            raise PlaceError(
+                f"{path} exists and is not a socket; remove it, or set WOZ_SOCKET to another path"
+            )
         if answers(path):
             raise PlaceError(
-                f"a robot process already listens at {path}; `woz attach` joins it, or choose"
-                " another --session"
+                f"session {path.stem} is running ({path}); join it with `woz attach"
+                f" {path.stem}`, or"
+                " choose another --session"
             )
         path.unlink()
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
@@ -160,7 +163,7 @@ def bind(path: Path) -> socket.socket:
         listener.listen(BACKLOG)
     except OSError as error:
         listener.close()
-        raise PlaceError(f"no socket at {path}: {error.strerror}") from error
+        raise PlaceError(f"cannot create the socket {path}: {error.strerror}") from error
     listener.setblocking(False)
     return listener
 

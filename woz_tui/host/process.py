@@ -228,7 +228,7 @@ async def _assign_proposed(session: Session) -> None:
         session.hub.publish(
             m.Notice(
                 level="warning",
-                text=f"{who.participant} has no order of conditions yet: {error.reason}",
+                text=f"{who.participant} has no order of conditions: {error.reason}",
                 remedy=error.hint or "choose the participant again",
             )
         )
@@ -277,7 +277,7 @@ def _leave_within(seconds: float) -> None:
     """No driver keeps the process, neither by blocking the loop nor by a job that goes on."""
 
     def leave() -> None:
-        log.error("a driver does not end; the process leaves without it")
+        log.error("a driver does not stop; the robot process ends without it")
         os._exit(1)
 
     timer = threading.Timer(seconds, leave)

@@ -58,7 +58,7 @@ def read_plan(options: RerunOptions, experiment: Experiment) -> Plan:
     except ValueError as error:
         raise AskError(str(error)) from error
     if not plan.sent:
-        raise AskError(f"{options.log}: there is no command in it that can be sent again")
+        raise AskError(f"{options.log}: this log has no command that can be sent again")
     return plan
 
 
@@ -135,7 +135,7 @@ class Rerun:
             "warning",
             f"the re-run of {self._plan.session or self._plan.name} begins in {seconds} s:"
             f" {counted(len(self._plan.sent), 'command')}, {counted(drives, 'drive')}",
-            "escape stops it for good",
+            "press escape to stop it",
         )
         self._player.begin()
 
@@ -166,7 +166,7 @@ class Rerun:
 
     def _unwatched(self) -> None:
         if self._player.under_way:
-            self._session.stop("nobody watches the re-run any more")
+            self._session.stop("no wizard's console is attached any more")
 
     # -- after -------------------------------------------------------------------------------
 

@@ -57,7 +57,7 @@ def drawn(
     size = picture.width * picture.height * 3
     if picture.width < 1 or picture.height < 1 or len(picture.rgb) != size:
         shape = f"{picture.width} x {picture.height}"
-        raise ValueError(f"a picture of {shape} pixels came in {len(picture.rgb)} bytes")
+        raise ValueError(f"a picture of {shape} pixels has {len(picture.rgb)} bytes")
     pixels = np.frombuffer(picture.rgb, np.uint8).reshape(picture.height, picture.width, 3)
     width, height = fitting(picture.width, picture.height, most_width, most_height)
     if wanted == "sixel":

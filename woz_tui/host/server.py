@@ -205,7 +205,7 @@ class Host:
             client.close("protocol")
             return
         if hello.role not in ROLES or client.hello is not None:
-            reason = "you said hello already" if client.hello else f"no role {hello.role!r}"
+            reason = "hello was already sent" if client.hello else f"no role {hello.role!r}"
             client.send(Reply(ref=hello.ref, ok=False, reason=reason, hint=", ".join(ROLES)))
             return
         if hello.stream not in STREAMS:
@@ -213,7 +213,7 @@ class Host:
             client.send(Reply(ref=hello.ref, ok=False, reason=reason, hint=", ".join(STREAMS)))
             return
         if hello.sees == "all" and hello.role != "program":
-            reason = "only a program sees all, and the wizard's screen names it"
+            reason = "only a program can see everything; the wizard's screen then shows its name"
             client.send(Reply(ref=hello.ref, ok=False, reason=reason, hint="role: program"))
             return
         client.hello = hello
@@ -242,7 +242,13 @@ class Host:
         if not hello.take_over and not present.silent:
             return "watcher"
         present.role = "watcher"
-        present.send(Reply(ref=0, ok=False, reason=f"{client.name} has taken over; you watch now"))
+        present.send(
+            Reply(
+                ref=0,
+                ok=False,
+                reason=f"{client.name} has taken over; this console now only watches",
+            )
+        )
         self.session.hub.publish(
             m.ConsoleLost(console=present.name, role="wizard", why="taken over")
         )
@@ -304,7 +310,7 @@ class Host:
         client.beat_us = self.session.hub.now()
         if client.silent == line_ok:
             client.silent = not line_ok
-            self._update_watch("the line to the wizard's terminal is dead")
+            self._update_watch("the connection to the wizard's terminal is lost")
 
     def _update_watch(self, why: str = "no wizard's console is attached") -> None:
         """Driving is allowed while a wizard watches, and ends the moment nobody does."""
@@ -328,7 +334,7 @@ class Host:
                 wizard.close("silent")
             elif silence > settings.dead_man and not wizard.silent:
                 wizard.silent = True
-                self._update_watch("the wizard's console is silent")
+                self._update_watch("the wizard's console does not respond")
         for client in self._clients:
             client.send(Pulse(t=now, dropped=client.dropped))
         if self.alone and now - self._alone_us > settings.abandon_after * 1_000_000:

@@ -90,9 +90,9 @@ class TrainingSession:
             case m.ConsoleAttached(role="wizard") if not self._begun:
                 self._begun = True
                 self._notice(
-                    f"training: {counted(len(self._cues), 'cue')}, the first one soon;"
-                    " nothing moves",
-                    "answer each with the right key; ctrl+q ends it",
+                    f"training: {counted(len(self._cues), 'cue')}; the first comes soon;"
+                    " the robot does not move",
+                    "answer each cue with the right key; ctrl+q ends the training",
                 )
                 loop = asyncio.get_running_loop()
                 self._starting = loop.call_later(WARNING_S, self._trainer.begin)

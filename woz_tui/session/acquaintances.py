@@ -74,7 +74,7 @@ class Acquaintances:
             self.look()
         first = min(_AT_ONCE_S, seconds)
         if not await self._clerk.waited(first) and seconds > first:
-            text = f"visitors: {self.path} does not answer; the end waits {seconds:g} s at most"
+            text = f"visitors: {self.path} does not respond; the session ends within {seconds:g} s"
             self._publish(m.Notice(level="warning", text=text))
             await self._clerk.waited(seconds - first)
         self._catch_up()
@@ -152,7 +152,7 @@ class Acquaintances:
             self._publish(
                 m.Notice(
                     level="warning",
-                    text=f"{visitor.name} stands in the file with {said}; it stays so",
+                    text=f"{visitor.name} is in the file with {said}; the file keeps this",
                     remedy="change it with `woz visitors`",
                     tells=("identity",),
                 )

@@ -62,7 +62,7 @@ class Asking:
             return
         carry = self._carry.get(ask.what)
         if carry is None:
-            raise AskError(f"nobody can be asked for {ask.what!r}")
+            raise AskError(f"a driver cannot ask for {ask.what!r}")
         carry(ask, origin)
         tell(True, "")
 

@@ -51,7 +51,7 @@ def _tell_keys(hub: Hub, experiment: Experiment) -> None:
         text = f"line {problem.place.line}, {problem.path}: {problem.message}"
         hub.publish(m.Notice(level="warning", text=text, tells=("condition",)))
     if len(odd) > _KEYS_TOLD:
-        text = f"{len(odd) - _KEYS_TOLD} more keys are other ones than the file says"
+        text = f"{len(odd) - _KEYS_TOLD} more keys differ from the file"
         remedy = f"woz check {experiment.path.name}"
         hub.publish(m.Notice(level="warning", text=text, remedy=remedy))
 

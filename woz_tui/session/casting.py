@@ -46,6 +46,6 @@ def make_drivers(
             drivers[spec.name] = catalogue[spec.type](spec.name, spec.settings, context)
         except (Exception, SystemExit) as error:
             raise PluginError(
-                f"the driver {spec.name!r} cannot be made: {type(error).__name__}: {error}"
+                f"the driver {spec.name!r} cannot be created: {type(error).__name__}: {error}"
             ) from error
     return drivers

@@ -47,7 +47,7 @@ class Crew:
                 m.DriverFaulted(
                     driver=name,
                     detail=f"it did not open: {problem}",
-                    remedy="the robot process's own log has the traceback",
+                    remedy="the traceback is in the log file of the robot process",
                 )
             )
 

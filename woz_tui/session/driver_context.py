@@ -195,4 +195,4 @@ class SessionDriverContext:
             self._loop.call_soon(self._deliver)
         elif self._dropped:
             dropped, self._dropped = self._dropped, 0
-            log.warning("%s says more than can be heard: %d left out", self._driver, dropped)
+            log.warning("%s sends too many messages: %d were dropped", self._driver, dropped)

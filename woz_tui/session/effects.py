@@ -64,7 +64,7 @@ class Effects:
 
     def gone(self) -> None:
         """There is no model any more. What waits is dropped, and another one begins anew."""
-        self._leave("the engagement model is gone")
+        self._leave("the engagement model was removed")
         self._runs.clear()
         self._left.clear()
         self._state = State.WAIT
@@ -73,7 +73,7 @@ class Effects:
 
     def entered(self, change: Change) -> None:
         """A state was entered."""
-        self._leave(f"{self._state} was left for {change.now}")
+        self._leave(f"the state changed from {self._state} to {change.now}")
         self._state = change.now
         calls = self._signals.entered(change.now)
         if not self._robot.may_move:
@@ -83,7 +83,7 @@ class Effects:
         if engagement is None:
             return
         if self._chased(change.t):
-            self._tell("states chase each other; what is played on entering them is left out")
+            self._tell("the states change in a loop; actions of on_enter are not played")
             return
         again = change.now == State.KNOWN and change.was in _TURNS
         action = engagement.effects.get(change.now)
@@ -174,7 +174,7 @@ class Effects:
         lasting = call.verb in LASTING
         older = self._shown.pop(kind, "")
         if older and lasting:
-            self._robot.runner.cancel(older, f"{self._state} has begun")
+            self._robot.runner.cancel(older, f"the state is now {self._state}")
         done: list[m.End] = []
 
         def ended(end: m.End) -> None:
@@ -190,7 +190,7 @@ class Effects:
 
     def _signalled(self, call: Call, end: m.End) -> None:
         if isinstance(end, m.Failed | m.TimedOut):
-            text = f"{call.driver} does not show {call.verb}: {end.reason}"
+            text = f"{call.verb} failed on {call.driver}: {end.reason}"
             self._tell(text, end.remedy, end.tells)
         elif isinstance(end, m.Refused) and end.code not in ("busy", "stopped"):
             text = f"{call.driver} refuses {call.verb}: {end.reason}"

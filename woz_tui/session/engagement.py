@@ -159,7 +159,7 @@ class LiveEngagement:
             m.Notice(
                 level="error",
                 text=f"the engagement model failed: {reason}",
-                remedy="the robot process's own log has the traceback",
+                remedy="the traceback is in the log file of the robot process",
             )
         )
         return True

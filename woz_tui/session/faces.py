@@ -28,8 +28,8 @@ def _learn(robot: Robot, driver: str, name: str) -> None:
             robot.hub.publish(
                 m.Notice(
                     level="warning",
-                    text=f"{driver} has not learnt the face of {name}: {end.reason}",
-                    remedy=f"play `{LEARN_FACE}: {name}` while they stand there",
+                    text=f"{driver} did not learn the face of {name}: {end.reason}",
+                    remedy=f"play `{LEARN_FACE}: {name}` while the visitor is there",
                     tells=IDENTITY,
                 )
             )

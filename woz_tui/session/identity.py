@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from woz_tui.experiment.pattern import SIMPLER, matches
+from woz_tui.experiment.pattern import SIMPLER, looks_like, matches
 
 if TYPE_CHECKING:
     from woz_tui.experiment.shape import Experiment
@@ -65,7 +65,7 @@ class Identity:
         if condition is not None and experiment.conditions:
             check_condition(condition, experiment.conditions)
         if trial is not None and trial < 0:
-            raise AskError("the trial is a number from 0 up")
+            raise AskError("the trial must be 0 or more")
         return replace(
             self,
             participant=self.participant if participant is None else participant,
@@ -77,7 +77,10 @@ class Identity:
 def check_code(code: str, what: str) -> None:
     """Raises `AskError` unless `code` may stand in a log and a file name."""
     if not CODE.fullmatch(code):
-        raise AskError(f"{code!r} is no {what} code", "1 to 16 letters and digits, never a name")
+        raise AskError(
+            f"{code!r} is not a valid {what} code",
+            "use 1 to 16 letters and digits, such as P07; do not use names",
+        )
 
 
 def check_participant(code: str, pattern: str) -> None:
@@ -89,11 +92,11 @@ def check_participant(code: str, pattern: str) -> None:
         fits = matches(pattern, code)
     except TimeoutError:
         raise AskError(
-            f"it takes too long to compare {code!r} with the experiment's pattern {pattern}",
+            f"comparing {code!r} with the file's pattern {pattern} takes too long",
             SIMPLER,
         ) from None
     if not fits:
-        raise AskError(f"{code!r} does not match the experiment's pattern {pattern}")
+        raise AskError(f"{code!r} is not a code of this study", looks_like(pattern))
 
 
 def check_condition(condition: str, known: tuple[str, ...]) -> None:

@@ -62,7 +62,7 @@ def _drivers(session: Session) -> list[Finding]:
         if isinstance(message, m.DriverConnected):
             findings.append(Finding("ok", name, message.detail or "ready"))
         elif message is None or isinstance(message, m.DriverConnecting):
-            findings.append(Finding("warning", name, "still looking for its hardware"))
+            findings.append(Finding("warning", name, "searching for its hardware"))
         else:
             findings.append(
                 Finding("error", name, message.detail or "not available", message.remedy)
@@ -86,7 +86,9 @@ def _sensors(session: Session) -> list[Finding]:
         if message is None:
             findings.append(Finding("warning", sensor, "no value yet"))
         elif session.hub.now() - message.t > FRESH_US:
-            findings.append(Finding("warning", sensor, "its last value is old", "check the device"))
+            findings.append(
+                Finding("warning", sensor, "its last value is too old", "check the device")
+            )
         else:
             findings.append(Finding("ok", sensor, _in_words(message)))
     return findings
@@ -94,7 +96,7 @@ def _sensors(session: Session) -> list[Finding]:
 
 def _in_words(message: m.Reading) -> str:
     if message.sensor.endswith("identity"):
-        return message.text or "nobody known"
+        return message.text or "nobody identified"
     if message.value is None:
         return "nothing measured"
     return f"{message.value:.3g} {message.unit}".strip()
@@ -128,5 +130,5 @@ def _identity(session: Session) -> Finding:
 
 def _stop(session: Session) -> Finding:
     if session.bus.latched:
-        return Finding("error", "stop", "the stop is pressed", "release it")
+        return Finding("error", "stop", "the stop is pressed", "release the stop")
     return Finding("ok", "stop", "released")

@@ -39,7 +39,7 @@ class Profiles:
         if name and name not in known:
             raise AskError(
                 f"there is no profile {name!r}",
-                f"there are {', '.join(known)}" if known else "the file names none",
+                f"there are {', '.join(known)}" if known else "the file has no profiles",
             )
         self.current = known[name] if name else None
         self._publish(m.ProfileChanged(profile=name, source=source))
@@ -52,7 +52,7 @@ class Profiles:
             return ""
         name = self.current.name
         if name not in experiment.profiles:
-            return f"the profile {name} is not in the file any more, but still in use"
+            return f"the profile {name} was removed from the file, but is still in use"
         self.current = experiment.profiles[name]
         return ""
 

@@ -10,9 +10,6 @@ from woz_tui.core.messages import Json
 from woz_tui.experiment.orders import Order, block_size, order_at, planned, rows
 from woz_tui.experiment.study import Design
 
-#: So many rows are told one by one.
-_FEW = 4
-
 
 @dataclass
 class Past:
@@ -107,11 +104,11 @@ def propose(
     own = next((each for each in past if each.participant == participant and each.method), None)
     if own is not None and used.fits(own.order):
         trials = planned(design, conditions)
-        why = f"{participant} goes on with their own order: {own.over} of {trials} trials are over"
+        why = f"{participant} continues with their own order: {own.over} of {trials} trials done"
         return _proposal(own, design, why)
     row, why = _free(used)
     if own is not None:
-        why += f"; the order that {participant} had does not fit the design any more"
+        why += f"; the earlier order of {participant} does not fit the present design"
     order = order_at(design, conditions, row)
     return _proposal(Past(participant, order, design.order, row), design, why)
 
@@ -136,20 +133,15 @@ def _free(used: Used) -> tuple[int, str]:
     if used.design.order == "blocks" and used.conditions:
         row = next(row for row in range(len(times) + 1) if not times[row])
         size = block_size(used.design, used.conditions)
-        return row, (
-            f"place {row} is the first that nobody has: number {row % size + 1} of {size}"
-            f" in block {row // size + 1}"
+        return (
+            row,
+            f"place {row % size + 1} of {size} in block {row // size + 1}: the first free one",
         )
     count = len(rows(used.design, used.conditions))
     row = min(range(count), key=lambda each: (times[each], each))
     if count == 1:
-        return row, f"everybody has the order of the file; {_people(times[row])} so far"
-    others = [each for each in range(count) if each != row]
-    if count <= _FEW:
-        rest = ", ".join(f"row {each} to {times[each]}" for each in others)
-    else:
-        rest = f"each of the others to {min(times[each] for each in others)} or more"
-    return row, f"row {row} was given to {_people(times[row])} so far, {rest}"
+        return row, f"all participants have the order of the file ({_people(times[row])} so far)"
+    return row, f"row {row + 1} of {count}: least used so far ({_people(times[row])})"
 
 
 def _people(count: int) -> str:

@@ -47,16 +47,16 @@ class Questioning:
     def _begin(self, name: str, source: str) -> None:
         current = self._study.questionnaire
         if current is not None:
-            raise AskError(f"the questionnaire {current.name!r} is under way", "end it first")
+            raise AskError(f"the questionnaire {current.name!r} is open", "end it first")
         known = {each.name: each for each in self._study.settings.questionnaires}
         if name not in known:
             raise AskError(
                 f"there is no questionnaire {name!r}",
-                f"there are {', '.join(known)}" if known else "the file has none",
+                f"there are {', '.join(known)}" if known else "the file has no questionnaires",
             )
         due = {each.questionnaire: each.trial for each in self._study.due}
         if source == PARTICIPANT and name not in due:
-            raise AskError(f"the questionnaire {name!r} is not due yet", "the wizard can begin it")
+            raise AskError(f"the questionnaire {name!r} is not due yet", "the wizard can start it")
         trial = self._study.trial.started.trial if self._study.trial is not None else -1
         self._publish(
             m.QuestionnaireStarted(
@@ -72,7 +72,7 @@ class Questioning:
         current = self._study.questionnaire
         if current is None or current.started is None or current.name != name:
             other = f"{current.name!r} is" if current is not None else "none is"
-            raise AskError(f"the questionnaire {name!r} is not under way", other)
+            raise AskError(f"the questionnaire {name!r} is not open", other)
         return current.started
 
     @property
@@ -136,24 +136,24 @@ def _as_asked(item: Item) -> dict[str, Any]:
 
 def _check_skipped(request: AskAnswer, item: Mapping[str, Any]) -> None:
     if not item.get("optional"):
-        raise AskError(f"{request.item!r} wants an answer", "or end it as declined")
+        raise AskError(f"{request.item!r} needs an answer", "or end it as declined")
     if request.value is not None or request.text:
-        raise AskError("what is left out has no answer")
+        raise AskError("a skipped item cannot have an answer")
 
 
 def _check_text(request: AskAnswer) -> None:
     if request.value is not None:
-        raise AskError(f"{request.item!r} is answered in words")
+        raise AskError(f"{request.item!r} needs a text as its answer")
     if not request.text.strip():
         raise AskError("the answer is empty")
     if len(request.text) > LONGEST:
-        raise AskError(f"an answer has {LONGEST} characters at most")
+        raise AskError(f"an answer can have at most {LONGEST} characters")
 
 
 def _check_value(request: AskAnswer, item: Mapping[str, Any]) -> None:
     low, high = int(item["low"]), int(item["high"])
     if request.text:
-        raise AskError(f"{request.item!r} is answered with a number")
+        raise AskError(f"{request.item!r} needs a number as its answer")
     value = request.value
     if value is None or value != round(value) or not low <= value <= high:
         raise AskError(f"expected a whole number from {low} to {high}, not {value}")

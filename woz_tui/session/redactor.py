@@ -28,7 +28,7 @@ from woz_tui.sensing.proxemics import ZONES
 #: What stands in the place of something hidden.
 HIDDEN = "hidden"
 #: What stands for words that tell something which is kept.
-_NOT_SHOWN = "{} may tell what is kept from you"
+_NOT_SHOWN = "{} is not shown: it could reveal what this study hides from you"
 #: How a sign of the engagement model says that it is hidden, or only known coarsely.
 KEPT, COARSE = "hidden", "blurred"
 #: The first schema whose messages say what they tell.
@@ -277,7 +277,7 @@ class Redactor:
         match message:
             case m.Notice(driver=driver, level=level):
                 words["text"] = f"{driver and f'{driver}: '}{_NOT_SHOWN.format(f'this {level}')}"
-                words["remedy"] = "the log has it"
+                words["remedy"] = "read it in the log after the session"
             case m.Done():
                 words |= {"sent": {}, "duration_us": 0}
             case m.End() | m.ActionEnd():
@@ -327,7 +327,7 @@ class Redactor:
     def _reloaded(self, message: m.ExperimentReloaded) -> m.Message:
         changes = [change for change in message.changes if change not in message.telling]
         if len(changes) < len(message.changes):
-            changes.append("and more, which may tell the condition")
+            changes.append("other changes, which could reveal the condition")
         return replace(message, changes=changes, telling=[])
 
     def _look(self, message: m.BodyChanged | m.SettingsShown) -> m.Message:

@@ -144,11 +144,15 @@ class Scripts:
                 if len(self._scripts) > 1 and not self._phase():
                     raise AskError("no phase holds", "begins one", command="phase_next")
                 raise AskError("there is no script", "add script: [...] to the file")
-            raise AskError("the script is at its end", "one line back", command="script_back")
+            raise AskError(
+                "the script has no more lines", "go one line back", command="script_back"
+            )
         for run, played in self._runs.items():
             if self._waits(run):
                 waiting = self._scripts[played.script].lines[played.line]
-                raise AskError(f"{waiting!r} still waits", "the next line when it has begun")
+                raise AskError(
+                    f"{waiting!r} is still waiting", "play the next line when this one has started"
+                )
         return script.lines[script.position]
 
     # -- what happens ------------------------------------------------------------------------------

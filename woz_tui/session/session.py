@@ -329,7 +329,7 @@ class Session:
     def too_old(self, age_us: int) -> str:
         """Why a press of this age is not played; empty if it may be."""
         if age_us > self.experiment.session.stale_after * 1_000_000:
-            return f"stale: the press was {age_us / 1_000_000:.1f} s old"
+            return f"too late: the key was pressed {age_us / 1_000_000:.1f} s ago"
         return ""
 
     def refuse(self, what: str, why: str) -> NoReturn:
@@ -387,7 +387,7 @@ class Session:
 
     def _withdraw(self, run: str) -> None:
         """Cut a line short that waits behind one that was not played."""
-        self._loop.call_soon(self.runner.cancel, run, "the line before it was not played")
+        self._loop.call_soon(self.runner.cancel, run, "the previous line was not played")
 
     # -- phases ------------------------------------------------------------------------------
 
@@ -456,7 +456,7 @@ class Session:
         if not wrong:
             raise AskError("nothing has been played yet")
         if wrong not in played:
-            raise AskError(f"nothing was played as {wrong!r}")
+            raise AskError(f"there is no action with the id {wrong!r}")
         self.hub.publish(m.Mistake(run=wrong, action=played[wrong], text=text, tells=tells))
 
     def set(

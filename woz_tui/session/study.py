@@ -131,7 +131,7 @@ class LiveStudy:
         found = self._earlier.read(experiment.title, experiment.path.name)
         proposal = propose(participant, design, experiment.conditions, found.past)
         if found.unreadable:
-            left_out = f"; could not be read and is left out: {', '.join(found.unreadable)}"
+            left_out = f"; not counted because they cannot be read: {', '.join(found.unreadable)}"
             proposal = replace(proposal, why=proposal.why + left_out)
         self._proposed[participant] = proposal
         return proposal
@@ -140,8 +140,8 @@ class LiveStudy:
         design = self._read().study.design
         if design is None:
             raise AskError(
-                "the experiment has no design",
-                "add one to the file, such as design: {order: latin-square}",
+                "the file has no design",
+                "add one to the file, for example design: {order: latin-square}",
             )
         return design
 
@@ -162,7 +162,7 @@ class LiveStudy:
                 order=order,
                 method=as_proposed.method if as_proposed else BY_HAND,
                 row=as_proposed.row if as_proposed else -1,
-                why=as_proposed.why if as_proposed else "chosen by hand",
+                why=as_proposed.why if as_proposed else "chosen by the wizard",
             )
         )
 
@@ -175,11 +175,11 @@ class LiveStudy:
         trial, questionnaire = self.state.trial, self.state.questionnaire
         if trial is not None:
             raise AskError(
-                f"trial {trial.started.trial} is under way", "end it first", command="trial"
+                f"trial {trial.started.trial} is running", "end it first", command="trial"
             )
         if questionnaire is not None:
             raise AskError(
-                f"the questionnaire {questionnaire.name!r} is under way",
+                f"the questionnaire {questionnaire.name!r} is open",
                 "end it first",
                 command="trial",
             )
@@ -193,15 +193,15 @@ class LiveStudy:
                 self._begin_trial()
             case "break":
                 if self.state.in_break is not None:
-                    raise AskError("there is a break already")
+                    raise AskError("a break is already running")
                 self._hub.publish(m.BreakStarted(text=text, tells=tells))
             case "resume":
                 if self.state.in_break is None:
-                    raise AskError("there is no break")
+                    raise AskError("no break is running")
                 self._end_break(text, tells)
             case _:
                 if self.state.trial is None:
-                    raise AskError("no trial is under way", "begin one", command="trial")
+                    raise AskError("no trial is running", "start one", command="trial")
                 self._end_break("")
                 self._end_trial(what, text, tells)
 
@@ -213,8 +213,8 @@ class LiveStudy:
         number = state.next_trial
         if number > state.planned > 0:
             raise AskError(
-                f"all {state.planned} trials of {state.participant} are over",
-                "choose the next participant, or set the trial to run one again",
+                f"all {state.planned} trials of {state.participant} are done",
+                "choose the next participant, or set a trial number to repeat a trial",
                 command="start",
             )
         condition = state.condition_of(number) or state.condition
@@ -258,8 +258,8 @@ def _check_order(order: list[str], design: Design, conditions: tuple[str, ...]) 
     for condition in order:
         check_condition(condition, conditions)
     if len(set(order)) < len(order):
-        raise AskError("a condition stands in the order twice")
+        raise AskError("the order has a condition twice")
     if design.within and len(order) < len(conditions):
-        raise AskError("each participant gets all conditions; some are missing in the order")
+        raise AskError("each participant gets all conditions; the order lacks some")
     if not design.within and len(order) != 1:
         raise AskError("each participant gets one condition")

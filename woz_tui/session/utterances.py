@@ -49,7 +49,8 @@ def no_value(refused: str) -> AskError:
     if refused.startswith(f"{{{VISITOR}}}"):
         return AskError(
             refused,
-            "nobody is known: say who stands there, or wait for a face or a handshake",
+            "the visitor is not identified: enter who it is, or wait for face recognition or"
+            " a handshake",
             command="engagement",
         )
     return AskError(refused, "choose participant and condition", command="start")

@@ -109,7 +109,7 @@ def waiting(condition: str) -> str:
     """Why what depends on the condition has no text; the condition is not named, since the wizard
     may not be told.
     """
-    waits = "the file has no text for the present one" if condition else "none is set"
+    waits = "the file has no text for the present condition" if condition else "no condition is set"
     return f"depends on the condition, and {waits}"
 
 

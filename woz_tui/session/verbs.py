@@ -17,7 +17,7 @@ from woz_tui.experiment.verbs import ENGAGEMENT, PERFORMERS, SESSION
 __all__ = ["ENGAGEMENT", "PERFORMERS", "SESSION", "VERBS", "SessionVerbs"]
 
 VERBS: tuple[Verb, ...] = (
-    Verb("mark", "put a marker into the log", (Argument("text", "text", "what it marks"),)),
+    Verb("mark", "put a marker into the log", (Argument("text", "text", "text of the marker"),)),
     Verb("note", "put a note into the log", (Argument("text", "text", required=True),)),
     Verb(
         "set",

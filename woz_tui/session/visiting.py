@@ -132,12 +132,12 @@ class Visiting:
         settings = self._settings.handshake
         voice = self._voice()
         if settings.by == "robot" and not voice:
-            self._notice("the robot cannot ask for a name: it has no voice")
+            self._notice("the robot cannot ask for a name: no driver speaks")
         elif settings.by != "robot":
-            self._notice("a visitor without a name: who is it?")
+            self._notice("a visitor has no name: who is it?")
         elif not self._robot.is_stopped:
             if not self._hears():
-                self._notice("the robot asks for a name, and nobody hears the answer")
+                self._notice("the robot asks for a name, but no device recognises the answer")
             self._introduction = Introduction(self._robot, settings, voice, self.known.is_taken)
             self._introduction.begin()
 
@@ -159,7 +159,7 @@ class Visiting:
             m.Notice(
                 level="info",
                 text=f"handshake: {text}",
-                remedy="`visitor` gives a name, `handshake: fail` goes on without one",
+                remedy="use `visitor` to give a name, or `handshake: fail` to continue without one",
                 tells=("engagement",),
             )
         )

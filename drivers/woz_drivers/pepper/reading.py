@@ -116,7 +116,8 @@ class Reading:
             self._context.notice(
                 "error",
                 f"settings of {part} cannot be read: {error!r}",
-                "this is a bug of the driver; the robot process's own log has its traceback",
+                "this is an error in the driver; the traceback is in the log file of the"
+                " robot process",
             )
 
     def _tell(self, values: dict[str, Json], wanted: dict[str, Json], against: list[str]) -> None:

@@ -162,10 +162,10 @@ async def test_five_a_second_at_most_and_one_at_a_time() -> None:
 async def test_a_camera_that_falls_silent_is_stale_and_says_why() -> None:
     async with watching() as (seat, robot):
         await seen(seat, robot, 2)
-        robot.why = "head gave no new picture within 1 s"
+        robot.why = "head sent no new picture within 1 s"
         await go_on(seat, lambda: "stale" in words(seat), "that it is stale")
         assert float(words(seat).split()[2]) >= STALE_S
-        assert "head gave no new picture" in words(seat)
+        assert "head sent no new picture" in words(seat)
         await seat.tell(
             m.DriverLost(
                 driver="head",

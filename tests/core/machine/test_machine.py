@@ -90,14 +90,14 @@ def test_the_serial_group_is_judged_for_whoever_runs_this() -> None:
 
 def test_syncs_are_measured_and_leave_nothing_behind(tmp_path: Path) -> None:
     finding = storage.sync_time(tmp_path, writes=3)
-    assert "safe on disk in" in finding.text
+    assert "written to disk in" in finding.text
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_folder_still_to_be_made_is_measured_above(tmp_path: Path) -> None:
     later = tmp_path / "study" / "recordings"
     assert storage.nearest(later) == tmp_path
-    assert "safe on disk" in storage.sync_time(later, writes=1).text
+    assert "written to disk" in storage.sync_time(later, writes=1).text
     assert not later.exists()
 
 

@@ -83,8 +83,8 @@ def test_the_environment_is_judged(environ: dict[str, str], levels: dict[str, st
         ("10", "tmux 3.5a", "ok", "10 ms"),
         ("0", "tmux 2.9", "ok", "0 ms"),
         (None, "tmux 3.3a", "info", "older than 3.5"),
-        ("soon", "tmux next-3.6", "info", "does not say"),
-        (None, None, "info", "does not say"),
+        ("soon", "tmux next-3.6", "info", "does not report"),
+        (None, None, "info", "does not report"),
     ],
 )
 def test_tmux_must_not_hold_the_stop_back(

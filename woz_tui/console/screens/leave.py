@@ -50,7 +50,7 @@ def cut_off(study: Study) -> list[str]:
     """What the end of the session would cut off, a sentence each."""
     found: list[str] = []
     if study.trial is not None:
-        found.append(f"trial {study.trial.number} is under way: the end makes it aborted")
+        found.append(f"trial {study.trial.number} is running: the end makes it aborted")
     if study.asked is not None:
         asked = study.asked
         count = f"{asked.answered} of {len(asked.items)} answered"

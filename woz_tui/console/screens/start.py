@@ -14,9 +14,10 @@ from woz_tui.console.glyphs import Glyphs
 from woz_tui.console.screens.dialog import Form, content, plain
 from woz_tui.console.screens.trial import order_row
 from woz_tui.core.requests import AskAssign, AskProposal, AskSet, Reply
+from woz_tui.experiment.pattern import example
 
 #: What a code may look like if the experiment file does not say.
-PATTERN = "[A-Za-z0-9]{1,16}"
+PATTERN = r"P\d\d"
 
 
 def wrong_trial(text: str) -> str:
@@ -105,7 +106,7 @@ class StartDialog(Form):
         picture = self.picture
         yield Static("Code of the participant (never a name)", classes="caption")
         yield Input(clean(self._present()), placeholder=clean(self._pattern()), id="participant")
-        own = Static("Order; another one is written instead", classes="caption", id="order-caption")
+        own = Static("Order (edit to override)", classes="caption", id="order-caption")
         for field in (Static("", id="proposal"), own, Input(id="order")):
             field.display = False
             yield field
@@ -127,7 +128,8 @@ class StartDialog(Form):
         return self.picture.participant or self.picture.before
 
     def _pattern(self) -> str:
-        return self.picture.settings.participant_pattern or PATTERN
+        found = example(self.picture.settings.participant_pattern or PATTERN)
+        return f"e.g. {found}" if found else ""
 
     # -- what is proposed -----------------------------------------------------------------------
 

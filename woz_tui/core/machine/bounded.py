@@ -33,7 +33,7 @@ def bounded(subject: str, check: Check, seconds: float = 5.0) -> list[Finding]:
         return [Finding("error", subject, f"no answer within {seconds:g} s")]
     if failed:
         what = f"{type(failed[0]).__name__}: {failed[0]}"
-        return [Finding("error", subject, f"could not be checked: {what}")]
+        return [Finding("error", subject, f"cannot be checked: {what}")]
     return found
 
 

@@ -29,10 +29,12 @@ def _port(link: Path) -> Finding:
     target = link.resolve()
     if not target.exists():
         return Finding(
-            "warning", link.name, f"leads to {target}, which is gone", "plug it in again"
+            "warning", link.name, f"points to {target}, which does not exist", "plug it in again"
         )
     if not os.access(target, os.R_OK | os.W_OK):
-        return Finding("error", link.name, f"you may not open {target}", _join_group())
+        return Finding(
+            "error", link.name, f"you have no permission to open {target}", _join_group()
+        )
     return Finding("ok", link.name, str(target))
 
 
@@ -43,11 +45,11 @@ def serial_group() -> list[Finding]:
     except KeyError:
         return [Finding("info", "serial access", f"this system has no group {GROUP}")]
     if os.geteuid() == 0:
-        return [Finding("ok", "serial access", "root may open every port")]
+        return [Finding("ok", "serial access", "root can open every port")]
     if group.gr_gid in {os.getegid(), *os.getgroups()}:
         return [Finding("ok", "serial access", f"you are in the group {GROUP}")]
     if _user() in group.gr_mem:
-        text = f"you are in the group {GROUP}, but this login began before you were"
+        text = f"you are in the group {GROUP}, but you logged in before you were added"
         return [Finding("warning", "serial access", text, "log out and in again")]
     text = f"you are not in the group {GROUP}: serial ports will refuse you"
     return [Finding("warning", "serial access", text, _join_group())]

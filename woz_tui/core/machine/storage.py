@@ -25,7 +25,7 @@ def free_space(folder: Path) -> Finding:
     try:
         free = shutil.disk_usage(nearest(folder)).free
     except OSError as error:
-        return Finding("error", "disk", f"{folder} cannot be asked: {error.strerror}")
+        return Finding("error", "disk", f"{folder} cannot be read: {error.strerror}")
     text = f"{free / 1e9:.1f} GB free for {folder}"
     if free < LEAST_FREE:
         return Finding("error", "disk", text, "make room before the session")
@@ -44,12 +44,16 @@ def sync_time(folder: Path, writes: int = 20, seconds: float = 2.0) -> Finding:
         times = _measure(place, writes, seconds)
     except OSError as error:
         remedy = "choose another folder with --recordings, or change its rights"
-        return Finding("error", "recordings", f"{place} takes no file: {error.strerror}", remedy)
+        return Finding(
+            "error", "recordings", f"{place} cannot be written to: {error.strerror}", remedy
+        )
     worst = max(times)
-    text = f"safe on disk in {statistics.median(times) * 1e3:.1f} ms, at worst {worst * 1e3:.1f} ms"
+    text = (
+        f"written to disk in {statistics.median(times) * 1e3:.1f} ms, at worst {worst * 1e3:.1f} ms"
+    )
     if worst < SLOW_SYNC:
         return Finding("ok", "recordings", text)
-    remedy = "record to a faster disk (--recordings), not to an old SD card or a network folder"
+    remedy = "record to a faster disk (--recordings); old SD cards and network folders are too slow"
     return Finding("error" if worst >= ALARMING_SYNC else "warning", "recordings", text, remedy)
 
 

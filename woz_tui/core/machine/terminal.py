@@ -50,7 +50,7 @@ def _characters() -> Finding:
     charset = locale.nl_langinfo(locale.CODESET)
     if charset.upper().replace("-", "") == "UTF8":
         return Finding("ok", "characters", charset)
-    text = f"{charset}: umlauts and bars will be garbled"
+    text = f"{charset}: letters with accents and bars will be wrong"
     return Finding("warning", "characters", text, "export LANG=C.UTF-8")
 
 
@@ -62,7 +62,7 @@ def _colours(environ: Mapping[str, str]) -> Finding:
         return Finding("ok", "colours", "16 million")
     if "256color" in term or term in {"xterm-kitty", "alacritty", "foot", "xterm-ghostty"}:
         return Finding("ok", "colours", "256")
-    return Finding("info", "colours", "16 or fewer; states are told by glyph and word as well")
+    return Finding("info", "colours", "16 or fewer; states also have a symbol and a word")
 
 
 def size() -> Finding:
@@ -128,13 +128,15 @@ def keyboard(descriptor: int, seconds: float) -> Finding:
     """
     answer = _ask(descriptor, b"\x1b[?u\x1b[c", _STATUS, seconds)
     if _KITTY.search(answer):
-        text = "tells all keys apart (kitty keyboard protocol)"
+        text = "can distinguish all keys (kitty keyboard protocol)"
         return Finding("ok", "keys", text)
     if _STATUS.search(answer):
-        text = "plain: ctrl+digits, shift+enter and alt+letters cannot be told from others"
-        return Finding("info", "keys", text, "`woz check FILE` lists what each key sends")
-    text = f"the terminal did not answer within {seconds:g} s; taken as plain"
-    return Finding("warning", "keys", text, "`woz check FILE` lists what each key sends")
+        text = (
+            "plain: it cannot distinguish ctrl+digits, shift+enter and alt+letters from other keys"
+        )
+        return Finding("info", "keys", text, "`woz check FILE --keys` lists what each key sends")
+    text = f"the terminal did not respond within {seconds:g} s; assumed to be plain"
+    return Finding("warning", "keys", text, "`woz check FILE --keys` lists what each key sends")
 
 
 def line(descriptor: int, seconds: float, times: int = 5) -> Finding:
@@ -191,11 +193,11 @@ def tmux_escape(wait: str | None, version: str | None) -> Finding:
     number = re.search(r"(\d+)\.(\d+)", version or "")
     old = number is not None and (int(number[1]), int(number[2])) < TMUX
     if wait is None or not wait.isdecimal():
-        level, text = "info", "tmux does not say how long it holds escape back"
+        level, text = "info", "tmux does not report how long it delays escape"
     elif int(wait) <= ESCAPE_TIME:
         return Finding("ok", "tmux", f"passes escape, the stop, on after {wait} ms")
     else:
-        level, text = "warning", f"tmux holds escape, the stop, back for {wait} ms"
+        level, text = "warning", f"tmux delays escape, the stop, by {wait} ms"
     if old:
         text += f" ({version} is older than 3.5, whose own setting is short)"
     remedy = "set -sg escape-time 10 in ~/.tmux.conf; at once: tmux set -sg escape-time 10"

@@ -47,10 +47,10 @@ def synchronised() -> Finding:
         answer = output_of(["timedatectl", "show", "--property=NTPSynchronized", "--value"])
         synced = {"yes": True, "no": False}.get(answer or "")
     if synced is None:
-        return Finding("info", "time server", "neither kernel nor timedatectl says")
+        return Finding("info", "time server", "neither the kernel nor timedatectl reports it")
     if synced:
         return Finding("ok", "time server", "the clock is synchronised")
-    text = "the clock is not synchronised: logs of several machines will not line up"
+    text = "the clock is not synchronised: logs of several machines will have different times"
     return Finding("warning", "time server", text, _SET_NTP)
 
 

@@ -15,7 +15,7 @@ from woz_tui.core import messages as m
 from woz_tui.core.driver import DriverError, Health, Job
 from woz_tui.core.messages import Json
 from woz_tui.experiment.engagement import STATES, EngagementSettings
-from woz_tui.experiment.shape import Profile, Wait
+from woz_tui.experiment.shape import Choice, Profile, Wait
 from woz_tui.session.signals import SIGNALS
 
 KNOWN = "EngagedWithKnown"
@@ -200,6 +200,22 @@ def test_while_stopped_nothing_is_played_and_then_what_lasts_is_shown_again(
     shown = [verb for verb, _ in room.robot.calls if verb not in ("stop", "rest", "close")]
     assert sorted(shown) == ["eyes", "screen"]
     assert ("eyes", {"color": "red"}) in room.robot.calls
+
+
+def test_what_is_shown_again_after_a_stop_is_chosen_and_filled_in(tmp_path: Path) -> None:
+    by_condition = Choice({"warm": ("{shade}-red",), "cold": ("blue",)})
+    eyes = replace(call("eyes"), choices={"color": by_condition})
+    experiment = guided(tmp_path, SHOWING, effect("PersonDetected", together(eyes)))
+
+    async def scenario(room: Room) -> None:
+        room.session.stop("key")
+        room.tell("force", to="PersonDetected")
+        await asyncio.sleep(1)
+        room.session.release("key")
+        await asyncio.sleep(1)
+
+    room = in_room(tmp_path, scenario, replace(experiment, variables={"shade": "dark"}))
+    assert ("eyes", {"color": "dark-red"}) in room.robot.calls
 
 
 def test_what_fails_is_told_once(tmp_path: Path) -> None:

@@ -114,7 +114,8 @@ class Effects:
             return []
         engagement = self._robot.experiment().engagement
         action = engagement.effects.get(self._state) if engagement else None
-        calls = [*self._signals.entered(self._state), *(action.calls if action else ())]
+        own = self._robot.wording.calls(action) if action else ()
+        calls = [*self._signals.entered(self._state), *own]
         return [call for call in calls if call.verb in LASTING]
 
     def ended(self, end: m.ActionEnd) -> None:

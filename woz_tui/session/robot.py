@@ -12,6 +12,7 @@ from woz_tui.core.hub import Hub
 from woz_tui.experiment.shape import Call, Experiment
 from woz_tui.experiment.verbs import ENGAGEMENT
 from woz_tui.session.runner import Origin, Runner
+from woz_tui.session.wording import Wording
 
 #: Whose hand it is, in the log.
 ORIGIN = Origin(ENGAGEMENT)
@@ -35,6 +36,7 @@ class Robot:
     #: They come later: what the model offers belongs on the bus, too.
     bus: Bus = field(init=False)
     runner: Runner = field(init=False)
+    wording: Wording = field(init=False)
 
     @property
     def is_stopped(self) -> bool:

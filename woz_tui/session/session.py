@@ -164,7 +164,7 @@ class Session:
             self.experiment.session.deadline,
             shaper=Shaper(self.hub, self.identity.seed),
         )
-        robot.bus, robot.runner = self.bus, self.runner
+        robot.bus, robot.runner, robot.wording = self.bus, self.runner, self.wording
         self._by_name = by_name
         self._asking = Asking(
             {

@@ -13,7 +13,7 @@ from woz_tui.core import messages as m
 from woz_tui.core.hub import Hub
 from woz_tui.experiment.shape import Action, Call, Experiment, Together, Wait
 from woz_tui.experiment.template import VISITOR
-from woz_tui.session.variables import Values, call_with
+from woz_tui.session.variables import MissingError, Values, call_with
 
 #: Actions in one line of the log, which may have 1 MiB.
 AT_ONCE = 100
@@ -82,6 +82,14 @@ class Wording:
             # Whatever the condition: that something is told must not depend on it.
             self._tell([action])
         return steps
+
+    def calls(self, action: Action) -> list[Call]:
+        """All calls of an action as they would be sent now; none while a value is missing."""
+        try:
+            steps = self._steps(action, self._values(), set())
+        except MissingError:
+            return []
+        return [call for step in steps if isinstance(step, tuple) for call in step]
 
     def tell(self) -> None:
         """Tell consoles of every action."""

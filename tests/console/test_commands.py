@@ -50,8 +50,8 @@ async def test_what_the_palette_lists_it_does(command: Command) -> None:
 
         def state() -> tuple[object, ...]:
             bar = seat.text("StopBar")
-            panels = seat.console._panels.text
-            return (type(seat.console.dialog), seat.console.theme, bar, panels)
+            panels, events = seat.console._panels.text, seat.text("Events")
+            return (type(seat.console.dialog), seat.console.theme, bar, panels, events)
 
         before, asked = state(), len(seat.feed.asked)
         await chosen(seat, command.words)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from tests.console import engaged, scenes
 from woz_tui.console.cells import Row, length
 from woz_tui.console.engagement.bars import distance_bar, queue_bar
-from woz_tui.console.engagement.words import LONG_US, SLOW_US, waiting
+from woz_tui.console.engagement.words import LONG_US, SLOW_US, standing
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
 from woz_tui.console.meters import meter_rows
 from woz_tui.console.state import ConsoleState
@@ -53,9 +53,8 @@ def sign(**other: object) -> m.SignShown:
 @pytest.mark.parametrize("frame", [LOW, MIDDLE, HIGH], ids=["6", "11", "30"])
 def test_the_state_stands_first_and_the_order_is_fixed(frame: Frame) -> None:
     shown = meters(engaged.waits(), *scenes.sensors(), frame=frame).splitlines()
-    assert shown[0].startswith(" ● RobotThinks 00:03  v12")
-    assert "visitor waits 3.2 s" in shown[1]
-    wanted = ("RobotThinks", "waits", "person", "near", "0.84 m personal", "loudness")
+    assert "waits for your answer, 3.2 s" in shown[0]
+    wanted = ("waits", "person", "near", "0.84 m personal", "loudness")
     places = [next(y for y, line in enumerate(shown) if word in line) for word in wanted]
     assert places == sorted(places)
 
@@ -75,7 +74,7 @@ def test_nothing_moves_when_the_visitor_goes() -> None:
         here = meters(engaged.waits(), *scenes.sensors(), frame=frame).splitlines()
         away = meters(gone, *scenes.sensors(), frame=frame).splitlines()
         assert len(here) == len(away)
-        assert away[0].startswith(" ○ Wait")
+        assert away[0].startswith(" ○ nobody there")
         for word in ("person", "near", "distance", "loudness"):
             assert [word in line for line in here] == [word in line for line in away]
 
@@ -84,10 +83,9 @@ def test_a_high_screen_has_a_row_for_everything() -> None:
     rows = [engaged.waits(), *engaged.way(), *engaged.talk(), *scenes.sensors()]
     names = [line.split()[0] for line in meters(*rows).splitlines()]
     signs = ["person", "looks", "near", "who?"]
-    block = ["●", "now", "path", "why", *signs, "distance", "loudness", "heard"]
+    block = ["▲", "now", "why", *signs, "distance", "loudness", "heard"]
     assert names[: len(block)] == block
     shown = meters(*rows)
-    assert "Handshake → Known → User → Thinks" in shown
     assert "speech has ended" in shown
     assert "2 s ago “where is the roman glass”" in shown
     assert "● yes 5 of 8" in shown
@@ -127,26 +125,33 @@ def test_a_wait_grows_louder_with_a_sign(
     seconds: float, glyph: str, look: str, glyphs: Glyphs
 ) -> None:
     picture = pictured(engaged.waits(seconds))
-    found = waiting(picture.engaged, NOW, glyphs)
-    assert found is not None
+    assert picture.engaged.shown is not None
+    (found,) = standing(picture.engaged, picture.engaged.shown, NOW, glyphs, 80)
     assert found[0].startswith(str(getattr(glyphs, glyph)))
     assert found[1] == look
+    assert found[0].isascii() or glyphs is UNICODE
     assert SLOW_US < LONG_US
     assert len({glyphs.waits, glyphs.warning, glyphs.error}) == 3
 
 
 def test_the_wait_goes_on_between_messages() -> None:
     picture = pictured(engaged.waits(1.0))
-    for later, wanted in ((0, "1.0 s"), (700_000, "1.7 s"), (9_000_000, "10.0 s")):
+    for later, wanted in (
+        (0, "1.0 s"),
+        (700_000, "1.7 s"),
+        (9_000_000, "10 s"),
+        (274_000_000, "04:35"),
+    ):
         rows = meter_rows(picture, Frame(50, 30, NOW + later))
-        assert f"visitor waits {wanted}" in text(rows)
+        assert f"visitor v12 waits for your answer, {wanted}" in text(rows)
     assert picture.moves(NOW)
     assert not pictured(engaged.shown()).moves(NOW)
 
 
 def test_what_was_heard_stands_beside_the_wait_where_room_is_short() -> None:
     shown = meters(engaged.waits(), *engaged.talk(), frame=LOW).splitlines()
-    assert shown[1].startswith(" ▲ waits 3.2 s  “where is the roman")
+    assert shown[0].startswith(" ▲ waits for your answer, 3.2 s")
+    assert "“where is the roman" in shown[1]
 
 
 def test_an_open_segment_is_timed_beside_the_level() -> None:
@@ -212,7 +217,7 @@ def test_who_waits_and_is_not_seen_any_more_is_said_to_be_so() -> None:
     gone = msgspec.structs.replace(engaged.signs()["presence"], verdict=0, count=0)
     assert "not seen" not in meters(engaged.waits())
     for frame in (LOW, MIDDLE, HIGH):
-        assert "waits 3.2 s, not seen" in meters(
+        assert "3.2 s, not seen" in meters(
             engaged.waits(signs=engaged.signs(presence=gone)), frame=frame
         )
 
@@ -237,8 +242,8 @@ def test_a_lost_robot_process_leaves_no_verdict_and_no_clock() -> None:
     picture = pictured(engaged.waits())
     picture.lose("gone")
     shown = text(meter_rows(picture, HIGH))
-    assert shown.startswith(" ~ RobotThinks")
-    assert "waits" not in shown
+    assert shown.startswith(" ~ visitor v12")
+    assert "3.2 s" not in shown
     assert "● yes" not in shown
     assert not picture.moves(NOW)
 
@@ -266,7 +271,9 @@ def test_only_an_unusual_attention_is_told() -> None:
 
 
 def test_the_attempts_of_a_handshake_are_counted() -> None:
-    assert "Handshake 00:12 attempt 2" in meters(engaged.shown("Handshake", attempt=2))
+    assert "visitor is asked for a name 00:12 attempt 2" in meters(
+        engaged.shown("Handshake", attempt=2)
+    )
 
 
 # -- bars -----------------------------------------------------------------------------------------

@@ -118,7 +118,7 @@ def test_everything_is_in_the_picture() -> None:
     for part in (
         "○ RobotThinks  00:03",
         "visitor v12 (adult)  attention SemiEngaged",
-        "▲ visitor waits 3.2 s   3 of 10 s to answer",
+        "▲ visitor v12 waits for your answer, 3.2 s   3 of 10 s to answer",
         "presence  yes             fifo",
         "distance  0.84 m personal median",
         "○ no      2 of 8, needs 4",

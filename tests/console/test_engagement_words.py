@@ -12,7 +12,7 @@ from tests.console.dialogs import opened
 from tests.console.driving import sitting
 from woz_tui.console.cells import length
 from woz_tui.console.engagement.orders import is_order, order_words
-from woz_tui.console.engagement.words import SHORT, path, short
+from woz_tui.console.engagement.words import SENTENCES, SHORT, path, sentence, short
 from woz_tui.console.events import event_row
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame
 from woz_tui.console.screens.preflight import sign_findings
@@ -46,9 +46,9 @@ def line(message: m.AnyMessage) -> tuple[str, str, str]:
 def test_a_change_is_a_line_and_a_forced_one_is_marked() -> None:
     """E7: what the wizard forced is marked."""
     change = engaged.changed("Wait", "PersonDetected", "human_presence", "present", 0)
-    assert line(change) == ("info", "PersonDetected", "present")
+    assert line(change) == ("info", "somebody there, not engaged", "present")
     forced = msgspec.structs.replace(change, forced=True)
-    assert line(forced) == ("forced", "PersonDetected", "by hand: present")
+    assert line(forced) == ("forced", "somebody there, not engaged", "by hand: present")
     for hand in ("forced", "stepped"):
         by_name = msgspec.structs.replace(forced, why=f"{hand} by the wizard: present")
         assert line(by_name)[2] == "by hand: present"
@@ -171,6 +171,17 @@ def test_a_toggled_sign_is_told_as_it_is_then() -> None:
 )
 def test_any_arguments_make_a_line(verb: str, args: dict[str, m.Json]) -> None:
     assert isinstance(order_words(verb, args), str)
+
+
+def test_every_state_has_a_sentence_and_none_says_its_name() -> None:
+    told = {sentence(state, "V2") for state in STATES}
+    assert len(told) == len(STATES) == len(set(SENTENCES) - {"stop"})
+    for state in STATES:
+        assert state not in sentence(state, "V2")
+        assert sentence(state, "V2").isascii()
+    assert "visitor V2" in sentence("EngagedWithKnown", "V2")
+    for nobody in ("", "Unknown"):
+        assert sentence("EngagedWithKnown", nobody) == "visitor, engaged"
 
 
 # -- the path ------------------------------------------------------------------------------

@@ -1,8 +1,9 @@
 from __future__ import annotations
 
 from tests.console import scenes
+from tests.console.driving import sitting
 from woz_tui.console.columns import plan
-from woz_tui.console.events import chosen, event_row
+from woz_tui.console.events import ACTS, ALL, FAULTS, MACHINE, VIEWS, chosen, event_row, event_rows
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.panels import Board, panel_rows
 from woz_tui.console.parts import State
@@ -131,3 +132,82 @@ def test_failures_that_nobody_has_seen_leave_room_for_what_happens() -> None:
     assert [text for text, _ in lines[3:]] == ["Hello"] * 3
     assert len(chosen(picture, 1)) == 1
     assert chosen(picture, 1)[0].detail == "9"
+
+
+# -- what comes first ------------------------------------------------------------------------------
+
+
+def rows(picture: ConsoleState, height: int = 6, view: str = ALL) -> list[str]:
+    """The list as it is read."""
+    found = event_rows(picture, Frame(60, height, NOW), view)
+    return ["".join(piece for piece, _ in row) for row in found]
+
+
+def conversation() -> ConsoleState:
+    """What the wizard plays, with all that machines have to say between."""
+    picture = welcomed()
+    picture.events.clear()
+    for number in range(5):
+        picture.take(scenes.played(f"r{number}", f"Line {number}", NOW + number, 0.1), 0)
+        for state in ("RobotSpeaks", "EngagedWithKnown"):
+            changed = m.EngagementChanged(
+                was="Wait", now=state, outcome="done", why="w", verdicts={}, visitor="V2", t=NOW
+            )
+            mode = m.ModeChanged(driver="robot", was="demo", now="normal", why="", t=NOW)
+            picture.take([changed, mode], 0)
+    return picture
+
+
+def test_own_acts_come_first_and_the_model_has_one_row() -> None:
+    picture = conversation()
+    *acts, model = rows(picture)
+    assert [f"Line {number}" in act for act, number in zip(acts, (4, 3, 2, 1, 0), strict=True)] == (
+        [True] * 5
+    )
+    assert "visitor V2, engaged" in model
+    tall = rows(picture, 30)
+    assert sum("visitor V2" in row for row in tall) == 1, "one row, replaced"
+    assert sum("mode normal" in row for row in tall) > 0, "machines have the rows that are left"
+    assert "visitor V2, engaged" in tall[-1]
+    assert len(tall) == 30
+
+
+def test_a_change_of_the_model_moves_no_row() -> None:
+    picture = conversation()
+    before = rows(picture)
+    changed = m.EngagementChanged(
+        was="EngagedWithKnown", now="RobotThinks", outcome="done", why="w", verdicts={}, t=NOW
+    )
+    picture.take([changed], 0)
+    after = rows(picture)
+    assert after[:-1] == before[:-1]
+    assert "waits for your answer" in after[-1]
+
+
+def test_a_fault_is_in_every_view() -> None:
+    picture = conversation()
+    picture.take([m.DriverLost(driver="head", detail="unplugged", t=NOW)], 0)
+    picture.take(scenes.played("r9", "Line 9", NOW, 0.1, how="failed", reason="stuck"), 0)
+    for view in VIEWS:
+        shown = "\n".join(rows(picture, 6, view))
+        assert "head lost" in shown
+        assert "stuck" in shown
+    assert "Line 4" not in "\n".join(rows(picture, 6, FAULTS))
+    machine = "\n".join(rows(picture, 9, MACHINE))
+    assert "mode normal" in machine
+    assert "Line 4" not in machine
+    acts = "\n".join(rows(picture, 30, ACTS))
+    assert "Line 4" in acts
+    assert "mode normal" not in acts
+
+
+async def test_a_key_turns_to_the_next_view_and_the_heading_names_it() -> None:
+    async with sitting() as seat:
+        for view in (*VIEWS, VIEWS[0]):
+            heading = seat.text("Events").splitlines()[0]
+            assert heading.startswith(" Events ──")
+            assert f"{view} · \\ filters" in heading
+            await seat.press("\\")
+    async with sitting(scenes.welcome(role="watcher")) as seat:
+        await seat.press("\\")
+        assert VIEWS[1] in seat.text("Events").splitlines()[0]

@@ -115,7 +115,7 @@ def test_counts_of_people_are_marked_as_the_model_reads_them(
 
 def test_engagement_gives_its_reason() -> None:
     shown = meters(*[e for e in scenes.history() if isinstance(e, m.EngagementChanged)])
-    assert "EngagedWithKnown" in shown
+    assert "visitor, engaged" in shown
     assert "visitor 12 looks at the robot" in shown
 
 

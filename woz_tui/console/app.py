@@ -261,6 +261,7 @@ class Console(ScreenApp):
         keys = self._key("failures"), self._key("phase_next")
         line = Line(self.feed.line_ok, self.feed.round_trip_us, *keys)
         frame = functools.partial(self._frame, now)
+        self._surface.events.key = self._key("events")
         self._surface.paint(self.picture, frame, line, bar, self.size)
         if self.dialog is not None and self.dialog.is_mounted:
             self.dialog.refreshed()
@@ -322,6 +323,11 @@ class Console(ScreenApp):
     def walk(self, by: int) -> None:
         """Choose another panel."""
         self._panels.walk(self.picture, by)
+        self.paint()
+
+    def filter_events(self) -> None:
+        """Show the next selection of the events."""
+        self._surface.events.turn()
         self.paint()
 
     def _pressed(self, chord: str, action: str, ref: int) -> None:

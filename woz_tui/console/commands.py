@@ -191,6 +191,7 @@ COMMANDS = (
     ),
     _row("queue_empty", sends=lambda press: AskEmptyQueue()),
     _row("failures", calls("screens.failures:open_failures"), users=EVERYBODY),
+    _row("events", lambda app: app.filter_events(), opens=False, users=EVERYBODY),
     _row(
         "panel_next",
         lambda app: app.walk(1),

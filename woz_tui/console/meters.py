@@ -14,6 +14,7 @@ from woz_tui.console.cells import Cells, Piece, Row, clean, cut, fit, heading, l
 from woz_tui.console.engagement.bars import FARTHEST
 from woz_tui.console.engagement.hand import is_offered
 from woz_tui.console.engagement.meter import block_rows
+from woz_tui.console.engagement.words import sentence
 from woz_tui.console.figures import SILENCE_DB, decibels
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.parts import SensorView
@@ -184,7 +185,7 @@ def _engagement(picture: ConsoleState, frame: Frame) -> list[Row]:
     verdicts = "  ".join(_marked(changed, frame.glyphs))
     first: Row = (
         named("engaged"),
-        (clean(changed.now), "strong"),
+        (sentence(changed.now, changed.visitor, frame.glyphs), "strong"),
     )
     if length(first) + cell_len(verdicts) + 2 <= frame.width:
         first += ((f"  {verdicts}", "muted"),)

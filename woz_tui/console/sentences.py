@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from woz_tui.console.engagement.seen import texts
-from woz_tui.console.engagement.words import why
+from woz_tui.console.engagement.words import sentence, why
 from woz_tui.console.parts import DriverView
 from woz_tui.console.robot.stopping import missing_words
 from woz_tui.console.runs import Outcome, looks
@@ -16,6 +16,7 @@ from woz_tui.console.study.telling import TELLERS, line_of
 from woz_tui.console.wording import words
 from woz_tui.core import messages as m
 from woz_tui.core.views import ActionView
+from woz_tui.experiment.verbs import ENGAGEMENT
 from woz_tui.timeline.episodes import OUTCOMES, Stop
 from woz_tui.timeline.state import SessionState
 
@@ -36,6 +37,8 @@ _VISITOR = {"met": "is back", "learnt": "is new", "profile": "is described"}
 
 #: What comes back so soon behind its driver comes back with it, in microseconds.
 _BACK_US = 3_000_000
+#: Marks of what is wrong, or needs the wizard.
+_FAULTS = frozenset({"failed", "refused", "warning", "error", "stop"})
 #: Verbs that move something by one step: pressed in a row, they are one line.
 _STEPPING = frozenset({"control", "nudge"})
 #: How the step before may stand, so that one more of the same is no line of its own.
@@ -109,6 +112,15 @@ class Event:
     said: str = ""
     #: Whether how long it took is kept from the wizard.
     untimed: bool = False
+    #: A change of the engagement model: of these there is one line, the last one.
+    model: bool = False
+    #: Told by the machine of itself or of its surroundings; what people do comes first.
+    machine: bool = False
+
+    @property
+    def fault(self) -> bool:
+        """Something is wrong: no view hides it."""
+        return self.mark in _FAULTS
 
     def again(self, other: Event) -> bool:
         """Take in the same step made once more, so that a held or repeated key is one line."""
@@ -138,7 +150,15 @@ class Event:
 def event_of(message: m.Message, shown: Shown) -> Event | None:
     """The line for `message`, or None if it is not worth one."""
     tell = _TELLERS.get(type(message))
-    return tell(message, shown) if tell is not None else None
+    event = tell(message, shown) if tell is not None else None
+    if event is not None:
+        event.machine = type(message) in _OF_MACHINES or _by_robot(message)
+    return event
+
+
+def _by_robot(message: m.Message) -> bool:
+    """Whether the robot does it by itself, as an effect of the engagement model."""
+    return isinstance(message, m.ActionRequested | m.Command) and message.source == ENGAGEMENT
 
 
 def _requested(message: m.ActionRequested, shown: Shown) -> Event | None:
@@ -290,9 +310,10 @@ def explained(event: Event, message: m.DriverHealth, shown: Shown) -> bool:
 
 
 def _engagement(message: m.EngagementChanged, shown: Shown) -> Event:
+    told = sentence(message.now, message.visitor)
     if message.forced:
-        return Event(message.t, "forced", message.now, f"by hand: {why(message)}")
-    return Event(message.t, "info", message.now, message.why)
+        return Event(message.t, "forced", told, f"by hand: {why(message)}", model=True)
+    return Event(message.t, "info", told, message.why, model=True)
 
 
 def _speech(message: m.SpeechEnded, shown: Shown) -> Event | None:
@@ -418,3 +439,11 @@ _TELLERS: dict[type[m.Message], Callable[[Any, Shown], Event | None]] = {
     m.ConsoleLost: _console_lost,
     **dict.fromkeys(TELLERS, _of_study),
 }
+#: What machines tell of themselves, in events that are no faults.
+_OF_MACHINES = frozenset(
+    {
+        *(m.RecorderState, m.Notice, m.DriverConnecting, m.DriverConnected, m.DriverLost),
+        *(m.DriverFaulted, m.LaneFaulted, m.LaneRecovered, m.SensorChanged, m.ModeChanged),
+        *(m.EngagementChanged, m.StopConfirmed, m.ConsoleAttached, m.ConsoleLost),
+    }
+)

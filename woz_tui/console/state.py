@@ -443,8 +443,12 @@ class ConsoleState:
             kept = [event for event in self.events if not explained(event, message, self)]
             self.events = deque(kept, maxlen=EVENTS)
         told = event_of(message, self)
-        if told is not None and not (self.events and self.events[-1].again(told)):
-            self.events.append(told)
+        if told is None or (self.events and self.events[-1].again(told)):
+            return
+        if told.model:  # one line says where the model is: the last one
+            kept = [event for event in self.events if not event.model]
+            self.events = deque(kept, maxlen=EVENTS)
+        self.events.append(told)
 
     # -- reading ----------------------------------------------------------------------------
 

@@ -58,6 +58,12 @@ BUILTIN: tuple[Builtin, ...] = (
         last=True,
     ),
     Builtin("failures", "enter", "what has failed; marks it as seen"),
+    Builtin(
+        *("events", "\\", "events: all, own acts, faults, machine in turn"),
+        reserves=("{", "home"),
+        yields=True,
+        last=True,
+    ),
     Builtin("panel_next", "tab", "next panel"),
     Builtin("panel_back", "shift+tab", "panel before"),
     Builtin("head_up", "up", "head up"),

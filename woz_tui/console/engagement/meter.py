@@ -11,25 +11,23 @@ from dataclasses import replace
 
 from rich.cells import cell_len
 
-from woz_tui.console.cells import Piece, Row, clean, cut, fit, length
+from woz_tui.console.cells import Piece, Row, clean, cut, fit
 from woz_tui.console.engagement.bars import LEAST, distance_bar, queue_bar
 from woz_tui.console.engagement.words import (
     USUAL_ATTENTION,
     WORD,
-    headline,
     is_used,
-    known_visitor,
     mark,
-    path,
     run_piece,
+    sentence,
     share,
     signs_of,
-    waiting,
+    standing,
     why,
 )
-from woz_tui.console.figures import age, elapsed, seconds
+from woz_tui.console.figures import age, seconds
 from woz_tui.console.glyphs import Frame, Glyphs
-from woz_tui.console.rows import NAME, VALUE, kept, labelled, named, old, track
+from woz_tui.console.rows import VALUE, kept, labelled, named, old, track
 from woz_tui.console.state import ConsoleState
 from woz_tui.core import messages as m
 from woz_tui.sensing.proxemics import zone
@@ -56,14 +54,14 @@ def block_rows(
     unheard = "" if loud else speech
     rows = [_state(picture, shown, frame)]
     if frame.height < MIDDLE:
-        rows.append(_moment(picture, shown, frame, unheard, else_path=True))
+        rows.append(_moment(picture, shown, frame, unheard))
         rows += _pairs(picture, shown, frame)
     elif frame.height < FULL:
-        rows.append(_moment(picture, shown, frame, unheard, else_path=False))
-        rows += [_path(shown, frame), _why(picture, frame), *_pairs(picture, shown, frame)]
+        rows.append(_moment(picture, shown, frame, unheard))
+        rows += [_why(picture, frame), *_pairs(picture, shown, frame)]
     else:
-        rows.append(_labelled_moment(picture, shown, frame, unheard))
-        rows += [_path(shown, frame), _why(picture, frame), *_singles(picture, shown, frame)]
+        rows.append((named("now"), *(_now(shown, frame, unheard) or [_dash(frame)])))
+        rows += [_why(picture, frame), *_singles(picture, shown, frame)]
     rows += [*_distance(picture, shown, frame), *loud]
     if frame.height >= FULL:
         rows.append((named("heard"), *_heard(picture, frame)))
@@ -74,19 +72,16 @@ def block_rows(
 
 
 def _state(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> Row:
-    """The state and for how long; behind it the visitor and what is unusual, if there is room."""
-    since = elapsed(frame.now - shown.since)
-    row: Row = (
-        (" ", "plain"),
-        *headline(shown, frame.glyphs, old=bool(picture.lost)),
-        (f" {since}", "muted"),
-    )
+    """The state as a sentence and for how long; the attempt of a handshake."""
+    glyphs = frame.glyphs
+    if picture.lost:
+        told = sentence(shown.state, shown.visitor, glyphs)
+        row: Row = ((f" {glyphs.stale} {told}", "stale"),)
+    else:
+        row = standing(picture.engaged, shown, frame.now, glyphs, frame.width - 1)
+        row = ((" ", "plain"), *row)
     if shown.attempt:
         row += ((f" attempt {shown.attempt}", "muted"),)
-    attention = "" if shown.attention in ("", USUAL_ATTENTION) else clean(shown.attention)
-    for text, look in ((known_visitor(shown), "run"), (attention, "wait")):
-        if text and length(row) + len(text) + 2 <= frame.width:
-            row += (("  ", "plain"), (text, look))
     return row
 
 
@@ -96,15 +91,13 @@ def _speech(picture: ConsoleState, frame: Frame) -> str:
     return "" if segment is None else f"speech {seconds(frame.now - segment.begin)}"
 
 
-def _now(
-    picture: ConsoleState, shown: m.EngagementShown, frame: Frame, unheard: str, *, terse: bool
-) -> list[Piece]:
+def _now(shown: m.EngagementShown, frame: Frame, unheard: str) -> list[Piece]:
     """What asks for the wizard at this moment."""
     glyphs = frame.glyphs
     pieces = [
-        None if picture.lost else waiting(picture.engaged, frame.now, glyphs, terse=terse),
         run_piece(shown, glyphs, terse=frame.height < FULL),
         (f"{glyphs.yes} {unheard}", "good") if unheard else None,
+        None if shown.attention in ("", USUAL_ATTENTION) else (clean(shown.attention), "wait"),
     ]
     found: list[Piece] = []
     for piece in pieces:
@@ -113,30 +106,19 @@ def _now(
     return found
 
 
-def _moment(
-    picture: ConsoleState, shown: m.EngagementShown, frame: Frame, unheard: str, *, else_path: bool
-) -> Row:
-    """Who waits, whether the machine is held, and what was heard; or else the path."""
+def _moment(picture: ConsoleState, shown: m.EngagementShown, frame: Frame, unheard: str) -> Row:
+    """Whether the machine is held, and what was heard."""
     heard = picture.engaged.heard()
     recent = bool(heard) and frame.now - heard[0].t < HEARD_US
-    now = _now(picture, shown, frame, unheard, terse=recent)
+    now = _now(shown, frame, unheard)
     if now:
         row: Row = ((" ", "plain"), *now)
         return (*row, ("  ", "plain"), quoted(heard[0], frame.glyphs)) if recent else row
-    if else_path and not recent:
-        return ((" ", "plain"), *path(shown, frame.width - 1, frame.glyphs))
     return ((" ", "plain"), *_heard(picture, frame))
 
 
-def _labelled_moment(
-    picture: ConsoleState, shown: m.EngagementShown, frame: Frame, unheard: str
-) -> Row:
-    now = _now(picture, shown, frame, unheard, terse=False)
-    return (named("now"), *(now or [(frame.glyphs.dash, "faint")]))
-
-
-def _path(shown: m.EngagementShown, frame: Frame) -> Row:
-    return (named("path"), *path(shown, frame.width - NAME, frame.glyphs))
+def _dash(frame: Frame) -> Piece:
+    return (frame.glyphs.dash, "faint")
 
 
 def _why(picture: ConsoleState, frame: Frame) -> Row:
@@ -144,7 +126,7 @@ def _why(picture: ConsoleState, frame: Frame) -> Row:
     changes = picture.engaged.changes
     last = changes[-1] if changes else picture.session.model.changed
     if last is None:
-        return (named("why"), (frame.glyphs.dash, "faint"))
+        return (named("why"), _dash(frame))
     hand: Row = ((f"{frame.glyphs.forced} ", "wait"),) if last.forced else ()
     return (named("why"), *hand, (frame.glyphs.plain(clean(why(last))), "muted"))
 
@@ -155,7 +137,7 @@ def _heard(picture: ConsoleState, frame: Frame) -> Row:
         return ((HIDDEN, "faint"),)
     heard = picture.engaged.heard()
     if not heard:
-        return ((frame.glyphs.dash, "faint"),)
+        return (_dash(frame),)
     last = heard[0]
     return ((f"{age(frame.now - last.t)} ago ", "muted"), quoted(last, frame.glyphs))
 

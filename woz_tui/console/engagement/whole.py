@@ -20,8 +20,8 @@ from woz_tui.console.engagement.words import (
     run_piece,
     share,
     signs_of,
+    standing,
     unsensed,
-    waiting,
     why,
 )
 from woz_tui.console.figures import elapsed, seconds
@@ -111,18 +111,17 @@ def _about(picture: ConsoleState, visitor: str) -> str:
 
 
 def _second(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> Row:
-    """Who waits, what is being said, which limits run."""
+    """The state as a sentence, what is being said, which limits run."""
     glyphs, engaged = frame.glyphs, picture.engaged
     row: Row = ()
     if picture.lost:
         return ((f"{glyphs.stale} the robot process is gone: all this is old", "stale"),)
-    if (waits := waiting(engaged, frame.now, glyphs)) is not None:
-        row += (waits, ("   ", "plain"))
+    row += (*standing(engaged, shown, frame.now, glyphs, frame.width)[:2], ("   ", "plain"))
     if (segment := engaged.speaking(frame.now)) is not None:
         row += ((f"{glyphs.yes} speech {seconds(frame.now - segment.begin)}   ", "good"),)
     for text, look in running(picture, shown, frame.now):
         row += ((f"{text}   ", look),)
-    return row or (("nobody waits", "muted"),)
+    return row
 
 
 def _states(

@@ -8,7 +8,7 @@ from rich.cells import cell_len
 
 from woz_tui.console.cells import Piece, Row, clean, fit
 from woz_tui.console.engagement.seen import Engaged
-from woz_tui.console.figures import seconds
+from woz_tui.console.figures import elapsed, seconds
 from woz_tui.console.glyphs import Glyphs
 from woz_tui.core import messages as m
 from woz_tui.experiment.engagement import CONDITION, MODES, SIGNS
@@ -28,6 +28,21 @@ SHORT = {
     "RobotReplies": "Replies",
     "RobotSpeaks": "Robot",
 }
+#: What a state means for the wizard. `{who}` is `visitor V2`, or `visitor` while nobody knows who.
+SENTENCES = {
+    "Wait": "nobody there",
+    "PersonDetected": "somebody there, not engaged",
+    "EngagedWithUnknown": "visitor without a name, engaged",
+    "Handshake": "visitor is asked for a name",
+    "EngagedWithKnown": "{who}, engaged",
+    "UserSpeaks": "{who} speaks",
+    "RobotThinks": "{who} waits for your answer",
+    "RobotReplies": "robot answers {who}",
+    "RobotSpeaks": "robot speaks to {who}",
+    "stop": "the model has ended",
+}
+#: From here on a wait is counted in whole seconds, in microseconds.
+_WHOLE_US = 10_000_000
 #: A sign in a word.
 WORD = {"presence": "person", "gaze": "looks", "distance": "near", "identity": "who?"}
 #: The mode of attention that nobody needs to be told.
@@ -119,17 +134,42 @@ def headline(shown: m.EngagementShown, glyphs: Glyphs, *, old: bool = False) -> 
     return (sign, (clean(shown.state), "stale" if old else "strong"))
 
 
-def waiting(engaged: Engaged, now: int, glyphs: Glyphs, *, terse: bool = False) -> Piece | None:
-    """For how long the visitor has been waiting; louder and with a sign when it is too long."""
+def sentence(state: str, visitor: str, glyphs: Glyphs | None = None) -> str:
+    """A state in words for a person: `visitor V2, engaged`."""
+    name = "" if visitor in _UNKNOWN else clean(visitor)
+    who = f"visitor {name}" if name else "visitor"
+    told = SENTENCES[state].format(who=who) if state in SENTENCES else clean(state)
+    return glyphs.plain(told) if glyphs is not None else told
+
+
+def standing(
+    engaged: Engaged, shown: m.EngagementShown, now: int, glyphs: Glyphs, room: int
+) -> Row:
+    """The state as a sentence, with its sign and for how long, in `room` cells if it fits; a wait
+    grows louder and gets another sign when it is too long.
+    """
     waited = engaged.waited(now)
+    if engaged.off:
+        return ((f"{glyphs.stopped} the model is off", "warn"),)
     if waited is None:
-        return None
-    text = f"{'' if terse else 'visitor '}waits {seconds(waited)}{_unseen(engaged)}"
+        sign: Piece = (f"{glyphs.yes} ", "good") if shown.engaged else (f"{glyphs.no} ", "muted")
+        told = sentence(shown.state, shown.visitor, glyphs)
+        return (sign, (told, "strong"), (f" {elapsed(max(0, now - shown.since))}", "muted"))
+    figure = f"{seconds(waited) if waited < _WHOLE_US else lasting(waited)}{_unseen(engaged)}"
+    long = f"{sentence(shown.state, shown.visitor, glyphs)}, {figure}"
+    for text in (long, f"waits for your answer, {figure}", f"waits, {figure}"):
+        if cell_len(text) + 2 <= room:
+            break
     if waited >= LONG_US:
-        return (f"{glyphs.error} {text}", "bad")
+        return ((f"{glyphs.error} {text}", "bad"),)
     if waited >= SLOW_US:
-        return (f"{glyphs.warning} {text}", "warn")
-    return (f"{glyphs.waits} {text}", "plain")
+        return ((f"{glyphs.warning} {text}", "warn"),)
+    return ((f"{glyphs.waits} {text}", "plain"),)
+
+
+def lasting(us: int) -> str:
+    """`41 s`, from 100 s on `04:35`."""
+    return f"{us // 1_000_000} s" if us < 100_000_000 else elapsed(us)
 
 
 def _unseen(engaged: Engaged) -> str:

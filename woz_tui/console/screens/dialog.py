@@ -127,6 +127,9 @@ class ConsoleApp(Protocol):
     def walk(self, by: int) -> None:
         """Choose another panel."""
 
+    def filter_events(self) -> None:
+        """Show the next selection of the events."""
+
     def refresh(self, *, layout: bool = False) -> object:
         """Draw every cell again."""
 

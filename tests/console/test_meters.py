@@ -1,10 +1,12 @@
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.console import scenes
+from tests.console import engaged, scenes
 from woz_tui.console.cells import Row, length
 from woz_tui.console.events import chosen, event_rows
 from woz_tui.console.figures import decibels, elapsed, left, seconds
@@ -15,6 +17,7 @@ from woz_tui.console.state import ConsoleState
 from woz_tui.console.status import Line, status_rows
 from woz_tui.console.stopbar import Bar, News, bar_rows
 from woz_tui.core import messages as m
+from woz_tui.core import requests as r
 from woz_tui.sensing.proxemics import zone
 
 NOW = scenes.NOW
@@ -408,3 +411,46 @@ def test_each_robot_has_its_own_loudness_and_visitor() -> None:
 def test_no_minus_before_an_angle_of_zero() -> None:
     shown = meters(scenes.reading(NOW, "joint.pan", -0.2, unit="deg"))
     assert "-0" not in shown
+
+
+# -- what the file wants first ---------------------------------------------------------------------
+
+
+def first_words(names: list[str], *state: m.AnyMessage) -> list[str]:
+    """The first word of each row, where the file names these sensors."""
+    picture = ConsoleState()
+    first = scenes.welcome(settings={"sensors": names}, state=[*scenes.healthy(), *state])
+    picture.take([first], 0)
+    return [text([row]).split()[0] for row in meter_rows(picture, Frame(50, 30, NOW))]
+
+
+def test_the_sensors_of_the_file_stand_first_and_the_others_follow() -> None:
+    usual = first_words([], *scenes.sensors())
+    wanted = first_words(["pose", "loudness"], *scenes.sensors())
+    assert sorted(wanted) == sorted(usual)
+    assert wanted.index("loudness") < wanted.index("distance")
+    assert usual.index("distance") < usual.index("loudness")
+    assert first_words(["gaze", "loudness", "nobody"], *scenes.sensors())[:2] == [
+        "visitor",
+        "loudness",
+    ]
+
+
+def test_the_engagement_model_stands_where_the_file_says() -> None:
+    state = [engaged.waits(), *scenes.sensors()]
+    assert first_words(["loudness", "distance", "engagement"], *state)[:3] == [
+        "loudness",
+        "distance",
+        "▲",
+    ]
+    assert first_words(["engagement"], *state) == first_words([], *state)
+
+
+def test_a_reload_moves_the_sensors() -> None:
+    picture = ConsoleState()
+    picture.take([scenes.welcome(state=[*scenes.healthy(), *scenes.sensors()])], 0)
+    panels: dict[str, Any] = {"panels": [], "script": [], "verbs": {}, "conditions": []}
+    panels |= {"title": "T", "keyboard": "us", "sensors": ["loudness"]}
+    picture.take([r.PanelsChanged(**panels)], 0)
+    (first, *_) = meter_rows(picture, Frame(50, 30, NOW))
+    assert text([first]).split()[0] == "loudness"

@@ -47,6 +47,7 @@ _SORTS: dict[object, st.SearchStrategy[object]] = {
     float | None: numbers,
     list[str]: st.lists(st.one_of(names, texts), max_size=3),
     list[dict[str, Any]]: st.lists(st.dictionaries(texts, values, max_size=3), max_size=3),
+    list[int] | None: st.none() | st.lists(st.integers(-1, 9), max_size=3),
     dict[str, str]: st.dictionaries(texts, texts, max_size=3),
     dict[str, int]: st.dictionaries(names, st.integers(0, 127), max_size=3),
     dict[str, m.Json]: st.dictionaries(texts, values, max_size=4),

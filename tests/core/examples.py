@@ -404,6 +404,7 @@ def answers() -> list[r.AnyAnswer]:
             allows={"child": s.Allowance(panels=["Speech"], hide=True)},
             engagement=s.ModelLimits({"listening": 60.0}, handshake=60.0, attempts=3),
             phases=[PhaseView(name="whales", panels=["Speech"], after=["opening"], planned=120.0)],
+            sensors=["engagement", "distance"],
             study=s.StudySettings(design=s.DesignView("latin-square", within=True, trials=3)),
         ),
         PictureShown(

@@ -12,6 +12,7 @@ import pytest
 from tests.experiment.catalogue import CATALOGUE, Colour, Joint, Rule
 from tests.experiment.reading import HEAD, ROBOT, errors, only, panel, read
 from woz_tui.experiment.decode import load
+from woz_tui.experiment.reload import compare
 from woz_tui.experiment.shape import Action, Call, Experiment, Together, Wait
 
 GOOD = Path(__file__).parent / "good"
@@ -283,3 +284,19 @@ def test_a_pattern_that_takes_long_is_warned_of_and_stays_valid(tmp_path: Path) 
     assert warning.path == "participants.pattern"
     for quick in (r"P\d\d", "(([A-Z]+)+)+[0-9]"):
         assert not read(tmp_path, text + f"participants: {{pattern: '{quick}'}}\n").warnings
+
+
+def test_what_stands_first_among_the_sensors(tmp_path: Path) -> None:
+    """What no driver names may still come from the robot; the model needs its section."""
+    action = "{key: a, label: A, say: Hi}"
+    found = read(tmp_path, panel(action, head=f"{ROBOT}sensors: [joint.pan, pan, pose, weather]\n"))
+    assert found.sensors == ("joint.pan", "pan", "pose", "weather")
+    (only,) = found.warnings
+    assert (only.place.line, only.place.column) == (ROBOT.count("\n") + 1, 33)
+    assert "weather" in only.message
+    bare = read(tmp_path, panel(action, head=f"{ROBOT}sensors: [engagement]\n"))
+    (model,) = bare.warnings
+    assert "no section engagement" in model.message
+    other = read(tmp_path, panel(action, head=f"{ROBOT}sensors: [pose]\n"))
+    assert compare(found, other).reloadable
+    assert list(compare(found, other).changes) == ["sensors changed"]

@@ -1,11 +1,12 @@
 """What the sensors say: distance, loudness, who is there, engagement, the robot's pose.
 
-The order is fixed, whatever comes first: what the wizard plays by stands on top, where the robot
-stands at the bottom.
+The order is fixed, whatever comes first: what the experiment file names under `sensors`, then what
+the wizard plays by, and where the robot stands at the bottom.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 from rich.cells import cell_len
@@ -38,22 +39,38 @@ def meter_rows(picture: ConsoleState, frame: Frame) -> list[Row]:
     near = [name for name in known if name.endswith("distance")]
     shown = picture.engaged.shown
     if shown is not None:
-        rows = block_rows(picture, shown, frame, _loudness_rows)
-        near = near if len(near) > 1 else []  # the model's own has its place
-        rows += [row for name in near for row in _distance(picture, name, frame)]
+        parts = block_rows(picture, shown, frame, _loudness_rows)
+        for name in near if len(near) > 1 else ():  # one alone is the model's, which has its place
+            parts[name] = [*parts.get(name, ()), *_distance(picture, name, frame)]
     else:
-        rows = [
-            *(row for name in near for row in _distance(picture, name, frame)),
-            *_loudness_rows(picture, frame, ""),
-            *(row for robot in _robots(known) for row in _verdicts(picture, robot, frame)),
-            *_engagement(picture, frame),
-        ]
+        parts = {name: _distance(picture, name, frame) for name in near}
+        parts["loudness"] = _loudness_rows(picture, frame, "")
+        for robot in _robots(known):
+            parts[f"{robot}visitor"] = _verdicts(picture, robot, frame)
+        parts["engagement"] = _engagement(picture, frame)
     others = other_rows(picture, frame, known)
-    rows += joint_rows(picture, frame, frame.height - len(rows), len(others))
-    rows += others
+    room = frame.height - sum(map(len, parts.values()))
+    parts["pose"] = joint_rows(picture, frame, room, len(others))
+    parts |= {name: [row] for name, row in others.items()}
+    rows = [row for name in _ordered(parts, picture.settings.sensors) for row in parts[name]]
     if not rows:
         rows = [((fit(" no sensor has said anything yet", frame.width), "muted"),)]
     return [cut(row, frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
+
+
+def _ordered(parts: Iterable[str], wanted: Iterable[str]) -> list[str]:
+    """The parts that the file names first, in its order; then the others in theirs."""
+    names = list(parts)
+    first = [name for wish in wanted for name in names if _is_named(name, wish)]
+    return list(dict.fromkeys((*first, *names)))
+
+
+def _is_named(part: str, wish: str) -> bool:
+    """Whether a part shows the sensor `wish`, or is called so; also one robot's among several."""
+    last = part.rpartition(".")[2]
+    if wish.rpartition(".")[2] in ("presence", "gaze", "identity"):
+        return last == "visitor" and part.startswith(wish.rpartition(".")[0])
+    return wish in (part, last) or wish.startswith(f"{part}.")
 
 
 def _stale(picture: ConsoleState, sensor: SensorView, frame: Frame) -> bool:

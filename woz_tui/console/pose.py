@@ -140,9 +140,9 @@ def _wrapped(front: Piece, members: Sequence[Row], frame: Frame, room: int) -> l
 # -- everything else ----------------------------------------------------------------------------
 
 
-def other_rows(picture: ConsoleState, frame: Frame, known: Sequence[str]) -> list[Row]:
-    """Sensors that are not `known` and no joint: one a line, those with a common first name
-    (`base.x`, `base.y`) together on one.
+def other_rows(picture: ConsoleState, frame: Frame, known: Sequence[str]) -> dict[str, Row]:
+    """Sensors that are not `known` and no joint, by name: one a line, those with a common first
+    name (`base.x`, `base.y`) together on one.
     """
     groups: dict[str, list[SensorView]] = {}
     for name in sorted(picture.sensors, key=lambda name: (len(name), name)):
@@ -150,7 +150,7 @@ def other_rows(picture: ConsoleState, frame: Frame, known: Sequence[str]) -> lis
         if name not in known and not told and (sensor := picture.sensor(name)) is not None:
             groups.setdefault(name.rpartition(".")[0] or name, []).append(sensor)
     names = sorted(groups, key=lambda name: (name in _LAST, name))
-    return [_group(name, groups[name], picture, frame) for name in names]
+    return {name: _group(name, groups[name], picture, frame) for name in names}
 
 
 def _group(name: str, sensors: list[SensorView], picture: ConsoleState, frame: Frame) -> Row:

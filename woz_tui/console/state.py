@@ -319,6 +319,7 @@ class ConsoleState:
             allows=changed.allows,
             engagement=changed.engagement,
             phases=changed.phases,
+            sensors=changed.sensors,
             study=changed.study or before.study,
         )
         if self.settings.study.blind and not before.study.blind:

@@ -406,8 +406,8 @@ class PanelsChanged(
     msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="panels"
 ):
     """After a reload or a change of profile: the panels and the script as they are now, and the
-    variables' present values. `steps`, `profiles`, `profile`, `allows`, `engagement`, `phases` and
-    `study` as in the welcome's `settings`.
+    variables' present values. `steps`, `profiles`, `profile`, `allows`, `engagement`, `phases`,
+    `sensors` and `study` as in the welcome's `settings`.
     """
 
     title: str
@@ -423,6 +423,7 @@ class PanelsChanged(
     allows: dict[str, Allowance] = {}
     engagement: ModelLimits = ModelLimits()
     phases: list[PhaseView] = []
+    sensors: list[str] = []
     study: StudySettings | None = None
 
 

@@ -206,5 +206,6 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
     allows: dict[str, Allowance] = {}
     engagement: ModelLimits = ModelLimits()
     phases: list[PhaseView] = []
+    sensors: list[str] = []
     study: StudySettings = StudySettings()
     replay: ReplayedLog | UnsetType = UNSET

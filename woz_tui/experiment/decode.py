@@ -28,7 +28,7 @@ from woz_tui.experiment.profiles import Known, read_profiles
 from woz_tui.experiment.remarks import Looker
 from woz_tui.experiment.report import Report, quoted
 from woz_tui.experiment.robot import Offer, RobotReader, Robots
-from woz_tui.experiment.sensors import published_names
+from woz_tui.experiment.sensors import published_names, read_shown
 from woz_tui.experiment.settings import read_section
 from woz_tui.experiment.shape import Experiment, SessionSettings, Steps
 from woz_tui.experiment.source import Source
@@ -47,8 +47,8 @@ from woz_tui.experiment.verbs import ENGAGEMENT, SESSION, engagement_verbs, sess
 #: Everything that an experiment file may say at its top level.
 TOP_LEVEL = (
     *("title", "robot", "robots", "participants", "conditions", "variables", "keyboard"),
-    *("language", "session", "steps", "panels", "script", "phases", "profiles", "engagement"),
-    *SECTIONS,
+    *("language", "session", "sensors", "steps", "panels", "script", "phases", "profiles"),
+    *("engagement", *SECTIONS),
 )
 
 
@@ -137,6 +137,7 @@ class _Decoder:
             language=language.code,
             words=words,
             session=read_section(table.get("session"), SessionSettings) or SessionSettings(),
+            sensors=read_shown(table.get("sensors"), _published(robots), section is not None),
             steps=read_section(table.get("steps"), Steps) or Steps(),
             profiles=read_profiles(table.get("profiles"), known),
             engagement=engagement,

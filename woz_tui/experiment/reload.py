@@ -68,7 +68,9 @@ def _driver(old: DriverSpec, new: DriverSpec) -> Iterable[str]:
 def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
     if old.title != new.title:
         yield f"title is {new.title!r}, it was {old.title!r}"
-    for what in ("participant_pattern", "language", "words", "keyboard", "session", "steps"):
+    for what in (
+        *("participant_pattern", "language", "words", "keyboard", "session", "sensors", "steps"),
+    ):
         if getattr(old, what) != getattr(new, what):
             yield f"{what.replace('_', ' ')} changed"
     yield from _conditions(old, new)

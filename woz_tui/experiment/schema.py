@@ -346,6 +346,13 @@ def experiment_schema(
                     **settings_schema(SessionSettings),
                     "description": "time limits of the session",
                 },
+                "sensors": {
+                    "type": "array",
+                    "items": TEXT,
+                    "uniqueItems": True,
+                    "description": "what stands first among the sensors on the screen: their"
+                    " names, engagement, pose",
+                },
                 "steps": {
                     **settings_schema(Steps),
                     "description": "how far one press of an arrow key goes",

@@ -1,11 +1,16 @@
-"""What sensors are called where several drivers have one of the same name."""
+"""What sensors are called where several drivers have one of the same name; which stand first."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
+from woz_tui.experiment.report import quoted
 from woz_tui.experiment.shape import DriverSpec
+from woz_tui.experiment.spot import Spot, read_texts
+
+#: What may be named among the sensors though it is none: the model, and all joints.
+ENGAGEMENT, POSE = "engagement", "pose"
 
 
 def published_names(specs: Sequence[DriverSpec]) -> dict[str, dict[str, str]]:
@@ -37,3 +42,31 @@ def _name(spec: DriverSpec, sensor: str, everywhere: int, in_robot: int) -> str:
     if in_robot == 1 and _robot(spec):
         return f"{_robot(spec)}.{sensor}"
     return f"{spec.name}.{sensor}"
+
+
+def read_shown(
+    spot: Spot | None, published: Collection[str] | None, has_model: bool
+) -> tuple[str, ...]:
+    """The section `sensors`: what stands first among the meters.
+
+    `published`: names of all sensors; None where a driver is missing. What none of them is near to
+    may be something that only the running robot knows.
+    """
+    wanted = read_texts(spot, "a list, such as [engagement, distance, loudness]", once=True)
+    known = {ENGAGEMENT, POSE}
+    for name in published or ():
+        known |= {name, name.rpartition(".")[2], name.rpartition(".")[0]} - {""}
+    for entry, name in wanted:
+        near = entry.report.nearest(name, known)
+        if name == ENGAGEMENT and not has_model:
+            entry.warning("nothing shows it: the file has no section engagement")
+        elif name in known or published is None:
+            continue
+        elif near is not None:
+            entry.error(f"there is no sensor {quoted(name)}; did you mean {near!r}?")
+        else:
+            entry.warning(
+                f"no driver names a sensor {quoted(name)}; it is shown if the running robot gives"
+                " it (`woz check --all` lists them)"
+            )
+    return tuple(name for _, name in wanted)

@@ -284,6 +284,8 @@ class Experiment:
     language: str = "en"
     words: QuestionnaireWords = field(default_factory=QuestionnaireWords)
     session: SessionSettings = field(default_factory=SessionSettings)
+    #: Sensors, and `engagement` or `pose`, that stand first among the meters.
+    sensors: tuple[str, ...] = ()
     #: Of the arrow keys.
     steps: Steps = field(default_factory=Steps)
     #: What wizards may use, by name of the profile.

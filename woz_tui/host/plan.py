@@ -81,6 +81,7 @@ def plan_of(shown: Shown) -> m.SessionPlan:
             allows=allowances(experiment),
             engagement=engagement_limits(experiment),
             phases=phase_views(experiment),
+            sensors=[*experiment.sensors],
             study=shown.study or study_settings(experiment),
         ),
     )

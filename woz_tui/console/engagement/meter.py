@@ -47,8 +47,8 @@ Loudness = Callable[[ConsoleState, Frame, str], list[Row]]
 
 def block_rows(
     picture: ConsoleState, shown: m.EngagementShown, frame: Frame, loudness: Loudness
-) -> list[Row]:
-    """The block for a session with a model; `loudness` draws the rows that are not the model's."""
+) -> dict[str, list[Row]]:
+    """The parts for a session with a model; `loudness` draws the rows that are not the model's."""
     speech = _speech(picture, frame)
     loud = loudness(picture, frame, speech)
     unheard = "" if loud else speech
@@ -62,10 +62,13 @@ def block_rows(
     else:
         rows.append((named("now"), *(_now(shown, frame, unheard) or [_dash(frame)])))
         rows += [_why(picture, frame), *_singles(picture, shown, frame)]
-    rows += [*_distance(picture, shown, frame), *loud]
-    if frame.height >= FULL:
-        rows.append((named("heard"), *_heard(picture, frame)))
-    return rows
+    heard: list[Row] = [(named("heard"), *_heard(picture, frame))]
+    return {
+        "engagement": rows,
+        "distance": _distance(picture, shown, frame),
+        "loudness": loud,
+        "heard": heard if frame.height >= FULL else [],
+    }
 
 
 # -- state, waiting, path, why ------------------------------------------------------------------

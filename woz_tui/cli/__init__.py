@@ -16,6 +16,7 @@ from woz_tui.cli.streams import clean_streams
 #: options, and `run`, a function from the parsed arguments to the exit code; where the command has
 #: commands of its own, `add` sets which of them runs.
 COMMANDS = {
+    "new": "write an experiment file to begin with",
     "run": "start the robot process and the console: a session",
     "demo": "a session with a simulated robot and a simulated visitor",
     "train": "train a wizard: a simulated visitor gives cues, answers are scored",

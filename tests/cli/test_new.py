@@ -1,0 +1,114 @@
+"""`woz new`: files that are right as they are written, and none that is overwritten."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from woz_tui import plugins
+from woz_tui.cli import new
+from woz_tui.cli.new_templates import TEMPLATES
+from woz_tui.experiment.decode import load
+from woz_tui.experiment.shape import Experiment
+
+
+def made(path: Path, *options: str, ask: Callable[[str], str] | None = None) -> int:
+    parser = argparse.ArgumentParser()
+    new.add(parser)
+    return new.new(parser.parse_args([str(path), *options]), plugins.installed(), ask)
+
+
+def read(path: Path) -> Experiment:
+    return load(path, plugins.installed())
+
+
+@pytest.mark.parametrize("template", TEMPLATES)
+@pytest.mark.parametrize(
+    "options", [(), ("--conditions", "none"), ("--conditions", "a, b, c"), ("--free",)]
+)
+def test_every_template_is_right_without_a_warning(
+    tmp_path: Path, template: str, options: tuple[str, ...]
+) -> None:
+    path = tmp_path / "e.yaml"
+    assert made(path, "--template", template, *options) == 0
+    experiment = read(path)
+    assert experiment.warnings == ()
+    assert len(experiment.phases) == 3
+    keys = [action.key for panel in experiment.panels for action in panel.actions]
+    assert all(keys)
+    assert len({*keys}) == len(keys)
+    said = path.read_text(encoding="utf-8")
+    assert said.count("\n#") >= 2
+    study = "--free" not in options
+    assert bool(experiment.study.questionnaires) is study
+    assert bool(experiment.study.training.cues) is study
+
+
+def test_what_is_asked_for_stands_in_it(tmp_path: Path) -> None:
+    path = tmp_path / "e.yaml"
+    options = ("--conditions", "cold,warm", "--language", "de", "--keyboard", "fr")
+    assert made(path, *options, "--robot", "pepper") == 0
+    experiment = read(path)
+    assert experiment.conditions == ("cold", "warm")
+    assert (experiment.language, experiment.keyboard) == ("de", "fr")
+    assert [spec.type for spec in experiment.drivers] == ["pepper"]
+
+
+def test_what_no_option_says_is_asked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "e.yaml"
+    answers = iter(["", "paper", "study", "polite, rude", "", "de"])
+    asked: list[str] = []
+
+    def ask(question: str) -> str:
+        asked.append(question)
+        return next(answers)
+
+    assert made(path, "--language", "fr", ask=ask) == 0
+    assert len(asked) == 5  # one of them twice, and no language
+    experiment = read(path)
+    assert experiment.conditions == ("polite", "rude")
+    assert (experiment.language, experiment.keyboard) == ("fr", "us")
+    out = capsys.readouterr().out
+    assert "one of: study, free" in out
+    assert f"woz run {path}" in out
+    assert "no errors" in out
+
+
+def test_a_file_that_is_there_is_left_alone(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "e.yaml"
+    path.write_text("mine")
+    assert made(path) == 1
+    assert path.read_text() == "mine"
+    assert "is there already" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--robot", "nowhere.yaml"), "nowhere.yaml"),
+        (("--robot", "camera.yaml"), "say"),
+        (("--language", "xx"), "'xx' is not known"),
+        (("--conditions", "a,a"), "stands here twice"),
+    ],
+)
+def test_what_cannot_be_is_said_and_nothing_is_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], options: tuple[str, ...], said: str
+) -> None:
+    (tmp_path / "camera.yaml").write_text("drivers: {eye: {type: rangefinder, port: /dev/x}}\n")
+    before = {*tmp_path.iterdir()}
+    assert made(tmp_path / "e.yaml", *options) == 1
+    assert said in capsys.readouterr().err
+    assert {*tmp_path.iterdir()} == before
+
+
+def test_nobody_who_answers_any_more_writes_nothing(tmp_path: Path) -> None:
+    def gone(question: str) -> str:
+        raise EOFError
+
+    assert made(tmp_path / "e.yaml", ask=gone) == 1
+    assert not [*tmp_path.iterdir()]

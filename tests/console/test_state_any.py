@@ -45,6 +45,7 @@ _SORTS: dict[object, st.SearchStrategy[object]] = {
     bool: st.booleans(),
     float: st.floats(allow_nan=False, allow_infinity=False),
     float | None: numbers,
+    list[int] | None: st.one_of(st.none(), st.lists(st.integers(-3, 99), max_size=4)),
     list[str]: st.lists(st.one_of(names, texts), max_size=3),
     list[dict[str, Any]]: st.lists(st.dictionaries(texts, values, max_size=3), max_size=3),
     list[int] | None: st.none() | st.lists(st.integers(-1, 9), max_size=3),

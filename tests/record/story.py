@@ -159,6 +159,15 @@ def _morning() -> list[m.AnyMessage]:
         m.Marker(text="visitor laughs"),
         m.Note(text="a child has joined"),
         m.ScriptMoved(position=1),
+        m.PhaseChanged(phase="opening", planned_us=120_000_000),
+        m.ActionsFilled(
+            actions={
+                "Hello": [
+                    [m.FilledCall(verb="say", args={"text": "Hello P07."}, driver="robot")],
+                    0.5,
+                ]
+            }
+        ),
         m.PanelLocked(panel="Emotion", locked=True),
         m.ModeChanged(driver="head", was="normal", now="demo", why="nobody near"),
         m.SessionChanged(condition="cold", trial=2),

@@ -53,7 +53,9 @@ def test_a_press_becomes_commands_with_variables_filled_in(tmp_path: Path) -> No
 
 def test_an_action_that_was_not_played_says_why_in_words_for_the_wizard(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
-        for _ in range(18):  # a second each; the seventeenth that waits is too many
+        for _ in range(17):  # a second each
+            stage.session.play("Hello", KEY)
+        with pytest.raises(AskError, match="queue full"):  # the seventeenth that waits
             stage.session.play("Hello", KEY)
         await asyncio.sleep(15)
         stage.session.play("Hello", KEY)

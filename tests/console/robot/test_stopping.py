@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
+from pathlib import Path
+
 import pytest
 
+from docs import guide_session
 from tests.console import scenes
 from woz_tui.console.cells import length
 from woz_tui.console.glyphs import Frame
@@ -11,6 +15,8 @@ from woz_tui.console.replay.timeline import replay_rows
 from woz_tui.console.state import ConsoleState
 from woz_tui.console.stopbar import Bar, bar_rows
 from woz_tui.core import messages as m
+from woz_tui.session.runner import Origin
+from woz_tui.session.session import Session
 
 NOW = scenes.NOW
 
@@ -123,3 +129,31 @@ def test_who_was_missing_stays_missing_with_its_parts() -> None:
 def test_the_list_of_events_names_the_part() -> None:
     picture = stopped(confirmation([], ["pepper"], {}, {"pepper": ["tablet", "eyes"]}))
     assert picture.events[-1].detail == "pepper: tablet, eyes"
+
+
+def test_a_robot_that_is_unplugged_confirms_no_stop(tmp_path: Path) -> None:
+    """On every screen: in the session, in one that attaches later, and in the replay of its log."""
+    begun: list[bool] = []
+
+    def hand(session: Session, message: m.AnyMessage) -> None:
+        if isinstance(message, m.DriverConnected) and not begun:
+            begun.append(True)
+            loop = asyncio.get_running_loop()
+            fault: dict[str, m.Json] = {"kind": "disconnect", "seconds": 60.0}
+            loop.call_later(2, lambda: session.send("fault", fault, "", Origin("key")))
+            loop.call_later(4, lambda: session.stop("key"))
+
+    lines = guide_session.played(tmp_path, 8.0, hand)
+    live = ConsoleState()
+    live.take([scenes.welcome(), *lines], 0)
+    late = ConsoleState()
+    late.take([scenes.welcome(state=live.session.messages())], 0)
+    for picture in (live, late):
+        shown = bar(picture)
+        assert "NOT REACHED: robot" in shown
+        assert shown.endswith("confirmed: nobody")
+    told = [f"{event.text} {event.detail}" for event in live.events if event.mark == "error"]
+    assert "Not reached robot" in told
+    assert not [event for event in live.events if event.text == "Stop confirmed"]
+    row = replay_rows(live, Frame(120, 2, NOW), Bar())[0]
+    assert "NOT REACHED: robot" in "".join(text for text, _ in row)

@@ -157,7 +157,8 @@ def standing(
         return (sign, (told, "strong"), (f" {elapsed(max(0, now - shown.since))}", "muted"))
     figure = f"{seconds(waited) if waited < _WHOLE_US else lasting(waited)}{_unseen(engaged)}"
     long = f"{sentence(shown.state, shown.visitor, glyphs)}, {figure}"
-    for text in (long, f"waits for your answer, {figure}", f"waits, {figure}"):
+    brief = ("waits for your answer", "waits for answer", "waits")
+    for text in (long, *(f"{words}, {figure}" for words in brief)):
         if cell_len(text) + 2 <= room:
             break
     if waited >= LONG_US:

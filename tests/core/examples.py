@@ -399,6 +399,7 @@ def answers() -> list[r.AnyAnswer]:
             keyboard="de",
             values={"participant": "P07", "room": "the room of the sea"},
             steps={"head": 8.0, "hip": 3.0, "drive": 0.2, "turn": 15.0},
+            repairs=[ActionView(name="repair yes", label="yes", verbs=["say"])],
             profiles=["child"],
             profile="child",
             allows={"child": s.Allowance(panels=["Speech"], hide=True)},

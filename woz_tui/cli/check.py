@@ -89,7 +89,8 @@ def check(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     terminal = (
         keys.TERMINALS[arguments.terminal] if arguments.terminal else keys.detected(os.environ)
     )
-    keymap = keys.key_map(experiment.panels, terminal, layout, builtins)
+    own = keys.builtins_with([action.name for action in experiment.repairs], builtins)
+    keymap = keys.key_map(experiment.panels, terminal, layout, own)
     if arguments.format == "json":
         print(json.dumps(_report(experiment, keymap, terminal, layout), indent=2))
     else:

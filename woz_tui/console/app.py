@@ -30,7 +30,7 @@ from woz_tui.console.thrift import tight
 from woz_tui.core.messages import StopPressed
 from woz_tui.core.pictures import PictureShown
 from woz_tui.core.requests import AskRelease, Reply, Welcome
-from woz_tui.experiment.builtins import Builtin
+from woz_tui.experiment.builtins import Builtin, builtins_with
 from woz_tui.experiment.keymap import key_map
 from woz_tui.experiment.terminals import PLAIN, STOPS, Terminal
 from woz_tui.experiment.textual_names import from_textual
@@ -223,7 +223,12 @@ class Console(ScreenApp):
     def _adopt(self) -> None:
         """A new set of panels: bind its keys and show their caps."""
         picture = self.picture
-        self.keymap = key_map(picture.panels, self.terminal, picture.keyboard, self._builtins)
+        repairs = [action.name for action in picture.settings.repairs]
+        own = builtins_with(repairs, self._builtins)
+        self.keymap = key_map(picture.panels, self.terminal, picture.keyboard, own)
+        self._surface.repairs.keys = {
+            name: self._key(name.replace(" ", "_", 1)) for name in repairs
+        }
         self.caps = {name: cap_of(found) for name, found in self.keymap.actions.items()}
         self._panels.bear(self.caps)
         self.keyboard.bind(self.keymap.table, self._own_keys())

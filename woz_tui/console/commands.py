@@ -24,6 +24,7 @@ from woz_tui.console.screens.dialog import (
 )
 from woz_tui.console.state import ConsoleState
 from woz_tui.core.requests import (
+    AskAction,
     AskCancel,
     AskEmptyQueue,
     AskMarker,
@@ -122,6 +123,22 @@ def _play_script(press: Press) -> AskScript:
     return AskScript(key=press.key, age_us=press.age_us, stale=press.stale)
 
 
+def _repair(move: str, run: Run | None = None) -> Command:
+    def ask(press: Press) -> AskAction:
+        name = f"repair {move}"
+        return AskAction(
+            action=name, source="key", key=press.key, age_us=press.age_us, stale=press.stale
+        )
+
+    return _row(f"repair_{move}", run, sends=None if run else ask, once=True)
+
+
+def _interrupt(app: ConsoleApp) -> None:
+    """End what is being said, and type what is said instead."""
+    app.desk.ask(AskAction(action="repair interrupt", source="key", key=app.key_of(_INTERRUPT)))
+    opens("screens.say:SayDialog")(app)
+
+
 def _cut(app: ConsoleApp) -> None:
     """Cut the last run short."""
     active = app.picture.runs.active
@@ -154,6 +171,8 @@ def _colours(name: str, choice: str, words: str) -> Command:
 
     return Command((Builtin(name, "", words),), run, users=WATCHER)
 
+
+_INTERRUPT = "repair_interrupt"
 
 COMMANDS = (
     _row("stop stop_too", found=False, hint=Hint(1, "stop"), users=WATCHER),
@@ -190,6 +209,8 @@ COMMANDS = (
         users=WATCHER,
     ),
     _row("queue_empty", sends=lambda press: AskEmptyQueue()),
+    *map(_repair, ("repeat", "reword", "filler", "yes", "no", "dont_know", "please_repeat")),
+    _repair("interrupt", _interrupt),
     _row("failures", calls("screens.failures:open_failures"), users=EVERYBODY),
     _row("events", lambda app: app.filter_events(), opens=False, users=EVERYBODY),
     _row(

@@ -299,7 +299,9 @@ class Keyboard:
         request = own.sends(Press(chord, age_us, stale, self.steps))
         if not stale:
             self.on_pressed(chord, "", self.feed.ask(request))
-        elif isinstance(request, AskPhase | AskScript | AskVerb):  # the log says it was refused
+        elif isinstance(
+            request, AskAction | AskPhase | AskScript | AskVerb
+        ):  # the log says it was refused
             self.on_stale(chord, own.name, self.feed.ask(request))
         else:
             self.on_stale(chord, own.name, 0)

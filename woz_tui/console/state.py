@@ -313,6 +313,7 @@ class ConsoleState:
         self.settings = msgspec.structs.replace(
             before,
             values=changed.values,
+            repairs=changed.repairs,
             profiles=changed.profiles,
             profile=changed.profile,
             steps=changed.steps or before.steps,
@@ -513,7 +514,7 @@ class ConsoleState:
             for action in panel.actions:
                 if action.name == name:
                     return action
-        return None
+        return next((action for action in self.settings.repairs if action.name == name), None)
 
     def is_locked(self, panel: PanelView) -> bool:
         """Whether the panel takes no input at the moment."""

@@ -13,7 +13,7 @@ import msgspec
 from woz_tui.core.envelope import Json
 from woz_tui.core.pictures import PictureFormat, PictureShown
 from woz_tui.core.settings import Allowance, ModelLimits, Settings, StudySettings
-from woz_tui.core.views import PanelView, PhaseView
+from woz_tui.core.views import ActionView, PanelView, PhaseView
 
 PROTOCOL = 1
 
@@ -339,7 +339,8 @@ class Welcome(
     -> [lowest, highest angle] in degrees, for those whose driver tells them, `outlines`: driver ->
     what it looks like (see `docs/protocol.md`), `values`: variable -> its value at this moment,
     `steps`: how far one press of an arrow goes (`head`, `hip`, `turn` in degrees, `drive` in m),
-    `lanes`: driver -> verb -> the lane in which it is queued,
+    `lanes`: driver -> verb -> the lane in which it is queued, `repairs`: moves that save a
+    dialogue, actions of their own,
     `profiles`: their names, `profile`: the one in use, or nothing, and `allows`: profile -> what it
     names (`panels`, `actions`, `controls`, `verbs`), and `hide` where the rest is not shown;
     `engagement`, in a session with that model: its `timeouts` (seconds, or null), the seconds of a
@@ -418,6 +419,7 @@ class PanelsChanged(
     keyboard: str
     values: dict[str, str] = {}
     steps: dict[str, float] = {}
+    repairs: list[ActionView] = []
     profiles: list[str] = []
     profile: str = ""
     allows: dict[str, Allowance] = {}

@@ -10,7 +10,7 @@ import msgspec
 from msgspec import UNSET, UnsetType
 
 from woz_tui.core.envelope import Json
-from woz_tui.core.views import PhaseView
+from woz_tui.core.views import ActionView, PhaseView
 
 #: The highest number of one digit.
 _DIGIT = 9
@@ -201,6 +201,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
     values: dict[str, str] = {}
     steps: dict[str, float] = {}
     lanes: dict[str, dict[str, str]] = {}
+    repairs: list[ActionView] = []
     profiles: list[str] = []
     profile: str = ""
     allows: dict[str, Allowance] = {}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
 
@@ -22,6 +23,9 @@ class Builtin:
     yields: bool = False
     last: bool = False
 
+
+#: Keys for the repairs that have lost their own.
+_SPARE = (*"\\{}|~", "home", "end", "insert")
 
 BUILTIN: tuple[Builtin, ...] = (
     Builtin("stop", "escape", "stop everything", movable=False),
@@ -56,6 +60,19 @@ BUILTIN: tuple[Builtin, ...] = (
         reserves=("[", "end"),
         yields=True,
         last=True,
+    ),
+    *(
+        Builtin(f"repair_{name}", chord, what, reserves=_SPARE, yields=True, last=True)
+        for name, chord, what in (
+            ("repeat", "'", "repair: the last sentence again, as it was said"),
+            ("reword", "#", "repair: the last sentence in other words"),
+            ("filler", "$", "repair: let me think"),
+            ("yes", "(", "repair: yes"),
+            ("no", "&", "repair: no"),
+            ("dont_know", "[", "repair: I do not know"),
+            ("please_repeat", "]", "repair: please say that again"),
+            ("interrupt", "!", "repair: interrupt, and type what is said now"),
+        )
     ),
     Builtin("failures", "enter", "what has failed; marks it as seen"),
     Builtin(
@@ -104,3 +121,12 @@ BUILTIN: tuple[Builtin, ...] = (
 def builtin(name: str) -> Builtin | None:
     """The console's key with this id, or None."""
     return next((item for item in BUILTIN if item.id == name), None)
+
+
+def builtins_with(repairs: Collection[str], builtins: Iterable[Builtin]) -> tuple[Builtin, ...]:
+    """`builtins` without the keys of repairs that the experiment does not have."""
+    return tuple(
+        item
+        for item in builtins
+        if not item.id.startswith("repair_") or item.id.replace("_", " ", 1) in repairs
+    )

@@ -26,11 +26,12 @@ from woz_tui.experiment.nodes import Table
 from woz_tui.experiment.phases import read_phases
 from woz_tui.experiment.profiles import Known, read_profiles
 from woz_tui.experiment.remarks import Looker
+from woz_tui.experiment.repairs import SAY, RepairReader
 from woz_tui.experiment.report import Report, quoted
 from woz_tui.experiment.robot import Offer, RobotReader, Robots
 from woz_tui.experiment.sensors import published_names, read_shown
 from woz_tui.experiment.settings import read_section
-from woz_tui.experiment.shape import Experiment, SessionSettings, Steps
+from woz_tui.experiment.shape import Action, Experiment, SessionSettings, Steps
 from woz_tui.experiment.source import Source
 from woz_tui.experiment.spot import (
     Spot,
@@ -48,7 +49,7 @@ from woz_tui.experiment.verbs import ENGAGEMENT, SESSION, engagement_verbs, sess
 TOP_LEVEL = (
     *("title", "robot", "robots", "participants", "conditions", "variables", "keyboard"),
     *("language", "session", "sensors", "steps", "panels", "script", "phases", "profiles"),
-    *("engagement", *SECTIONS),
+    *("engagement", "repairs", *SECTIONS),
 )
 
 
@@ -136,6 +137,12 @@ class _Decoder:
             keyboard=layout,
             language=language.code,
             words=words,
+            repairs=RepairReader(vocabulary, steps).read(
+                table.get("repairs"),
+                language.code,
+                root.place,
+                any(len(texts) > 1 for draft in panels.drafts for texts in _wordings(draft.action)),
+            ),
             session=read_section(table.get("session"), SessionSettings) or SessionSettings(),
             sensors=read_shown(table.get("sensors"), _published(robots), section is not None),
             steps=read_section(table.get("steps"), Steps) or Steps(),
@@ -151,6 +158,13 @@ class _Decoder:
         check.across(experiment, panels.drafts, self._report)
         check.covers(experiment, known.verbs if known.complete else None, self._report)
         return replace(experiment, warnings=tuple(self._report.warnings))
+
+
+def _wordings(action: Action) -> Iterable[tuple[str, ...]]:
+    """What may be said in each condition."""
+    for call in action.calls:
+        for choice in call.choices.values() if call.verb == SAY else ():
+            yield from choice.texts.values()
 
 
 def _own(session: Iterable[Verb], engagement: Spot | None) -> dict[str, Offer]:

@@ -6,7 +6,7 @@
 
 from __future__ import annotations
 
-from woz_tui.experiment.builtins import BUILTIN, Builtin, builtin
+from woz_tui.experiment.builtins import BUILTIN, Builtin, builtin, builtins_with
 from woz_tui.experiment.chords import KeyNameError, normal
 from woz_tui.experiment.keymap import Assigned, KeyMap, key_map, load_keymap
 from woz_tui.experiment.layouts import LAYOUTS
@@ -46,6 +46,7 @@ __all__ = [
     "Terminal",
     "Verdict",
     "builtin",
+    "builtins_with",
     "detected",
     "from_textual",
     "is_stop",

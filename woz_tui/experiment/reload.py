@@ -83,6 +83,11 @@ def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
         yield from _engagement(old.engagement, new.engagement)
     elif old.engagement is not new.engagement:
         yield f"engagement is {'new' if old.engagement is None else 'gone'}"
+    yield from _entries(
+        "repair",
+        {action.label: action for action in old.repairs},
+        {action.label: action for action in new.repairs},
+    )
     yield from _entries("profile", old.profiles, new.profiles)
     yield from _study(old.study, new.study)
     yield from _entries(

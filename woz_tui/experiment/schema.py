@@ -26,6 +26,7 @@ from woz_tui.experiment.engagement import EngagementSettings
 from woz_tui.experiment.languages import DEFAULT
 from woz_tui.experiment.layouts import LAYOUTS
 from woz_tui.experiment.profiles import FIELDS as PROFILE_FIELDS
+from woz_tui.experiment.repairs import SENTENCES, SPOKEN
 from woz_tui.experiment.robot import SIMULATED
 from woz_tui.experiment.settings import fields_of, note, split
 from woz_tui.experiment.shape import Phase, SessionSettings, Steps
@@ -375,6 +376,7 @@ def experiment_schema(
                     "items": TEXT,
                     "description": "names of actions; space plays the next one",
                 },
+                "repairs": _repairs(),
                 "phases": {
                     "type": "array",
                     "items": _phase(),
@@ -436,6 +438,34 @@ def _robot(catalogue: Mapping[str, type[Driver]]) -> Schema:
         },
     }
     return mapping({"name": TEXT, "drivers": drivers}, required=("drivers",))
+
+
+def _repairs() -> Schema:
+    """The language, and what is said otherwise."""
+    return {
+        **mapping(
+            {
+                "language": {
+                    "enum": list(SENTENCES),
+                    "description": "of the sentences that are not given here; the file's",
+                },
+                "on": {**TEXT, "description": "who speaks, where several drivers can"},
+                "without": {
+                    "type": "array",
+                    "items": {"enum": list(SPOKEN)},
+                    "description": "those that are left out",
+                },
+                **{
+                    name: {
+                        "type": ["string", "object"],
+                        "description": f"in English: {SENTENCES['en'][name]}",
+                    }
+                    for name in SPOKEN
+                },
+            }
+        ),
+        "description": "moves that save a dialogue; without this section: repeat and interrupt",
+    }
 
 
 def _engagement() -> Schema:

@@ -283,6 +283,8 @@ class Experiment:
     #: In which the console speaks to participants, and its words.
     language: str = "en"
     words: QuestionnaireWords = field(default_factory=QuestionnaireWords)
+    #: Moves that save a dialogue; those without steps depend on what was said.
+    repairs: tuple[Action, ...] = ()
     session: SessionSettings = field(default_factory=SessionSettings)
     #: Sensors, and `engagement` or `pose`, that stand first among the meters.
     sensors: tuple[str, ...] = ()
@@ -306,7 +308,7 @@ class Experiment:
             for action in panel.actions:
                 if action.name == name:
                     return action
-        return None
+        return next((action for action in self.repairs if action.name == name), None)
 
     def phase(self, name: str) -> Phase | None:
         """The phase called `name`, or None."""

@@ -13,6 +13,7 @@ from woz_tui.core.driver import Driver
 from woz_tui.core.settings import Settings, StudySettings
 from woz_tui.experiment.shape import Experiment, Profile
 from woz_tui.host.views import (
+    action_view,
     allowances,
     engagement_limits,
     joint_limits,
@@ -76,6 +77,7 @@ def plan_of(shown: Shown) -> m.SessionPlan:
                 spec.name: {verb.name: verb.lane for verb in spec.verbs}
                 for spec in experiment.drivers
             },
+            repairs=[action_view(action, None) for action in experiment.repairs],
             profiles=[*experiment.profiles],
             profile=shown.profile.name if shown.profile is not None else "",
             allows=allowances(experiment),

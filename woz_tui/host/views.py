@@ -46,7 +46,7 @@ def panel_views(
         PanelView(
             title=panel.title,
             actions=[
-                _action_view(action, profile)
+                action_view(action, profile)
                 for action in panel.actions
                 if profile is None or not profile.hide or profile.plays(action)
             ],
@@ -63,7 +63,8 @@ def _shut(panel: Panel, profile: Profile | None) -> bool:
     return profile is not None and not any(map(profile.plays, panel.actions))
 
 
-def _action_view(action: Action, profile: Profile | None) -> ActionView:
+def action_view(action: Action, profile: Profile | None) -> ActionView:
+    """One action, locked where the profile does not allow it."""
     calls = action.calls
     return ActionView(
         name=action.name,

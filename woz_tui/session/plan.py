@@ -39,6 +39,7 @@ def panels_changed(plan: m.SessionPlan) -> PanelsChanged:
         keyboard=plan.keyboard,
         values=settings.values,
         steps=settings.steps,
+        repairs=settings.repairs,
         profiles=settings.profiles,
         profile=settings.profile,
         allows=settings.allows,

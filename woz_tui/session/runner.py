@@ -119,12 +119,21 @@ class Runner:
         self._hub.publish(m.ActionRefused(run=run, action=name, reason=reason))
         return run
 
-    def play(self, action: Action, origin: Origin, when_busy: str = "") -> tuple[str, str]:
-        """Begin an action: run id, and why it was refused (empty: it was not)."""
+    def play(
+        self,
+        action: Action,
+        origin: Origin,
+        when_busy: str = "",
+        steps: list[tuple[Call, ...] | float] | None = None,
+    ) -> tuple[str, str]:
+        """Begin an action: run id, and why it was refused (empty: it was not).
+
+        `steps`: what it does, filled in, where that is not what stands in the file.
+        """
         run_id = self._request(action.name, action.panel, origin)
         try:
             # All of them before the first: no action ends half-way because a value is missing.
-            steps = self._fill(action)
+            steps = self._fill(action) if steps is None else steps
         except MissingError as error:
             self._hub.publish(m.ActionRefused(run=run_id, action=action.name, reason=str(error)))
             return run_id, str(error)
@@ -371,6 +380,14 @@ class Runner:
         if run is not None:
             self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
         return found or run is not None
+
+    def cut_speech(self, reason: str) -> None:
+        """End the runs that say something now or would later."""
+        for run in list(self._runs.values()):
+            present = run.steps[max(run.at, 0)] if run.steps else ()
+            calls = [*(present if isinstance(present, tuple) else ()), *run.still_to_come]
+            if any(call.verb in SPEECH for call in calls):
+                self.cancel(run.id, reason)
 
     def leave(self, run_id: str, end: str | m.ActionEnd) -> None:
         """Finish the step that one run has begun, and drop those after it; one whose commands all

@@ -29,6 +29,7 @@ from woz_tui.session.identity import AskError, Identity
 from woz_tui.session.phases import LivePhases
 from woz_tui.session.profiles import Profiles, by_hand, covered
 from woz_tui.session.recent import Recent
+from woz_tui.session.repairs import Repairs
 from woz_tui.session.robot import Robot
 from woz_tui.session.runner import Origin, Refusal, Runner
 from woz_tui.session.script import Scripts
@@ -164,6 +165,10 @@ class Session:
             self.experiment.session.deadline,
             shaper=Shaper(self.hub, self.identity.seed),
         )
+        self.repairs = Repairs(
+            lambda: self.experiment, lambda: self.state.commands, self.runner, self.wording
+        )
+        self.hub.listen(self.repairs.hear)
         robot.bus, robot.runner, robot.wording = self.bus, self.runner, self.wording
         self._by_name = by_name
         self._asking = Asking(
@@ -263,6 +268,8 @@ class Session:
             if stale:
                 raise AskError(f"{name!r} not played ({stale})", AGAIN)
             raise AskError(reason, command=self._mends(action))
+        if not action.steps and action in self.experiment.repairs:
+            return self.repairs.play(action, origin, when_busy)
         run, refused = self.runner.play(action, origin, when_busy)
         self.scripts.tell()
         if refused:
@@ -287,7 +294,7 @@ class Session:
             return f"the panel {action.panel!r} is locked{self.phases.why_locked(action.panel)}"
         if self.bus.latched and not self.engagement.believes(action):
             return "the stop is pressed"
-        return self.profiles.no_action(action)
+        return "" if action in self.experiment.repairs else self.profiles.no_action(action)
 
     def send(
         self,

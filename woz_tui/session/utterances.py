@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from woz_tui.core.messages import Json
-from woz_tui.experiment.shape import Call, Experiment, Together
+from woz_tui.experiment.shape import Call, Experiment
 from woz_tui.experiment.template import VISITOR
 from woz_tui.session.identity import AskError
 from woz_tui.session.variables import MissingError, filled
@@ -20,13 +20,12 @@ def utterances(experiment: Experiment, values: Mapping[str, str]) -> dict[str, l
     Those with a variable that has no value yet are left out.
     """
     found: dict[str, dict[str, None]] = {}
-    for panel in experiment.panels:
-        for action in panel.actions:
-            for step in action.steps:
-                for call in step.calls if isinstance(step, Together) else ():
-                    for written in _written(call, values) if call.verb == SAY else ():
-                        if text := _text(written, values):
-                            found.setdefault(call.driver, {})[text] = None
+    actions = [action for panel in experiment.panels for action in panel.actions]
+    for action in (*actions, *experiment.repairs):
+        for call in action.calls:
+            for written in _written(call, values) if call.verb == SAY else ():
+                if text := _text(written, values):
+                    found.setdefault(call.driver, {})[text] = None
     return {driver: list(texts) for driver, texts in found.items()}
 
 

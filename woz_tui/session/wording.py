@@ -8,6 +8,7 @@ from __future__ import annotations
 import random
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
 from woz_tui.core import messages as m
 from woz_tui.core.hub import Hub
@@ -91,11 +92,25 @@ class Wording:
             return []
         return [call for step in steps if isinstance(step, tuple) for call in step]
 
+    def other(self, action: Action, said: m.Command) -> Steps | None:
+        """The step of `action` that said this, in its next wording; None if it has one alone."""
+        values = self._values()
+        for call in action.calls:
+            choice = call.choices.get("text")
+            texts = choice.of(values.get("condition", "")) if choice is not None else ()
+            if call.driver != said.driver or call.verb != said.verb or len(texts) < 2:
+                continue
+            if said.args["text"] in [_spoken(call, values, text) for text in texts]:
+                return self.play(replace(action, steps=(Together((call,)),)))
+        return None
+
     def tell(self) -> None:
         """Tell consoles of every action."""
         values = self._values()
         self._told = [values.get(name) for name in _MOVING]
-        actions = [action for panel in self._experiment().panels for action in panel.actions]
+        experiment = self._experiment()
+        actions = [action for panel in experiment.panels for action in panel.actions]
+        actions += experiment.repairs
         for first in range(0, len(actions), AT_ONCE):
             self._tell(actions[first : first + AT_ONCE])
 
@@ -148,3 +163,8 @@ def _shown(steps: Steps) -> list[list[m.FilledCall] | float]:
         ]
         for step in steps
     ]
+
+
+def _spoken(call: Call, values: Values, text: str) -> m.Json:
+    """What the call says in this wording."""
+    return call_with(call, values, lambda texts: text).args["text"]

@@ -138,7 +138,9 @@ class FindDialog(Search[Find]):
     def _commands(self) -> Iterable[Find]:
         app = self.console_app
         for name, command in app.commands.items():
-            if name == command.name and command.found and command.serves(self.picture.role):
+            bound = name in app.keymap.builtins or not command.keys[0].chord
+            serves = bound and command.found and command.serves(self.picture.role)
+            if name == command.name and serves:
                 key, words = key_name(app.key_of(name), self.glyphs), command.words
                 yield Find(words, key, "console", functools.partial(app.do, name), words)
 

@@ -1,0 +1,95 @@
+"""The row of repairs, as a wizard sees and uses it."""
+
+from __future__ import annotations
+
+import msgspec
+
+from tests.console import scenes
+from tests.console.driving import sitting
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+from woz_tui.core.views import ActionView, PanelView
+from woz_tui.experiment.repairs import LABELS
+
+ALL = [ActionView(name=name, label=label, verbs=["say"]) for name, label in LABELS.items()]
+FEW = [each for each in ALL if each.name in ("repair repeat", "repair interrupt")]
+
+
+PLAIN = [PanelView(title="Speech", actions=[ActionView(name="Hello", label="Hello", key="h")])]
+
+
+def welcome(repairs: list[ActionView], shown: list[PanelView] | None = None) -> r.Welcome:
+    plain = scenes.welcome(shown=shown or PLAIN)
+    settings = msgspec.structs.replace(plain.settings, repairs=repairs)
+    return msgspec.structs.replace(plain, settings=settings)
+
+
+async def test_all_of_them_stand_in_one_row_of_eighty_columns() -> None:
+    async with sitting(welcome(ALL)) as seat:
+        row = seat.text("Repairs")
+        assert len(row) <= 80
+        for label in LABELS.values():
+            assert label in row
+
+
+async def test_a_key_asks_for_the_repair_from_every_page() -> None:
+    async with sitting(welcome(ALL, scenes.many_panels(60))) as seat:
+        for key, name in (("'", "repair repeat"), ("(", "repair yes"), ("[", "repair dont_know")):
+            await seat.press("tab")
+            assert LABELS[name] in seat.text("Repairs")
+            await seat.press(key)
+            asked = seat.feed.asked[-1]
+            assert isinstance(asked, r.AskAction)
+            assert (asked.action, asked.source, asked.key) == (name, "key", key)
+
+
+async def test_a_held_key_says_yes_once() -> None:
+    async with sitting(welcome(ALL)) as seat:
+        await seat.press(*"(((((")
+        asked = [each for each in seat.feed.asked if isinstance(each, r.AskAction)]
+        assert len(asked) == 1
+
+
+async def test_an_interruption_opens_the_field_for_what_is_said_instead() -> None:
+    async with sitting(welcome(FEW)) as seat:
+        await seat.press("!")
+        asked = seat.feed.last(r.AskAction)
+        assert isinstance(asked, r.AskAction)
+        assert asked.action == "repair interrupt"
+        await seat.type("Wait, please")
+        await seat.press("enter")
+        said = seat.feed.last(r.AskVerb)
+        assert isinstance(said, r.AskVerb)
+        assert said.args == {"text": "Wait, please"}
+
+
+async def test_repairs_that_the_file_does_not_have_have_no_key() -> None:
+    async with sitting(welcome(FEW)) as seat:
+        assert "yes" not in seat.text("Repairs")
+        await seat.press("(")
+        assert not [each for each in seat.feed.asked if isinstance(each, r.AskAction)]
+
+
+async def test_a_repair_gives_its_key_to_the_experiment_and_says_where_none_is_left() -> None:
+    taken = "\"'$()&#![]\\{}|~"
+    actions = [ActionView(name=f"A{n}", label=f"A{n}", key=key) for n, key in enumerate(taken)]
+    spare = ("home", "end", "insert")
+    actions += [ActionView(name=key, label=key, key=key) for key in spare[:2]]
+    shown = [PanelView(title="Signs", actions=actions)]
+    async with sitting(welcome(FEW, shown)) as seat:
+        row = seat.text("Repairs")
+        assert "no key" in row
+        await seat.press('"')
+        asked = seat.feed.last(r.AskAction)
+        assert isinstance(asked, r.AskAction)
+        assert asked.action == "A0"
+
+
+async def test_its_line_in_the_list_of_events_has_its_label() -> None:
+    async with sitting(welcome(ALL)) as seat:
+        await seat.tell(
+            m.ActionRequested(
+                run="r9", action="repair dont_know", source="key", panel="Repairs", t=scenes.NOW
+            )
+        )
+        assert "don't know" in seat.text("Events")

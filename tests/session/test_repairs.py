@@ -1,0 +1,128 @@
+"""Repairs: the last sentence again, in other words, or no more of it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from tests.fakes.virtual_time import run_virtual
+from tests.session.rig import HERE, Stage
+from tests.session.test_wording import HM, KEY, made
+from woz_tui.core import messages as m
+from woz_tui.experiment.repairs import INTERRUPT, LABELS, PANEL, REPEAT, REWORD
+from woz_tui.experiment.shape import Action, Profile
+from woz_tui.session.identity import AskError, Identity
+from woz_tui.session.redactor import Redactor
+from woz_tui.session.study_view import study_settings
+
+NAMES = (REPEAT, REWORD, INTERRUPT)
+MOVES = tuple(Action(name, LABELS[name], "", PANEL, (), HERE) for name in NAMES)
+
+
+def scene(tmp_path: Path, play: Callable[[Stage], Awaitable[None]]) -> Stage:
+    async def go() -> Stage:
+        experiment = replace(made(tmp_path), repairs=MOVES)
+        stage = Stage(
+            tmp_path, made=experiment, identity=Identity(participant="P07", condition="warm")
+        )
+        await stage.session.open()
+        await play(stage)
+        await asyncio.sleep(10)
+        await stage.session.close("test")
+        return stage
+
+    return run_virtual(go())
+
+
+def spoken(stage: Stage) -> list[m.Json]:
+    return [args["text"] for verb, args in stage.puppet().calls if verb == "say"]
+
+
+def test_the_last_sentence_again_as_it_was_said(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        with pytest.raises(AskError, match="nothing has been said"):
+            stage.session.play(REPEAT, KEY)
+        stage.session.play("Filler", KEY)
+        await asyncio.sleep(2)
+        stage.session.send("say", {"text": "typed {brace}"}, "", KEY)
+        await asyncio.sleep(2)
+        stage.session.set("P08")
+        stage.session.play(REPEAT, KEY)
+        await asyncio.sleep(2)
+        stage.session.play(REPEAT, KEY)
+
+    stage = scene(tmp_path, play)
+    assert spoken(stage)[1:] == ["typed {brace}"] * 3
+    requests = [line for line in stage.lines if isinstance(line, m.ActionRequested)]
+    assert [(line.action, line.panel) for line in requests[-2:]] == [(REPEAT, PANEL)] * 2
+
+
+def test_other_words_until_there_are_none(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        stage.session.play("Filler", KEY)
+        for _ in range(2):
+            await asyncio.sleep(2)
+            stage.session.play(REWORD, KEY)
+        await asyncio.sleep(2)
+        stage.session.play("Hello", KEY)
+        await asyncio.sleep(2)
+        with pytest.raises(AskError, match="no other words"):
+            stage.session.play(REWORD, KEY)
+
+    said = spoken(scene(tmp_path, play))
+    assert sorted(map(str, said[:3])) == sorted(HM)
+    assert said[3:] == ["Hello P07"]
+
+
+def test_a_wizard_who_is_blind_does_not_read_what_is_repeated(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        stage.session.play("Greet", KEY)
+        await asyncio.sleep(2)
+        stage.session.play(REPEAT, KEY)
+
+    stage = scene(tmp_path, play)
+    again = [line for line in stage.lines if isinstance(line, m.Command)][-1]
+    assert (again.action, again.args) == (REPEAT, {"text": spoken(stage)[0]})
+    seen = Redactor(study_settings(stage.session.experiment)).message(again)
+    assert isinstance(seen, m.Command)
+    assert str(spoken(stage)[0]) not in str(seen.args)
+
+
+def test_an_interruption_ends_what_is_and_would_be_said_and_nothing_else(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        stage.session.send("drive", {"x": 1.0}, "", KEY)
+        stage.session.play("Hello", KEY)
+        stage.session.play("Welcome", KEY)
+        stage.session.send("say", {"text": "typed"}, "", KEY)
+        await asyncio.sleep(0.5)
+        stage.session.play(INTERRUPT, KEY)
+
+    stage = scene(tmp_path, play)
+    assert spoken(stage) == ["Hello P07"]
+    ends = {line.action: type(line) for line in stage.lines if isinstance(line, m.ActionEnd)}
+    assert ends == {"Hello": m.ActionStopped, "Welcome": m.ActionStopped, INTERRUPT: m.ActionDone}
+    stopped = {line.reason for line in stage.lines if isinstance(line, m.Stopped)}
+    assert stopped == {"interrupted by the wizard"}
+    assert not stage.session.bus.latched
+
+
+def test_profiles_do_not_lock_repairs(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        stage.session.play("Hello", KEY)
+        await asyncio.sleep(2)
+        stage.session.use_profile("child", "program")
+        with pytest.raises(AskError):
+            stage.session.play("Hello", KEY)
+        stage.session.play(REPEAT, KEY)
+
+    async def with_profile(stage: Stage) -> None:
+        stage.session.experiment = replace(
+            stage.session.experiment, profiles={"child": Profile("child")}
+        )
+        await play(stage)
+
+    assert spoken(scene(tmp_path, with_profile)) == ["Hello P07"] * 2

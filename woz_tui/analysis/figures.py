@@ -16,6 +16,7 @@ from woz_tui.analysis.rows import (
     Cue,
     Mark,
     PanelOffer,
+    Phase,
     Restriction,
     Round,
     Setting,
@@ -313,6 +314,7 @@ class SessionFigures:
     visits: tuple[Visit, ...]
     stays: tuple[Visit, ...]
     trials: tuple[Trial, ...]
+    phases: tuple[Phase, ...]
     breaks: tuple[Span, ...]
     stops: tuple[Stop, ...]
     marks: tuple[Mark, ...]

@@ -96,6 +96,7 @@ def figures_of(
         visits=tuple(rows.visits(timeline)),
         stays=tuple(rows.stays(timeline, counted)),
         trials=trials,
+        phases=tuple(rows.phases(timeline, counted)),
         breaks=tuple(rows.breaks(timeline)),
         stops=tuple(rows.stops(timeline)),
         marks=tuple(rows.marks(timeline)),
@@ -166,6 +167,7 @@ class _Counting:
 
     def _acts(self, acts: Sequence[Act]) -> None:
         before: Act | None = None
+        stretch = 0
         for act in acts:
             tally = self.at(act.context)
             direct, started = type(act) is e.Command, act.latency_us
@@ -175,9 +177,10 @@ class _Counting:
             if started is not None:
                 tally.press.add(started)
             # No gap reaches over the border between two trials or conditions.
-            if before is not None and before.context is act.context:
+            at = self._timeline.contexts.stretch(act.begin, act.seq)
+            if before is not None and stretch == at:
                 tally.gaps.add(act.begin - before.begin)
-            before = act
+            before, stretch = act, at
 
     def _actions(self) -> None:
         for action in self._timeline.of(e.Action):

@@ -17,7 +17,7 @@ from woz_tui.timeline.state import LONGEST
 from woz_tui.timeline.timeline import Timeline
 
 #: Sorts of lanes, in the order in which they are drawn.
-LANES = ("trial", "engagement", "speech", "panel", "stop", "driver", "setting", "mark")
+LANES = ("trial", "phase", "engagement", "speech", "panel", "stop", "driver", "setting", "mark")
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +28,8 @@ class Interval:
         begin: When it began.
         end: When it ended; the log's last moment if its end is not in the log (`cut`).
         label: Action, state, trial, driver.
-        sort: action, state, trial, break, speech, stop, lost or differing (a robot's setting).
+        sort: action, state, trial, phase, break, speech, stop, lost or differing (a robot's
+            setting).
         outcome: Of actions and commands as of their episodes; of trials as in the log; else empty.
         source: Of actions: key, script ...; of stops where they came from.
         detail: What else there is to say: a reason, a sentence that was understood.
@@ -211,6 +212,10 @@ def _trial(trial: e.Trial) -> Interval:
     return _interval(trial, label, "trial", outcome=outcome, detail=detail)
 
 
+def _phase(phase: e.Phase) -> Interval:
+    return _interval(phase, phase.label, "phase", source=phase.source)
+
+
 def _break(pause: e.Break) -> Interval:
     return _interval(pause, "break", "break", detail=pause.started.text)
 
@@ -250,6 +255,7 @@ _MARKS: _Key = ("mark", "marks")
 _DRAWN: Mapping[type[e.Episode], tuple[_Key, Callable[[Any], Interval | None]]] = {
     e.Command: (("panel", DIRECT), _direct),
     e.Trial: (("trial", "trials"), _trial),
+    e.Phase: (("phase", "phases"), _phase),
     e.Break: (("trial", "trials"), _break),
     e.ModelState: (("engagement", "engagement"), _state),
     e.Utterance: (("speech", "visitor speaks"), _speech),

@@ -4,6 +4,7 @@ where in the timeline each of them is.
 
 from __future__ import annotations
 
+import bisect
 import json
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
@@ -61,6 +62,7 @@ class Cue:
     participant: str = ""
     condition: str = ""
     trial: int = -1
+    phase: str = ""
     counted: bool = True
 
 
@@ -86,6 +88,37 @@ class Trial:
     def counted(self) -> bool:
         """Whether its data are to be analysed."""
         return self.outcome not in NOT_COUNTED
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Phase:
+    """A phase, breaks inside it included.
+
+    Attributes:
+        trial: Number of the trial, -1 outside.
+        phase: Its name.
+        end: None if its end is not in the log.
+        planned: How long it was to last; None: nobody said.
+        source: Who began it: key, palette, program; trial or session where it began with that.
+        actions: How many actions were asked for in it.
+        counted: It was in no trial that was aborted or excluded.
+    """
+
+    participant: str
+    condition: str
+    trial: int
+    phase: str
+    begin: int
+    end: int | None
+    planned: int | None
+    source: str
+    actions: int
+    counted: bool
+
+    @property
+    def duration(self) -> int | None:
+        """How long it was; None: its end is not in the log."""
+        return None if self.end is None else self.end - self.begin
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,6 +189,7 @@ class Visit:
     participant: str = ""
     condition: str = ""
     trial: int = -1
+    phase: str = ""
     counted: bool = True
 
     @property
@@ -194,6 +228,7 @@ class Setting:
     participant: str = ""
     condition: str = ""
     trial: int = -1
+    phase: str = ""
     counted: bool = True
 
     @property
@@ -224,6 +259,7 @@ class Answer:
     participant: str = ""
     condition: str = ""
     trial: int = -1
+    phase: str = ""
     counted: bool = True
 
 
@@ -283,11 +319,12 @@ class ConsoleChange:
 
 
 def placed(context: Context) -> dict[str, Any]:
-    """Participant, condition and trial, as rows have them."""
+    """Participant, condition, trial and phase, as rows have them."""
     return {
         "participant": context.participant,
         "condition": context.condition,
         "trial": -1 if context.trial is None else context.trial,
+        "phase": context.phase,
     }
 
 
@@ -316,6 +353,26 @@ def trials(timeline: Timeline) -> Iterator[Trial]:
             outcome="" if each.cut else each.outcome,
             text=each.text,
             actions=actions[each.seq],
+        )
+
+
+def phases(timeline: Timeline, counted: Counted) -> Iterator[Phase]:
+    """All phases, also those in trials that do not count."""
+    found = timeline.of(e.Phase)
+    begins = [(each.begin, each.seq) for each in found]
+    actions: Counter[int] = Counter()
+    for act in timeline.of(e.Action) if found else ():
+        if act.context.phase:
+            actions[bisect.bisect_right(begins, (act.begin, act.seq)) - 1] += 1
+    for place, each in enumerate(found):
+        yield Phase(
+            **placed(each.context) | {"phase": each.label},
+            begin=each.begin,
+            end=None if each.cut else each.end,
+            planned=each.changed.planned_us or None,
+            source=each.source,
+            actions=actions[place],
+            counted=counted(each.context),
         )
 
 

@@ -25,7 +25,7 @@ from woz_tui.analysis.figures import (
     VerbTimes,
 )
 from woz_tui.analysis.measures import MEASURES, Measure, milliseconds, seconds
-from woz_tui.analysis.rows import Answer, Cue, Setting, Trial, Visit, worded
+from woz_tui.analysis.rows import Answer, Cue, Phase, Setting, Trial, Visit, worded
 from woz_tui.core.cleaning import seconds as exact
 from woz_tui.core.messages import Json, Reading
 
@@ -164,6 +164,10 @@ _WHOSE: tuple[Column[Any], ...] = (
     *(_LOG, _CODE, _PARTICIPANT, _CONDITION),
     Column("trial", "integer", "number of the trial; empty: in none", _number),
 )
+_WHERE: tuple[Column[Any], ...] = (
+    *_WHOSE,
+    _text("phase", "name of the phase of the experiment in which it began; empty: in none"),
+)
 _ONSET = _time("onset", "beginning, from the session's start", "begin")
 _MOMENT = _time("onset", "its moment, from the session's start", "t")
 _DURATION = _time("duration", "from beginning to end", "duration")
@@ -252,7 +256,7 @@ EVENTS: Table[Any] = Table(
     "sentence of the visitor, a trial, a marker and so on, by time. What lasts is in the condition "
     "and trial in which it began.",
     (
-        *_WHOSE,
+        *_WHERE,
         _ONSET,
         Column(
             *("duration", "number", "from beginning to end; empty: a moment"),
@@ -261,7 +265,7 @@ EVENTS: Table[Any] = Table(
         ),
         _text(
             "kind",
-            "action, command, engagement, speech (the visitor's), trial, break, stop, "
+            "action, command, engagement, speech (the visitor's), trial, phase, break, stop, "
             "questionnaire; difference: a robot's setting was other than asked for; conflict: of "
             "settings; of moments, the kind of the log's line: marker, note, sensor.changed ...",
         ),
@@ -274,7 +278,9 @@ EVENTS: Table[Any] = Table(
         _text("action", "name of the action"),
         _text("verb", "what a command does: say, play ..."),
         _text("driver", "name of the driver"),
-        _text("source", "who asked: key, script, palette, midi, program, engagement, replay"),
+        _text(
+            "source", "who asked: key, script, palette, midi, program, phase, engagement, replay"
+        ),
         _text("key", "the key that was pressed"),
         _text(
             "outcome",
@@ -327,6 +333,24 @@ TRIALS: Table[Trial] = Table(
 )
 
 
+PHASES: Table[Phase] = Table(
+    "phases",
+    "One row for each phase of the experiment that was begun; its time goes on through breaks.",
+    (
+        *_WHOSE,
+        _text("phase", "name of the phase"),
+        _ONSET,
+        _time("duration", "until the next phase or the trial's end; empty: no end in the log",
+              "duration"),
+        _time("planned", "how long it was to last; empty: nobody said", "planned"),
+        _text("source", "who began it: key, palette, program; trial, session: it began with that"),
+        _plain("integer", "actions", "actions that were asked for in it"),
+        _COUNTED,
+    ),
+    lambda figures: figures.phases,
+)  # fmt: skip
+
+
 def _counts(figures: SessionFigures) -> Iterator[tuple[Part, ActionCount]]:
     return ((part, count) for part in figures.parts for count in part.counts)
 
@@ -358,7 +382,7 @@ ACTIONS: Table[tuple[Part, ActionCount]] = Table(
         _count("action", "name of the action", lambda it: it.action, "string"),
         _count("panel", "title of the panel", lambda it: it.panel or None, "string"),
         _count(
-            *("source", "who asked: key, script, palette, midi, program, engagement ..."),
+            *("source", "who asked: key, script, palette, midi, program, phase, engagement ..."),
             *(lambda it: it.source or None, "string"),
         ),
         _count("total", "how often it was asked for", lambda it: it.outcomes.total, "integer"),
@@ -412,7 +436,7 @@ CUES: Table[Cue] = Table(
     "cues",
     "One row for each cue, and what the wizard made of it.",
     (
-        *_WHOSE,
+        *_WHERE,
         _MOMENT,
         _text("cue_type", "speech, engagement, marker or training"),
         _text("label", "the utterance, the state, the marker's text, the trained cue", "what"),
@@ -431,7 +455,7 @@ CUES: Table[Cue] = Table(
 # -- engagement and settings ----------------------------------------------------------------------
 
 _STAY: tuple[Column[Visit], ...] = (
-    *_WHOSE,
+    *_WHERE,
     _ONSET,
     _DURATION,
     _text("state", "name of the state"),
@@ -471,7 +495,7 @@ SETTINGS: Table[Setting] = Table(
     "and one more wherever participant, condition or trial change, so that times add up by trial. "
     "Only robots that tell their settings are in it.",
     (
-        *_WHOSE,
+        *_WHERE,
         _ONSET,
         _time("duration", "until the next row of this setting, or the session's end", "duration"),
         _text("driver", "name of the driver"),
@@ -506,7 +530,7 @@ SETTINGS: Table[Setting] = Table(
 # -- answers, trainings, samples ------------------------------------------------------------------
 
 _ROUND: tuple[Column[Any], ...] = (
-    *_WHOSE,
+    *_WHERE,
     _text("questionnaire", "name of the questionnaire"),
     _plain("integer", "round", "how often it was put so far in this session, from 1"),
 )
@@ -606,6 +630,17 @@ SAMPLES: Table[Reading] = Table(
 #: What is computed of a session's timeline: `woz report --csv` has these, `woz export` has them and
 #: those of single lines.
 FIGURES: tuple[Table[Any], ...] = (
-    *(SESSIONS, CONDITIONS, TRIALS, ACTIONS, LATENCIES, CUES, ENGAGEMENT, EPISODES, SETTINGS),
+    *(
+        SESSIONS,
+        CONDITIONS,
+        TRIALS,
+        PHASES,
+        ACTIONS,
+        LATENCIES,
+        CUES,
+        ENGAGEMENT,
+        EPISODES,
+        SETTINGS,
+    ),
     *(ANSWERS, TRAININGS),
 )

@@ -13,6 +13,7 @@ from woz_tui.cli.report_page import NONE, Page, clock, in_unit, more, ms, s, som
 def around(page: Page, figures: SessionFigures, top: int) -> None:
     """Print it; what there was none of is left out."""
     _trials(page, figures)
+    _phases(page, figures)
     _settings(page, figures, top)
     _stops(page, figures)
     _training(page, figures)
@@ -41,6 +42,24 @@ def _trials(page: Page, figures: SessionFigures) -> None:
     if figures.breaks:
         lengths = [each.end - each.begin for each in figures.breaks if each.end is not None]
         page.say(f"{some(len(figures.breaks), 'break')}, {clock(sum(lengths))} together")
+
+
+def _phases(page: Page, figures: SessionFigures) -> None:
+    if not figures.phases:
+        return
+    page.head("Phases")
+    made = table("phase", "trial", "condition", "begin", "length", "planned", "actions", left=3)
+    for phase in figures.phases:
+        made.add_row(
+            phase.phase,
+            str(phase.trial) if phase.trial >= 0 else NONE,
+            phase.condition,
+            clock(phase.begin),
+            clock(phase.duration),
+            clock(phase.planned),
+            str(phase.actions),
+        )
+    page.put(made)
 
 
 def _settings(page: Page, figures: SessionFigures, top: int) -> None:

@@ -106,7 +106,7 @@ def _row(lane: Lane, scale: Scale, signs: Signs) -> Text:
             _actions(lane, scale, signs, cells)
         case "speech":
             _covered(lane, scale, signs, cells)
-        case "trial":
+        case "trial" | "phase":
             _trials(lane, scale, signs, cells)
         case "stop":
             _filled(lane, scale, cells, signs.stop, "bold red")

@@ -201,6 +201,7 @@ _KINDS = {
     "engagement": "a state of the engagement machine",
     "speech": "a sentence of the visitor",
     "trial": "a trial",
+    "phase": "a phase of the experiment",
     "break": "a break between trials",
     "stop": "the emergency stop, from its being pressed to its release; of driving alone, to its "
     "confirmation",
@@ -220,11 +221,12 @@ _MOMENTS = {
 _RENAMED = {"kind": "trial_type"}
 _OF_EVENTS = (
     *("onset", "duration", "kind", "label", "panel", "action", "verb", "driver", "source"),
-    *("outcome", "latency", "mistake", "condition", "trial", "counted", "text", "run", "seq"),
+    *("outcome", "latency", "mistake", "condition", "trial", "phase", "counted", "text"),
+    *("run", "seq"),
 )
 _OF_ANSWERS = (
     *("questionnaire", "round", "item", "value", "low", "high", "text", "skipped", "response_time"),
-    *("onset", "condition", "trial", "question"),
+    *("onset", "condition", "trial", "phase", "question"),
 )
 
 

@@ -21,13 +21,14 @@ OPEN = "open"
 
 @dataclass(slots=True, kw_only=True)
 class Owned:
-    """Something that belongs to a participant, a condition and a trial; trial None: to none.
+    """Something that belongs to a participant, a condition, a trial and a phase, or to none.
     `counted`: somebody took part, and in no trial that was aborted or excluded.
     """
 
     participant: str = ""
     condition: str = ""
     trial: int | None = None
+    phase: str = ""
     counted: bool = True
 
 
@@ -39,9 +40,9 @@ class Event(Owned):
         seq: Number of the line with which it began; orders what happened at the same time.
         begin: When it began, on the session's axis.
         end: When it ended; None: it was a moment.
-        kind: action, command, engagement, trial, break, stop, speech, questionnaire, difference (a
-            robot's setting was other than asked for), conflict (of settings); for moments the kind
-            of the line (marker, note, mistake, sensor.changed ...).
+        kind: action, command, engagement, trial, phase, break, stop, speech, questionnaire,
+            difference (a robot's setting was other than asked for), conflict (of settings); for
+            moments the kind of the line (marker, note, mistake, sensor.changed ...).
         label: What of its kind it is: an action's name, a state, a trial's number.
         text: What was said, typed or recognised.
         outcome: How it ended; `open`: the log ended first.

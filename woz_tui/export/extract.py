@@ -27,6 +27,7 @@ from woz_tui.timeline.episodes import (
     ModelState,
     Moment,
     Outcome,
+    Phase,
     Questionnaire,
     Setting,
     Stop,
@@ -107,7 +108,7 @@ _SAY = "say"
 #: moment, also those that begin or end an episode for which the formats have no interval.
 _PARTS = (
     *(m.ActionRequested, m.ActionEnd, m.Command, m.Ack),
-    *(m.TrialStarted, m.TrialEnded, m.BreakStarted, m.BreakEnded),
+    *(m.TrialStarted, m.TrialEnded, m.PhaseChanged, m.BreakStarted, m.BreakEnded),
     *(m.StopPressed, m.StopConfirmed, m.StopReleased),
     *(m.QuestionnaireStarted, m.QuestionnaireAnswered, m.QuestionnaireEnded),
     *(m.EngagementChanged, m.SpeechStarted, m.SpeechEnded, m.SpeechText),
@@ -212,6 +213,9 @@ class Extractor:
         event.text = self._text(trial.ended, "text")
         return event
 
+    def _phase(self, phase: Phase) -> Event:
+        return self._begun(phase, "phase", "phase")
+
     def _break(self, pause: Break) -> Event:
         event = self._begun(pause, "break", "text")
         texts = self._text(pause.started, "text"), self._text(pause.ended, "text")
@@ -298,7 +302,7 @@ class Extractor:
 
     def _belongs(self, row: Owned, context: Context) -> None:
         row.participant, row.condition = context.participant, context.condition
-        row.trial = context.trial
+        row.trial, row.phase = context.trial, context.phase
         people = people_of(self.session.figures)
         row.counted = counts_in_means(self._timeline, people, context)
 
@@ -308,6 +312,7 @@ _EVENTS: Mapping[type[Episode], Callable[[Extractor, Any], Event | None]] = {
     Action: Extractor._action,
     Command: Extractor._command,
     Trial: Extractor._trial,
+    Phase: Extractor._phase,
     Break: Extractor._break,
     Stop: Extractor._stop,
     Questionnaire: Extractor._questionnaire,

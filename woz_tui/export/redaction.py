@@ -23,10 +23,10 @@ KEPT = frozenset(
     {
         *("kind", "format", "session", "participant", "condition", "wizard"),
         *("experiment_sha256", "sha256", "original_sha256", "original_session"),
-        *("run", "action", "panel", "source", "key", "console", "role", "profile"),
+        *("run", "action", "panel", "source", "key", "console", "role", "profile", "phase"),
         *("command", "original_command", "verb", "driver", "when_busy", "code", "by", "lane"),
         *("scope", "confirmed", "missing", "unreached", "sensor", "unit", "bad", "state", "level"),
-        *("now", "outcome", "emotion", "rows", "waiting", "lit", "trail", "uses", "next"),
+        *("halted", "now", "outcome", "emotion", "rows", "waiting", "lit", "trail", "uses", "next"),
         *("method", "order", "cues", "sort", "hidden", "blurred", "what"),
         *("questionnaire", "item", "cue", "expects", "judged", "tells", "sees"),
         *("script", "conditions", "keyboard", "drivers", "variables"),

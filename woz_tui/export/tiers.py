@@ -52,6 +52,7 @@ _Sorts = Sequence[tuple[str, bool, Callable[[Event], bool]]]
 #: the actions, come after the robot's speech.
 _BEFORE: _Sorts = (
     ("trials", False, _of("trial")),
+    ("phases", False, _of("phase")),
     ("breaks", False, _of("break")),
     ("engagement", False, _of("engagement")),
     ("visitor speech", False, _of("speech")),
@@ -106,7 +107,7 @@ def _words(event: Event) -> str:
     match event.kind:
         case "command" | "speech" | "note" | "marker" | "break":
             parts = [event.text]
-        case "engagement":
+        case "engagement" | "phase":
             parts = [event.label]
         case "action" | "questionnaire":
             parts = [event.label, _marks(event)]

@@ -6,6 +6,7 @@ import bisect
 from collections.abc import Iterator
 
 import msgspec
+from msgspec.structs import replace
 
 
 class Context(msgspec.Struct, frozen=True, kw_only=True):
@@ -46,12 +47,17 @@ class Contexts:
         #: Time and `seq` from which each context holds, rising.
         self._begins: list[tuple[int, int]] = []
         self._contexts: list[Context] = []
+        #: The number of each one's stretch: those that only differ in the phase have the same.
+        self._stretches: list[int] = []
 
     def enter(self, t: int, seq: int, context: Context) -> None:
         """Let `context` hold from the line `seq` at `t` on, which is no earlier than the last."""
         if self._begins:
             t, seq = max((t, seq), self._begins[-1])
         self._begins.append((t, seq))
+        before = self._contexts[-1] if self._contexts else None
+        same = before is not None and replace(before, phase=context.phase) == context
+        self._stretches.append(self._stretches[-1] + (not same) if self._stretches else 0)
         self._contexts.append(context)
 
     def rename_first(self, context: Context) -> None:
@@ -73,8 +79,16 @@ class Contexts:
             return self._contexts[place - 1]
         return self._contexts[0] if self._contexts else Context()
 
+    def stretch(self, t: int, seq: int) -> int:
+        """The number of the stretch of time in which the line `seq` at `t` is: another one begins
+        with another participant, condition or trial, with a break and behind it.
+        """
+        place = bisect.bisect_right(self._begins, (t, seq))
+        return self._stretches[max(0, place - 1)] if self._stretches else 0
+
     def parts(self, begin: int, end: int, seq: int) -> tuple[Span, ...]:
         """The pieces of the time from `begin` to `end`, each in one context: gapless, in order.
+        Several phases are no several pieces: the context is that of the first.
 
         What begins with the line `seq` at `begin` is in that line's context; pieces without length
         are left out, unless all of it has none.
@@ -89,6 +103,8 @@ class Contexts:
     def _pieces(self, begin: int, end: int, place: int) -> Iterator[Span]:
         while begin < end:
             later = place + 1
+            while later < len(self._begins) and self._stretches[later] == self._stretches[place]:
+                later += 1
             until = min(end, self._begins[later][0]) if later < len(self._begins) else end
             if until > begin:
                 yield Span(begin, until, self._contexts[place], self._begins[place][1])

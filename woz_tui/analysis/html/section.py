@@ -18,7 +18,9 @@ from woz_tui.analysis.lanes import Drawing
 from woz_tui.analysis.report import Report
 
 #: Sorts that are listed even where there are too many events to list all without a script.
-NOTABLE = frozenset({"failed", "stopped", "refused", "open", "trial", "left-out", "break"}) | {
+NOTABLE = frozenset(
+    {"failed", "stopped", "refused", "open", "trial", "phase", "left-out", "break"}
+) | {
     "stop",
     "lost",
     "differing",
@@ -260,6 +262,7 @@ def _distributions(figures: SessionFigures) -> Markup | None:
 
 def _tables(figures: SessionFigures) -> Iterator[Markup | None]:
     yield tables.trials(figures)
+    yield tables.phases(figures)
     yield tables.settings(figures)
     yield tables.cues(figures)
     yield tables.actions(figures)

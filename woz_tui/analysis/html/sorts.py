@@ -32,6 +32,7 @@ SORTS: dict[str, Look] = {
     ),
     "trial": Look("trial"),
     "left-out": Look("trial that does not count", "M-5-1.2H5V1.2H-5Z"),
+    "phase": Look("phase"),
     "break": Look("break"),
     "engaged": Look("visitor engaged"),
     "state": Look("other state"),

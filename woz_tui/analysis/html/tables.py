@@ -173,6 +173,24 @@ def trials(figures: SessionFigures) -> Markup | None:
     return table("Trials", heads, rows)
 
 
+def phases(figures: SessionFigures) -> Markup | None:
+    """Phases of the experiment, in their order."""
+    heads = ["Phase", "Trial", "Condition", "Begin", "Length", "Planned", "Actions"]
+    rows = [
+        [
+            said(phase.phase),
+            str(phase.trial) if phase.trial >= 0 else "",
+            said(phase.condition),
+            clock(phase.begin),
+            duration(phase.duration),
+            duration(phase.planned),
+            str(phase.actions),
+        ]
+        for phase in figures.phases
+    ]
+    return table("Phases", heads, rows)
+
+
 def settings(figures: SessionFigures) -> Markup | None:
     """Where robots had other settings than were asked for."""
     heads = ["Setting", "Robot had", "Asked for", "Participant", "Condition", "Trial"]

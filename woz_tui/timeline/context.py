@@ -9,6 +9,10 @@ import msgspec
 from msgspec.structs import replace
 
 
+#: A phase that begins so soon (microseconds) after a trial begins with it.
+AT_ONCE_US = 1000
+
+
 class Context(msgspec.Struct, frozen=True, kw_only=True):
     """To whom and what a moment belongs.
 
@@ -105,6 +109,8 @@ class Contexts:
             later = place + 1
             while later < len(self._begins) and self._stretches[later] == self._stretches[place]:
                 later += 1
+            while place + 1 < later and self._begins[place + 1][0] <= begin + AT_ONCE_US:
+                place += 1
             until = min(end, self._begins[later][0]) if later < len(self._begins) else end
             if until > begin:
                 yield Span(begin, until, self._contexts[place], self._begins[place][1])

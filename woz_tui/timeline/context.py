@@ -8,7 +8,6 @@ from collections.abc import Iterator
 import msgspec
 from msgspec.structs import replace
 
-
 #: A phase that begins so soon (microseconds) after a trial begins with it.
 AT_ONCE_US = 1000
 

@@ -162,6 +162,22 @@ async def test_how_long_a_kept_text_took_is_kept_too() -> None:
         assert row.split()[1:] == ["✓", "Secret"]
 
 
+async def test_what_depends_on_the_condition_is_just_running() -> None:
+    """Also while a gesture beside it has a length that anybody may know."""
+    secret = [call("say", args={"text": UNTOLD}, tells=["condition"]), call("play", args={})]
+    filled = msgspec.structs.replace(FILLED, actions={"Secret": [secret]})
+    wave = m.Command(command="c2", run="a1", verb="play", args={}, source="key", t=NOW, seq=9002)
+    for blind in (True, False):
+        async with sitting(guide(filled, blind=blind), size=(160, 50)) as seat:
+            told = pressed("a1", "Secret", UNTOLD, ("condition",))
+            begun = m.Dispatched(command="c2", driver="robot", latency_us=0, t=NOW)
+            await seat.tell(*told, wave, begun)
+            await seat.tell(m.Progress(command="c2", expected_us=2_000_000, t=NOW))
+            assert ("left" in seat.text("Events")) is not blind
+            button = next(line for line in seat.text("Panels").splitlines() if "Secret" in line)
+            assert ("2.0" in button) is not blind
+
+
 async def test_a_late_console_has_text_and_sentence() -> None:
     first = msgspec.structs.replace(guide(), recent=raw(pressed("a1", "Food", KRILL)))
     async with sitting(first, size=(160, 50)) as seat:

@@ -196,7 +196,7 @@ def test_every_byte_for_every_role(lab: Lab) -> None:
         done = [line for line in ear.lines("command.done") if line["command"] in untold]
         assert not any(line["duration_us"] for line in done)
     assert [line for line in program.lines("command.progress") if line["command"] in untold]
-    # What does not differ is shown: other texts, gestures beside what is untold, lengths.
+    # What does not differ is shown: other texts, gestures beside what is kept, lengths.
     texts = json.dumps(wizard.lines("actions.filled"))
     for part in ("Let me think.", "Hm, hm.", '"nod"', "{greeting}"):
         assert part in texts

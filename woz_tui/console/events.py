@@ -129,7 +129,8 @@ def _under_way(event: Event, picture: ConsoleState, frame: Frame) -> Piece:
         return (f" waits {seconds(held[0])} ", "wait")
     if not run.running:
         return (" queued ", "wait")
-    to_go, _ = run.timing(frame.now)
+    untimed = event.untimed or picture.untimed(event.action)
+    to_go = None if untimed else run.timing(frame.now)[0]
     shown = seconds(frame.now - event.t)
     if to_go is not None:
         shown = f"{seconds(to_go)} left" if to_go < _MINUTES_US else f"{left(to_go)} left"

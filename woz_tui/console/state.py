@@ -454,8 +454,13 @@ class ConsoleState:
 
     # -- reading ----------------------------------------------------------------------------
 
-    def _untold(self, command: m.Command) -> bool:
-        """Whether something of a command is kept from the wizard: then its length is, too."""
+    def untimed(self, action: str) -> bool:
+        """Whether something an action does is kept from the wizard: then its length is, too."""
+        steps = self.steps(action)
+        calls = (call for step in steps if not isinstance(step, float | int) for call in step)
+        return self.keeps and any(map(self._untold, calls))
+
+    def _untold(self, command: m.Command | m.FilledCall) -> bool:
         blind = bool(self.settings.study.blind)
         return (blind and "condition" in command.tells) or self.perception.keeps(*command.tells)
 
@@ -525,7 +530,7 @@ class ConsoleState:
         """How an action stands at `now`."""
         current = self.runs.of(action.name)
         if current is not None:
-            return _under_way(current, now)
+            return _under_way(current, now, timed=not self.untimed(action.name))
         outcome = self.runs.outcomes.get(action.name)
         if outcome is not None and now - outcome.t <= _LINGER.get(outcome.how, 0):
             return Standing(State(outcome.how), note=outcome.reason)
@@ -569,11 +574,11 @@ class ConsoleState:
         self.runs.see_all()
 
 
-def _under_way(run: Run, now: int) -> Standing:
+def _under_way(run: Run, now: int, *, timed: bool) -> Standing:
     """How an action stands that has been played and is not over."""
     if (held := run.held_for(now)) is not None:
         return Standing(State.HELD, *held)
-    left_us, share = run.timing(now)
+    left_us, share = run.timing(now) if timed else (None, None)
     return Standing(State.RUNNING if run.running else State.QUEUED, left_us, share)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from tests.host.rig import Served, served
 from woz_tui.core import messages as m
 from woz_tui.experiment.decode import load
+from woz_tui.experiment.shape import Phase
 from woz_tui.host import training
 from woz_tui.host.training import NOBODY, TrainingSession, in_training, without_participant
 from woz_tui.plugins import installed
@@ -92,3 +94,5 @@ def test_nobody_is_asked_anything_in_a_training() -> None:
     kept = ("design", "perception", "shaping", "training")
     assert all(getattr(left.study, name) == getattr(whole.study, name) for name in kept)
     assert left.panels == whole.panels
+    talk = replace(whole, phases=(Phase("talk", panels=("Speech",), lock_others=True),))
+    assert without_participant(talk).phases == ()

@@ -45,10 +45,11 @@ def in_training(identity: Identity, experiment: Experiment) -> Identity:
 
 
 def without_participant(experiment: Experiment) -> Experiment:
-    """The experiment without what belongs to a participant: nobody is there to be asked, and
-    nothing has to be in order for them.
+    """The experiment without what belongs to a participant: nobody is there to be asked, nothing
+    has to be in order for them, and cues want answers of all phases.
     """
-    return replace(experiment, study=replace(experiment.study, questionnaires=(), preflight=()))
+    study = replace(experiment.study, questionnaires=(), preflight=())
+    return replace(experiment, study=study, phases=())
 
 
 class TrainingSession:

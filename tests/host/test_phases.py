@@ -1,0 +1,67 @@
+"""Phases over the socket: who may ask for one, what a newcomer is told."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from dataclasses import replace
+from pathlib import Path
+
+from tests.host.rig import Served, served
+from tests.session.rig import experiment
+from woz_tui.core import messages as m
+from woz_tui.experiment.shape import Phase
+
+PHASES = (
+    Phase("opening", "Opening", ("Speech",), script=("Hello",), planned=60.0),
+    Phase("ride", panels=("Base",), after=("opening",)),
+)
+
+
+def hosted(tmp_path: Path, scenario: Callable[[Served], Awaitable[None]]) -> list[m.AnyMessage]:
+    async def go() -> list[m.AnyMessage]:
+        made = replace(experiment(tmp_path), phases=PHASES)
+        async with served(tmp_path, made=made) as host:
+            await scenario(host)
+            return host.lines
+
+    return asyncio.run(go())
+
+
+def begun(lines: list[m.AnyMessage]) -> list[tuple[str, str]]:
+    return [(line.phase, line.source) for line in lines if isinstance(line, m.PhaseChanged)]
+
+
+def test_a_wizard_goes_on_and_a_newcomer_is_told_where(tmp_path: Path) -> None:
+    async def scenario(host: Served) -> None:
+        wizard = await host.connect()
+        welcome = await wizard.hello("wizard")
+        names = [phase["name"] for phase in welcome["settings"]["phases"]]
+        assert names == ["opening", "ride"]
+        assert (await wizard.ask("phase", source="key", key=")"))["ok"]
+        last = await wizard.ask("phase", source="key", key=")")
+        assert (last["ok"], last["command"]) == (False, "phases")
+        late = await host.connect()
+        state = (await late.hello("watcher"))["state"]
+        changed = [line["phase"] for line in state if line["kind"] == "phase.changed"]
+        assert changed == ["opening", "ride"]
+        assert not (await late.ask("phase", phase="opening"))["ok"]
+        guest = await host.connect()
+        told = await guest.hello("participant")
+        assert told["settings"]["phases"] == []
+        assert not [line for line in told["state"] if line["kind"] == "phase.changed"]
+
+    assert begun(hosted(tmp_path, scenario)) == [("opening", "session"), ("ride", "key")]
+
+
+def test_an_old_press_changes_no_phase(tmp_path: Path) -> None:
+    async def scenario(host: Served) -> None:
+        wizard = await host.connect()
+        await wizard.hello("wizard")
+        for late in ({"age_us": 60_000_000}, {"stale": True}):
+            assert not (await wizard.ask("phase", source="key", **late))["ok"]
+
+    lines = hosted(tmp_path, scenario)
+    assert begun(lines) == [("opening", "session")]
+    notices = [line.text for line in lines if isinstance(line, m.Notice)]
+    assert sum("Phase not changed" in text for text in notices) == 2

@@ -28,26 +28,32 @@ def soon(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(training, "WARNING_S", 0.01)
 
 
-def notices(it: Served) -> list[str]:
-    return [line.text for line in it.lines if isinstance(line, m.Notice)]
+def states(it: Served) -> list[tuple[str, int]]:
+    """The training's states, with what was right so far."""
+    return [(line.state, line.right) for line in it.lines if isinstance(line, m.TrainingChanged)]
 
 
-async def test_it_begins_with_a_wizard_and_says_how_it_went(tmp_path: Path) -> None:
+async def test_it_begins_when_the_wizard_says_so_and_says_how_it_went(tmp_path: Path) -> None:
     async with served(tmp_path) as it:
         session = TrainingSession(it.host, (APPROACH,))
         watcher = await it.connect()
         await watcher.hello("watcher")
         await watcher.ask("marker", text="nobody plays yet")
-        assert notices(it) == []
+        assert states(it) == []
         wizard = await it.connect()
         await wizard.hello("wizard")
+        assert states(it) == [("waits", 0)]
+        assert (await wizard.ask("training"))["ok"]
+        assert not (await wizard.ask("training"))["ok"]
         await it.published(lambda line: isinstance(line, m.CueGiven))
         assert (await wizard.ask("action", action="Hello", source="key"))["ok"]
-        await it.published(lambda line: isinstance(line, m.Notice) and "is over" in line.text)
-        assert notices(it) == [
-            "training: 1 cue; the first comes soon; the robot does not move",
-            "the training is over: 1 right",
-        ]
+        over = await it.published(
+            lambda line: isinstance(line, m.TrainingChanged) and line.state == "over"
+        )
+        assert isinstance(over, m.TrainingChanged)
+        assert (over.right, over.wrong, over.missed) == (1, 0, 0)
+        assert over.median_us >= 0
+        assert [state for state, _ in states(it)] == ["waits", "runs", "over"]
         session.end()
 
 
@@ -56,11 +62,12 @@ async def test_another_wizard_goes_on_with_it(tmp_path: Path) -> None:
         session = TrainingSession(it.host, (APPROACH, APPROACH))
         first, second = await it.connect(), await it.connect()
         await first.hello("wizard")
+        assert (await first.ask("training"))["ok"]
         await it.published(lambda line: isinstance(line, m.CueGiven))
         await second.hello("wizard", take_over=True)
         await second.ask("action", action="Welcome", source="key")
         await it.published(lambda line: isinstance(line, m.CueAnswered))
-        assert len(notices(it)) == 1
+        assert [state for state, _ in states(it)] == ["waits", "runs"]
         session.end()
 
 
@@ -72,6 +79,7 @@ async def test_a_session_that_ends_before_it_begins_gives_no_cue(
         session = TrainingSession(it.host, (APPROACH,))
         wizard = await it.connect()
         await wizard.hello("wizard")
+        assert (await wizard.ask("training"))["ok"]
         session.end()
         await asyncio.sleep(1.1)
         assert not [line for line in it.lines if isinstance(line, m.Reading | m.CueGiven)]

@@ -27,7 +27,7 @@ from woz_tui.console.stopbar import Bar, News
 from woz_tui.console.study.picture import Tiding
 from woz_tui.console.surface import Surface
 from woz_tui.console.thrift import tight
-from woz_tui.core.messages import StopPressed
+from woz_tui.core.messages import StopPressed, TrainingChanged
 from woz_tui.core.pictures import PictureShown
 from woz_tui.core.requests import AskRelease, Reply, Welcome
 from woz_tui.experiment.builtins import Builtin, builtins_with
@@ -97,6 +97,7 @@ class Console(ScreenApp):
         self.restart = restart
         self.ask_participant, self._asked_in = ask_participant, ""
         self._edition = 0
+        self._training: TrainingChanged | None = None
         self._was_lost = False
         self._lost_t = 0
         self._news = News()
@@ -167,6 +168,7 @@ class Console(ScreenApp):
                     self._welcomed(message)
                 elif isinstance(message, StopPressed) and message.scope == "all":
                     self._stop_asked = None  # also where its release came in the same batch
+        self._follow_training()
         if (refusal := self.picture.runs.read_refusal()) is not None:
             self.news(refusal.sentence(self.picture.label(refusal.action)), "warn")
         for tiding in self.picture.study.read_tidings():
@@ -183,6 +185,13 @@ class Console(ScreenApp):
         if self.picture.edition != self._edition:
             self._edition = self.picture.edition
             self._adopt()
+
+    def _follow_training(self) -> None:
+        """Offer what a training offers at this moment, once."""
+        training = self.picture.session.training
+        if training != self._training:
+            self._training = training
+            calls("screens.training:open_training")(self)
 
     def _sentence(self, tiding: Tiding) -> str:
         """With the keys that it names."""

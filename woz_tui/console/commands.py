@@ -234,7 +234,7 @@ COMMANDS = (
     _arrow("hip_left", "hip", "roll", 1, "hip"),
     _arrow("hip_right", "hip", "roll", -1, "hip"),
     _row("start", opens("screens.start:StartDialog")),
-    _row("trial", opens("screens.trial:TrialDialog"), users=WATCHER),
+    _row("trial", calls("screens.training:open_trial"), users=WATCHER),
     _row("preflight", opens("screens.preflight:PreflightDialog"), users=WATCHER),
     _row("reload", opens("screens.reload:ReloadDialog")),
     _row("drivers", opens("screens.drivers:DriversDialog"), users=EVERYBODY),

@@ -22,6 +22,7 @@ from woz_tui.console.script import Script
 from woz_tui.console.state import ConsoleState
 from woz_tui.console.status import Line, Status
 from woz_tui.console.stopbar import Bar, StopBar
+from woz_tui.console.training import CueBoard, cue_lines
 
 SMALL = "{0} x {1} is small: meters need 80 x 24, keys and stop do not"
 
@@ -31,6 +32,7 @@ class Surface:
     """Status on top, panels, meters and bodies, events, script, repairs, stop bar."""
 
     status: Status = field(default_factory=Status)
+    cue: CueBoard = field(default_factory=CueBoard)
     panels: Panels = field(default_factory=Panels)
     meters: Meters = field(default_factory=Meters)
     bodies: BodyPane = field(default_factory=BodyPane)
@@ -44,7 +46,7 @@ class Surface:
 
     def compose(self) -> ComposeResult:
         """All widgets in their order."""
-        yield self.status
+        yield from (self.status, self.cue)
         with self.body:
             yield self.panels
             with self.side:
@@ -64,8 +66,11 @@ class Surface:
         lines = bar_lines(size, any(picture.scripts.values()))
         if self.bar.styles.height is None or self.bar.styles.height.value != lines:
             self.bar.styles.height = lines
+        cue = cue_lines(size, picture)
+        self.cue.display = cue > 0
+        self.cue.styles.height = cue or 1
         self.body.lay_out(
-            size,
+            Size(width, height - cue),
             Needs(
                 self.panels.needs(picture, glyphs),
                 self.meters.needs,
@@ -84,6 +89,8 @@ class Surface:
     ) -> None:
         """Show what has changed; `frame` tells each part's room and the moment."""
         self.status.paint(picture, frame(self.status), line)
+        if self.cue.display:
+            self.cue.paint(picture, frame(self.cue))
         parts = (self.panels, self.meters, self.bodies, self.events, self.script, self.repairs)
         for part in parts:
             part.paint(picture, frame(part))

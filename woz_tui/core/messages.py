@@ -91,6 +91,7 @@ from woz_tui.core.study import (
     SessionPlan,
     ShapingChanged,
     StudyMessage,
+    TrainingChanged,
     TrialEnded,
     TrialStarted,
 )
@@ -170,6 +171,7 @@ __all__ = [
     "Stopped",
     "Superseded",
     "TimedOut",
+    "TrainingChanged",
     "TrialEnded",
     "TrialStarted",
     "VisitorChanged",

@@ -251,6 +251,10 @@ class AskCheck(Request, frozen=True, kw_only=True, omit_defaults=True, tag="chec
     text: str = ""
 
 
+class AskTraining(Request, frozen=True, kw_only=True, omit_defaults=True, tag="training"):
+    """Begin the training that waits for it."""
+
+
 class AskReplay(Request, frozen=True, kw_only=True, omit_defaults=True, tag="replay"):
     """Move through a log that is being replayed; a robot process refuses it.
 
@@ -301,6 +305,7 @@ AnyRequest = (
     | AskQuestionnaire
     | AskAnswer
     | AskCheck
+    | AskTraining
     | AskReplay
     | AskPicture
     | Beat

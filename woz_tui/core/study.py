@@ -190,6 +190,23 @@ class PerceptionChanged(
 # -- training -----------------------------------------------------------------------------------
 
 
+class TrainingChanged(
+    Message, frozen=True, kw_only=True, omit_defaults=True, tag="training.changed"
+):
+    """How far a training of the wizard is: `state` is waits (for the key that begins it), runs or
+    over. `cues`: how many there are. When it is over, the counts are as in `cue.answered`, and
+    `median_us` is the median reaction time to all that was answered (-1: nothing was).
+    """
+
+    state: str
+    cues: int
+    right: int = 0
+    wrong: int = 0
+    missed: int = 0
+    uncalled: int = 0
+    median_us: int = -1
+
+
 class CueGiven(Message, frozen=True, kw_only=True, omit_defaults=True, tag="cue.given"):
     """Training: the simulated visitor did something that wants an answer: one of the actions that
     `expects` names, within `window_us`. `sort`: approach, question, silence, turn-away, leave ...
@@ -274,6 +291,7 @@ StudyMessage = (
     | ShapingChanged
     | ActionHeld
     | PerceptionChanged
+    | TrainingChanged
     | CueGiven
     | CueAnswered
     | RerunStarted

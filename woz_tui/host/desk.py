@@ -35,6 +35,7 @@ from woz_tui.core.requests import (
     AskReload,
     AskScript,
     AskSet,
+    AskTraining,
     AskTrial,
     AskVerb,
     Reply,
@@ -80,6 +81,7 @@ class Desk:
         self._reading = asyncio.Lock()  # what was read last is what counts
         self._looking = asyncio.Lock()  # into the earlier logs, one after the other
         self.on_end: Callable[[str], None] = lambda reason: None
+        self.on_training: Callable[[], None] | None = None
         self.on_panels: Callable[[], None] = lambda: None
         #: Called before an experiment is adopted.
         self.on_reload: Callable[[Experiment], None] = lambda experiment: None
@@ -169,6 +171,10 @@ class Desk:
                 study.questioning.ask(name, what, by)
             case AskAnswer():
                 study.questioning.answer(request)
+            case AskTraining():
+                if self.on_training is None:
+                    raise AskError("this session is no training", "`woz train` begins one")
+                self.on_training()
             case AskCheck(check=check, ok=ok, text=text):
                 study.check(check, ok, text, client.role)
             case _:

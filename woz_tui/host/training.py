@@ -5,17 +5,17 @@ from __future__ import annotations
 import asyncio
 from collections import Counter
 from dataclasses import dataclass, replace
+from statistics import median
 
 from woz_tui.core import messages as m
 from woz_tui.experiment.shape import Experiment
-from woz_tui.host.rerun import counted
 from woz_tui.host.server import Host
 from woz_tui.session.identity import AskError, Identity
 from woz_tui.training.plan import PlannedCue, acts, planned
-from woz_tui.training.trainer import Trainer
+from woz_tui.training.trainer import MISSED, RIGHT, UNCALLED, WRONG, Trainer
 from woz_tui.training.visitor import TrainingVisitor
 
-#: From the notice that it begins to the first cue's pause, in seconds.
+#: From the key that begins it to the first cue's pause, in seconds.
 WARNING_S = 3.0
 #: The code of the participant who is none.
 NOBODY = "TRAINING"
@@ -53,7 +53,7 @@ def without_participant(experiment: Experiment) -> Experiment:
 
 
 class TrainingSession:
-    """Begins the training once a wizard is attached, and sums it up.
+    """Has the training begin when the wizard says so, and sums it up.
 
     Args:
         host: Whose session it happens in.
@@ -64,8 +64,8 @@ class TrainingSession:
         self._host = host
         self._session = host.session
         self._cues = cues
-        self._begun = False
         self._verdicts: Counter[str] = Counter()
+        self._reactions: list[int] = []
         self._starting: asyncio.TimerHandle | None = None
         self._trainer = Trainer(
             self._session.hub,
@@ -75,6 +75,7 @@ class TrainingSession:
             self._over,
         )
         self._session.hub.listen(self._hear)
+        host.desk.on_training = self._begin
 
     def end(self) -> None:
         """The session ends: no more cues."""
@@ -86,25 +87,41 @@ class TrainingSession:
         action = self._session.experiment.action(name)
         return action is not None and acts(action)
 
+    @property
+    def _state(self) -> str:
+        told = self._session.state.training
+        return told.state if told is not None else ""
+
+    def _begin(self) -> None:
+        """The wizard pressed the key that begins it."""
+        if self._state != "waits":
+            raise AskError("the training has begun already")
+        self._tell("runs")
+        loop = asyncio.get_running_loop()
+        self._starting = loop.call_later(WARNING_S, self._trainer.begin)
+
     def _hear(self, message: m.AnyMessage) -> None:
         match message:
-            case m.ConsoleAttached(role="wizard") if not self._begun:
-                self._begun = True
-                self._notice(
-                    f"training: {counted(len(self._cues), 'cue')}; the first comes soon;"
-                    " the robot does not move",
-                    "answer each cue with the right key; ctrl+q ends the training",
-                )
-                loop = asyncio.get_running_loop()
-                self._starting = loop.call_later(WARNING_S, self._trainer.begin)
+            case m.ConsoleAttached(role="wizard") if not self._state:
+                self._tell("waits")
             case m.CueAnswered(judged=judged):
                 self._verdicts[judged] += 1
+                if message.reaction_us >= 0:
+                    self._reactions.append(message.reaction_us)
 
     def _over(self) -> None:
-        said = ", ".join(
-            f"{count} {judged}" for judged, count in sorted(self._verdicts.items()) if count
-        )
-        self._notice(f"the training is over: {said}", "ctrl+q shows the score")
+        self._tell("over")
 
-    def _notice(self, text: str, remedy: str) -> None:
-        self._session.hub.publish(m.Notice(level="info", text=text, remedy=remedy))
+    def _tell(self, state: str) -> None:
+        count = self._verdicts
+        self._session.hub.publish(
+            m.TrainingChanged(
+                state=state,
+                cues=len(self._cues),
+                right=count[RIGHT],
+                wrong=count[WRONG],
+                missed=count[MISSED],
+                uncalled=count[UNCALLED],
+                median_us=round(median(self._reactions)) if self._reactions else -1,
+            )
+        )

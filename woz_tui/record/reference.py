@@ -48,7 +48,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "copied": ("", "whether the file is a copy of all that was in a deleted one"),
     "cue": ("", "id of the cue; empty: there was none"),
     "cued": ("µs", "moment, on the `t` axis, of the cue"),
-    "cues": ("", "which cues count: see the line's description"),
+    "cues": ("", "which cues count, or how many there are: see the line's description"),
     "deadline_us": ("µs", "moment, on the `t` axis, after which it may not begin; absent: none"),
     "detail": ("", "what exactly"),
     "driver": ("", "name of the driver in the robot file"),
@@ -92,18 +92,22 @@ FIELDS: dict[str, tuple[str, str]] = {
     "locked": ("", "whether it is locked now"),
     "log": ("", "the beginning that the names of all files of this session share"),
     "loudest": ("", "RMS of the loudest part, 0 to 1 of full scale; null: not measured"),
+    "median_us": ("µs", "median of the reaction times; -1: none"),
     "method": ("", "how the order was found: see the line's description"),
+    "missed": ("", "cues without an answer in time"),
     "missing": ("", "drivers that did not say in time that they stand still"),
     "name": (
         "",
         "how a program calls itself; absent: it does not say, or sees no more than the wizard",
     ),
+    "right": ("", "cues that were answered rightly"),
     "sees": ("", "`all`: it gets what is kept from the wizard; absent: it does not"),
     "telling": ("", "those of `changes` that may tell which condition is which"),
     "tells": (
         "",
         "what its words tell that may be kept from some: see *What is kept*; absent: nothing",
     ),
+    "uncalled": ("", "actions while no cue waited"),
     "unfilled": ("", "those of `args` that tell it, with variables left in place; absent: none"),
     "unreached": ("", "those of `missing` whose hardware was not connected; absent: none"),
     "missing_parts": ("", "driver -> those of its parts that did not say so; absent: none"),
@@ -166,7 +170,7 @@ FIELDS: dict[str, tuple[str, str]] = {
         "where it came from: `key`, `script`, `palette`, `program`, `wizard`, `participant` ...",
     ),
     "spill": ("", "folders in which the log goes on if its own fails"),
-    "state": ("", "the state of the sensor or of the engagement machine from this line on"),
+    "state": ("", "the state of the sensor, training or engagement machine from this line on"),
     "targets": ("", "where each waiting control begins to count, 0 to 127"),
     "text": ("", "what was said, typed or recognised"),
     "title": ("", "title of the experiment or of the questionnaire"),
@@ -203,6 +207,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "width": ("lights", "of a row of the face"),
     "window_us": ("µs", "time in which the answer must come"),
     "wizard": ("", "wizard's code"),
+    "wrong": ("", "cues that were answered by another action"),
 }
 
 #: On every line; explained once, above the tables.

@@ -126,6 +126,7 @@ class SessionState:
     consoles: dict[str, m.ConsoleAttached] = field(default_factory=dict)
     cue: Cue | None = None
     rerun: Rerun | None = None
+    training: m.TrainingChanged | None = None
     all_commands: bool = False
     #: Passing commands so far, and those under way.
     passing: int = 0
@@ -174,7 +175,7 @@ class SessionState:
 
     def _lines(self) -> Iterator[m.Message]:
         single = (self.start, self.end, self.plan, self.recorder, self.shaping)
-        for line in (*single, self.filled, self.profile_changed, self.perception):
+        for line in (*single, self.filled, self.profile_changed, self.perception, self.training):
             if line is not None:
                 yield line
         for part in (self.study, self.model, self.robots):
@@ -573,6 +574,10 @@ class SessionState:
 
     # -- training, re-run -------------------------------------------------------------------------
 
+    def _training(self, message: m.TrainingChanged) -> Iterable[Episode]:
+        self.training = message
+        return self._moment(message)
+
     def _cue(self, message: m.CueGiven) -> Iterator[Episode]:
         if self.cue is not None:
             yield replace(self.cue, end=self.t, cut=True)
@@ -684,6 +689,7 @@ CASES: dict[type[m.Message], _Case] = {
     m.QuestionnaireEnded: S._questionnaire_ended,
     m.ShapingChanged: _as_moment(_last("shaping")),
     m.PerceptionChanged: S._perception,
+    m.TrainingChanged: S._training,
     m.CueGiven: S._cue,
     m.CueAnswered: S._judged,
     m.RerunStarted: S._rerun_started,

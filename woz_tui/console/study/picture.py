@@ -57,6 +57,8 @@ class Study:
     _started: m.QuestionnaireStarted | None = None
     #: The last cue of a training.
     _cue: m.CueGiven | None = None
+    #: What became of it, or of a press without one.
+    judged: m.CueAnswered | None = None
     #: Whether it was said that no trial is under way, since the last one.
     _told_outside: bool = False
     _tidings: deque[Tiding] = field(default_factory=lambda: deque(maxlen=_TIDINGS))
@@ -193,6 +195,7 @@ class Study:
             case m.CueGiven():
                 self._cue = message
             case m.CueAnswered():
+                self.judged = message
                 self._tidings.append(Tiding(*judged(message), self.right_for(message)))
             case m.QuestionnaireStarted() | m.QuestionnaireEnded():
                 self.follow()

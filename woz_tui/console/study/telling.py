@@ -98,6 +98,14 @@ def _perception(told: m.PerceptionChanged) -> Line:
     return Line("info", f"Kept from you: {', '.join(told.hidden)}", blurred)
 
 
+def _training(told: m.TrainingChanged) -> Line:
+    cues = f"{told.cues} cue{'' if told.cues == 1 else 's'}"
+    if told.state == "over":
+        return Line("done", f"Training over: {told.right} of {cues} right")
+    state = "waits for you" if told.state == "waits" else "begins"
+    return Line("info", f"Training {state}: {cues}", "nothing moves")
+
+
 def _cue(told: m.CueGiven) -> Line:
     return Line("heard", f"Cue: {told.sort}", told.text)
 
@@ -133,6 +141,7 @@ TELLERS: Mapping[type[m.Message], Callable[[Any], Line | None]] = {
     m.QuestionnaireEnded: _asked,
     m.ShapingChanged: _shaping,
     m.PerceptionChanged: _perception,
+    m.TrainingChanged: _training,
     m.CueGiven: _cue,
     m.CueAnswered: _answered,
     m.RerunStarted: _rerun,

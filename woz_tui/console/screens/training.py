@@ -1,0 +1,92 @@
+"""A training that waits for its key, and its score."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from textual.content import Content
+
+from woz_tui.console.cells import Row
+from woz_tui.console.screens.choice import Choice
+from woz_tui.console.screens.dialog import ConsoleApp
+from woz_tui.console.screens.trial import TrialDialog
+from woz_tui.core import messages as m
+from woz_tui.core.requests import AskTraining
+
+
+def open_training(app: ConsoleApp) -> None:
+    """Offer to begin, or show the score, as far as the training is."""
+    training = app.picture.session.training
+    if training is not None and app.picture.role == "wizard":
+        if training.state == "waits":
+            app.open_dialog(BeginDialog(training))
+        elif training.state == "over":
+            app.open_dialog(ScoreDialog(training))
+
+
+def open_trial(app: ConsoleApp) -> None:
+    """Trials and breaks; before a training its beginning."""
+    training = app.picture.session.training
+    if training is not None and training.state == "waits":
+        open_training(app)
+    else:
+        app.open_dialog(TrialDialog())
+
+
+class _Training(Choice):
+    hint = "arrows choose · enter"
+
+    def __init__(self, training: m.TrainingChanged) -> None:
+        super().__init__()
+        self._training = training
+
+
+class BeginDialog(_Training):
+    """What will happen; the first choice begins it."""
+
+    heading = "Training"
+
+    def lines(self) -> list[Row]:
+        """What will happen."""
+        count = self._training.cues
+        return [
+            ((f"A visitor is simulated: {count} cue{'' if count == 1 else 's'}.", "strong"),),
+            (("Answer each of them with the right key. Nothing moves.", "plain"),),
+        ]
+
+    def choices(self) -> Sequence[Content]:
+        """Begin, or look at the keys first."""
+        return [Content("Begin"), Content("Look at the keys first; * begins")]
+
+    def chose(self, index: int) -> None:
+        """Begin."""
+        if index == 0:
+            self.desk.ask(AskTraining())
+
+
+class ScoreDialog(_Training):
+    """How it went."""
+
+    heading = "Your score"
+
+    def lines(self) -> list[Row]:
+        """The score, large enough to be read by whoever stands behind the wizard."""
+        told = self._training
+        counted = told.right + told.wrong + told.missed
+        share = f"{told.right / counted:.0%}" if counted else "no cue"
+        rows: list[Row] = [
+            ((f"{share}: {told.right} of {counted} right", "strong"),),
+            ((f"wrong {told.wrong}, missed {told.missed}, uncalled {told.uncalled}", "plain"),),
+        ]
+        if told.median_us >= 0:
+            rows.append(((f"median reaction {told.median_us / 1_000_000:.2f} s", "plain"),))
+        return rows
+
+    def choices(self) -> Sequence[Content]:
+        """Leave, or stay."""
+        return [Content("End the training"), Content("Stay and read the screen")]
+
+    def chose(self, index: int) -> None:
+        """End the session: nobody comes back to a training."""
+        if index == 0:
+            self.desk.end_session()

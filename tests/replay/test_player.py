@@ -7,7 +7,7 @@ from woz_tui.console.parts import State
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core.views import ActionView, PanelView
-from woz_tui.replay.player import REFUSED, UNMOVED, Start
+from woz_tui.replay.player import REFUSED, UNCODED, UNMOVED, Start
 
 
 def viewer(**start: object) -> Viewer:
@@ -281,7 +281,8 @@ def test_samples_alone_do_not_keep_a_stretch() -> None:
 )
 def test_whatever_else_is_asked_is_refused(request_: r.AnyRequest) -> None:
     reply = viewer().ask(request_)
-    assert (reply.ok, reply.reason) == (False, REFUSED)
+    assert not reply.ok
+    assert reply.reason in (REFUSED, UNCODED)
 
 
 @pytest.mark.parametrize("request_", [r.AskStop(source="key"), r.AskRelease()])

@@ -6,7 +6,6 @@ import sys
 from collections import Counter, deque
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from operator import itemgetter
 from typing import Any
 
@@ -190,10 +189,6 @@ class _Cues:
         self.found.append((cue.context, row))
 
 
-def _place(context: Context) -> tuple[object, ...]:
-    return context.participant, context.condition, context.trial, context.run, context.in_break
-
-
 def cues_of(
     timeline: Timeline, acts: Sequence[Act], window_us: int, waiting: Collection[str]
 ) -> list[Placed]:
@@ -216,9 +211,7 @@ def cues_of(
     for _, marker in moments(timeline, m.Marker):
         if marker.source not in UNMEANT:
             lines.append((marker.t, marker.seq, cues.marker, marker))
-    for before, span in pairwise(timeline.spans):
-        if _place(span.context) != _place(before.context):
-            lines.append((span.begin, span.seq, cues.border, None))
+    lines += [(piece.begin, piece.seq, cues.border, None) for piece in timeline.pieces[1:]]
     for t, seq, case, what in sorted(lines, key=itemgetter(0, 1)):
         cues.t, cues.seq = t, seq
         case(what)

@@ -171,7 +171,10 @@ _WHERE: tuple[Column[Any], ...] = (
 _ONSET = _time("onset", "beginning, from the session's start", "begin")
 _MOMENT = _time("onset", "its moment, from the session's start", "t")
 _DURATION = _time("duration", "from beginning to end", "duration")
-_SEQ = _plain("integer", "seq", "number of the line in the log")
+_SEQ: Column[Any] = Column(
+    *("seq", "integer", "number of the line in the log; empty: it is none"),
+    lambda _, row: None if row.seq < 0 else row.seq,
+)
 _COUNTED = _plain(
     *("boolean", "counted"),
     "means contain it: somebody took part, and where there are trials it was in one that was "
@@ -267,7 +270,8 @@ EVENTS: Table[Any] = Table(
             "kind",
             "action, command, engagement, speech (the visitor's), trial, phase, break, stop, "
             "questionnaire; difference: a robot's setting was other than asked for; conflict: of "
-            "settings; of moments, the kind of the log's line: marker, note, sensor.changed ...",
+            "settings; code: what a coder (`source`) set in a replay, with its tier as `label`; of "
+            "moments, the kind of the log's line: marker, note, sensor.changed ...",
         ),
         _text(
             "label",

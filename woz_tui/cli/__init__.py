@@ -23,6 +23,7 @@ COMMANDS = {
     "host": "start the robot process alone",
     "attach": "join a running session",
     "replay": "a session again, on the screen or on the robot",
+    "coding": "what coders set in a replay, and how much two of them agree",
     "compare": "two sessions, or a session and its re-run, side by side",
     "check": "check an experiment file and show its keys",
     "convert": "write a WoZ4U config.yaml as an experiment file",

@@ -40,6 +40,13 @@ def add(parser: argparse.ArgumentParser) -> None:
         metavar="SECONDS",
         help="leave out what is longer of stretches in which nothing happens",
     )
+    screen.add_argument(
+        "--coder",
+        type=_coder,
+        default="",
+        metavar="CODE",
+        help="code it: m and n set codes and notes beside the log; the condition is hidden",
+    )
     screen.add_argument("--paused", action="store_true", help="begin standing still")
     robot = parser.add_argument_group("on the robot")
     add_theme(parser)
@@ -71,6 +78,15 @@ def _speed(text: str) -> float:
     return value
 
 
+def _coder(text: str) -> str:
+    from woz_tui.record.names import check_code  # noqa: PLC0415
+
+    try:
+        return check_code("coder", text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
 def _seconds(text: str) -> float:
     value = _number(text)
     if not 0 < value < 1e6:
@@ -87,6 +103,10 @@ def _number(text: str) -> float:
 
 def run(arguments: argparse.Namespace) -> int:
     """Replay it; the exit code."""
+    if arguments.coder and (arguments.reveal or arguments.robot or arguments.dry_run):
+        wrong = "--reveal" if arguments.reveal else "--robot"
+        print(f"woz: --coder hides the condition: leave {wrong} out", file=sys.stderr)
+        return 2
     if arguments.robot or arguments.dry_run:
         from woz_tui.cli import rerun  # noqa: PLC0415
 
@@ -102,6 +122,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _show(arguments: argparse.Namespace) -> int:
     from woz_tui.cli import screen  # noqa: PLC0415
+    from woz_tui.record.coding import CodingError  # noqa: PLC0415
     from woz_tui.replay.opened import LogError, chosen, opened  # noqa: PLC0415
     from woz_tui.replay.places import PlaceError  # noqa: PLC0415
 
@@ -114,13 +135,15 @@ def _show(arguments: argparse.Namespace) -> int:
             _, code = screen.run_console(_console(feed, arguments.theme))
             feed.close()
             return code
-    except (LogError, PlaceError) as error:
+    except (LogError, PlaceError, CodingError) as error:
         print(f"woz: {error}", file=sys.stderr)
         return 1
 
 
 def feed_of(index: LogIndex, path: Path, arguments: argparse.Namespace) -> ReplayFeed | None:
     """What plays the log; None after saying what stands against it."""
+    from woz_tui.record.coding import Coding, coding_path  # noqa: PLC0415
+    from woz_tui.record.log import files_of  # noqa: PLC0415
     from woz_tui.replay.feed import ReplayFeed  # noqa: PLC0415
     from woz_tui.replay.opened import IndexedSamples, has_beginning, notes_of  # noqa: PLC0415
     from woz_tui.replay.places import find  # noqa: PLC0415
@@ -138,14 +161,18 @@ def feed_of(index: LogIndex, path: Path, arguments: argparse.Namespace) -> Repla
     if against and not arguments.changed:
         print(*against, "woz: --changed shows the log all the same", sep="\n", file=sys.stderr)
         return None
-    reel = Reel(index.actions, IndexedSamples(index), plan, reveal=arguments.reveal)
+    coder = arguments.coder
+    reel = Reel(
+        *(index.actions, IndexedSamples(index), plan), reveal=arguments.reveal, coded=bool(coder)
+    )
+    coding = Coding(coding_path(files_of(path).paths[0]), coder, reel.start) if coder else None
     start = Start(
         speed=arguments.speed,
         at_us=find(arguments.at, reel, 0) if arguments.at.strip() else 0,
         paused=arguments.paused,
         max_idle_us=arguments.max_idle and round(arguments.max_idle * 1_000_000),
     )
-    return ReplayFeed(Player(reel, start, str(path), notes_of(index, reel)))
+    return ReplayFeed(Player(reel, start, str(path), notes_of(index, reel), coding))
 
 
 def _experiment(

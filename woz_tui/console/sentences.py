@@ -343,7 +343,8 @@ def _mode(message: m.ModeChanged, shown: Shown) -> Event:
 
 
 def _marker(message: m.Marker, shown: Shown) -> Event:
-    return Event(message.t, "marker", "Marker", message.text)
+    _, coder, name = message.source.partition("coder ")
+    return Event(message.t, "marker", f"Code of {name}" if coder else "Marker", message.text)
 
 
 def _note(message: m.Note, shown: Shown) -> Event:

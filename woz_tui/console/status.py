@@ -78,7 +78,9 @@ def _session(picture: ConsoleState, frame: Frame, room: int) -> list[Row]:
     if picture.role == "watcher":
         parts.append(((" WATCHING ", "alarm-soft"),))
     elif picture.replay is not None:
-        parts.append(((" REPLAY ", "fill"),))
+        told = picture.settings.replay
+        coder = f"CODER {told.coder}" if told and told.coder else "REPLAY"
+        parts.append(((f" {coder} ", "fill"),))
     parts.append(((f" {title}  ", "strong"), (time, "plain")))
     for value in values:
         look = "warn" if value.startswith("no ") else "plain"

@@ -177,7 +177,9 @@ class StudySettings(msgspec.Struct, frozen=True):
 
 
 class ReplayedLog(msgspec.Struct, frozen=True):
-    """The log that a replay plays: at `t` microseconds the clock on the wall said `ts`."""
+    """The log that a replay plays: at `t` microseconds the clock on the wall said `ts`. `coder` is
+    who codes it; empty: nobody.
+    """
 
     t: int = 0
     ts: str = ""
@@ -186,6 +188,7 @@ class ReplayedLog(msgspec.Struct, frozen=True):
     experiment: str = ""
     software: str = ""
     lines: int = 0
+    coder: str = ""
 
 
 class Settings(msgspec.Struct, frozen=True, kw_only=True):

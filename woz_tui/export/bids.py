@@ -210,6 +210,7 @@ _KINDS = {
     "was wanted",
     "conflict": "settings of a robot that worked against each other, or against the wizard",
     "marker": "a moment that the wizard marked",
+    "code": "what a coder (the source) set while watching a replay: the label is its tier",
     "note": "a sentence that the wizard typed",
     "mistake": "the wizard labelled an action a mistake",
 }

@@ -17,6 +17,8 @@ from woz_tui.timeline.timeline import timeline_of
 NO_FIGURES = figures_of(timeline_of(()))
 #: The outcome of what had not ended when the log did.
 OPEN = "open"
+#: The number of what stands in no line of the log.
+NO_LINE = -1
 
 
 @dataclass(slots=True, kw_only=True)
@@ -41,8 +43,9 @@ class Event(Owned):
         begin: When it began, on the session's axis.
         end: When it ended; None: it was a moment.
         kind: action, command, engagement, trial, phase, break, stop, speech, questionnaire,
-            difference (a robot's setting was other than asked for), conflict (of settings); for
-            moments the kind of the line (marker, note, mistake, sensor.changed ...).
+            difference (a robot's setting was other than asked for), conflict (of settings), code
+            (a coder set it in a replay); for moments the kind of the line (marker, note,
+            sensor.changed ...).
         label: What of its kind it is: an action's name, a state, a trial's number.
         text: What was said, typed or recognised.
         outcome: How it ended; `open`: the log ended first.

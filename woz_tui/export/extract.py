@@ -6,16 +6,20 @@ takes the messages as they were recorded.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from woz_tui.analysis.agreement import ends_of
 from woz_tui.analysis.gather import figures_of
 from woz_tui.analysis.people import counts_in_means, people_of
 from woz_tui.analysis.rows import worded
 from woz_tui.core import messages as m
-from woz_tui.export.course import OPEN, Clip, Event, Owned, Session
+from woz_tui.export.course import NO_LINE, OPEN, Clip, Event, Owned, Session
+from woz_tui.export.redaction import PLACEHOLDER
+from woz_tui.record.coding import MARKERS, Codings
 from woz_tui.record.log import Line
 from woz_tui.timeline.context import Context, Span
 from woz_tui.timeline.episodes import (
@@ -104,6 +108,8 @@ def _text(fields: Mapping[str, Any], name: str) -> str:
 
 
 _SAY = "say"
+#: The label of what coders wrote and is no code.
+NOTES = "notes"
 #: Lines that begin or end an event, or belong to one; alone they are moments. Any other line is a
 #: moment, also those that begin or end an episode for which the formats have no interval.
 _PARTS = (
@@ -154,8 +160,8 @@ class Extractor:
             self.session.duration = max(self.session.duration, t)
             self.session.events.append(moment(line.seq, t, line.kind, line.fields))
 
-    def finish(self) -> None:
-        """The log is over: put what happened into the session, in order."""
+    def finish(self, codings: Codings | None = None) -> None:
+        """The log is over: put what happened into the session, in order, and what coders set."""
         session, timeline = self.session, self._timeline
         timeline.finish()
         session.duration = max(session.duration, timeline.end)
@@ -172,6 +178,7 @@ class Extractor:
             session.events.append(made)
         session.clips += self._clips()
         session.events += self._settings()
+        session.events += self._codes(codings or Codings())
         session.events.sort(key=lambda event: (event.begin, event.seq))
 
     # -- events -----------------------------------------------------------------------------------
@@ -299,6 +306,22 @@ class Extractor:
                     event = _setting(each, part, last=part is parts[-1])
                     self._belongs(event, part.context)
                     yield event
+
+    def _codes(self, codings: Codings) -> Iterator[Event]:
+        """What coders set in replays; it stands in no line of the log."""
+        for coder in sorted(codings.by_coder):
+            codes = codings.of(coder)
+            for code, end in zip(codes, ends_of(codes, self._timeline), strict=True):
+                if code.lasts and not code.code and not code.note:
+                    continue  # it only ends another
+                event = Event(seq=NO_LINE, begin=code.t, end=end, kind="code", source=coder)
+                event.label = NOTES if code.note else code.tier
+                event.text = code.text if code.note else code.code
+                if self.session.redacted:
+                    event.text = PLACEHOLDER
+                    event.label = event.label if event.label in (NOTES, MARKERS) else PLACEHOLDER
+                self._belongs(event, self._timeline.contexts.at(code.t, sys.maxsize))
+                yield event
 
     def _belongs(self, row: Owned, context: Context) -> None:
         row.participant, row.condition = context.participant, context.condition

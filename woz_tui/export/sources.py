@@ -16,6 +16,7 @@ from woz_tui.export.course import Session
 from woz_tui.export.extract import Extractor
 from woz_tui.export.redaction import redacted
 from woz_tui.export.text import letters
+from woz_tui.record.coding import CodingError, Codings, coding_path, read_codings
 from woz_tui.record.log import Damage, Line, LogFiles, files_of, merge
 from woz_tui.record.names import FileName
 from woz_tui.record.stream import batches
@@ -124,9 +125,10 @@ def read(source: Source, *, redact: bool = False) -> Session:
     for line in source.lines(damage):
         sums.take(line)
         extractor.take(line.message, redacted_line(line) if redact else line)
-    extractor.finish()
+    unread: list[str] = []
+    extractor.finish(_codings(source, unread))
     told = nameless(damage) if redact else damage
-    session.damage = [*told.sentences(), *sums.sentences()]
+    session.damage = [*told.sentences(), *sums.sentences(), *unread]
     if session.lines and not session.end_reason:
         files = replace(source.files, spill="") if redact else source.files
         session.damage.append(files.no_end())
@@ -136,6 +138,18 @@ def read(source: Source, *, redact: bool = False) -> Session:
     whole = Wholeness(sentences=tuple(session.damage), ended=bool(session.end_reason))
     session.figures = replace(session.figures, wholeness=whole)
     return session
+
+
+def _codings(source: Source, damage: list[str]) -> Codings:
+    """What coders set in replays of it."""
+    try:
+        found = read_codings(coding_path(source.log))
+    except CodingError:
+        damage.append("the file of codes beside the log could not be read")
+        return Codings()
+    if found.unread:
+        damage.append(f"{found.unread} line(s) of the file of codes could not be read")
+    return found
 
 
 def nameless(damage: Damage) -> Damage:

@@ -79,11 +79,17 @@ def tiers_of(session: Session) -> list[Tier]:
     overlap still: see `apart`. Tiers with nothing on them are left out.
     """
     panels: dict[str, Tier] = {}
+    #: By coder and tier.
+    codes: dict[str, Tier] = {}
     for event in session.events:
         if event.kind == "action":
             name = f"panel {one_line(event.panel)}" if event.panel.strip() else NO_PANEL
             panels.setdefault(name, Tier(name)).spans.append(_span(event))
+        elif event.kind == "code":
+            name = one_line(f"{event.source} {event.label}")
+            codes.setdefault(name, Tier(name, points=event.end is None)).spans.append(_span(event))
     tiers = [*_filled(session, _BEFORE), *panels.values(), *_filled(session, _AFTER)]
+    tiers += codes.values()
     for tier in tiers:
         tier.spans.sort(key=lambda span: (span.begin, span.end))
     return [tier for tier in tiers if tier.spans]
@@ -105,7 +111,7 @@ def _span(event: Event) -> Span:
 def _words(event: Event) -> str:
     """What stands in an annotation."""
     match event.kind:
-        case "command" | "speech" | "note" | "marker" | "break":
+        case "command" | "speech" | "note" | "marker" | "break" | "code":
             parts = [event.text]
         case "engagement" | "phase":
             parts = [event.label]

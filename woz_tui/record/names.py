@@ -15,7 +15,10 @@ _STEM = re.compile(
     r"_(?P<session>[A-Za-z0-9]{1,16})(?:-\d+)?",
     re.ASCII,
 )
-_NAME = re.compile(r"(?P<stem>.+?)(?:\.(?P<number>[1-9]\d{0,5}))?(?P<samples>\.samples)?\.jsonl")
+#: What coders wrote beside a log (see `coding`) is none.
+_NAME = re.compile(
+    r"(?P<stem>.+?)(?<!\.coding)(?:\.(?P<number>[1-9]\d{0,5}))?(?P<samples>\.samples)?\.jsonl"
+)
 
 
 def check_code(what: str, code: str) -> str:

@@ -49,7 +49,7 @@ SET = "trial set"
 
 class Mark(NamedTuple):
     """A place on the time line: when, what sort (marker, note, mistake, stop, trial, break,
-    questionnaire, lost, engagement, end), what it says.
+    questionnaire, lost, engagement, end; code: a coder set it), what it says.
     """
 
     t: int

@@ -17,6 +17,9 @@ from woz_tui.core import wire
 from woz_tui.core.requests import (
     AnyAnswer,
     AnyRequest,
+    AskMarker,
+    AskMistake,
+    AskNote,
     AskRelease,
     AskReplay,
     AskStop,
@@ -25,10 +28,12 @@ from woz_tui.core.requests import (
     Reply,
 )
 from woz_tui.core.settings import ReplayedLog
-from woz_tui.replay.marks import Cut
+from woz_tui.record.coding import Code, Coding
+from woz_tui.replay.marks import Cut, Mark
 from woz_tui.replay.places import PlaceError, find
 from woz_tui.replay.reel import Reel, thinned
 from woz_tui.session.plan import panels_changed, welcome
+from woz_tui.session.recent import MOST
 
 #: What a console gets.
 Incoming = m.AnyMessage | AnyAnswer | dict[str, Any]
@@ -38,6 +43,7 @@ SLOWEST, FASTEST = 0.25, 16.0
 PULSE_US = 1_000_000
 REFUSED = "this is a replay; nothing is played"
 UNMOVED = "this is a replay; nothing moves"
+UNCODED = "nobody codes this replay; begin it with --coder and your code"
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,11 +66,18 @@ class Player:
         start: How to begin.
         log: What the console shows as the log's name.
         notes: Sentences about the log that are told at the beginning: damage, what is missing.
+        coding: Takes the codes and notes of whoever watches; None: nobody codes.
     """
 
     def __init__(
-        self, reel: Reel, start: Start | None = None, log: str = "", notes: tuple[str, ...] = ()
+        self,
+        reel: Reel,
+        start: Start | None = None,
+        log: str = "",
+        notes: tuple[str, ...] = (),
+        coding: Coding | None = None,
     ) -> None:
+        self._coding = coding
         start = start or Start()
         self.reel = reel
         self.log, self.notes = log, notes
@@ -75,6 +88,7 @@ class Player:
         self._index = 0
         self._local = 0
         self._told = 0
+        self._mark_codes()
 
     @property
     def ended(self) -> bool:
@@ -133,6 +147,8 @@ class Player:
         """The lines before number `end` and the samples up to `to`, as they follow each other."""
         samples = thinned(self.reel.samples.between(self._t, to)) if to > self._t else []
         lines: list[Incoming] = [*self.reel.lines[self._index : end]]
+        codes = self._coding.between(self._t, to) if self._coding is not None else ()
+        lines += map(self._said, codes)
         if samples:
             lines = sorted([*lines, *samples], key=_number)
         return [each for line in lines for each in _shown(line)]
@@ -155,7 +171,7 @@ class Player:
         anew = msgspec.structs.replace(
             told,
             state=_raw(moment.state),
-            recent=_raw(moment.recent),
+            recent=_raw(self._with_codes(moment.recent)),
             settings=msgspec.structs.replace(
                 told.settings, study=moment.study, replay=self._about()
             ),
@@ -174,6 +190,7 @@ class Player:
             experiment=start.experiment if start else "",
             software=" ".join(start.software.values()) if start else "",
             lines=len(self.reel.lines),
+            coder=self._coding.coder if self._coding is not None else "",
         )
 
     def _stands(self, now: int, *, marks: bool = False) -> list[Incoming]:
@@ -197,8 +214,12 @@ class Player:
     def ask(self, request: AnyRequest, now: int) -> list[Incoming]:
         """Carry `request` out; the reply comes first, then what follows from it."""
         caught_up = self.tick(now)
+        if isinstance(request, AskMarker | AskNote | AskMistake) and self._coding is not None:
+            return [*caught_up, *self._code(request, self._coding, now)]
         if not isinstance(request, AskReplay):
             reason = UNMOVED if isinstance(request, AskStop | AskRelease) else REFUSED
+            if isinstance(request, AskMarker | AskNote | AskMistake):
+                reason = UNCODED
             return [*caught_up, Reply(ref=request.ref, ok=False, reason=reason)]
         try:
             data, told = self._carry(request, now)
@@ -220,6 +241,48 @@ class Player:
                 return None, self._go(self._cuts.moved(self._t, round(request.by_s * 1e6)), now)
             case "go":
                 return None, self._go(find(request.to, self.reel, self._t), now)
+
+    # -- coding ------------------------------------------------------------------------------
+
+    def _code(
+        self, request: AskMarker | AskNote | AskMistake, coding: Coding, now: int
+    ) -> list[Incoming]:
+        """A code or a note at the present moment; or the last one is taken back."""
+        text = getattr(request, "text", "").strip()
+        if not text and not isinstance(request, AskMistake):
+            return [Reply(ref=request.ref, ok=False, reason="an empty code says nothing")]
+        try:
+            if isinstance(request, AskMistake):
+                code = coding.take_back()
+            else:
+                code = coding.add(self._t, text, note=isinstance(request, AskNote))
+        except OSError as error:
+            reason = f"it is not written: {error.strerror or error}"
+            return [Reply(ref=request.ref, ok=False, reason=reason)]
+        if code is None:
+            return [Reply(ref=request.ref, ok=False, reason="you have set no code yet")]
+        self._mark_codes()
+        told: list[Incoming] = [Reply(ref=request.ref, ok=True, data={"code": code.text})]
+        if isinstance(request, AskMistake):
+            return [*told, *self._go(self._t, now)]
+        return [*told, self._said(code), *self._stands(now, marks=True)]
+
+    def _mark_codes(self) -> None:
+        if self._coding is not None:
+            self.reel.codes = [Mark(code.t, "code", code.text) for code in self._coding.codes]
+
+    def _said(self, code: Code) -> m.AnyMessage:
+        """As the list of events has it; it is no line of the log."""
+        if code.note:
+            return m.Note(text=f"{code.text} ({code.coder})", t=code.t)
+        return m.Marker(text=code.text, source=f"coder {code.coder}", t=code.t)
+
+    def _with_codes(self, recent: list[m.Message]) -> list[m.Message]:
+        """The last lines of the log and the coder's, by time."""
+        if self._coding is None:
+            return recent
+        codes = [self._said(code) for code in self._coding.codes if code.t <= self._t]
+        return sorted([*recent, *codes], key=lambda message: message.t)[-MOST:]
 
     def _pause(self, now: int) -> list[Incoming]:
         if self.ended:

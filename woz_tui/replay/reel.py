@@ -24,7 +24,7 @@ from woz_tui.replay.marks import Cuts, Mark, is_deed, mark_of, marks_of, steady
 from woz_tui.replay.studied import revealed
 from woz_tui.replay.told import plan_from
 from woz_tui.session.recent import MOST, Recent
-from woz_tui.session.redactor import Perception, Redactor, marked
+from woz_tui.session.redactor import CoderRedactor, Perception, Redactor, marked
 from woz_tui.session.study_view import study_snapshot
 from woz_tui.timeline.episodes import Engagement
 from woz_tui.timeline.state import SessionState
@@ -95,6 +95,7 @@ class Reel:
         samples: Everything else.
         plan: What consoles were shown, for a log that does not say so.
         reveal: Show also what was kept from the wizard: conditions, what restricted perception hid.
+        coded: A coder sees it, who is not to know the condition, whatever the wizard knew.
     """
 
     def __init__(
@@ -104,12 +105,14 @@ class Reel:
         plan: m.SessionPlan | None = None,
         *,
         reveal: bool = False,
+        coded: bool = False,
     ) -> None:
         self.samples: Samples = samples or NoSamples()
         found = [_told(line) for line in lines]
         shown = (line for line, _ in found if isinstance(line, m.SessionPlan))
         first = next(shown, plan)
-        redactor = Redactor(first.settings.study if first is not None else None)
+        kind = CoderRedactor if coded else Redactor
+        redactor = kind(first.settings.study if first is not None else None)
         kept: list[tuple[int, Perception]] = []
         if reveal:
             found = [(_revealed(line), t) for line, t in found]
@@ -129,6 +132,8 @@ class Reel:
             if isinstance(line, m.SessionPlan)
         ]
         self._plan = plan and (revealed(plan) if reveal else redactor.plan(plan))
+        #: What the viewer has set while watching.
+        self.codes: list[Mark] = []
         recent = Recent()
         self._listed = [
             index
@@ -138,9 +143,13 @@ class Reel:
         self._snapshots = [(0, SessionState())]
         self._upto = (0, SessionState())
 
-    @cached_property
+    @property
     def marks(self) -> list[Mark]:
         """Everything to go to, oldest first."""
+        return sorted([*self._of_log, *self.codes], key=lambda mark: mark.t)
+
+    @cached_property
+    def _of_log(self) -> list[Mark]:
         return marks_of(self._marks())
 
     def _marks(self) -> Iterator[Mark | None]:

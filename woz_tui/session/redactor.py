@@ -462,6 +462,22 @@ class Redactor:
         return replace(message, values=eyeless(message.values), wanted=eyeless(message.wanted))
 
 
+class CoderRedactor(Redactor):
+    """A coder's view of a replay: as of a wizard who is blind to the condition, without a label.
+
+    Labels tell conditions apart, so that who has seen two sessions may guess which is which.
+    """
+
+    @property
+    def blind(self) -> bool:
+        """Always, whatever the wizard knew."""
+        return True
+
+    def label(self, condition: str) -> str:
+        """What stands for every condition."""
+        return HIDDEN if condition else ""
+
+
 class ParticipantRedactor(Redactor):
     """A participant's view: questionnaires, when they are due, the stop; no condition by name."""
 

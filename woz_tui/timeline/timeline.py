@@ -56,6 +56,19 @@ class Timeline:
         """The contexts from the first line to the last, without a gap."""
         return self.contexts.spans(self.end)
 
+    @property
+    def pieces(self) -> tuple[Span, ...]:
+        """The session by participant, condition, trial and break; whatever else of the context
+        changes, divides nothing.
+        """
+        found: list[Span] = []
+        for span in self.spans:
+            if found and _whose(found[-1].context) == _whose(span.context):
+                found[-1] = replace(found[-1], end=span.end)
+            else:
+                found.append(span)
+        return tuple(found)
+
     def of(self, kind: type[E]) -> list[E]:
         """All episodes of one kind, in their order."""
         return cast("list[E]", self._by_kind.get(kind, []))
@@ -135,6 +148,10 @@ class Timeline:
         self.episodes = tuple(found)
         self._trials = {trial.seq: trial for trial in self.of(Trial)}
         self._has_trials = any(span.context.trial is not None for span in self.spans)
+
+
+def _whose(context: Context) -> tuple[object, ...]:
+    return context.participant, context.condition, context.trial, context.run, context.in_break
 
 
 def _add_mistakes(episodes: list[Episode]) -> None:

@@ -9,7 +9,7 @@ from woz_tui.console import commands as session
 from woz_tui.console.commands import Run, opens
 from woz_tui.console.keyboard import Keyboard
 from woz_tui.console.screens.dialog import REPLAY, Command, Hint
-from woz_tui.core.requests import AskReplay
+from woz_tui.core.requests import AskMistake, AskReplay
 from woz_tui.experiment.builtins import Builtin
 
 #: Seconds that one press of an arrow goes, and one with shift or alt.
@@ -68,6 +68,19 @@ COMMANDS = (
         Builtin("go", "g", "go to a time, or to a marker, stop, trial ..."),
         run=opens("replay.go:GoDialog"),
         hint=Hint(7, "go to"),
+    ),
+    _row(
+        Builtin("code", "m", "set a code at this moment (with --coder)"),
+        run=opens("replay.code:CodeDialog"),
+    ),
+    _row(
+        Builtin("code_note", "n", "write a note about this moment (with --coder)"),
+        run=opens("replay.code:CodeNoteDialog"),
+    ),
+    Command(
+        (Builtin("code_back", "x", "take your last code or note back (with --coder)"),),
+        sends=lambda press: AskMistake(),
+        users=REPLAY,
     ),
     _row(
         Builtin("about", "i", "what this log is, and what is missing in it"),

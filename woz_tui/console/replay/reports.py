@@ -48,7 +48,7 @@ class AboutDialog(Report):
             "session": start.session if start is not None else "",
             "participant": picture.participant,
             "condition": picture.condition,
-            **{name: getattr(told, name) for name in ("wizard", "experiment", "software", "lines")},
+            **{name: getattr(told, name) for name in ("wizard", "experiment", "software")},
         }
         rows: list[Row] = [
             ((fit(name, NAME), "muted"), (clean(str(value)), "plain"))

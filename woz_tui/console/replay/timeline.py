@@ -24,6 +24,7 @@ SIGNS: Mapping[str, tuple[str, str]] = {
     "lost": ("error", "bad"),
     "mistake": ("warning", "warn"),
     "marker": ("marker", "run"),
+    "code": ("marker", "strong"),
     "note": ("note", "plain"),
     "questionnaire": ("queued", "wait"),
     "trial": ("tick", "strong"),

@@ -1,0 +1,210 @@
+"""A replay is coded: codes go into a file of their own, and the coder knows no condition."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+
+from tests.replay.logs import PLAN, SECOND, START, Viewer, reel_of, stamped, story
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+from woz_tui.core import wire
+from woz_tui.record.coding import Coding, CodingError, coding_path, read_codings
+from woz_tui.record.names import FileName
+from woz_tui.replay.player import UNCODED, Start
+from woz_tui.replay.reel import Reel
+
+LOG = "2026-03-01T10-00-00_P07_S01.jsonl"
+
+
+def watched(folder: Path, coder: str = "K1", at: float = 0.0) -> Viewer:
+    coding = Coding(coding_path(folder / LOG), coder, START)
+    start = Start(at_us=round(at * SECOND))
+    return Viewer(Reel(story(), coded=True), start, coding=coding)
+
+
+def codes(it: Viewer) -> list[tuple[int, str]]:
+    assert it.picture.replay is not None
+    return [(place.t, place.text) for place in it.picture.replay.places if place.sort == "code"]
+
+
+def events(it: Viewer) -> list[tuple[int, str, str]]:
+    return [
+        (each.t // SECOND, each.text, each.detail)
+        for each in it.picture.events
+        if each.text.startswith("Code of")
+    ]
+
+
+def written(folder: Path) -> list[dict[str, Any]]:
+    return [json.loads(line) for line in coding_path(folder / LOG).read_text("utf-8").splitlines()]
+
+
+def test_a_code_has_the_moment_at_which_it_was_set_and_is_shown(tmp_path: Path) -> None:
+    it = watched(tmp_path, at=4)
+    assert it.ask(r.AskMarker(text="gaze: robot")).ok
+    it.wait(1)
+    assert it.ask(r.AskNote(text="not sure")).ok
+    assert codes(it) == [(4 * SECOND, "gaze: robot"), (5 * SECOND, "not sure")]
+    assert (4, "Code of K1", "gaze: robot") in events(it)
+    head, first, second = written(tmp_path)
+    assert (head["kind"], head["session"]) == ("coding", "S01")
+    assert (first["coder"], first["t"], first["text"]) == ("K1", 4 * SECOND, "gaze: robot")
+    assert second["note"]
+
+
+def test_codes_come_again_where_they_were_set_and_a_coding_goes_on(tmp_path: Path) -> None:
+    watched(tmp_path, at=4).ask(r.AskMarker(text="smiles"))
+    it = watched(tmp_path)
+    assert codes(it) == [(4 * SECOND, "smiles")]
+    assert not events(it)
+    it.wait(4.5)
+    assert [each[:2] for each in events(it)] == [(4, "Code of K1")]
+    it.go(3)
+    assert not events(it)
+    it.go(5)
+    assert [each[:2] for each in events(it)] == [(4, "Code of K1")]
+    it.ask(r.AskMarker(text="nods"))
+    assert [line["number"] for line in written(tmp_path)[1:]] == [0, 1]
+
+
+def test_the_last_code_is_taken_back_and_its_number_is_not_used_again(tmp_path: Path) -> None:
+    it = watched(tmp_path, at=4)
+    for text in ("smiles", "nods"):
+        it.ask(r.AskMarker(text=text))
+    assert it.ask(r.AskMistake()).ok
+    assert codes(it) == [(4 * SECOND, "smiles")]
+    assert [each[2] for each in events(it)] == ["smiles"]
+    it.ask(r.AskMarker(text="laughs"))
+    found = read_codings(coding_path(tmp_path / LOG))
+    assert [(code.number, code.text) for code in found.of("K1")] == [(0, "smiles"), (2, "laughs")]
+    assert it.ask(r.AskMistake()).ok
+    assert it.ask(r.AskMistake()).ok
+    assert not it.ask(r.AskMistake()).ok
+
+
+def test_coders_do_not_see_each_others_codes(tmp_path: Path) -> None:
+    watched(tmp_path, "K1", at=4).ask(r.AskMarker(text="a secret of K1"))
+    it = watched(tmp_path, "K2", at=10)
+    it.ask(r.AskMarker(text="mine"))
+    assert codes(it) == [(10 * SECOND, "mine")]
+    assert "a secret of K1" not in str(it.heard)
+    assert len(read_codings(coding_path(tmp_path / LOG)).by_coder) == 2
+
+
+def test_without_a_coder_nothing_is_set(tmp_path: Path) -> None:
+    it = Viewer(reel_of(story()))
+    for request in (r.AskMarker(text="x"), r.AskNote(text="x"), r.AskMistake()):
+        assert it.ask(request).reason == UNCODED
+
+
+def test_an_empty_code_is_refused(tmp_path: Path) -> None:
+    assert not watched(tmp_path).ask(r.AskMarker(text="  ")).ok
+    assert len(written(tmp_path)) == 1
+
+
+# -- the file -------------------------------------------------------------------------------------
+
+
+def test_the_file_is_its_owners_and_no_log(tmp_path: Path) -> None:
+    path = coding_path(tmp_path / LOG)
+    path.touch(0o644)
+    watched(tmp_path)
+    assert path.stat().st_mode & 0o777 == 0o600
+    assert FileName.parse(path.name) is None
+
+
+@pytest.mark.parametrize("coder", ["", "Anna Smith", "K-1", "x" * 17, "../K1"])
+def test_a_coders_code_is_checked_as_a_participants(tmp_path: Path, coder: str) -> None:
+    with pytest.raises(ValueError, match="is no code"):
+        Coding(coding_path(tmp_path / LOG), coder, START)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_line_that_was_torn_costs_nothing_else(tmp_path: Path) -> None:
+    it = watched(tmp_path, at=4)
+    for text in ("smiles", "nods"):
+        it.ask(r.AskMarker(text=text))
+    path = coding_path(tmp_path / LOG)
+    path.write_bytes(path.read_bytes()[:-9])
+    it = watched(tmp_path, at=6)
+    it.ask(r.AskMarker(text="laughs"))
+    found = read_codings(path)
+    assert [code.text for code in found.of("K1")] == ["smiles", "laughs"]
+    assert found.unread == 1
+
+
+def test_codes_of_another_session_are_not_mixed_in(tmp_path: Path) -> None:
+    watched(tmp_path)
+    other = msgspec.structs.replace(START, session="S02")
+    with pytest.raises(CodingError, match="another session"):
+        Coding(coding_path(tmp_path / LOG), "K1", other)
+
+
+def test_what_is_no_file_of_codes_is_left_alone(tmp_path: Path) -> None:
+    path = coding_path(tmp_path / LOG)
+    path.write_text("a shopping list\n", encoding="utf-8")
+    with pytest.raises(CodingError, match="no file of codes"):
+        watched(tmp_path)
+    assert path.read_text(encoding="utf-8") == "a shopping list\n"
+    path.unlink()
+    path.symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(CodingError):
+        watched(tmp_path)
+    assert not (tmp_path / "elsewhere").exists()
+
+
+def test_a_full_disk_is_told(tmp_path: Path) -> None:
+    it = watched(tmp_path, at=4)
+    coding = it.player._coding
+    assert coding is not None
+    full = os.open("/dev/full", os.O_WRONLY)
+    os.dup2(full, coding._file)
+    os.close(full)
+    reply = it.ask(r.AskMarker(text="smiles"))
+    assert not reply.ok
+    assert "No space" in reply.reason
+    assert codes(it) == []
+
+
+# -- blind to the condition -----------------------------------------------------------------------
+
+
+def test_a_coder_is_told_no_condition_although_the_wizard_knew_it(tmp_path: Path) -> None:
+    """Nothing of it is in what the console gets: it cannot be on the screen."""
+    told: list[m.AnyMessage] = [
+        msgspec.structs.replace(START, condition="empathic"),
+        msgspec.structs.replace(PLAN, conditions=["empathic", "neutral"]),
+        m.ConditionsAssigned(participant="P07", order=["empathic", "neutral"], method="hand"),
+        m.TrialStarted(trial=1, condition="empathic"),
+        m.Command(
+            command="c1", run="a1", verb="say", args={"text": "I feel with you"}, driver="robot",
+            source="key", tells=("condition",), unfilled={"text": "{answer}"},
+        ),
+        m.SessionChanged(condition="neutral"),
+        m.ExperimentFiles(experiment_sha256="", files={"g.yaml": "[empathic, neutral]"}),
+    ]  # fmt: skip
+    lines = stamped([(float(at), line) for at, line in enumerate(told)])
+
+    def sent(*, coded: bool) -> str:
+        it = Viewer(Reel(lines, coded=coded))
+        it.wait(20, ticks=40)
+        it.go(3)
+        it.go(4)
+        parts = [
+            wire.encode(each) if isinstance(each, msgspec.Struct) else repr(each).encode()
+            for each in it.heard
+        ]
+        return b"".join(parts).decode()
+
+    open_ = sent(coded=False)
+    hidden = sent(coded=True)
+    for secret in ("empathic", "neutral", "I feel with you"):
+        assert secret in open_
+        assert secret not in hidden
+    assert "{answer}" in hidden

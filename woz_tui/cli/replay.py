@@ -43,7 +43,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     screen.add_argument(
         "--coder",
         type=_coder,
-        default="",
+        default=None,
         metavar="CODE",
         help="code it: m and n set codes and notes beside the log; the condition is hidden",
     )

@@ -43,6 +43,7 @@ SLOWEST, FASTEST = 0.25, 16.0
 PULSE_US = 1_000_000
 REFUSED = "this is a replay; nothing is played"
 UNMOVED = "this is a replay; nothing moves"
+HOW_TO_CODE = "m sets a code, n writes a note, x takes your last one back"
 UNCODED = "nobody codes this replay; begin it with --coder and your code"
 
 
@@ -117,6 +118,8 @@ class Player:
         text = "; ".join(self.notes)
         if text:
             told.append(m.Notice(level="warning", text=f"This log: {text}", t=self._t))
+        if self._coding is not None:
+            told.append(m.Notice(level="info", text=HOW_TO_CODE, t=self._t))
         return told
 
     def tick(self, now: int) -> list[Incoming]:

@@ -34,7 +34,7 @@ async def test_all_of_them_stand_in_one_row_of_eighty_columns() -> None:
 
 async def test_a_key_asks_for_the_repair_from_every_page() -> None:
     async with sitting(welcome(ALL, scenes.many_panels(60))) as seat:
-        for key, name in (("'", "repair repeat"), ("(", "repair yes"), ("[", "repair dont_know")):
+        for key, name in (("$", "repair repeat"), ("(", "repair yes"), ("[", "repair dont_know")):
             await seat.press("tab")
             assert LABELS[name] in seat.text("Repairs")
             await seat.press(key)

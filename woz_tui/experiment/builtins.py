@@ -25,7 +25,7 @@ class Builtin:
 
 
 #: Keys for the repairs that have lost their own.
-_SPARE = (*"\\{}|~", "home", "end", "insert")
+_SPARE = (*"}~|\\", "home", "end", "insert")
 
 BUILTIN: tuple[Builtin, ...] = (
     Builtin("stop", "escape", "stop everything", movable=False),
@@ -64,9 +64,9 @@ BUILTIN: tuple[Builtin, ...] = (
     *(
         Builtin(f"repair_{name}", chord, what, reserves=_SPARE, yields=True, last=True)
         for name, chord, what in (
-            ("repeat", "'", "repair: the last sentence again, as it was said"),
+            ("repeat", "$", "repair: the last sentence again, as it was said"),
             ("reword", "#", "repair: the last sentence in other words"),
-            ("filler", "$", "repair: let me think"),
+            ("filler", "{", "repair: let me think"),
             ("yes", "(", "repair: yes"),
             ("no", "&", "repair: no"),
             ("dont_know", "[", "repair: I do not know"),

@@ -297,6 +297,7 @@ REQUESTS: tuple[r.AnyRequest, ...] = (
     r.AskScript(ref=10, play=False, to=0),
     r.AskCancel(ref=11, run="a00001"),
     r.AskEmptyQueue(ref=12),
+    r.AskTakeOver(ref=13),
     r.AskSet(ref=12, participant="P08", condition="warm", trial=1),
     r.AskMarker(ref=13, text="smile"),
     r.AskNote(ref=14, text="the visitor's phone rang"),

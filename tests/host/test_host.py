@@ -105,6 +105,21 @@ async def test_a_second_wizard_watches_until_it_takes_over(tmp_path: Path) -> No
         assert not (await first.ask("action", action="Hello"))["ok"]
 
 
+async def test_who_watches_can_play_once_the_other_one_is_gone(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        first, second = await host.connect(), await host.connect()
+        await first.hello("wizard")
+        await second.hello("wizard", take_over=True)
+        assert "con2 plays" in (await first.ask("take-over"))["reason"]
+        second.leave()
+        await first.until(lambda line: line["kind"] == "console.lost" and line["console"] == "con2")
+        refused = await first.ask("action", action="Hello")
+        assert (refused["ok"], refused["command"]) == (False, "take_over")
+        assert (await first.ask("take-over"))["ok"]
+        assert first.seen[-2]["kind"] == "console.attached"
+        await drive(first)
+
+
 async def drive(peer: Peer) -> None:
     await peer.say(kind="beat")
     reply = await peer.ask("verb", verb="drive", args={"x": 1.0})

@@ -270,6 +270,7 @@ class Console(ScreenApp):
             self._key("release") if self.picture.role != "watcher" else "",
             self._stop_asked,
             skip=self._key("script_on"),
+            take_over=self._key("take_over"),
             then=tuple(map(self._cap_and_label, self.picture.then)),
         )
         keys = self._key("failures"), self._key("phase_next")

@@ -32,6 +32,7 @@ from woz_tui.core.requests import (
     AskPhase,
     AskRelease,
     AskScript,
+    AskTakeOver,
     AskVerb,
 )
 from woz_tui.experiment.builtins import Builtin, builtin
@@ -211,6 +212,12 @@ COMMANDS = (
     _row("queue_empty", sends=lambda press: AskEmptyQueue()),
     *map(_repair, ("repeat", "reword", "filler", "yes", "no", "dont_know", "please_repeat")),
     _repair("interrupt", _interrupt),
+    _row(
+        "take_over",
+        sends=lambda press: AskTakeOver(),
+        found=False,
+        users=frozenset({"watcher"}),
+    ),
     _row("failures", calls("screens.failures:open_failures"), users=EVERYBODY),
     _row("events", lambda app: app.filter_events(), opens=False, users=EVERYBODY),
     _row(

@@ -395,6 +395,8 @@ class ConsoleState:
                     event.mistake = event.mistake or event.run == message.run != ""
             case m.ConsoleLost(console=self.console):
                 self.role = "watcher"  # a console that gets the news of its own loss lives on
+            case m.ConsoleAttached(console=self.console):
+                self.role = message.role  # it has taken over
             case m.RecorderState() if recorder is not None:
                 # Only how far it lags is different: no news.
                 tell = tell and (message.level, message.detail) != (
@@ -468,6 +470,12 @@ class ConsoleState:
     def keeps(self) -> bool:
         """Whether anything is kept from the wizard."""
         return bool(self.perception or self.settings.study.blind)
+
+    @property
+    def nobody_plays(self) -> bool:
+        """Whether this console watches and no other one plays the robot."""
+        watches = self.role == "watcher" and not self.lost and not self.ended
+        return watches and all(each.role != "wizard" for each in self.session.consoles.values())
 
     def moves(self, now: int) -> bool:
         """Whether a figure on the screen changes by itself."""

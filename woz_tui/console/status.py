@@ -76,7 +76,8 @@ def _session(picture: ConsoleState, frame: Frame, room: int) -> list[Row]:
     title = fit(title, min(cell_len(title), max(1, spare)), glyphs.ellipsis)
     parts: list[Row] = []
     if picture.role == "watcher":
-        parts.append(((" WATCHING ", "alarm-soft"),))
+        word = " NOBODY PLAYS " if picture.nobody_plays else " WATCHING "
+        parts.append(((word, "alarm-soft"),))
     elif picture.replay is not None:
         told = picture.settings.replay
         coder = f"CODER {told.coder}" if told and told.coder else "REPLAY"

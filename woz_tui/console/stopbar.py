@@ -31,10 +31,10 @@ class Bar:
     """What does not come from messages.
 
     `news` takes the place of the `hints` (keys with a word each) for a while; `page` stands behind
-    the hints and says which page of the panels is shown. `next` is the key
-    of the script, `skip` leaves its line out, `release` the one that releases the stop. `then`:
-    keys and labels of what is likely to follow the last act. `asked_us`: session time at which this
-    console asked for a stop that has not been answered yet.
+    the hints and says which page of the panels is shown. `next` is the key of the script, `skip`
+    leaves its line out, `release` the one that releases the stop, `take_over` lets a console that
+    watches play. `then`: keys and labels of what is likely to follow the last act. `asked_us`:
+    session time at which this console asked for a stop that has not been answered yet.
     """
 
     news: News = News()
@@ -44,6 +44,7 @@ class Bar:
     asked_us: int | None = None
     page: str = ""
     skip: str = ""
+    take_over: str = ""
     then: tuple[tuple[str, str], ...] = ()
 
 
@@ -52,6 +53,11 @@ def bar_rows(picture: ConsoleState, frame: Frame, bar: Bar) -> list[Row]:
     lines = max(2, frame.height)
     urgent = _urgent(picture, frame, bar)
     script = [script_row(picture, frame, bar.next, bar.skip, bar.then)]
+    if picture.nobody_plays:
+        what = (
+            f" {frame.glyphs.warning} Nobody plays the robot. {bar.take_over} plays it from here."
+        )
+        script = [((fit(what, frame.width), "alarm-soft"),)]
     if lines > len(script) + 1:
         script += sentence_rows(picture, replace(frame, height=2), upcoming(picture))
     hints = [hint_row(bar.hints, frame.width, bar.page)]

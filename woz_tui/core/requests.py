@@ -126,6 +126,10 @@ class AskEmptyQueue(Request, frozen=True, kw_only=True, omit_defaults=True, tag=
     """End everything that waits in a queue; what runs goes on, and nothing is stopped."""
 
 
+class AskTakeOver(Request, frozen=True, kw_only=True, omit_defaults=True, tag="take-over"):
+    """A console that watches plays from now on; refused while another one plays and responds."""
+
+
 class AskSet(Request, frozen=True, kw_only=True, omit_defaults=True, tag="set"):
     """Set the participant, the condition or the trial."""
 
@@ -289,6 +293,7 @@ AnyRequest = (
     | AskScript
     | AskCancel
     | AskEmptyQueue
+    | AskTakeOver
     | AskSet
     | AskMarker
     | AskNote

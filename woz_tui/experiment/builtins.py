@@ -74,6 +74,12 @@ BUILTIN: tuple[Builtin, ...] = (
             ("interrupt", "!", "repair: interrupt, and type what is said now"),
         )
     ),
+    Builtin(
+        *("take_over", "end", "play the robot from this console, where nobody plays it"),
+        reserves=("insert", "home", "}"),
+        yields=True,
+        last=True,
+    ),
     Builtin("failures", "enter", "what has failed; marks it as seen"),
     Builtin(
         *("events", "\\", "events: all, own acts, faults, machine in turn"),

@@ -35,6 +35,7 @@ from woz_tui.core.requests import (
     AskReload,
     AskScript,
     AskSet,
+    AskTakeOver,
     AskTraining,
     AskTrial,
     AskVerb,
@@ -53,8 +54,8 @@ from woz_tui.session.variables import MissingError, call_with
 
 log = logging.getLogger(__name__)
 
-#: What somebody who only watches may ask for (the stop is open to all, see `server`).
-WATCHER_MAY = (AskPreflight, AskMarker, AskNote, AskPicture)
+#: What somebody who only watches may ask for (stop and taking over: see `server`).
+WATCHER_MAY = (AskPreflight, AskMarker, AskNote, AskPicture, AskTakeOver)
 #: What a participant may ask for, who sits at a terminal to answer a questionnaire.
 PARTICIPANT_MAY = (AskQuestionnaire, AskAnswer)
 #: What takes its time, because it reads files or asks devices.
@@ -91,14 +92,7 @@ class Desk:
         if client.view is not None:
             request = client.view.redactor.request(request)
         if client.role == "watcher" and not isinstance(request, WATCHER_MAY):
-            client.send(
-                Reply(
-                    ref=request.ref,
-                    ok=False,
-                    reason="this console only watches; another console plays the robot",
-                    hint="start `woz attach --take-over` to play the robot here",
-                )
-            )
+            client.send(self._only_watches(request))
         elif client.role == PARTICIPANT and not isinstance(request, PARTICIPANT_MAY):
             reason = "this console can only answer questionnaires"
             client.send(Reply(ref=request.ref, ok=False, reason=reason))
@@ -108,6 +102,17 @@ class Desk:
             self._later(client, request)
         else:
             client.send(self._now(client, request))
+
+    def _only_watches(self, request: AnyRequest) -> Reply:
+        if self._session.bus.unwatched:
+            reason = "this console only watches, and nobody plays the robot"
+            return Reply(ref=request.ref, ok=False, reason=reason, command="take_over")
+        return Reply(
+            ref=request.ref,
+            ok=False,
+            reason="this console only watches; another console plays the robot",
+            hint="start `woz attach --take-over` to play the robot here",
+        )
 
     def _now(self, client: Client, request: AnyRequest) -> Reply:
         try:

@@ -18,6 +18,7 @@ from woz_tui.core.requests import (
     PROTOCOL,
     AnyRequest,
     AskStop,
+    AskTakeOver,
     Beat,
     Hello,
     Pulse,
@@ -186,6 +187,8 @@ class Host:
             client.send(Reply(ref=request.ref, ok=False, reason="say hello first"))
         elif isinstance(request, Beat):
             self._beat(client, request.line_ok)
+        elif isinstance(request, AskTakeOver):
+            client.send(self._take_over(client, request))
         else:
             self.desk.answer(client, request)
 
@@ -241,18 +244,42 @@ class Host:
             return hello.role
         if not hello.take_over and not present.silent:
             return "watcher"
+        self._demote(present, client)
+        return "wizard"
+
+    def _demote(self, present: Client, by: Client) -> None:
+        """The console that played watches from now on."""
         present.role = "watcher"
         present.send(
             Reply(
                 ref=0,
                 ok=False,
-                reason=f"{client.name} has taken over; this console now only watches",
+                reason=f"{by.name} has taken over; this console now only watches",
             )
         )
         self.session.hub.publish(
             m.ConsoleLost(console=present.name, role="wizard", why="taken over")
         )
-        return "wizard"
+
+    def _take_over(self, client: Client, request: AskTakeOver) -> Reply:
+        present = self.wizard
+        if client.role != "watcher":
+            reason = "only a console that watches can take over"
+            return Reply(ref=request.ref, ok=False, reason=reason)
+        if present is not None and not present.silent:
+            return Reply(
+                ref=request.ref,
+                ok=False,
+                reason=f"{present.name} plays the robot",
+                hint="start `woz attach --take-over` to play the robot here",
+            )
+        if present is not None:
+            self._demote(present, client)
+        client.role, client.silent = "wizard", False
+        client.beat_us = self.session.hub.now()
+        self.session.hub.publish(m.ConsoleAttached(console=client.name, role="wizard"))
+        self._update_watch()
+        return Reply(ref=request.ref, ok=True)
 
     def _view(self, role: str) -> View:
         session = self.session

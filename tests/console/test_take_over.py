@@ -1,0 +1,36 @@
+"""What a console shows that watches, when the one that played is gone."""
+
+from __future__ import annotations
+
+from tests.console import scenes
+from tests.console.driving import sitting
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+
+NOW = scenes.NOW
+
+
+async def test_it_says_that_nobody_plays_and_which_key_takes_over() -> None:
+    there = m.ConsoleAttached(console="console1", role="wizard", t=NOW)
+    async with sitting(scenes.welcome(state=[*scenes.healthy(), there])) as seat:
+        await seat.tell(
+            m.ConsoleLost(console="console1", role="wizard", why="taken over", t=NOW),
+            m.ConsoleAttached(console="con2", role="wizard", t=NOW),
+        )
+        assert "WATCHING" in seat.text("Status")
+        assert "Nobody plays" not in seat.drawn()
+        await seat.tell(m.ConsoleLost(console="con2", role="wizard", why="closed", t=NOW))
+        assert "NOBODY PLAYS" in seat.text("Status")
+        assert "Nobody plays the robot. End" in seat.text("StopBar")
+        await seat.press("end")
+        assert isinstance(seat.feed.asked[-1], r.AskTakeOver)
+        await seat.tell(m.ConsoleAttached(console="console1", role="wizard", t=NOW))
+        assert "NOBODY PLAYS" not in seat.drawn()
+        assert "Nobody plays" not in seat.drawn()
+
+
+async def test_a_late_watcher_sees_it_too() -> None:
+    there = m.ConsoleAttached(console="console1", role="watcher", t=NOW)
+    first = scenes.welcome(state=[*scenes.healthy(), there], role="watcher")
+    async with sitting(first) as seat:
+        assert "NOBODY PLAYS" in seat.text("Status")

@@ -5,9 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+import yaml
 
 from tests.experiment.reading import HEAD, HELLO, errors, panel, read
-from woz_tui.experiment.repairs import INTERRUPT, REPEAT, REWORD, SENTENCES, SPOKEN
+from woz_tui.experiment.languages import FOLDER, SPOKEN
+from woz_tui.experiment.repairs import INTERRUPT, REPEAT, REWORD
 
 VARIED = "{key: v, label: V, say: {any: [One, Two]}}"
 
@@ -29,7 +31,9 @@ def test_a_file_without_the_section_gains_no_sentence(tmp_path: Path) -> None:
 def test_each_language_has_all_sentences(tmp_path: Path, language: str) -> None:
     found = repairs(tmp_path, f"repairs: {{language: {language}}}\n")
     said = [found[f"repair {name}"] for name in SPOKEN]
-    assert said == [[SENTENCES[language][name]] for name in SPOKEN]
+    text = (FOLDER / f"{language}.yaml").read_text(encoding="utf-8")
+    ours = yaml.load(text, yaml.BaseLoader)["repairs"]
+    assert said == [[ours[name]] for name in SPOKEN]
     assert len({str(each) for each in said}) == len(SPOKEN)
 
 
@@ -40,6 +44,14 @@ def test_sentences_of_its_own_and_those_left_out(tmp_path: Path) -> None:
     assert found["repair no"] == ["No"]
     assert "repair filler" not in found
     assert REWORD in found
+
+
+def test_a_language_beside_the_experiment_has_sentences_too(tmp_path: Path) -> None:
+    (tmp_path / "gsw.language.yaml").write_text("repairs: {yes: Jo.}\n")
+    for section in ("language: gsw\nrepairs: {}\n", "repairs: {language: gsw}\n"):
+        found = repairs(tmp_path, section)
+        assert found["repair yes"] == ["Jo."]
+        assert found["repair no"] == ["No."]  # what it leaves out is English
 
 
 def test_other_words_are_offered_only_where_there_are_any(tmp_path: Path) -> None:

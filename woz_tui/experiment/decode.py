@@ -137,9 +137,8 @@ class _Decoder:
             keyboard=layout,
             language=language.code,
             words=words,
-            repairs=RepairReader(vocabulary, steps).read(
+            repairs=RepairReader(vocabulary, steps, language).read(
                 table.get("repairs"),
-                language.code,
                 root.place,
                 any(len(texts) > 1 for draft in panels.drafts for texts in _wordings(draft.action)),
             ),

@@ -1,4 +1,5 @@
-"""The language of an experiment: the words that the console itself shows to participants.
+"""The language of an experiment: what the console shows to participants by itself, and what the
+robot says to save a dialogue.
 
 Files in `woz_tui/languages`, one for each language; `CODE.language.yaml` beside an experiment is
 another language, or has other words for one of ours. What a file leaves out is English.
@@ -13,14 +14,16 @@ from pathlib import Path
 import msgspec
 
 from woz_tui.core.settings import ENGLISH, QuestionnaireWords
-from woz_tui.experiment.report import quoted
+from woz_tui.experiment.report import Report, quoted
 from woz_tui.experiment.source import Source, SourceError, read
 from woz_tui.experiment.spot import Spot, document, read_filled, read_text
 
 FOLDER = Path(__file__).parents[1] / "languages"
 DEFAULT = "en"
 #: Sections of a language file, each with its words.
-QUESTIONNAIRE = "questionnaire"
+QUESTIONNAIRE, REPAIRS = SECTIONS = ("questionnaire", "repairs")
+#: Repairs that have a sentence.
+SPOKEN = ("filler", "yes", "no", "dont_know", "please_repeat")
 _SUFFIX = ".language.yaml"
 
 
@@ -34,34 +37,37 @@ class Language:
 
     def __init__(self, spot: Spot | None, base: Path, sources: list[Source]) -> None:
         self.code = DEFAULT
+        self._base, self._sources = base, sources
         self._sections: list[Mapping[str, Spot]] = []
-        code = read_text(spot, "a language, such as de") if spot is not None else DEFAULT
-        if code is None:
+        code = read_text(spot, "a language, such as de") if spot is not None else None
+        if spot is None or code is None:
             return
         self.code = code
         own = base / f"{code}{_SUFFIX}"
-        ours = FOLDER / f"{code}.yaml"
-        beside = spot is not None and _is_code(code) and own.is_file()
-        if spot is not None and not beside and code not in shipped():
+        beside = _is_code(code) and own.is_file()
+        if beside:
+            self._open(spot, own)
+        if code in shipped():
+            self._sections.append(_ours(code))
+        elif not beside:
             known = spot.report.hint(code, shipped(), or_list="there are")
             file = f"; {own.name} beside the experiment would add it" if _is_code(code) else ""
             spot.error(f"{quoted(code)} is not known{known}{file}")
-            return
-        for path in ([own] if beside else []) + ([ours] if code in shipped() else []):
-            self._open(spot, path, sources if path == own else [])
 
-    def _open(self, spot: Spot | None, path: Path, sources: list[Source]) -> None:
-        if spot is None:
-            return  # English is what every word says by itself
+    def other(self, spot: Spot) -> Language:
+        """Another language for a part of the same experiment."""
+        return Language(spot, self._base, self._sources)
+
+    def _open(self, spot: Spot, path: Path) -> None:
         try:
             source = read(path, str(path))
         except SourceError as error:
             spot.error(f"{path.name}: {error.message}")
             return
-        sources.append(source)
+        if all(known.path != path for known in self._sources):
+            self._sources.append(source)
         root = document(source, spot.report, "sections of words, such as questionnaire: {...}")
-        known = (QUESTIONNAIRE,)
-        if root is not None and (table := root.fields(known, "sections are", "sections")):
+        if root is not None and (table := root.fields(SECTIONS, "sections are", "sections")):
             self._sections.append(table)
 
     def section(self, name: str) -> Iterator[Spot]:
@@ -79,6 +85,26 @@ class Language:
                 if text is not None and _fits(table[name], text, getattr(ENGLISH, name)):
                     words.setdefault(name, text)
         return msgspec.structs.replace(ENGLISH, **words)
+
+    def repairs(self) -> dict[str, str]:
+        """What the robot says to save a dialogue, by the repair's name."""
+        said: dict[str, str] = {}
+        for section in self.section(REPAIRS):
+            table = section.fields(SPOKEN, "repairs are", "sentences by their names") or {}
+            for name in (name for name in table if name in SPOKEN):
+                text = read_filled(table[name])
+                if text is not None:
+                    said.setdefault(name, text)
+        if len(said) < len(SPOKEN):
+            english = _ours(DEFAULT)[REPAIRS].table() or {}
+            said = {name: read_filled(spot) or "" for name, spot in english.items()} | said
+        return said
+
+
+def _ours(code: str) -> Mapping[str, Spot]:
+    """The sections of a language that comes along; it is right, as a test says."""
+    root = document(read(FOLDER / f"{code}.yaml", code), Report(), "sections")
+    return dict(root.entries()) if root is not None else {}
 
 
 def _is_code(text: str) -> bool:

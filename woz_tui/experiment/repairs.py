@@ -10,16 +10,15 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 
 from woz_tui.experiment.actions import StepReader
 from woz_tui.experiment.calls import Vocabulary
+from woz_tui.experiment.languages import SPOKEN, Language
 from woz_tui.experiment.nodes import Scalar, Table
 from woz_tui.experiment.shape import Action, Place, Step
-from woz_tui.experiment.spot import Spot, read_texts, read_word
+from woz_tui.experiment.spot import Spot, read_texts
 
 #: The panel of these actions in the log.
 PANEL = "Repairs"
 SAY = "say"
 REPEAT, REWORD, INTERRUPT = "repair repeat", "repair reword", "repair interrupt"
-#: Those whose sentences stand in the file or come from its language.
-SPOKEN = ("filler", "yes", "no", "dont_know", "please_repeat")
 #: What stands on the screen.
 LABELS: Mapping[str, str] = {
     REPEAT: "repeat",
@@ -31,66 +30,6 @@ LABELS: Mapping[str, str] = {
     "repair please_repeat": "again?",
     INTERRUPT: "interrupt",
 }
-_LINES: Mapping[str, tuple[str, ...]] = {
-    "en": (
-        "Hm, let me think.",
-        "Yes.",
-        "No.",
-        "I am afraid I do not know that.",
-        "Could you say that again, please?",
-    ),
-    "de": (
-        "Hm, lassen Sie mich überlegen.",
-        "Ja.",
-        "Nein.",
-        "Das weiß ich leider nicht.",
-        "Könnten Sie das bitte noch einmal sagen?",
-    ),
-    "fr": (
-        "Hum, laissez-moi réfléchir.",
-        "Oui.",
-        "Non.",
-        "Je ne le sais pas, malheureusement.",
-        "Pourriez-vous répéter, s'il vous plaît ?",
-    ),
-    "es": (
-        "Mmm, déjeme pensar.",
-        "Sí.",
-        "No.",
-        "Lo siento, no lo sé.",
-        "¿Podría repetirlo, por favor?",
-    ),
-    "it": (
-        "Mm, mi lasci pensare.",
-        "Sì.",
-        "No.",
-        "Mi dispiace, non lo so.",
-        "Può ripetere, per favore?",
-    ),
-    "nl": (
-        "Hm, laat me even nadenken.",
-        "Ja.",
-        "Nee.",
-        "Dat weet ik helaas niet.",
-        "Kunt u dat nog eens zeggen, alstublieft?",
-    ),
-    "sv": (
-        "Hm, låt mig tänka.",
-        "Ja.",
-        "Nej.",
-        "Det vet jag tyvärr inte.",
-        "Kan du säga det en gång till, tack?",
-    ),
-    "ja": (
-        "ええと、少し考えさせてください。",
-        "はい。",
-        "いいえ。",
-        "すみません、それはわかりません。",
-        "もう一度おっしゃっていただけますか。",
-    ),
-}
-#: Language -> repair -> what is said.
-SENTENCES = {language: dict(zip(SPOKEN, lines, strict=True)) for language, lines in _LINES.items()}
 FIELDS = ("language", "on", "without", *SPOKEN)
 
 
@@ -100,33 +39,33 @@ class RepairReader:
     Args:
         vocabulary: The verbs there are.
         steps: Reads what a repair does.
+        language: The experiment's.
     """
 
-    def __init__(self, vocabulary: Vocabulary, steps: StepReader) -> None:
+    def __init__(self, vocabulary: Vocabulary, steps: StepReader, language: Language) -> None:
         self._vocabulary = vocabulary
         self._steps = steps
+        self._language = language
 
-    def read(
-        self, spot: Spot | None, language: str, place: Place, variants: bool
-    ) -> tuple[Action, ...]:
-        """All repairs of the file; none where nobody can speak. `language`: the file's; `variants`:
-        some sentence of the file has several wordings.
+    def read(self, spot: Spot | None, place: Place, variants: bool) -> tuple[Action, ...]:
+        """All repairs of the file; none where nobody can speak. `variants`: some sentence of
+        the file has several wordings.
         """
         if not self._vocabulary.offers(SAY):
             if spot is not None and not self._vocabulary.robots.incomplete:
                 spot.error(f"no driver of this robot offers {SAY!r}")
             return ()
-        spoken = list(self._spoken(spot, language)) if spot is not None else []
+        spoken = list(self._spoken(spot)) if spot is not None else []
         found = [_action(REPEAT, place)]
         if variants and spot is not None:
             found.append(_action(REWORD, place))
         return (*found, *spoken, _action(INTERRUPT, place))
 
-    def _spoken(self, spot: Spot, own: str) -> Iterator[Action]:
+    def _spoken(self, spot: Spot) -> Iterator[Action]:
         table = spot.fields(FIELDS, "repairs have", "a mapping, such as {language: en}") or {}
         language = table.get("language")
-        chosen = read_word(language, SENTENCES) if language is not None else own
-        lines = SENTENCES.get(chosen or "", SENTENCES["en"])
+        chosen = self._language if language is None else self._language.other(language)
+        lines = chosen.repairs()
         left_out = set(self._left_out(table.get("without")))
         for name in SPOKEN:
             if name in left_out:

@@ -23,10 +23,9 @@ from woz_tui.experiment.actions import WHEN_BUSY
 from woz_tui.experiment.by_condition import ANY
 from woz_tui.experiment.effects import ENTERED, ON_ENTER
 from woz_tui.experiment.engagement import EngagementSettings
-from woz_tui.experiment.languages import DEFAULT
+from woz_tui.experiment.languages import DEFAULT, SPOKEN, Language
 from woz_tui.experiment.layouts import LAYOUTS
 from woz_tui.experiment.profiles import FIELDS as PROFILE_FIELDS
-from woz_tui.experiment.repairs import SENTENCES, SPOKEN
 from woz_tui.experiment.robot import SIMULATED
 from woz_tui.experiment.settings import fields_of, note, split
 from woz_tui.experiment.shape import Phase, SessionSettings, Steps
@@ -442,11 +441,12 @@ def _robot(catalogue: Mapping[str, type[Driver]]) -> Schema:
 
 def _repairs() -> Schema:
     """The language, and what is said otherwise."""
+    english = Language(None, pathlib.Path(), []).repairs()
     return {
         **mapping(
             {
                 "language": {
-                    "enum": list(SENTENCES),
+                    **TEXT,
                     "description": "of the sentences that are not given here; the file's",
                 },
                 "on": {**TEXT, "description": "who speaks, where several drivers can"},
@@ -458,7 +458,7 @@ def _repairs() -> Schema:
                 **{
                     name: {
                         "type": ["string", "object"],
-                        "description": f"in English: {SENTENCES['en'][name]}",
+                        "description": f"in English: {english[name]}",
                     }
                     for name in SPOKEN
                 },

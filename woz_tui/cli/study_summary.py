@@ -8,7 +8,7 @@ import msgspec
 
 from woz_tui.core.messages import Json
 from woz_tui.experiment.orders import Order, block_size, planned, rows
-from woz_tui.experiment.shape import Experiment
+from woz_tui.experiment.shape import Experiment, Phase
 from woz_tui.experiment.study import Design, Questionnaire, Training
 from woz_tui.session.study_view import study_settings
 
@@ -34,6 +34,8 @@ def lines(experiment: Experiment) -> Iterator[tuple[str, str]]:
         left = len(rows(study.design, conditions)) - _LISTED
         if left > 0:
             yield "", f"and {left} more: woz design"
+    for phase in experiment.phases:
+        yield "phase", _phase(phase, experiment)
     for questionnaire in study.questionnaires:
         yield questionnaire.name, _questionnaire(questionnaire)
     for check in study.preflight:
@@ -55,12 +57,24 @@ def lines(experiment: Experiment) -> Iterator[tuple[str, str]]:
         yield "training", _training(study.training)
 
 
+def _phase(phase: Phase, experiment: Experiment) -> str:
+    after = [each.heading for each in experiment.phases if each.name in phase.after]
+    parts = [
+        f"after {' or '.join(after)}" if after else "",
+        f"{phase.planned / 60:g} min" if phase.planned else "",
+        f"panels {', '.join(phase.panels)}" if phase.panels else "all panels",
+        _times(len(phase.script), "line") if phase.script else "",
+    ]
+    return f"{phase.heading}: {'; '.join(part for part in parts if part)}"
+
+
 def as_json(experiment: Experiment) -> dict[str, Json]:
     """The same for programs: the sections, and the design's orders."""
     study = experiment.study
     told: dict[str, Json] = msgspec.to_builtins(study_settings(experiment))
     for now in ("assigned", "planned", "trial", "running", "on_break", "due"):
         del told[now]
+    told["phases"] = msgspec.to_builtins(experiment.phases)
     told["preflight"] = [*study.preflight]
     told["training"] = msgspec.to_builtins(study.training)
     if study.design is not None:

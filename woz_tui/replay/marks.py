@@ -33,6 +33,7 @@ _DEEDS = (
     m.SessionEnd,
     m.TrialStarted,
     m.TrialEnded,
+    m.PhaseChanged,
     m.BreakStarted,
     m.BreakEnded,
     m.QuestionnaireStarted,
@@ -48,8 +49,8 @@ SET = "trial set"
 
 
 class Mark(NamedTuple):
-    """A place on the time line: when, what sort (marker, note, mistake, stop, trial, break,
-    questionnaire, lost, engagement, end; code: a coder set it), what it says.
+    """A place on the time line: when, what sort (marker, note, mistake, stop, trial, phase,
+    break, questionnaire, lost, engagement, end; code: a coder set it), what it says.
     """
 
     t: int
@@ -72,6 +73,8 @@ def mark_of(message: object, t: int) -> Mark | None:  # noqa: PLR0911 - a table 
             return Mark(t, "trial", f"trial {trial} {condition}".rstrip())
         case m.SessionChanged(trial=int(trial)):
             return Mark(t, SET, f"trial {trial}")
+        case m.PhaseChanged(phase=str(phase)) if phase:
+            return Mark(t, "phase", f"phase {phase}")
         case m.BreakStarted(text=text):
             return Mark(t, "break", f"break {text}".rstrip())
         case m.QuestionnaireStarted(questionnaire=name):

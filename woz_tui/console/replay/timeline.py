@@ -28,6 +28,7 @@ SIGNS: Mapping[str, tuple[str, str]] = {
     "note": ("note", "plain"),
     "questionnaire": ("queued", "wait"),
     "trial": ("tick", "strong"),
+    "phase": ("tick", "muted"),
     "break": ("tick", "muted"),
 }
 #: Cells of the line at least; below that it is left out.

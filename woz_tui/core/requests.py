@@ -399,8 +399,8 @@ class Replaying(
 
     `marks` are times of markers and what they say, oldest first, for the time line; only in the
     first one, and when it begins anew. `sorts`: what each of them is (marker, note, mistake, stop,
-    trial, phase, break, questionnaire, lost, engagement, end, code). `cut_us`: how much of idle gaps
-    has been left out so far.
+    trial, phase, break, questionnaire, lost, engagement, end, code). `cut_us`: how much of idle
+    gaps has been left out so far.
     """
 
     t: int

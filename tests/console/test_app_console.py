@@ -150,7 +150,7 @@ async def test_keys_of_the_console_without_dialogs() -> None:
 async def test_the_last_run_can_be_cut_short() -> None:
     async with sitting() as seat:
         await seat.press("ctrl+x")
-        assert "nothing is being played" in seat.text("StopBar")
+        assert "No action is running" in seat.text("StopBar")
         await seat.tell(*scenes.speaking())
         await seat.press("ctrl+x")
         asked = seat.feed.last(r.AskCancel)

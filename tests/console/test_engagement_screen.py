@@ -242,7 +242,7 @@ async def test_a_stale_key_of_the_hand_does_nothing() -> None:
         assert seat.console.keyboard.arrive("p", stale=True)
         await seat.settle()
         assert verbs(seat) == []
-        assert "not played, the line had stalled: p" in seat.text("StopBar")
+        assert "Not played: p" in seat.text("StopBar")
 
 
 ASKED: dict[str, tuple[str, dict[str, m.Json]]] = {

@@ -80,7 +80,7 @@ def test_a_segment_is_a_line_only_where_it_could_not_be_kept() -> None:
     ended = m.SpeechEnded(driver="mic", segment=1, began=1, ended=2, file="a.wav", t=NOW)
     assert told(ended, m.SpeechStarted(driver="mic", segment=2, began=3, t=NOW)) == []
     lost = msgspec.structs.replace(ended, file="", detail="the disk is full")
-    assert line(lost) == ("warning", "Speech not kept", "the disk is full")
+    assert line(lost) == ("warning", "Speech not saved", "the disk is full")
 
 
 @pytest.mark.parametrize(
@@ -249,7 +249,7 @@ def test_the_preflight_names_signs_that_nobody_gives() -> None:
     never = m.SignShown(stale=True, verdict=0, places=8)
     picture.take([engaged.shown(signs=engaged.signs(gaze=never))], 0)
     (missing,) = sign_findings(picture)
-    assert (missing.level, missing.text) == ("warning", "nobody gives gaze yet")
+    assert (missing.level, missing.text) == ("warning", "no sensor gives gaze yet")
     hand = m.SignShown(verdict=1, places=8, forced=True)
     picture.take([engaged.shown(signs=engaged.signs(gaze=hand))], 0)
     (some,) = sign_findings(picture)

@@ -112,7 +112,7 @@ def test_what_counts_after_the_mode_says_so_instead_of_a_tick() -> None:
     )
     picture.take([*begun, done, ended], 0)
     line = picture.events[-1]
-    assert (line.mark, line.detail) == ("waits", "counts after the mode")
+    assert (line.mark, line.detail) == ("waits", "applies after this mode")
     frame = Frame(40, 4, ended.t)
     assert picture.standing(panel, actions[0], frame.now).state is State.WAITS
     rows = panel_rows(picture, frame, plan(picture.panels, 40, 4, 3), Board({}))
@@ -206,8 +206,8 @@ async def test_a_key_turns_to_the_next_view_and_the_heading_names_it() -> None:
         for view in (*VIEWS, VIEWS[0]):
             heading = seat.text("Events").splitlines()[0]
             assert heading.startswith(" Events ──")
-            assert f"{view} · \\ filters" in heading
-            await seat.press("\\")
+            assert f"{view} · {{ filters" in heading
+            await seat.press("{")
     async with sitting(scenes.welcome(role="watcher")) as seat:
-        await seat.press("\\")
+        await seat.press("{")
         assert VIEWS[1] in seat.text("Events").splitlines()[0]

@@ -307,7 +307,7 @@ def test_the_scripts_line() -> None:
     assert "→ Roman glass" in shown
     assert shown.rstrip().endswith("2/6")
     ended = text([script_row(pictured(m.ScriptMoved(position=6)), Frame(60, 1, NOW), "Space")])
-    assert "at its end" in ended
+    assert "Script has ended" in ended
 
 
 def bar(picture: ConsoleState, asked_us: int | None = None, frame: Frame | None = None) -> str:

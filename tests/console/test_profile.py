@@ -128,9 +128,9 @@ async def test_the_help_lists_its_key() -> None:
     async with sitting(guide(), size=(160, 120)) as seat:
         await opened(seat, "HelpDialog")
         assert any(
-            line.split("│")[1].split()[:3] == ["-", "the", "profile:"]
+            line.split("│")[1].split()[:3] == ["-", "choose", "the"]
             for line in seat.drawn().splitlines()
-            if "the profile:" in line
+            if "choose the profile" in line
         )
 
 

@@ -248,12 +248,12 @@ async def test_nothing_jumps_while_an_answer_is_chosen() -> None:
 
 async def test_the_header_tells_how_far_it_is() -> None:
     async with sitting(studied.welcome(studied.started()), size=(120, 40)) as seat:
-        assert "asked 0/4" in seat.text("Status")
+        assert "questions 0/4" in seat.text("Status")
         await seat.tell(studied.answered("pleasant", 3.0))
-        assert "asked 1/4" in seat.text("Status")
+        assert "questions 1/4" in seat.text("Status")
         assert "pleasant" not in seat.text("Events")
         await seat.tell(studied.ended(reason="declined", count=1))
-        assert "asked" not in seat.text("Status")
+        assert "questions" not in seat.text("Status")
         assert "declined" in seat.text("Events")
 
 

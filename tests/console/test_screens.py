@@ -290,7 +290,7 @@ async def test_reload_shows_differences_first_and_applies_on_enter() -> None:
         assert [getattr(a, "dry_run", None) for a in seat.feed.asked] == [True]
         await seat.press("enter")
         assert [getattr(a, "dry_run", None) for a in seat.feed.asked] == [True, False]
-        await seat.until(lambda: "the file was read again" in seat.text("StopBar"))
+        await seat.until(lambda: "File reloaded" in seat.text("StopBar"))
 
 
 async def test_reload_of_a_broken_file_shows_its_errors_and_changes_nothing() -> None:

@@ -60,7 +60,7 @@ def test_a_trial_and_what_is_asked_after_it(lab: Lab) -> None:
     guest.wait_text("How pleasant was it?")
     guest.send("6")
     assert log.wait("questionnaire.answered").fields["value"] == 6
-    wizard.wait_text("asked 1/3")
+    wizard.wait_text("questions 1/3")
     for chord in ("h", CTRL_R, "\x1a", "."):  # nothing of the wizard's
         guest.send(chord)
     guest.send(ESCAPE)

@@ -222,7 +222,7 @@ class Console(ScreenApp):
             for action, ended in self.picture.runs.outcomes.items()
             if ended.how == "refused" and ended.t > self._lost_t
         }
-        back = "the robot process is back"
+        back = "Robot process is back"
         if late:
             why = next(reversed(late.values()))
             self.news(f"{back}; not played: {', '.join(late)} ({why})", "warn")
@@ -356,7 +356,7 @@ class Console(ScreenApp):
 
     def _stale(self, chord: str, name: str, ref: int) -> None:
         what = self.picture.label(name) or key_name(chord, self.look.glyphs)
-        self.news(f"not played, the line had stalled: {what}", "warn")
+        self.news(f"Not played: {what}. The connection had stalled", "warn")
 
     def _held(self, chord: str, name: str, ref: int) -> None:
         """Who holds a key sees why it does no more; who meant it presses it again later."""

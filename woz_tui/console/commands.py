@@ -146,7 +146,7 @@ def _cut(app: ConsoleApp) -> None:
     if active:
         app.desk.ask(AskCancel(run=next(reversed(active))))
     else:
-        app.news("nothing is being played")
+        app.news("No action is running")
 
 
 def _suspend(app: ConsoleApp) -> None:

@@ -117,6 +117,6 @@ class Desk:
     def _end_answered(self, reply: r.Reply) -> None:
         self.ending = reply.ok
         if reply.ok:
-            self._news("ending the session: the robot takes its rest pose", "warn")
+            self._news("Session ends: the robot takes its rest pose", "warn")
         else:
             self.refused(reply)

@@ -14,7 +14,7 @@ from woz_tui.timeline.state import SessionState
 
 FAILURES = 200
 #: What is said of a command that was taken, but moves nothing before the robot's mode is over.
-LATER = "counts after the mode"
+LATER = "applies after this mode"
 #: The outcomes that look like another one.
 _LOOKS: dict[str, str] = {Word.TIMED_OUT: Word.FAILED, Word.SUPERSEDED: "replaced"}
 

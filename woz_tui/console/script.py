@@ -46,7 +46,7 @@ def script_row(
     front: Row = ((f" {key} ", "key"), (" ", "plain"))
     room = frame.width - sum(cell_len(text) for text, _ in front) - len(right)
     if picture.position >= count:
-        body: Row = (("script at its end", "muted"),)
+        body: Row = (("Script has ended", "muted"),)
     else:
         first, *later = picture.script[picture.position : picture.position + 12]
         body = ((f"{glyphs.here} {clean(picture.label(first))}", "strong"),)

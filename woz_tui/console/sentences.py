@@ -260,11 +260,13 @@ def _driver(message: m.DriverHealth, shown: Shown) -> Event:
 
 
 def _lane_faulted(message: m.LaneFaulted, shown: Shown) -> Event:
-    return Event(message.t, "error", f"{message.driver} {message.lane} hangs", "waits for its end")
+    return Event(
+        message.t, "error", f"{message.driver}: {message.lane} hangs", "until its job ends"
+    )
 
 
 def _lane_recovered(message: m.LaneRecovered, shown: Shown) -> Event:
-    return Event(message.t, "done", f"{message.driver} {message.lane} is back")
+    return Event(message.t, "done", f"{message.driver}: {message.lane} works again")
 
 
 def _sensor(message: m.SensorChanged, shown: Shown) -> Event | None:
@@ -320,7 +322,7 @@ def _speech(message: m.SpeechEnded, shown: Shown) -> Event | None:
     """Only that nothing was kept of it; what it says comes later."""
     if not message.detail or message.file:
         return None
-    return Event(message.t, "warning", "Speech not kept", message.detail)
+    return Event(message.t, "warning", "Speech not saved", message.detail)
 
 
 def _heard(message: m.SpeechText, shown: Shown) -> Event:
@@ -371,7 +373,7 @@ def _profile(message: m.ProfileChanged, shown: Shown) -> Event:
     return Event(
         message.t,
         "info",
-        f"Profile {message.profile}" if message.profile else "Everything may be used",
+        f"Profile {message.profile}" if message.profile else "No profile: everything may be used",
     )
 
 
@@ -394,12 +396,12 @@ def _of_study(message: m.Message, shown: Shown) -> Event | None:
 def _attached(message: m.ConsoleAttached, shown: Shown) -> Event:
     what = f"{message.role} {message.name}".rstrip()
     if message.sees == "all" and shown.keeps:
-        return Event(message.t, "info", f"{what} attached", "it sees what is kept from you")
+        return Event(message.t, "info", f"{what} attached", "it sees what is hidden from you")
     return Event(message.t, "info", f"{what} attached", message.console)
 
 
 def _console_lost(message: m.ConsoleLost, shown: Shown) -> Event:
-    return Event(message.t, "warning", f"{message.role} gone", message.why)
+    return Event(message.t, "warning", f"{message.role} disconnected", message.why)
 
 
 _TELLERS: dict[type[m.Message], Callable[[Any, Shown], Event | None]] = {

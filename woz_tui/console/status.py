@@ -85,7 +85,7 @@ def _session(picture: ConsoleState, frame: Frame, room: int) -> list[Row]:
     parts.append(((f" {title}  ", "strong"), (time, "plain")))
     for value in values:
         look = "warn" if value.startswith("no ") else "plain"
-        if value.startswith(("break ", "asked ")):
+        if value.startswith(("break ", "questions ")):
             look = "wait"
         parts.append(((f" {glyphs.middle} ", "faint"), (value, look)))
     return parts
@@ -128,7 +128,7 @@ def _trial(picture: ConsoleState, frame: Frame) -> str:
 def _asked(picture: ConsoleState) -> str:
     """How far a questionnaire is."""
     asked = picture.study.asked
-    return f"asked {asked.answered}/{len(asked.items)}" if asked is not None else ""
+    return f"questions {asked.answered}/{len(asked.items)}" if asked is not None else ""
 
 
 def _profile(picture: ConsoleState, frame: Frame) -> Row:

@@ -242,7 +242,7 @@ async def test_enter_has_the_driver_make_a_file_where_it_can() -> None:
         await go_on(seat, lambda: words(seat).startswith("eye"), "the other camera")
         await seat.press("enter")
         assert seat.feed.last(AskVerb) is asked
-        assert "does not make files" in seat.text("StopBar")
+        assert "cannot save pictures" in seat.text("StopBar")
 
 
 async def test_under_another_dialog_nobody_asks() -> None:

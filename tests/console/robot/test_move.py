@@ -117,4 +117,4 @@ async def test_where_nobody_plays_animations_there_is_nothing_to_type() -> None:
     first = msgspec.structs.replace(pepper.welcome(), verbs={"pepper": ["say"]})
     async with typing(first) as seat:
         assert not isinstance(seat.console.dialog, MoveDialog)
-        assert "no driver of this session plays animations" in seat.text("StopBar")
+        assert "No driver plays animations" in seat.text("StopBar")

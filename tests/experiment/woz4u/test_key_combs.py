@@ -83,7 +83,7 @@ def test_keys_as_they_are_written(tmp_path: Path, comb: str, key: str) -> None:
         ("[shift, 8]", "'*' is the console's own key (trials, breaks, questionnaires)"),
         ("[ArrowUp]", "'up' is the console's own key (head up)"),
         ("[alt, left]", "'alt+left' is the console's own key (turn left)"),
-        ("[enter, a]", "'enter' is the console's own key (what has failed; marks it as seen)"),
+        ("[enter, a]", "'enter' is the console's own key (list failures and mark them as seen)"),
         ("[ctrl, r]", "'ctrl+r' is the console's own key (release the stop)"),
         ('["ctrl", "aw"]', "'ctrl+aw' is not a key"),
         ("[meta, k]", "meta never reaches a terminal, the desktop keeps it"),

@@ -225,7 +225,7 @@ class CameraDialog(Dialog):
     def _take(self, camera: str) -> None:
         """Have the driver make a file of a picture."""
         if _VERB not in self.picture.verbs.get(camera, ()):
-            self.console_app.news(f"{camera or 'this camera'} does not make files of pictures")
+            self.console_app.news(f"{camera or 'this camera'} cannot save pictures")
             return
         self.desk.ask(AskVerb(verb=_VERB, on=camera, source="key", key=_TAKE))
-        self.console_app.news(f"{camera} takes a picture: its file will be in the log", "run")
+        self.console_app.news(f"{camera} takes a picture; the log names its file", "run")

@@ -57,7 +57,7 @@ class LostDialog(Choice):
         if restart is None:
             index += 1
         if index == 0 and restart is not None:
-            self.console_app.news("starting the robot process again", "warn")
+            self.console_app.news("Robot process is starting again", "warn")
             restart()
         elif index == 2:
             self.console_app.exit("lost")

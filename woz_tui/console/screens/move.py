@@ -35,7 +35,7 @@ def open_move(app: ConsoleApp) -> None:
     if players(app.picture):
         app.open_dialog(MoveDialog())
     else:
-        app.news("no driver of this session plays animations")
+        app.news("No driver plays animations")
 
 
 class _Completer(Suggester):

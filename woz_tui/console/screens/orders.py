@@ -35,7 +35,7 @@ def steer(app: ConsoleApp, order: Order, key: str = "") -> None:
     """The wizard's hand on the engagement model; some orders ask for more first."""
     engaged = app.picture.engaged
     if not is_offered(engaged, app.picture.verbs):
-        app.news("this session has no engagement model")
+        app.news("This session has no engagement model")
         return
     dialog = asked(order, engaged, key)
     if dialog is not None:

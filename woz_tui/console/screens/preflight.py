@@ -72,7 +72,7 @@ def sign_findings(picture: ConsoleState) -> list[Finding]:
     if not missing:
         return [Finding("ok", "engagement", _givers(shown, wanted))]
     return [
-        Finding("warning", "engagement", f"nobody gives {name} yet", "give it by hand, or wait")
+        Finding("warning", "engagement", f"no sensor gives {name} yet", "give it by hand, or wait")
         for name in missing
     ]
 
@@ -90,7 +90,7 @@ def _givers(shown: EngagementShown, names: Sequence[str]) -> str:
 def line_finding(round_trip_us: int | None) -> Finding:
     """How long a key is on its way from the wizard's terminal, and back."""
     if round_trip_us is None:
-        text = "the terminal has not answered yet, so nobody knows how late keys arrive"
+        text = "the terminal has not answered yet; the delay of keys is not known"
         return Finding("info", "line", text, "check again")
     text = f"{round_trip_us / 1000:.0f} ms there and back"
     if round_trip_us < SLOW_LINE_US:

@@ -54,6 +54,6 @@ class ReloadDialog(Report):
 
     def _applied(self, reply: Reply) -> None:
         if reply.ok:
-            self.console_app.news("the file was read again", "good")
+            self.console_app.news("File reloaded", "good")
         else:
-            self.console_app.news(f"not applied: {reply.reason}", "bad")
+            self.console_app.news(f"Not applied: {reply.reason}", "bad")

@@ -10,11 +10,14 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
+from tests.core.examples import messages as examples
 from tests.export import secrets as told_secrets
 from tests.export.logs import STEM, Timed, session_of, speak, start, visit, write
 from tests.export.out import exported
 from tests.export.secrets import Secrets
+from tests.export.test_csv import read_back
 from woz_tui.core import messages as m
 from woz_tui.core.envelope import Json
 from woz_tui.export.export import FORMATS
@@ -214,3 +217,34 @@ def test_objects_as_deep_as_a_reader_takes_them_are_no_trouble(tmp_path: Path) -
     say = m.Command(command="c1", verb="say", args={"a": args}, source="key")
     session = session_of(tmp_path, [(0, start()), (1, say)], redact=True)
     assert "secret" not in str(session.events)
+
+
+def test_figures_are_the_same_without_words(tmp_path: Path) -> None:
+    """Words decide some of them: when the model was off, and what answers a cue."""
+    plan = next(each for each in examples() if isinstance(each, m.SessionPlan))
+    study = replace(plan.settings.study, answers={"marker": ["Gestures"]})
+    off: dict[str, m.Json] = {"run": "off"}
+    course: list[Timed] = [
+        (0, start()),
+        (0, replace(plan, settings=replace(plan.settings, study=study))),
+        (0, m.EngagementAdopted(settings={"start": "run"})),
+        (1, m.TrialStarted(trial=1, condition="cold")),
+        (2, m.Marker(text="laughs", source="wizard")),
+        (3, m.ActionRequested(run="a1", action="Nod", panel="Gestures", source="key")),
+        (4, m.Command(command="c1", verb="run", driver="engagement", args=off, source="key")),
+        (4, m.Done(command="c1", driver="engagement", sent=off, latency_us=0, duration_us=0)),
+        (9, m.TrialEnded(trial=1, outcome="done")),
+    ]
+    log = write(tmp_path / "in", course)
+    for name, redact in (("open", False), ("kept", True)):
+        exported(log, "csv", tmp_path / name, redact=redact)
+    for table in ("conditions", "actions", "engagement"):
+        first, second = (
+            [{**row, "log": ""} for row in read_back(tmp_path / name / f"{table}.csv")]
+            for name in ("open", "kept")
+        )
+        assert first == second
+    rows = read_back(tmp_path / "kept" / "cues.csv")
+    assert [(row["label"], row["result"]) for row in rows] == [(PLACEHOLDER, "answered")]
+    [cold] = [row for row in read_back(tmp_path / "kept" / "conditions.csv") if row["condition"]]
+    assert float(cold["engagement_off_s"]) == 5

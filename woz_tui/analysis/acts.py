@@ -22,7 +22,7 @@ def is_direct(command: Command) -> bool:
 
 
 def acts_of(timeline: Timeline) -> list[Act]:
-    """All acts by hand in the order in which they were asked for."""
+    """All wizard actions in the order in which they were asked for."""
     return [
         each
         for each in timeline.episodes

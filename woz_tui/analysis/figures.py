@@ -154,7 +154,7 @@ class Part:
         press: From the request by hand to the driver's start of the first command.
         took: From an action's request to its end, of those that were done.
         verbs: Commands by verb.
-        gaps: Between two acts by hand (actions and direct commands), one after the other.
+        gaps: Between two wizard actions, one after the other.
         reactions: By type of cue; `all` leaves echoes out.
         mistakes: Acts that the wizard called a mistake.
         held: How long actions were held back by shaping.
@@ -207,12 +207,12 @@ class Part:
 
     @property
     def acts(self) -> int:
-        """Actions and direct commands by hand."""
+        """Wizard actions: prepared and improvised ones."""
         return self.by_hand + self.direct
 
     @property
     def mistake_rate(self) -> float | None:
-        """Share of the acts by hand that were called a mistake; None without acts."""
+        """Share of the wizard actions that were called a mistake; None without any."""
         return self.mistakes / self.acts if self.acts else None
 
     @property

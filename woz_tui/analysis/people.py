@@ -22,7 +22,7 @@ def taking_part(
     """The participants whose figures count, by code.
 
     In a session that had a participant the time without one is nobody's, and somebody took part
-    who had a trial, an act by hand, a cue, an answer to a questionnaire, or at least `SLIP_US`. A
+    who had a trial, a wizard action, a cue, an answer to a questionnaire, or at least `SLIP_US`. A
     session in which no code was ever given had one participant, whose code is empty.
     """
     codes = {tally.participant for tally in tallies}

@@ -173,7 +173,7 @@ class Facts:
 
     @property
     def acts(self) -> int:
-        """Actions and direct commands by hand."""
+        """Wizard actions: prepared and improvised ones."""
         return self.by_hand + self.direct
 
 

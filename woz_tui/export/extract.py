@@ -121,6 +121,10 @@ _PARTS = (
 )
 
 
+#: Lines whose words decide figures (when the model was off, what answers a cue) and stand in none.
+_COUNTED = (m.Done, m.EngagementAdopted, m.SessionPlan)
+
+
 class Extractor:
     """Takes the lines of one session in order; `finish` completes `session`."""
 
@@ -144,8 +148,9 @@ class Extractor:
             message = line.message  # all that is shown of settings is in the timeline
         if message is not None:
             self._timeline.take(message)
-        if line.message is not None:
-            self._shown.take(line.message)
+        shown = message if isinstance(message, _COUNTED) else line.message
+        if shown is not None:
+            self._shown.take(shown)
         match line.message:
             case m.SessionStart():
                 self.session.start = line.message

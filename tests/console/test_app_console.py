@@ -158,16 +158,29 @@ async def test_the_last_run_can_be_cut_short() -> None:
         assert asked.run == "a9"
 
 
-async def test_tab_walks_through_panels_and_pages() -> None:
+@pytest.mark.parametrize(("on", "back"), [("tab", "shift+tab"), ("pagedown", "pageup")])
+async def test_page_keys_turn_the_pages(on: str, back: str) -> None:
     async with sitting(scenes.welcome(shown=scenes.many_panels(60))) as seat:
         assert "Action 0 " in seat.text("Panels")
-        for _ in range(5):
-            await seat.press("tab")
-        assert "Action 59" in seat.text("Panels")
-        await seat.press("tab")
+        await seat.press(on)
+        assert "Action 0 " not in seat.text("Panels")
+        assert "page 2" in seat.text("StopBar")
+        await seat.press(back)
         assert "Action 0 " in seat.text("Panels")
-        await seat.press("shift+tab")
+        await seat.press(back)
         assert "Action 59" in seat.text("Panels")
+        await seat.press(on)
+        assert "Action 0 " in seat.text("Panels")
+
+
+async def test_the_first_alt_chord_of_a_plain_terminal_is_explained_once() -> None:
+    async with sitting() as seat:
+        for _ in range(2):
+            seat.console.keyboard.on_alt()
+            await seat.settle()
+        told = [event for event in seat.console.picture.events if "alt" in event.text]
+        assert len(told) == 1
+        assert told[0].text[:20] in seat.text("Events")
 
 
 async def test_a_refusal_is_shown_where_the_hints_are() -> None:
@@ -255,7 +268,9 @@ async def test_what_cannot_arrive_has_a_reserve_key_that_plays() -> None:
 
 
 async def test_a_watcher_is_told_that_it_watches() -> None:
-    async with sitting(scenes.welcome(role="watcher")) as seat:
+    wizard = m.ConsoleAttached(console="con2", role="wizard", t=NOW)
+    first = scenes.welcome(state=[*scenes.healthy(), wizard], role="watcher")
+    async with sitting(first) as seat:
         assert "WATCHING" in seat.text("Status")
 
 

@@ -9,6 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from woz_tui.console.scanner import Scanner
+from woz_tui.console.tokens import Key
 from woz_tui.experiment import keys
 from woz_tui.experiment.chords import NAMED
 from woz_tui.experiment.keys import (
@@ -78,7 +80,7 @@ def test_a_french_keyboard_gives_digits_with_shift() -> None:
 
 @pytest.mark.parametrize(
     "written",
-    ["", "ctrl", "ctrl+", "shift", "spaec", "f0", "f13", "a b c", "ctrl a", "a+b", "super+a",
+    ["", "ctrl", "ctrl+", "shift", "spaec", "f0", "f25", "a b c", "ctrl a", "a+b", "super+a",
      [], ["a", "b"], ["shift"], None, True, 1.5, {"a": 1}, "\n", "\t", "a\x07", "\u0301"],
 )  # fmt: skip
 def test_what_is_no_key_is_refused_with_a_sentence(written: Any) -> None:
@@ -396,3 +398,17 @@ def test_what_else_a_keymap_cannot_say(tmp_path: Path) -> None:
 def test_a_keymap_that_is_not_there_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(ExperimentError, match="there is no such file"):
         keys.load_keymap(tmp_path / "none.yaml")
+
+
+@pytest.mark.parametrize("number", range(13, 25))
+def test_pedals_are_keys_where_they_arrive(number: int) -> None:
+    key = f"f{number}"
+    assert keys.normal(f"F{number}") == key
+    for terminal in (keys.PLAIN, keys.KITTY):
+        found = keys.reach(key, terminal)
+        assert found.verdict is keys.Verdict.ARRIVES
+        (token,) = Scanner().feed(found.data)
+        assert isinstance(token, Key)
+        assert token.chord == key
+    assert keys.reach(key, keys.PLAIN).why
+    assert keys.reach(key, keys.TMUX).verdict is keys.Verdict.NEVER

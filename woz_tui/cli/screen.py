@@ -146,7 +146,7 @@ def open_questionnaire(socket: Path, only: str, theme: str = "") -> tuple[str, i
         driver_class=WizardDriver,
     )
     favour_keys()
-    return app.run() or "", app.return_code or 0
+    return app.run(mouse=False) or "", app.return_code or 0
 
 
 def run_console(app: Console) -> tuple[str, int]:
@@ -155,7 +155,7 @@ def run_console(app: Console) -> tuple[str, int]:
     `failed`: it crashed before the robot process had answered it.
     """
     favour_keys()
-    left, code = app.run() or "", app.return_code or 0
+    left, code = app.run(mouse=False) or "", app.return_code or 0
     return ("failed" if code == 1 and not app.picture.welcomed else left), code
 
 

@@ -22,6 +22,7 @@ from woz_tui.console.keyboard import Press
 from woz_tui.console.robot.steps import ArrowSteps
 from woz_tui.console.screen_app import BEAT, ScreenApp
 from woz_tui.console.screens.dialog import Command, Dialog
+from woz_tui.console.sentences import Event
 from woz_tui.console.status import Line
 from woz_tui.console.stopbar import Bar, News
 from woz_tui.console.study.picture import Tiding
@@ -98,7 +99,7 @@ class Console(ScreenApp):
         self.ask_participant, self._asked_in = ask_participant, ""
         self._edition = 0
         self._training: TrainingChanged | None = None
-        self._was_lost = False
+        self._was_lost = self._alt_told = False
         self._lost_t = 0
         self._news = News()
         self._news_until = self._flash_until = 0
@@ -117,6 +118,7 @@ class Console(ScreenApp):
         """Hear of keys, and lay out the screen."""
         self.keyboard.on_pressed = self.inbox.elsewhere(self._pressed)
         self.keyboard.on_stale = self.inbox.elsewhere(self._stale)
+        self.keyboard.on_alt = self.inbox.elsewhere(self._alt)
         self.keyboard.on_held = self.inbox.elsewhere(self._held)
         self.keyboard.on_prefix = self.inbox.elsewhere(self._prefix)
         self._measure()
@@ -361,6 +363,15 @@ class Console(ScreenApp):
     def _held(self, chord: str, name: str, ref: int) -> None:
         """Who holds a key sees why it does no more; who meant it presses it again later."""
         self.news(f"{key_name(chord, self.look.glyphs)} counts once while it is held", "muted")
+
+    def _alt(self) -> None:
+        """Say once what alt does here; the stop has been sent."""
+        if not self._alt_told:
+            self._alt_told = True
+            now = self.picture.now(self.clock.now_us())
+            text = "This terminal sends escape with alt"
+            self.picture.events.append(Event(now, "warning", text, "escape is the stop"))
+            self.paint()
 
     def _prefix(self, prefix: str) -> None:
         if prefix:

@@ -110,6 +110,8 @@ class Keyboard:
         self.on_prefix: Callable[[str], None] = lambda prefix: None
         #: Keys that belong to what is drawn over the screen while the rest plays the robot.
         self.kept: frozenset[str] = frozenset()
+        #: The stop has come with a key right behind it, as alt and that key do.
+        self.on_alt: Callable[[], None] = lambda: None
         #: What the key for suspending does; set by the terminal.
         self.on_suspend: Callable[[], None] | None = None
         self._clock = clock or RealClock()

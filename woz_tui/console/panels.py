@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from rich.cells import cell_len, set_cell_size
-from textual import events
 
 from woz_tui.console.caps import Cap, caption
 from woz_tui.console.cells import Cells, Piece, Row, clean, cut, fit, fit_most
@@ -171,7 +170,7 @@ def _word(standing: Standing) -> str:
 
 
 class Panels(Cells):
-    """All panels in one widget; tab walks through them, pages turn by themselves."""
+    """All panels in one widget; tab and page keys turn the pages."""
 
     def __init__(self, *, id: str | None = None) -> None:  # noqa: A002 - Textual's name
         super().__init__(id=id)
@@ -216,10 +215,26 @@ class Panels(Cells):
         return self._needed
 
     def walk(self, picture: ConsoleState, by: int) -> None:
-        """Choose the next panel, or with a negative `by` the one before."""
-        if picture.front:
+        """Turn to the next page, or with a negative `by` to the one before; where there is one
+        alone, choose the next panel.
+        """
+        if not picture.front:
+            return
+        firsts = self._firsts(len(picture.front))
+        if len(firsts) > 1 and self._arranged is not None:
+            pages = list(firsts)
+            at = pages.index(self._arranged.page_of(self.board.chosen))
+            chosen = firsts[pages[(at + by) % len(pages)]]
+        else:
             chosen = (self.board.chosen + by) % len(picture.front)
-            self.board = replace(self.board, chosen=chosen)
+        self.board = replace(self.board, chosen=chosen)
+
+    def _firsts(self, panels: int) -> dict[int, int]:
+        """Page -> the first panel that begins on it."""
+        arranged, found = self._arranged, dict[int, int]()
+        for panel in range(panels) if arranged is not None else ():
+            found.setdefault(arranged.page_of(panel), panel)
+        return found
 
     def turn_to(self, picture: ConsoleState, action: str) -> None:
         """Choose the panel on which an action is."""
@@ -235,7 +250,3 @@ class Panels(Cells):
     def press(self, action: str) -> None:
         """Let an action's key cap light up; an empty name lets all go dark."""
         self.board = replace(self.board, pressed=action)
-
-    def on_click(self, event: events.Click) -> None:
-        """A click never plays anything: it comes too easily, when a window is chosen."""
-        event.stop()

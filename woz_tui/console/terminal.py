@@ -19,6 +19,7 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any, Protocol, cast
 
 from textual import events
@@ -290,6 +291,8 @@ class WizardDriver(LinuxDriver):
         for token in tokens:
             if isinstance(token, Stop):
                 self._keyboard.stop(token.source)
+        if any(_is_alt(*pair) for pair in pairwise(tokens)):
+            self._keyboard.on_alt()
         stale = self._line.arrived([token.chord for token in tokens if isinstance(token, Key)])
         for token in tokens:
             match token:
@@ -351,3 +354,8 @@ def _terminal(kitty: bool) -> Terminal:
 def _suspend() -> None:
     """What the key for suspending does; the handler runs in the main thread."""
     os.kill(os.getpid(), signal.SIGTSTP)
+
+
+def _is_alt(first: Token, second: Token) -> bool:
+    """Whether they came as alt and a key do from a plain terminal: escape, the key at once."""
+    return isinstance(first, Stop) and first.raw == b"\x1b" and isinstance(second, Key)

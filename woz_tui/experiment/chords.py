@@ -18,6 +18,8 @@ from woz_tui.experiment.layouts import Layout, layout_of
 from woz_tui.experiment.report import hint, quoted
 
 FUNCTION_KEYS = tuple(f"f{number}" for number in range(1, 13))
+#: Of foot pedals and macro pads: no keyboard has them.
+PEDALS = tuple(f"f{number}" for number in range(13, 25))
 ARROWS = ("up", "down", "left", "right")
 #: Every key that has a name instead of a character.
 NAMED = (
@@ -25,6 +27,7 @@ NAMED = (
     *("delete", "insert", "home", "end", "pageup", "pagedown"),
     *ARROWS,
     *FUNCTION_KEYS,
+    *PEDALS,
 )
 
 _MODIFIERS = {

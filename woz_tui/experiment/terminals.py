@@ -11,7 +11,7 @@ import enum
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from woz_tui.experiment.chords import ARROWS, FUNCTION_KEYS, Chord, parsed
+from woz_tui.experiment.chords import ARROWS, FUNCTION_KEYS, PEDALS, Chord, parsed
 from woz_tui.experiment.layouts import Layout, layout_of
 
 
@@ -124,6 +124,9 @@ _LETTERS = {"up": "A", "down": "B", "right": "C", "left": "D", "end": "F", "home
 _LETTERS |= {"f1": "P", "f2": "Q", "f3": "R", "f4": "S"}
 _NUMBERS = {"insert": 2, "delete": 3, "pageup": 5, "pagedown": 6}
 _NUMBERS |= {"f5": 15, "f6": 17, "f7": 18, "f8": 19, "f9": 20, "f10": 21, "f11": 23, "f12": 24}
+#: As xterm's table of VT220 keys goes on; kitty's protocol has numbers of its own.
+_PEDALS = dict(zip(PEDALS, (25, 26, 28, 29, 31, 32, 33, 34, 42, 43, 44, 45), strict=True))
+_KITTY_F13 = 57376
 #: The Linux console's own five, and shift+F1 to F8 (console_codes(4) and its default keymap).
 _LINUX_FUNCTION = {f"f{number}": b"\x1b[[" + bytes([64 + number]) for number in range(1, 6)}
 _LINUX_SHIFTED = (25, 26, 28, 29, 31, 32, 33, 34)
@@ -268,12 +271,28 @@ def _function(chord: Chord, terminal: Terminal) -> Reach:
     kept = _kept(chord, terminal)
     if kept:
         return Reach(Verdict.NEVER, why=kept)
+    if chord.base in PEDALS:
+        return _pedal(chord, terminal)
     if str(chord) in folded(terminal):
         why = f"{terminal.name} sends the same for escape, the stop, and {chord.base} behind it"
         return Reach(Verdict.STOP, _sequence(chord), "escape", why)
     if terminal.linux:
         return _linux(chord)
     return Reach(Verdict.ARRIVES, _sequence(chord), str(chord))
+
+
+def _pedal(chord: Chord, terminal: Terminal) -> Reach:
+    """F13 to F24: every terminal knows them by themselves, or not at all."""
+    if terminal.kitty:
+        return _kitty(chord, _KITTY_F13 + PEDALS.index(chord.base))
+    if terminal.multiplexer:
+        why = f"{terminal.name} hands {chord.base} on as another key, or not at all"
+        return Reach(Verdict.NEVER, why=why)
+    number = int(chord.base[1:])
+    if chord != Chord(chord.base) or (terminal.linux and number > 20):
+        return Reach(Verdict.NEVER, why="few terminals send anything for it")
+    doubt = "" if terminal.linux else f"some terminals send it as shift+f{number - 12}; try it"
+    return Reach(Verdict.ARRIVES, f"\x1b[{_PEDALS[chord.base]}~".encode(), str(chord), doubt)
 
 
 def _kept(chord: Chord, terminal: Terminal) -> str:

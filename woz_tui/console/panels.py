@@ -232,8 +232,9 @@ class Panels(Cells):
     def _firsts(self, panels: int) -> dict[int, int]:
         """Page -> the first panel that begins on it."""
         arranged, found = self._arranged, dict[int, int]()
-        for panel in range(panels) if arranged is not None else ():
-            found.setdefault(arranged.page_of(panel), panel)
+        if arranged is not None:
+            for panel in range(panels):
+                found.setdefault(arranged.page_of(panel), panel)
         return found
 
     def turn_to(self, picture: ConsoleState, action: str) -> None:

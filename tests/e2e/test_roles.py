@@ -129,7 +129,7 @@ def play(wizard: Ear, program: Ear, file: Path) -> None:
     assert wizard.ask("trial", what="begin")["ok"]
     for name in ("Hello", "Show", "Name it", "Eyes", "Mark", "In place"):
         assert wizard.ask("action", action=name)["ok"]
-    assert wizard.ask("script")["ok"]
+    until(lambda: wizard.ask("script")["ok"], "a script whose lines no longer wait")
     assert wizard.ask("verb", verb="say", args={"text": "So: {greeting}"})["ok"]
     assert wizard.ask("preflight")["ok"]
     assert program.ask("marker", text="pineapple: zanzibar")["ok"]

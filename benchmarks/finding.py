@@ -2,12 +2,13 @@
 
     python benchmarks/finding.py [EXPERIMENT] [--size 80x24] [--quick]
 
-Four ways, each tried for every action on the real console, which must ask the robot process for
+Five ways, each tried for every action on the real console, which must ask the robot process for
 just this action:
 
 letter   the wizard knows its key
 page     she sees the panels and turns the page (tab) until its button stands there, then its key
-finder   `:`, as many letters of its name as put it on the finder's first line, enter
+phase    the same in the phase to which the action belongs
+finder   `:`, as many letters of its name (then of its panel) as put it first, enter
 words    `:`, as much of a word of its sentence, enter: she remembers what it says, not its name
 
 Rows are lines of the screen that are read on the way: each page down to the button, the finder's
@@ -23,15 +24,18 @@ import argparse
 import asyncio
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import chain, combinations
 from pathlib import Path
 
 from benchmarks.figures import percentile, table, verdict
 from docs import demo_session
 from tests.console.driving import Sitting, sitting
-from woz_tui.console.cells import Cells
+from woz_tui.console.glyphs import Frame
 from woz_tui.console.panels import Panels
 from woz_tui.console.screens.find import FindDialog
+from woz_tui.core.marks import PhaseChanged
 from woz_tui.core.requests import AskAction, Welcome
 from woz_tui.core.views import ActionView
 from woz_tui.experiment.decode import load
@@ -59,7 +63,7 @@ class Way:
 
 def sentence(seat: Sitting, action: ActionView) -> str:
     """What the action says, as the console shows it before it is played."""
-    return seat.console.picture.filled(" ".join(action.utterances))
+    return seat.console.picture.sentence(action.name)
 
 
 async def played(seat: Sitting, keys: Sequence[str]) -> str:
@@ -82,13 +86,12 @@ async def by_letter(seat: Sitting, action: ActionView) -> Way | None:
 async def by_page(seat: Sitting, action: ActionView) -> Way | None:
     """Turn pages until the button is there."""
     panels = seat.console.query_one(Panels)
-    count = len(seat.console.picture.panels)
-    panels.board = type(panels.board)(panels.board.caps)
+    panels.board = replace(panels.board, chosen=0)
     seat.console.paint()
     await seat.settle()
     rows = turned = 0
-    while (row := _row(panels, action)) is None:
-        if turned > count:
+    while (row := _row(seat, panels, action)) is None:
+        if turned > len(seat.console.picture.front):
             return None
         rows, turned = rows + panels.size.height, turned + 1
         await seat.press("tab")
@@ -96,13 +99,25 @@ async def by_page(seat: Sitting, action: ActionView) -> Way | None:
     return None if letter is None else Way(turned + letter.keys, rows + row + 1)
 
 
-def _row(panels: Cells, action: ActionView) -> int | None:
-    label = action.label
-    lines = panels.text.splitlines()
-    return next(
-        (at for at, line in enumerate(lines) if re.search(rf"\s{re.escape(label)}(\s|$)", line)),
-        None,
-    )
+def _row(seat: Sitting, panels: Panels, action: ActionView) -> int | None:
+    """In which line the button stands, if it is on the page that is shown."""
+    frame = Frame(panels.size.width, panels.size.height, 0, seat.console.look.glyphs)
+    arranged = panels.arranged(seat.console.picture, frame)
+    page = arranged.page_of(panels.board.chosen)
+    slots = (slot for slot in arranged.slots if slot.page == page)
+    return next((slot.row for slot in slots if slot.action == action), None)
+
+
+async def in_phase(seat: Sitting, action: ActionView, panel: str) -> Way | None:
+    """The same, while the first phase that has the action's panel in front holds."""
+    phases = seat.console.picture.settings.phases
+    phase = next((each for each in phases if panel in each.panels), None)
+    if phase is None:
+        return None
+    await seat.tell(PhaseChanged(phase=phase.name))
+    found = await by_page(seat, action)
+    await seat.tell(PhaseChanged())
+    return found
 
 
 async def by_finder(seat: Sitting, action: ActionView, typed: Iterator[str]) -> Way | None:
@@ -110,7 +125,7 @@ async def by_finder(seat: Sitting, action: ActionView, typed: Iterator[str]) -> 
     await seat.press(":")
     dialog = seat.console.dialog
     assert isinstance(dialog, FindDialog)
-    found = next((text for text in typed if _first(dialog, text) == action.label), None)
+    found = next((text for text in typed if _first(dialog, text) == action.name), None)
     if found is None:
         await seat.press("ctrl+q")
         return None
@@ -119,39 +134,53 @@ async def by_finder(seat: Sitting, action: ActionView, typed: Iterator[str]) -> 
 
 
 def _first(dialog: FindDialog, typed: str) -> str:
+    """The action that enter would play; empty if it is none."""
     hits = dialog.matching(typed)
-    return hits[0].name if hits else ""
+    play = hits[0].do if hits else None
+    return str(play.args[0]) if isinstance(play, partial) and hits[0].acts else ""
 
 
 def beginnings(text: str) -> Iterator[str]:
     """The first letter, the first two ... in lower case."""
-    return (text[:length].lower() for length in range(1, len(text) + 1))
+    return (text[:length].lower() for length in range(1, len(text) + 1) if text[length - 1] != " ")
 
 
 def words(text: str) -> Iterator[str]:
-    """The beginnings of all its words, the shortest first."""
-    each = {word.lower() for word in re.findall(r"\w{3,}", text)}
-    found = {word[:length] for word in each for length in range(3, len(word) + 1)}
-    return iter(sorted(found, key=lambda begun: (len(begun), begun)))
+    """The beginnings of all its words, the shortest first; then those of two of them."""
+    each = list(dict.fromkeys(word.lower() for word in re.findall(r"\w{2,}", text)))
+    begun = {word[:length] for word in each for length in range(2, len(word) + 1)}
+    pairs = {
+        f"{one[:length]} {two[:length]}" for one, two in combinations(each, 2) for length in (3, 4)
+    }
+    return iter([*sorted(begun, key=_length), *sorted(pairs, key=_length)])
+
+
+def _length(text: str) -> tuple[int, str]:
+    return len(text), text
 
 
 def attached(experiment: Path) -> Welcome:
     """What a console hears that attaches a second after the session began."""
     conditions = load(experiment, demo_session.catalogue()).conditions
-    who = Identity("P01", next(iter(conditions), ""))
+    who = Identity(participant="P01", condition=next(iter(conditions), ""))
     return demo_session.demo((), 1.0, str(experiment.with_suffix("")), who=who)
 
 
 async def measure(first: Welcome, size: tuple[int, int], most: int) -> dict[str, list[Way | None]]:
     """Every way for every action that has a button, or for the first `most`."""
-    found: dict[str, list[Way | None]] = {"letter": [], "page": [], "finder": [], "words": []}
+    found: dict[str, list[Way | None]] = {
+        name: [] for name in ("letter", "page", "phase", "finder", "words")
+    }
     async with sitting(first, size=size) as seat:
-        actions = [action for panel in seat.console.picture.panels for action in panel.actions]
-        for action in actions[:most]:
+        panels = seat.console.picture.panels
+        actions = [(action, panel.title) for panel in panels for action in panel.actions]
+        for action, panel in actions[:most]:
             found["letter"].append(await by_letter(seat, action))
             found["page"].append(await by_page(seat, action))
-            found["finder"].append(await by_finder(seat, action, beginnings(action.label)))
-            if action.utterances:
+            found["phase"].append(await in_phase(seat, action, panel))
+            name = chain(beginnings(action.label), beginnings(f"{action.label} {panel}"))
+            found["finder"].append(await by_finder(seat, action, name))
+            if sentence(seat, action):
                 found["words"].append(await by_finder(seat, action, words(sentence(seat, action))))
     return found
 

@@ -23,16 +23,8 @@ from woz_tui.core import wire
 from woz_tui.core.clock import RealClock
 from woz_tui.core.driver import Driver, DriverContext
 from woz_tui.core.requests import PROTOCOL, Welcome
-from woz_tui.core.settings import Settings as WelcomeSettings
 from woz_tui.experiment.decode import load
-from woz_tui.host.views import (
-    engagement_limits,
-    joint_limits,
-    outlines,
-    panel_views,
-    variable_names,
-    verb_names,
-)
+from woz_tui.host.plan import Shown, plan_of
 from woz_tui.record.recorder import Recorder
 from woz_tui.session.identity import Identity
 from woz_tui.session.runner import Origin
@@ -167,30 +159,25 @@ async def _demo(
 
 def welcome(session: Session) -> Welcome:
     """What a console is told that attaches now."""
-    experiment = session.experiment
+    plan = plan_of(Shown.of(session))
     return Welcome(
         protocol=PROTOCOL,
         console="con1",
         role="wizard",
         seq=session.hub.seq,
         t=session.hub.now(),
-        title=experiment.title,
+        title=plan.title,
         log=LOG,
-        panels=panel_views(experiment, session.locked),
-        script=list(experiment.script),
-        verbs=verb_names(experiment),
-        variables=variable_names(session),
-        conditions=list(experiment.conditions),
-        keyboard=experiment.keyboard,
-        drivers=[spec.name for spec in experiment.drivers],
+        panels=plan.panels,
+        script=plan.script,
+        verbs=plan.verbs,
+        variables=plan.variables,
+        conditions=plan.conditions,
+        keyboard=plan.keyboard,
+        drivers=plan.drivers,
         state=_raw([*session.state.messages(plan=False), _log(session)]),
         recent=_raw(session.recent.lines),
-        settings=WelcomeSettings(
-            participant_pattern=experiment.participant_pattern,
-            joints=joint_limits(session),
-            outlines=outlines(session),
-            engagement=engagement_limits(experiment),
-        ),
+        settings=plan.settings,
     )
 
 

@@ -1,20 +1,26 @@
-"""Draws animated pictures of robots as the console shows them: `python -m docs.film [folder]`.
+"""Draws animated pictures of the console and its robots: `python -m docs.film [folder]`.
 
-Sessions are played in virtual time; what the console's body pane would show is drawn six times a
-second from the very same rows of cells: dots as dots, half blocks as lights, text as text. Each
-film is one SVG without scripts that plays wherever images do, and always the same.
+Sessions are played in virtual time; what the console's body pane or its whole screen would show is
+drawn six times a second from the very same cells: dots as dots, half blocks as lights, text as
+text. Each film is one SVG without scripts that plays wherever images do, and always the same.
 """
 
 from __future__ import annotations
 
+import asyncio
 import itertools
+import re
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
 
-from docs.demo_session import Step, demo, play, space, welcome
+from rich.segment import Segment
+
+from docs.demo_session import KEY, WARM, Step, demo, play, space, welcome
+from tests.console.driving import sitting
 from woz_tui.console.bodies.pane import pane_rows
 from woz_tui.console.cells import Row
 from woz_tui.console.glyphs import Frame
@@ -22,6 +28,7 @@ from woz_tui.console.look import DARK
 from woz_tui.console.state import ConsoleState
 from woz_tui.core.messages import AnyMessage
 from woz_tui.core.requests import Welcome
+from woz_tui.session.identity import Identity
 from woz_tui.session.session import Session
 
 FOLDER = Path(__file__).parent / "images"
@@ -32,6 +39,8 @@ COLUMNS, LINES = 50, 19
 RATE = 6.0
 _BRAILLE = 0x2800
 _DOTS = ((0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2), (0, 3), (1, 3))
+#: Looks that are colours: of signs and of the ground beneath them.
+_INK, _GROUND = re.compile("x[0-9a-f]{6}").fullmatch, re.compile("y[0-9a-f]{6}").fullmatch
 _LIGHTS = {"▀": (0,), "▄": (1,), "█": (0, 1)}
 
 
@@ -46,6 +55,17 @@ class Film:
     end: float
     title: str
     columns: int = COLUMNS
+    lines: int = LINES
+    #: The whole screen, and which keys the wizard presses there (what they do is among the steps);
+    #: without any, it shows the body pane alone.
+    keys: tuple[tuple[float, str], ...] = ()
+    who: Identity = WARM
+
+
+def _ticked(session: Session) -> None:
+    """Everything on the preflight list has been seen to."""
+    for item in session.study.settings.preflight:
+        session.study.check(item.check, ok=True, text="", source="wizard")
 
 
 #: When the wizard presses space in the show.
@@ -59,6 +79,25 @@ FILMS = (
         6.0,
         40.0,
         "Two robots in a show: the happy one dances and breaks down, the grumpy one is sad",
+    ),
+    Film(
+        "answer",
+        "interview",
+        (
+            (0.5, _ticked),
+            (1.0, lambda session: session.study.trial("begin", "")),
+            (3.0, lambda session: session.phase("Home", KEY)),
+            (15.0, space),
+            (27.5, play("repair dont_know")),
+            (32.0, space),
+        ),
+        21.0,
+        35.0,
+        "The participant asks something; one key answers, and the next line goes on",
+        80,
+        24,
+        ((27.5, "["), (32.0, "space")),
+        Identity(participant="P01", condition="empathic", wizard="W2", seed=7),
     ),
 )
 
@@ -75,23 +114,65 @@ class Reel:
         self.first.append(welcome(session))
         session.hub.listen(self.messages.append)
 
+    def moments(self, film: Film) -> Iterator[tuple[int, list[AnyMessage]]]:
+        """Each of the film's moments (microseconds), and what was heard since the one before."""
+        heard = deque(self.messages)
+        for number in range(round((film.end - film.begin) * RATE)):
+            now = round((film.begin + number / RATE) * 1_000_000)
+            batch = []
+            while heard and heard[0].t <= now:
+                batch.append(heard.popleft())
+            yield now, batch
+
 
 def frames(film: Film) -> Iterator[list[Row]]:
     """The pane's rows at each of the film's moments."""
-    reel = Reel()
-    demo(film.steps, film.end + 0.5, film.experiment, reel.watch)
+    if film.keys:
+        reel = _played(film)
+        yield from asyncio.run(_screens(film, reel))
+        return
     picture = ConsoleState()
+    reel = _played(film)
     picture.take(reel.first, 0)
-    heard = iter(reel.messages)
-    following = next(heard, None)
-    for number in range(round((film.end - film.begin) * RATE)):
-        now = round((film.begin + number / RATE) * 1_000_000)
-        batch = []
-        while following is not None and following.t <= now:
-            batch.append(following)
-            following = next(heard, None)
+    for now, batch in reel.moments(film):
         picture.take(batch, now)
-        yield pane_rows(picture, Frame(film.columns, LINES, now))
+        yield pane_rows(picture, Frame(film.columns, film.lines, now))
+
+
+def _played(film: Film) -> Reel:
+    reel = Reel()
+    demo(film.steps, film.end + 0.5, film.experiment, reel.watch, film.who)
+    return reel
+
+
+async def _screens(film: Film, reel: Reel) -> list[list[Row]]:
+    """The whole screen at each of the film's moments."""
+    found: list[list[Row]] = []
+    keys = deque(film.keys)
+    async with sitting(*reel.first, size=(film.columns, film.lines)) as seat:
+        for now, batch in reel.moments(film):
+            seat.clock.advance(max(0.0, (now - seat.clock.now_us()) / 1_000_000))
+            await seat.tell(*batch)
+            while keys and keys[0][0] * 1_000_000 <= now:
+                await seat.press(keys.popleft()[1])
+            strips = seat.console.screen._compositor.render_strips()
+            found.append([_cells(strip) for strip in strips[: film.lines]])
+    return found
+
+
+def _cells(strip: Iterable[Segment]) -> Row:
+    """A line of the screen; its looks are its colours."""
+    plain = str(DARK.background).removeprefix("#").lower()
+    cells: list[tuple[str, str]] = []
+    for text, style, _ in strip:
+        if style is None:
+            cells.append((text, "plain"))
+            continue
+        ink = style.color.get_truecolor().hex[1:] if style.color is not None else "e6e9ed"
+        ground = style.bgcolor.get_truecolor().hex[1:] if style.bgcolor is not None else plain
+        look = f"x{ink}" + (" strong" if style.bold else "")
+        cells.append((text, look + (f" y{ground}" if ground != plain else "")))
+    return tuple(cells)
 
 
 # -- drawing --------------------------------------------------------------------------------------
@@ -177,21 +258,26 @@ def _ground(row: Row) -> list[str]:
     """The dark ground of a face."""
     grounds, column = [], 0
     for text, look in row:
-        if look.startswith("face-"):
+        ground = look.partition(" y")[2]
+        if ground or look.startswith("face-"):
             size = f'width="{len(text) * WIDE}" height="{HIGH}"'
-            grounds.append(f'<rect class="g" x="{column * WIDE}" {size}/>')
+            paint = f"y{ground}" if ground else "g"
+            grounds.append(f'<rect class="{paint}" x="{column * WIDE}" {size}/>')
         column += len(text)
     return grounds
 
 
-def style(seconds: float, count: int) -> str:
+def style(seconds: float, shown: Sequence[Sequence[Row]]) -> str:
     """The film's colours, and how each of its frames is seen at its time."""
+    inks = {name for frame in shown for row in frame for _, look in row for name in look.split()}
     paint = [
         f".{look}{{fill:{colour};stroke:{colour}}}"
         for look, colour in colours().items()
         if "ground" not in look
     ]
-    share = 100.01 / count  # a moment more: a frame must not go before the next one is there
+    paint += [f".{ink}{{fill:#{ink[1:]};stroke:#{ink[1:]}}}" for ink in sorted(inks) if _INK(ink)]
+    paint += [f"rect.{ink}{{fill:#{ink[1:]};stroke:none}}" for ink in sorted(inks) if _GROUND(ink)]
+    share = 100.01 / len(shown)  # a moment more: a frame must not go before the next one is there
     return "".join(
         (
             "text{font:13px ui-monospace,Menlo,Consolas,DejaVu Sans Mono,monospace;",
@@ -212,7 +298,7 @@ def svg(film: Film, shown: Sequence[Sequence[Row]]) -> str:
     seconds = len(shown) / RATE
     names: dict[str, str] = {}
     rows = [[drawn(row) for row in frame] for frame in shown]
-    still = [y for y in range(LINES) if len({frame[y] for frame in rows}) == 1]
+    still = [y for y in range(film.lines) if len({frame[y] for frame in rows}) == 1]
     moments = []
     for number, frame in enumerate(rows):
         uses = "".join(
@@ -225,11 +311,11 @@ def svg(film: Film, shown: Sequence[Sequence[Row]]) -> str:
         moments.append(f'<g class="f{first}" style="animation-delay:{delay:.4f}s">{uses}</g>')
     defined = "".join(f'<g id="{name}">{row}</g>' for row, name in names.items())
     base = "".join(f'<g transform="translate(0 {y * HIGH})">{rows[0][y]}</g>' for y in still)
-    width, height = film.columns * WIDE + 2 * EDGE, LINES * HIGH + 2 * EDGE
+    width, height = film.columns * WIDE + 2 * EDGE, film.lines * HIGH + 2 * EDGE
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" '
         f'width="{width}" height="{height}"><title>{escape(film.title)}</title>'
-        f"<style>{style(seconds, len(shown))}</style><defs>{defined}</defs>"
+        f"<style>{style(seconds, shown)}</style><defs>{defined}</defs>"
         f'<rect width="{width}" height="{height}" rx="8" fill="{DARK.background}"/>'
         f'<g transform="translate({EDGE} {EDGE})">{base}{"".join(moments)}</g></svg>\n'
     )

@@ -30,6 +30,7 @@ TABLES: dict[str, tuple[str, ...]] = {
     "pepper_faults.py": ("killed", "frozen", "cut", "late unforeseen"),
     "pepper_latency.py": ("idle: woz", "polling: woz"),
     "log_reading.py": ("LogIndex.open", "random seeks (ms)", "messages, without samples"),
+    "finding.py": ("letter", "phase", "finder", "words"),
     "start_up.py": ("woz run, to first paint", "woz host, to its line", "woz_tui.console.app"),
 }
 

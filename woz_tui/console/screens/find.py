@@ -58,7 +58,7 @@ def _rank(matcher: Matcher, typed: str, find: Find) -> tuple[int, float]:
         return 3, letters
     if letters:
         return (2 if find.said else 1), letters
-    return 0, float(typed.casefold() in find.search.casefold())
+    return 0, float(all(piece in find.search.casefold() for piece in pieces))
 
 
 class FindDialog(Search[Find]):
@@ -87,9 +87,10 @@ class FindDialog(Search[Find]):
         return max(LABEL // 2, min(LABEL, longest))
 
     def _actions(self) -> Iterable[Find]:
-        """Those first that are likely to follow the last act."""
-        then = self.picture.then
+        """Those first that are likely to follow the last act, then those of the present phase."""
+        then, front = self.picture.then, {panel.title for panel in self.picture.front}
         actions = [(each, panel) for panel in self.picture.panels for each in panel.actions]
+        actions.sort(key=lambda pair: pair[1].title not in front)
         actions.sort(key=lambda pair: (pair[0].name not in then, *map(pair[0].name.__ne__, then)))
         for action, panel in actions:
             cap = self.console_app.caps.get(action.name, Cap(action.key))

@@ -102,7 +102,7 @@ CALLS: dict[str, str] = {
     "SpeechDetected": "where speech begins and ends",
 }
 
-#: Every key of a WoZ4U file, and what becomes of it.
+#: Every key of a WoZ4U file, and conversion.
 KEYS: dict[str, str] = {
     "pepper_ips": "the driver's `robots`",
     "camera_save_dir": "the driver's `pictures`",
@@ -158,7 +158,7 @@ KEYS: dict[str, str] = {
 #: Name of a table -> the mark of its tests, its rows, the heading of its second column.
 TABLES = {
     "calls": ("naoqi", CALLS, "call", "how a wizard reaches it"),
-    "keys": ("woz4u", KEYS, "key", "what becomes of it"),
+    "keys": ("woz4u", KEYS, "key", "conversion"),
 }
 
 

@@ -44,7 +44,7 @@ def test_it_is_a_session_of_the_present_demo() -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["report", str(SAMPLE)], "The log is whole"),
+        (["report", str(SAMPLE)], "The log is complete"),
         (["methods", str(SAMPLE)], "1 participant took part in 1 session"),
         (["replay", str(SAMPLE), "--dry-run"], "robot.say"),
         (["compare", str(SAMPLE), str(SAMPLE)], "the same in the same order"),

@@ -173,7 +173,7 @@ def test_a_keymap_is_looked_at_too(tmp_path: Path, capsys: pytest.CaptureFixture
     assert "ctrl+g: type something to say" in capsys.readouterr().out
     keymap.write_text("stop: x\n")
     assert checked(tmp_path, GOOD, "--keymap", str(keymap)) == 1
-    assert "the stop stays where it is" in capsys.readouterr().err
+    assert "the key of the stop cannot be changed" in capsys.readouterr().err
 
 
 def test_colours_only_where_they_are_wanted(
@@ -223,27 +223,27 @@ def test_the_engagement_model_in_a_few_lines(
     assert told["engaged"] == "who is there and looks and is within 1.2 m"
     assert told["presence"] == "fifo 7 of 10, from presence (eye)"
     assert told["gaze"] == "joint, from 70 % on, by 'Looks'"
-    assert told["distance"] == "median of 9, nobody gives it"
+    assert told["distance"] == "median of 9, no driver gives it"
     assert told["identity"] == "fifo 7 of 10, by 'Who'"
-    assert told["speech"] == "loudness (eye), as loud as it has learnt, 1 s of silence end it"
+    assert told["speech"] == "loudness (eye), above the learnt threshold, 1 s of silence end it"
     assert told["timeouts"] == "lost 3 s, talking 120 s"
     assert told["handshake"] == "led by the robot, asks 2 times within 60 s"
     assert told["starts"] == "running"
     assert told["on Wait"] == (
         "say Bye + sound a.wav, then wait 1 s, then repeat 2, beside it plays 'Looks'"
     )
-    assert told["toggle"] == "your verdict on a sign: the opposite of what it is"
+    assert told["toggle"] == "set a sign by hand to the opposite of its present value"
     assert "toggle gaze" in out
-    assert "nobody gives distance" in out
+    assert "no driver gives distance" in out
 
 
 @pytest.mark.parametrize(
     ("sees", "settings", "about"),
     [
         ("presence, speech", "", "speech cut by eye"),
-        ("presence", "", "speech nobody hears it"),
+        ("presence", "", "speech no driver detects it"),
         ("loudness", "sound: {threshold: 0.1}", "louder than 0.1,"),
-        ("presence", "handshake: {by: nobody}", "who has no name stays without one"),
+        ("presence", "handshake: {by: nobody}", "visitors without a name stay without one"),
         ("presence", "handshake: {by: wizard}", "led by the wizard, 60 s at most"),
         ("presence", "timeouts: {listening: null, talking: null}", "timeouts none"),
         ("presence", "start: off", "switched off"),

@@ -58,7 +58,7 @@ def test_a_re_run_is_the_same_and_its_lateness_is_told(
     assert "command by command" in out
     assert "in both 6, only in A 0, only in B 0" in out
     assert "drift +0.000 ms a second" in out or "drift -0.000 ms a second" in out
-    assert "Both have done the same in the same order." in out
+    assert "Both did the same in the same order." in out
 
 
 def test_a_session_against_itself_has_no_difference(
@@ -126,7 +126,7 @@ def test_damage_is_told_and_no_log_is_no_session(
     assert "torn" in capsys.readouterr().err
     b.write_bytes(b"")
     assert main(["compare", str(a), str(b)]) == 2
-    assert "this is no session's log" in capsys.readouterr().err
+    assert "this is not a session's log" in capsys.readouterr().err
     assert main(["compare", str(a), str(tmp_path / "nothing.jsonl")]) == 2
     assert "there is no such log" in capsys.readouterr().err
     assert main(["compare", str(a), __file__]) == 2

@@ -64,7 +64,7 @@ def test_the_same_experiment_beside_the_file(
     assert told.err.splitlines() == [
         f"{config}:5:43: warning: animated_speech[0].key_comb: 'ctrl+3' means stop on some"
         " terminals; t plays 'Tale' instead",
-        f"{ours}: written; woz check {ours} shows it",
+        f"wrote {ours}; check it with: woz check {ours}",
     ]
 
 
@@ -118,7 +118,9 @@ def refused(*options: str) -> str:
 def test_nothing_is_overwritten_unasked(folder: Path) -> None:
     config, ours = folder / "a" / "config.yaml", folder / "a" / "ours.yaml"
     ours.write_text("mine", encoding="utf-8")
-    assert refused(str(config), "-o", str(ours)) == f"{ours} is there already; --force replaces it"
+    assert (
+        refused(str(config), "-o", str(ours)) == f"{ours} exists already; use --force to replace it"
+    )
     assert ours.read_text(encoding="utf-8") == "mine"
     assert converted(str(config), "-o", str(ours), "--force") == 0
     assert essence(read(ours)) == essence(read(config))
@@ -136,10 +138,10 @@ def test_the_file_itself_stays(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("title: T\nrobot: simulated\n", "is an experiment file of our own format already"),
-        ("a: b\n", "is no WoZ4U file: it has none of its sections, such as pepper_ips,"
+        ("title: T\nrobot: simulated\n", "is already a woz-tui experiment file"),
+        ("a: b\n", "is not a WoZ4U file: it has no section such as pepper_ips,"
          " animated_speech, gestures, tablet_items"),
-        ("[]", "is no WoZ4U file: it has none of its sections, such as pepper_ips,"
+        ("[]", "is not a WoZ4U file: it has no section such as pepper_ips,"
          " animated_speech, gestures, tablet_items"),
     ],
 )  # fmt: skip
@@ -193,7 +195,7 @@ def test_a_path_that_is_no_text_is_told(folder: Path) -> None:
 def test_what_is_no_file_is_not_written_to(folder: Path, make: Any) -> None:
     ours = folder / "ours.yaml"
     make(ours)
-    assert "is no file" in refused(str(folder / "a" / "config.yaml"), "-o", str(ours), "--force")
+    assert "is not a file" in refused(str(folder / "a" / "config.yaml"), "-o", str(ours), "--force")
 
 
 def test_a_disk_that_takes_no_more_leaves_what_was_there(
@@ -224,7 +226,7 @@ class _Full(io.StringIO):
     [
         (
             io.TextIOWrapper(io.BytesIO(), encoding="ascii"),
-            "cannot show U+00FC: it takes ascii; set LC_ALL=C.UTF-8\n",
+            "cannot show U+00FC: its encoding is ascii; set LC_ALL=C.UTF-8\n",
         ),
         (_Full(), "standard output: No space left on device\n"),
     ],

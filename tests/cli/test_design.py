@@ -61,13 +61,13 @@ def test_a_plan_before_anybody_came(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert lines[:3] == [
         "T",
         "Latin square (Williams): everybody gets all 2 conditions, 2 trials in each;"
-        " the wizard is told labels",
+        " the wizard sees labels",
         "4 trials for each participant",
     ]
     assert "nobody" in lines
     assert rows(printed)[-2:] == [
-        ["1", "0", "warm", "(A),", "cold", "(B)"],
-        ["2", "1", "cold", "(B),", "warm", "(A)"],
+        ["1", "1", "warm", "(A),", "cold", "(B)"],
+        ["2", "2", "cold", "(B),", "warm", "(A)"],
     ]
 
 
@@ -78,14 +78,14 @@ def test_what_was_used_and_what_comes_next(
     assert designed(tmp_path, "--participants", "3", "--labels") == 0
     printed = capsys.readouterr().out
     found = rows(printed)
-    assert ["P01", "0", "4", "of", "4", "A,", "B"] in found
-    assert any(row[:7] == ["P02", "1", "0", "of", "4", "B,", "A"] for row in found)
-    assert "aborted or excluded: the place is free again" in printed
-    assert ["P03", "-", "1", "of", "4", "A,", "B", "chosen", "by", "hand"] in found
-    assert "of another design" in printed
+    assert ["P01", "1", "4", "of", "4", "A,", "B"] in found
+    assert any(row[:7] == ["P02", "2", "0", "of", "4", "B,", "A"] for row in found)
+    assert "aborted or excluded: this order can be used again" in printed
+    assert ["P03", "-", "1", "of", "4", "A,", "B", "chosen", "by", "the", "wizard"] in found
+    assert "from another design" in printed
     assert "P05" not in printed
     assert "warm" not in printed.split("next")[1]
-    assert [row[1] for row in found[-3:]] == ["1", "1", "0"]
+    assert [row[1] for row in found[-3:]] == ["2", "2", "1"]
 
 
 def test_the_plan_for_programs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -100,9 +100,9 @@ def test_the_plan_for_programs(tmp_path: Path, capsys: pytest.CaptureFixture[str
 @pytest.mark.parametrize(
     ("section", "shown"),
     [
-        ("{order: blocks, within: no, block: 4, seed: 1}", ["0", "1", "2", "3"]),
-        ("{order: fixed}", ["0"]),
-        ("{order: fixed, within: no}", ["0", "1"]),
+        ("{order: blocks, within: no, block: 4, seed: 1}", ["1", "2", "3", "4"]),
+        ("{order: fixed}", ["1"]),
+        ("{order: fixed, within: no}", ["1", "2"]),
     ],
 )
 def test_other_designs(
@@ -126,7 +126,7 @@ def test_a_log_that_cannot_be_read_is_named(
 ) -> None:
     (tmp_path / "recordings" / "2026-03-01T10-00-00_S01.jsonl").mkdir(parents=True)
     assert designed(tmp_path) == 0
-    assert "2026-03-01T10-00-00_S01.jsonl could not be read" in capsys.readouterr().err
+    assert "2026-03-01T10-00-00_S01.jsonl cannot be read" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("count", ["0", "x", "1001", "-1"])
@@ -135,7 +135,7 @@ def test_how_many_participants_there_can_be(
 ) -> None:
     with pytest.raises(SystemExit):
         designed(tmp_path, f"--participants={count}")
-    assert "is no whole number from 1 to 1000" in capsys.readouterr().err
+    assert "is not a whole number from 1 to 1000" in capsys.readouterr().err
 
 
 STUDY = (Path(__file__).parents[1] / "experiment" / "good" / "study.yaml").read_text()
@@ -155,19 +155,19 @@ def test_check_shows_the_study(tmp_path: Path, capsys: pytest.CaptureFixture[str
     told = [" ".join(line.split()) for line in printed.splitlines()]
     for line in (
         "design Latin square (Williams): everybody gets all 3 conditions, 2 trials in each;"
-        " the wizard is told labels",
-        "row 0 warm (Lemon), cold (Orange), none (No)",
+        " the wizard sees labels",
+        "row 1 warm (Lemon), cold (Orange), none (No)",
         "robot-ux after each condition: 4 items, scales 0 to 4 and -3 to 3, 1 in words",
-        "again by hand: 1 item, scales 1 to 7",
+        "again when the wizard starts it: 1 item, scales 1 to 7",
         "preflight The camera sees the whole table",
-        "shaping answers come no sooner than 0.8 to 1.2 s after marker",
+        "shaping the robot answers no earlier than 0.8 to 1.2 s after marker",
         "hidden distance, face",
         "blurred transcript",
         "training 5 cues, answered within 3 s"
         " (question: Hello or Bye, approach: Hello, leave: Bye)",
     ):
         assert line in told
-    assert [line for line in told if line.startswith("row ")][-1].startswith("row 5")
+    assert [line for line in told if line.startswith("row ")][-1].startswith("row 6")
 
 
 def test_check_says_nothing_of_a_study_that_is_none(

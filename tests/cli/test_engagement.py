@@ -112,8 +112,8 @@ def test_lines_that_are_no_rows_are_told_and_answered(woz: Woz, tmp_path: Path) 
     told = [line.split(": ", 2)[1:] for line in ran.err.splitlines()]
     assert [place.rsplit(":", 1)[1] for place, _ in told] == ["2", "5", "6", "7", "9"]
     assert [what for _, what in told][1:4] == [
-        "the line is no JSON object",
-        "the line is no UTF-8 text",
+        "the line is not a JSON object",
+        "the line is not UTF-8 text",
         "the line is nested too deeply",
     ]
 
@@ -122,7 +122,7 @@ def test_many_wrong_lines_are_told_as_a_number(woz: Woz, tmp_path: Path) -> None
     ran = woz(written(tmp_path, ALL, *["rubbish"] * 50))
     lines = ran.err.splitlines()
     assert len(lines) == TOLD + 1
-    assert lines[-1].endswith("50 lines are no rows of samples")
+    assert lines[-1].endswith("50 lines are not rows of samples")
 
 
 def test_a_line_without_end_is_not_read_into_memory(woz: Woz, tmp_path: Path) -> None:
@@ -203,25 +203,25 @@ def test_an_experiments_settings_and_options_above_them(woz: Woz, tmp_path: Path
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (["--samples", "0"], "'0' is no whole number from 1 to 1000"),
+        (["--samples", "0"], "'0' is not a whole number from 1 to 1000"),
         (["--samples", "2.5"], "1 to 1000"),
-        (["--threshold", "1.1"], "'1.1' is no number from 0 to 1"),
-        (["--threshold", "nan"], "'nan' is no number from 0 to 1"),
+        (["--threshold", "1.1"], "'1.1' is not a number from 0 to 1"),
+        (["--threshold", "nan"], "'nan' is not a number from 0 to 1"),
         (["--threshold", "0.70000000000000001"], "more than 15 digits"),
         (["--rate", "0"], "0.1 to 1000 Hz"),
         (["--stale", "100"], "0.05 to 60 s"),
         (["--social-distance", "-1"], "0.1 to 10 m"),
         (["--social-distance", "6"], "beyond farthest"),
-        (["--rate", "0.5"], "shorter than from one sample to the next"),
+        (["--rate", "0.5"], "shorter than the time between two samples"),
         (["--start-up", "x"], "invalid choice"),
         (["--filter", "kalman"], "invalid choice"),
         (["--signs", "gaze,identity"], "is not some of presence,gaze,distance"),
-        (["--loud", "x"], "is no number from 0 to"),
+        (["--loud", "x"], "is not a number from 0 to"),
         (["--compare"], "needs a session's log"),
         (["--compare", "--trials"], "take one of them"),
-        (["--bench"], "it does not read"),
-        (["--runs", "5"], "--runs is for --bench"),
-        (["--plot", "x.svg"], "--plot is for --bench"),
+        (["--bench"], "so it cannot read"),
+        (["--runs", "5"], "--runs needs --bench"),
+        (["--plot", "x.svg"], "--plot needs --bench"),
     ],
 )
 def test_options_out_of_range_are_refused(

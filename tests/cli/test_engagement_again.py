@@ -134,11 +134,11 @@ def _numbered(lines: Sequence[m.AnyMessage]) -> Iterator[m.AnyMessage]:
     ("options", "begins", "hint"),
     [
         ([], 5.0, ""),
-        (["--samples", "8"], 6.0, "1 change by the wizard was passed over (at 2.0 s)"),
+        (["--samples", "8"], 6.0, "1 change by the wizard was ignored (at 2.0 s)"),
         (
             ["--samples", "8", "--social-distance", "1"],
             6.0,
-            "2 changes by the wizard were passed over (the first at 2.0 s)",
+            "2 changes by the wizard were ignored (the first at 2.0 s)",
         ),
         (["--filter", "fifo"], 5.0, ""),
     ],

@@ -68,8 +68,8 @@ def test_time_off_is_counted_apart(tmp_path: Path, capsys: pytest.CaptureFixture
     figures, text = compared(tmp_path, capsys, (0, ADOPTED), *visit(*off))
     assert figures["engaged_recorded"] == 30 / 80
     assert (figures["off_recorded"], figures["off_computed"]) == (20.0, 20.0)
-    assert "off, or no model there: 20.0 s as it was, 20.0 s as it would be" in text
-    assert "37.5% of the time as it was" in text
+    assert "model off or missing: 20.0 s recorded, 20.0 s computed" in text
+    assert "37.5% of the time recorded" in text
 
 
 def test_nothing_is_said_of_a_model_that_was_never_off(

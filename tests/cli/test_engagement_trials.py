@@ -124,7 +124,7 @@ def numbered(lines: list[m.AnyMessage]) -> Iterator[m.AnyMessage]:
 def test_the_command_prints_both_tables(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["engagement", str(log), "--trials"]) == 0
     out = capsys.readouterr().out
-    assert "Right throughout" in out
+    assert "Correct throughout" in out
     assert "100 %" in out
     rows = {line.split()[0]: line.split()[-2:] for line in out.splitlines() if line}
     assert rows["30.0"] == ["-", "-"]

@@ -28,7 +28,7 @@ def test_a_terminal_without_a_sign_is_told(
     monkeypatch.setattr("sys.stdout", io.TextIOWrapper(io.BytesIO(), encoding="ascii"))
     assert main(["check", str(file)]) == 1
     monkeypatch.undo()
-    assert "cannot show U+00EB: it takes ascii" in capsys.readouterr().err
+    assert "cannot show U+00EB: its encoding is ascii" in capsys.readouterr().err
 
 
 def test_closed_output_is_no_failure(monkeypatch: pytest.MonkeyPatch) -> None:

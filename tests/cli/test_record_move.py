@@ -110,13 +110,13 @@ def test_what_a_session_s_hand_did_becomes_a_layer(tmp_path: Path) -> None:
     [
         (["act.yaml"], None, "there is no keyboard here; give the inputs with --inputs"),
         (["act.txt", "--inputs", "s"], None, "move files end in .yaml"),
-        (["no/act.yaml", "--inputs", "s"], None, "there is no such folder"),
+        (["no/act.yaml", "--inputs", "s"], None, "this folder does not exist"),
         (["7.yaml", "--inputs", "s"], None, "'7' cannot be a move's name"),
         (["act.yaml", "--inputs", "none"], None, "no such file"),
-        (["act.yaml", "--inputs", "empty"], None, "nothing was moved in this take"),
+        (["act.yaml", "--inputs", "empty"], None, "this take has no movement"),
         (["act.yaml", "--inputs", "s", "--seconds", "500"], None, "a take of 500 s is too long"),
         (["act.yaml", "--inputs", "s", "--drop", "x"], None, "act has no layer 'x'"),
-        (["act.yaml", "--no-take"], None, "nothing would be left of the move"),
+        (["act.yaml", "--no-take"], None, "no layer left"),
         (["act.yaml", "you", "--inputs", "s"], "frames: [{seconds: 1}]", "holds the move 'act'"),
         (["act.yaml", "--inputs", "s"], "title: x", "act.yaml:1:1: title: unknown"),
         (["act.yaml", "--inputs", "wrong"], None, "wrong:1: no input is called 'jump'"),
@@ -152,7 +152,7 @@ def test_an_input_that_stops_the_other_layers_is_told(
     assert command(file, "--inputs", script) == 0
     told = capsys.readouterr().err
     assert f"{script}:2: gaze refused" in told
-    assert "an input took the place of the other layers" in told
+    assert "an input stopped the other layers" in told
 
 
 # -- by keys ------------------------------------------------------------------------------------
@@ -210,7 +210,7 @@ def test_the_help_names_the_keys_of_this_body_and_breaks_between_them(
     lines = Live(puppeteer, shape, keys, 1.0, 5.0).help(width)
     assert all(len(line) <= width for line in lines)
     entries = [entry for line in lines for entry in line.split("   ")]
-    assert "escape: give up" in entries
+    assert "escape: cancel" in entries
     assert ("4: happy" in entries) is (shape.face is not None)
     assert {entry[5:] for entry in entries if entry[0] in "qwert" and entry[1] == " "} >= {
         *shape.joints

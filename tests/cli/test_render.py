@@ -188,7 +188,7 @@ def test_an_action_is_rendered_with_its_steps_and_pauses(
     at = {line["t"]: line["joints"]["pitch"] for line in map(json.loads, out.splitlines())}
     assert at[1.0] == at[1.4] == pytest.approx(30)
     assert at[2.6] == pytest.approx(-30, abs=1)
-    assert "left out, body does not do it: mark (session)" in err
+    assert "left out, because body cannot do it: mark (session)" in err
 
 
 @pytest.mark.toolkit("R1")

@@ -180,8 +180,8 @@ def test_a_beginning_that_is_not_there(tmp_path: Path) -> None:
     ("words", "said"),
     [
         (["--speed", "40"], "0.25 to 16"),
-        (["--speed", "fast"], "no number"),
-        (["--max-idle", "0"], "more than 0"),
+        (["--speed", "fast"], "not a number"),
+        (["--max-idle", "0"], "above 0"),
     ],
 )
 def test_options_that_make_no_sense(

@@ -107,7 +107,7 @@ def test_settings_that_differed_are_on_the_page_and_nothing_of_those_that_did_no
     rows = [" ".join(line.split()) for line in lines(out)]
     assert "robot's settings differed 37.0 s 9.00 s 20.0 s 8.00 s" in rows
     # Trial 1 until 0:29, trial 2 from 0:34; from 0:52 to 0:55 the robot was lost.
-    table = rows.index("Robot's settings that were other than asked for")
+    table = rows.index("Robot settings that differed from the requested ones")
     assert rows[table + 2 : table + 6] == [
         "volume 0.8 0.6 1 warm 0:20 9.00",
         "volume 0.8 0.6 - warm 0:29 5.00",
@@ -222,7 +222,7 @@ def test_no_page_is_written_of_nothing(here: Path, capsys: pytest.CaptureFixture
     code, _, err = told(capsys, "report", "nowhere.jsonl", "--html", "page.html")
     assert code == 1
     assert not any("wrote" in line for line in err)
-    assert "woz report: page.html is not written: there is nothing to report" in err
+    assert "woz report: page.html was not written: there is nothing to report" in err
     assert (here / "page.html").read_text(encoding="utf-8") == "the page of yesterday"
 
 
@@ -234,7 +234,7 @@ def test_a_folder_that_cannot_be_written_is_told(
     code, _, err = told(capsys, "report", "logs", "--csv", "csv")
     assert code == 1
     assert "csv: file exists" in err[0]
-    assert "name another place" in err[0]
+    assert "choose another path" in err[0]
 
 
 def test_options_change_what_counts(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -262,7 +262,7 @@ def test_sentences(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert code == 0
     assert out.startswith("In all, 2 participants took part in 4 sessions")
     assert out.count("\n") == 1
-    assert err[0] == "woz methods: no log can know the following, write it by hand:"
+    assert err[0] == "woz methods: no log contains the following; write it by hand:"
     _, out, _ = told(capsys, "methods", here, "--markdown")
     assert out.startswith("## Method (guide.yaml)\n\n### Participants and sessions\n")
     assert told(capsys, "methods", "gone")[0] == 1

@@ -74,13 +74,13 @@ def test_the_dry_run_tells_every_command_and_what_becomes_of_it(
     assert "session     S07" in out
     assert "commands    2 in 0:02.000" in out
     assert "robot: 1 say, 1 drive" in out
-    assert "drives      1: they need you at the console" in out
+    assert "drives      1: they need a wizard at the console" in out
     assert '0:00.000  robot.say    {"text": "Hello"}' in out
     assert "drives, cut at 0:02.000 (stop pressed)" in out
     assert "left out: refused then: the stop is pressed" in out
     assert out.endswith("2 would be sent, 1 left out\n")
     main(["replay", str(path), "--dry-run", "--headless"])
-    assert "are refused, because nobody watches" in capsys.readouterr().out
+    assert "are refused, because no wizard watches" in capsys.readouterr().out
 
 
 def test_what_the_robot_cannot_do_gives_the_exit_code_1(
@@ -103,13 +103,13 @@ def test_a_changed_experiment_is_shown_and_refused(
     assert main(["replay", str(path), "--dry-run", "--changed"]) == 0
     capsys.readouterr()
     assert main(["replay", str(path), "--robot", "--headless", "--yes"]) == 1
-    assert "it is run all the same with --changed" in capsys.readouterr().err
+    assert "use --changed to run it nevertheless" in capsys.readouterr().err
 
 
 def test_nobody_to_ask_is_a_no(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = log(tmp_path, *one(1, "c1"), (9, END))
     assert main(["replay", str(path), "--robot", "--headless"]) == 1
-    assert "--yes runs it without asking" in capsys.readouterr().err
+    assert "use --yes" in capsys.readouterr().err
     assert [each.name for each in tmp_path.glob("*.jsonl")] == [LOG]
 
 

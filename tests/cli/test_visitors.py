@@ -64,7 +64,7 @@ def test_it_lists_if_not_told_otherwise_and_takes_options_on_both_sides(
 def test_nobody_is_no_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "v.json"
     assert visitors("list", file=file) == 0
-    assert capsys.readouterr().out == f"{file}: nobody (there is no such file yet)\n"
+    assert capsys.readouterr().out == f"{file}: nobody (the file does not exist yet)\n"
     assert visitors("list", "--json", file=file) == 0
     assert json.loads(capsys.readouterr().out) == {"file": str(file), "visitors": []}
     assert not file.exists()
@@ -114,7 +114,7 @@ def test_forgetting_with_a_yes(file: Path, capsys: pytest.CaptureFixture[str]) -
     assert visitors("forget", "anna", "ANNA", "--yes", file=file) == 0
     told = capsys.readouterr()
     assert told.out == "forgotten: Anna\n"
-    assert "recogniser still knows face-7" in told.err
+    assert "recogniser still has face-7" in told.err
     assert names(file) == ["Bob"]
     assert visitors("forget", "--all", "--yes", "--json", file=file) == 0
     assert json.loads(capsys.readouterr().out) == {"forgotten": ["Bob"]}
@@ -127,7 +127,7 @@ def test_nobody_is_forgotten_who_was_not_confirmed(
 ) -> None:
     monkeypatch.setattr(sys, "stdin", io.StringIO("y\n"))
     assert visitors("forget", "Anna", file=file) == 1
-    assert "give --yes" in capsys.readouterr().err
+    assert "use --yes" in capsys.readouterr().err
     assert names(file) == ["Anna", "Bob"]
 
 
@@ -135,7 +135,7 @@ def test_nobody_is_forgotten_who_was_not_confirmed(
 def test_at_a_terminal_it_asks(file: Path, answer: str, left: list[str] | None) -> None:
     command = [sys.executable, "-m", "woz_tui", "visitors", "forget", "Anna", "--file", str(file)]
     with FakeTerminal(command) as terminal:
-        screen = terminal.wait_text("Forget for good? [y/N]")
+        screen = terminal.wait_text("Delete for ever? [y/N]")
         assert "Anna: met once, last on 2026-03-02" in screen
         terminal.send(f"{answer}\r")
         assert terminal.wait_exit() == (0 if answer == "y" else 1)
@@ -146,17 +146,17 @@ def test_at_a_terminal_it_asks(file: Path, answer: str, left: list[str] | None) 
     ("words", "told"),
     [
         (["show", "Ana"], 'there is no visitor "Ana"\ndid you mean Anna?'),
-        (["show", "Zacharias"], "woz visitors list shows them all"),
+        (["show", "Zacharias"], "list all with: woz visitors list"),
         (["add", "ANNA"], 'the name "ANNA" is taken: there is a visitor "Anna"'),
-        (["add", "Unknown"], "it stands for a visitor without a name"),
+        (["add", "Unknown"], "it is the word for a visitor without a name"),
         (["add", "x" * 65], "64 are allowed"),
         (["add", "An\x1bna"], "U+001B"),
         (["rename", "Bob", "anna"], "is taken"),
         (["profile", "Bob"], "give --age-group, --address or --label"),
         (["profile", "Bob", "--label", "face-7"], "the face label"),
         (["profile", "Bob", "--age-group", "x" * 40], "the age group has 40 characters"),
-        (["forget"], "name visitors, or give --all"),
-        (["forget", "Anna", "--all", "--yes"], "name visitors, or give --all"),
+        (["forget"], "name visitors, or use --all"),
+        (["forget", "Anna", "--all", "--yes"], "name visitors, or use --all"),
         (["forget", "Anna", "Carla", "--yes"], 'there is no visitor "Carla"'),
     ],
 )

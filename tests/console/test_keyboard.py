@@ -181,7 +181,7 @@ def test_moved_own_keys(rig: Rig) -> None:
 def test_arrows_move_what_the_robot_has(
     rig: Rig, chord: str, verb: str, args: dict[str, float]
 ) -> None:
-    assert not rig.keyboard.press(chord), "nobody offers it yet"
+    assert not rig.keyboard.press(chord), "no driver offers it yet"
     rig.keyboard.verbs = {"body": ["say", verb]}
 
     assert rig.keyboard.press(chord)

@@ -170,7 +170,7 @@ async def test_the_keys_list_only_arrows_that_move_something() -> None:
         dialog = seat.console.dialog
         assert isinstance(dialog, HelpDialog)
         listed = "\n".join("".join(text for text, _ in row) for row in dialog.lines())
-    assert "head to its left" in listed
+    assert "head to the left" in listed
     assert "drive forward" not in listed
     assert "lean left" not in listed
 

@@ -43,7 +43,7 @@ def test_errors_are_sorted_by_place_with_the_robot_file_last(tmp_path: Path) -> 
 def test_a_file_full_of_errors_is_cut_and_the_rest_counted(tmp_path: Path) -> None:
     found = errors(tmp_path, panel(*[f"{{label: L{i}, sya: 1}}" for i in range(MAX_PROBLEMS + 5)]))
     assert len(found) == MAX_PROBLEMS + 1
-    assert found[-1].endswith("and 5 more errors from here on")
+    assert found[-1].endswith("and 5 more errors")
 
 
 @pytest.mark.parametrize("kind", ["missing", "folder", "pipe", "endless", "huge"])
@@ -66,7 +66,7 @@ def test_what_is_no_file_is_refused_at_once(tmp_path: Path, kind: str) -> None:
         "folder": "this is a folder, not a file",
         "pipe": "this is not a file",
         "endless": "this is not a file",
-        "huge": "the file is larger than 1 MiB; is it the right one?",
+        "huge": "the file is larger than 1 MiB; check that it is the right file",
     }
     assert problem.message == expected[kind]
 

@@ -146,9 +146,9 @@ def test_an_effect_on_a_locked_action_or_behind_a_pause_is_warned_of(tmp_path: P
     effects = "{on_enter: {Wait: [Locked, {wait: 1}, Hello]}}"
     found = warned(tmp_path, effects, locked, HELLO, sees="presence, gaze, distance")
     assert found == [
-        "engagement.on_enter.Wait[0]: 'Locked' is locked, it will not play",
-        "engagement.on_enter.Wait[2]: 'Hello' plays at once, it does not wait: actions play beside"
-        " the steps",
+        "engagement.on_enter.Wait[0]: 'Locked' is locked and cannot be played",
+        "engagement.on_enter.Wait[2]: 'Hello' starts at once and does not wait: actions run in"
+        " parallel to the steps",
     ]
 
 
@@ -159,7 +159,7 @@ def test_the_visitor_is_a_variable_where_there_is_a_model(tmp_path: Path) -> Non
     own = greets + "variables: {visitor: you}\n"
     assert read(tmp_path, own).variables == {"visitor": "you"}
     (found,) = errors(tmp_path, own + "engagement: {}\n")
-    assert found.endswith("'visitor' is filled in by the session; choose another name")
+    assert found.endswith("'visitor' is reserved for the session; choose another name")
 
 
 # -- verbs --------------------------------------------------------------------------------------
@@ -258,12 +258,12 @@ def test_a_value_with_a_variable_is_known_only_later() -> None:
 @pytest.mark.parametrize(
     ("action", "sentence"),
     [
-        ("visitor: Unknown", '"Unknown" is no name'),
-        ("visitor: 'sensor '", "is no name, it is a command"),
+        ("visitor: Unknown", '"Unknown" cannot be a name'),
+        ("visitor: 'sensor '", "cannot be a name: it is a command"),
         ("visitor: ''", "a visitor's name is empty"),
-        ("visitor: '?!'", "neither letters nor digits"),
-        ("handshake: ok, code: unknown", '"unknown" is no name'),
-        ("sense: identity, value: '?'", "neither letters nor digits"),
+        ("visitor: '?!'", "has no letters and no digits"),
+        ("handshake: ok, code: unknown", '"unknown" cannot be a name'),
+        ("sense: identity, value: '?'", "has no letters and no digits"),
         (f"visitor: V1, age_group: {'a' * 33}", "an age group has 33 characters"),
         ("filter: {sign: all, kind: median}", "filter: {sign: distance, kind: median}"),
         ("filter: all", "changes nothing"),
@@ -334,7 +334,7 @@ def test_a_drivers_buttons_may_ask_for_the_models_verbs(tmp_path: Path) -> None:
     gase = panel(HELLO, head=head % "gase" + "engagement: {}\n")
     assert "'gase' is no sign; did you mean 'gaze'?" in errors(tmp_path, gase)[0]
     without = panel(HELLO, head=head % "gaze")
-    assert "nobody offers 'toggle'" in errors(tmp_path, without)[0]
+    assert "no driver offers 'toggle'" in errors(tmp_path, without)[0]
 
 
 def test_never_is_null(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import pytest
 from tests.experiment.reading import HELLO, errors, panel, warned
 
 _WITHOUT = (
-    "nobody gives {}, so nobody is ever engaged; let the wizard do it with an action such as"
+    "no driver gives {}, so engagement never begins; add an action for the wizard, such as"
     " {{key: ..., label: ..., toggle: {}}}"
 )
 
@@ -34,7 +34,7 @@ def test_a_sign_that_nobody_gives_is_a_warning_with_a_remedy(
     expected = []
     if missing:
         text = "engagement.signs: " + _WITHOUT.format(" and ".join(missing), missing[0])
-        expected = [text + (f", or do without: signs: [{rest}]" if rest else "")]
+        expected = [text + (f", or leave it out: signs: [{rest}]" if rest else "")]
     assert warned(tmp_path, "{}", HELLO, action, sees=sees) == expected
 
 
@@ -47,17 +47,17 @@ def test_a_robot_that_asks_for_names_needs_a_voice_and_an_ear(tmp_path: Path) ->
     path = "engagement.handshake.by: "
     for sees in ("gaze", "gaze, loudness", "gaze, speech, loudness", "gaze, identity"):
         (deaf,) = warned(tmp_path, asks, sees=sees)
-        assert deaf.startswith(f"{path}nobody hears the answer"), sees
+        assert deaf.startswith(f"{path}no driver recognises the answer"), sees
         assert "by: wizard" in deaf
     assert not warned(tmp_path, asks, sees="gaze, speech.text")
     head = "title: T\nrobot: {drivers: {eye: {type: camera, sees: [gaze, loudness]}}}\n"
     mute = warned(tmp_path, asks, "{label: A, mark: x}", head=head)
     assert [line.partition(";")[0] for line in mute] == [
-        f"{path}the robot cannot ask anybody: no driver offers 'say'"
+        f"{path}the robot cannot ask for a name: no driver offers 'say'"
     ]
     forgets = warned(tmp_path, asks, sees="gaze, identity, speech.text")
     assert forgets == [
-        f"{path}nobody is recognised when they come back: no driver offers 'learn_face'"
+        f"{path}returning visitors are not recognised: no driver offers 'learn_face'"
     ]
 
 
@@ -66,9 +66,9 @@ def test_two_robots_with_one_sign_each_need_a_choice(tmp_path: Path) -> None:
     head = f"title: T\nrobots: {{left: {camera}, right: {camera}}}\n"
     action = "{label: A, mark: x}"
     assert warned(tmp_path, "{signs: [gaze]}", action, head=head) == [
-        "engagement.gaze: left.gaze and right.gaze give gaze; say which one counts:"
+        "engagement.gaze: left.gaze and right.gaze give gaze; choose one:"
         " gaze: {sensor: left.gaze}",
-        "engagement.sound: left.loudness and right.loudness give loudness; say which one counts:"
+        "engagement.sound: left.loudness and right.loudness give loudness; choose one:"
         " sound: {sensor: left.loudness}",
     ]
     chosen = "{signs: [gaze], gaze: {sensor: right.gaze}, sound: {sensor: left.loudness}}"

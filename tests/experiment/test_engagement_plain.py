@@ -75,7 +75,7 @@ def test_settings_of_another_version_are_read() -> None:
     ("wrong", "said"),
     [
         ({"samples": "many"}, "samples"),
-        ({"rate": 0}, "rate is no number"),
+        ({"rate": 0}, "rate must be a number"),
         ({"gaze": {"filter": "median"}}, "gaze.filter: a median is for distance"),
         ({"signs": ["presence", "smell"]}, "signs: 'smell' is none of"),
         ({"filter": "sieve"}, "filter: 'sieve' is none of"),

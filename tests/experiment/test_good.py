@@ -103,7 +103,7 @@ def test_steps(everything: Experiment) -> None:
 def test_missing_files_and_parts_that_nobody_plays_are_warnings(everything: Experiment) -> None:
     said = [f"{problem.path}: {problem.message}" for problem in everything.warnings]
     deaf = said.pop(0)
-    assert deaf.startswith("engagement.handshake.by: nobody hears the answer")
+    assert deaf.startswith("engagement.handshake.by: no driver recognises the answer")
     assert said == [
         "panels[1].actions[0].steps[6].sound: there is no file 'none.wav'",
     ]
@@ -215,7 +215,7 @@ def test_phases(tmp_path: Path) -> None:
     ]
     said = [f"{problem.path}: {problem.message}" for problem in made.warnings]
     assert said == [
-        "phases[0].after: the first phase begins by itself, whatever stands here",
+        "phases[0].after: the first phase begins by itself; after has no effect here",
         "phases[1].script[0]: the panel 'P' is not in front in this phase; add it to panels: [...]",
         "phases[2].after: 'closing' can never begin: none of these phases can",
         "phases[3].after: 'lost' can never begin: none of these phases can",

@@ -131,7 +131,7 @@ def test_an_action_has_its_key_before_the_consoles_reserves() -> None:
 def test_tmux_keeps_its_prefix() -> None:
     found = mapped("ctrl+b", terminal=TMUX)
     assert found.actions["A0"].press == "b"
-    assert found.actions["A0"].why == "tmux keeps ctrl+b for itself"
+    assert found.actions["A0"].why == "tmux uses ctrl+b itself"
 
 
 def test_a_keymap_gives_way_to_the_experiment() -> None:

@@ -375,8 +375,8 @@ def test_two_keys_may_change_places(tmp_path: Path) -> None:
 def test_the_stop_cannot_be_moved_nor_taken(tmp_path: Path) -> None:
     text = "stop: x\nstop_too: y\nsay: esc\nnote: ctrl+3\nmarker: ^c\n"
     assert keymap_errors(tmp_path / "k.yaml", text) == [
-        "1:1: stop: the stop stays where it is",
-        "2:1: stop_too: the stop stays where it is",
+        "1:1: stop: the key of the stop cannot be changed",
+        "2:1: stop_too: the key of the stop cannot be changed",
         "3:1: say: 'esc' means stop, and nothing else",
         "4:1: note: 'ctrl+3' means stop, and nothing else",
         "5:1: marker: '^c' means stop, and nothing else",
@@ -388,7 +388,7 @@ def test_what_else_a_keymap_cannot_say(tmp_path: Path) -> None:
     assert keymap_errors(tmp_path / "k.yaml", text) == [
         "1:1: sya: unknown; did you mean 'say'?",
         "2:1: say: 'spaec' is not a key; did you mean 'space'?",
-        "3:1: note: one key only, not two after each other",
+        "3:1: note: only one key is possible here, not two after each other",
         "4:1: marker: expected a key, not a list",
         "5:1: help: '.' already means 'put a marker into the log'",
         "6:1: find: '/' already means 'type something to say'",

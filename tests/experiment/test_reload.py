@@ -66,7 +66,7 @@ def test_one_edit(tmp_path: Path, edit: Edit) -> None:
     text = BASE.replace(edit.old, edit.new)
     if "name: C" in text:
         text = text.replace("script: [A, B]", "script: [A, C]")
-        edit = Edit("", "", ["action 'B' is gone", "action 'C' is new", "script changed"])
+        edit = Edit("", "", ["action 'B' was removed", "action 'C' is new", "script changed"])
     new = read(tmp_path, text)
     assert list(compare(old, new).changes) == edit.said
     assert not compare(old, new).drivers
@@ -82,7 +82,7 @@ def test_panels_and_actions_come_go_and_change_places(tmp_path: Path) -> None:
     more = BASE.replace("script:", "  - {title: Q, actions: [{label: D, say: D}]}\nscript:")
     new = read(tmp_path, more)
     assert list(compare(old, new).changes) == ["panel 'Q' is new", "action 'D' is new"]
-    assert list(compare(new, old).changes) == ["panel 'Q' is gone", "action 'D' is gone"]
+    assert list(compare(new, old).changes) == ["panel 'Q' was removed", "action 'D' was removed"]
     lines = BASE.splitlines(keepends=True)
     lines[5], lines[6] = lines[6], lines[5]
     swapped = read(tmp_path, "".join(lines))
@@ -97,8 +97,8 @@ def test_drivers_that_changed_forbid_a_reload(tmp_path: Path) -> None:
     simulated = read(tmp_path, panel(action, head=HEAD))
     difference = compare(old, simulated)
     assert difference.drivers == (
-        "driver 'head' is gone",
-        "driver 'voice' is gone",
+        "driver 'head' was removed",
+        "driver 'voice' was removed",
         "driver 'robot' is new",
     )
     assert not difference.reloadable
@@ -135,11 +135,13 @@ MODEL = """engagement:
         ]),
         Edit("say: Bye", "say: Good bye", ["effect 'on Wait' does something else"]),
         Edit("Wait: {say: Bye}", "Wait: [{say: Bye}]", []),
-        Edit("Wait:", "Handshake:", ["effect 'on Wait' is gone", "effect 'on Handshake' is new"]),
+        Edit(
+            "Wait:", "Handshake:", ["effect 'on Wait' was removed", "effect 'on Handshake' is new"]
+        ),
         Edit("[A, {", "[{", ["on PersonDetected plays nothing, it was A"]),
         Edit("Thinks: B", "Thinks: [B, A]", ["on RobotThinks plays B, A, it was B"]),
         Edit("engagement:", "\n\nengagement:", []),
-        Edit(MODEL, "", ["engagement is gone"]),
+        Edit(MODEL, "", ["engagement is removed"]),
     ],
 )  # fmt: skip
 def test_one_edit_of_the_engagement_model(tmp_path: Path, edit: Edit) -> None:

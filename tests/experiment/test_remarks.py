@@ -148,7 +148,7 @@ def test_what_has_been_said_of_it_is_not_said_again(tmp_path: Path) -> None:
 
 def test_a_driver_that_fails_is_told_of_and_harms_nothing(tmp_path: Path) -> None:
     (line,) = told(tmp_path, "say: crash")
-    assert line.endswith("it fails when it looks at this: ZeroDivisionError('oops')")
+    assert line.endswith("it fails to check this: ZeroDivisionError('oops')")
 
 
 def test_of_a_hopeless_file_no_more_is_looked_at(tmp_path: Path) -> None:
@@ -159,7 +159,7 @@ def test_of_a_hopeless_file_no_more_is_looked_at(tmp_path: Path) -> None:
 @pytest.mark.parametrize("pin", ["1234", "is 1234", "{pin}", "{name} 1234 {participant}"])
 def test_a_secret_in_a_file_refuses_it_without_being_repeated(tmp_path: Path, pin: str) -> None:
     (line,) = told(tmp_path, f"enter: '{pin}'")
-    assert line.startswith("17: panels[0].actions[0].enter: a password, or another secret")
+    assert line.startswith("17: panels[0].actions[0].enter: this looks like a password")
     assert "1234" not in line
 
 

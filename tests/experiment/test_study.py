@@ -154,13 +154,16 @@ def test_a_name_made_of_a_question(text: str, code: str) -> None:
 @pytest.mark.parametrize(
     ("section", "said"),
     [
-        ("shaping: {cues: [marker]}", "shaping: holds nothing up; give it a floor, such as"),
-        ("shaping: {floor: 1, cues: [engagement]}", "shaping.cues: engagement never comes"),
+        ("shaping: {cues: [marker]}", "shaping: delays nothing; add a floor, such as"),
+        (
+            "shaping: {floor: 1, cues: [engagement]}",
+            "shaping.cues: the cue engagement never occurs",
+        ),
         ("perception: {hide: [distance], blur: [distance]}", "perception.blur[0]: is hidden"),
         ("training: {cues: [{cue: leave, answers: Locked}]}", "training.cues[0].answers: 'Locked'"),
         (
             "questionnaires: [{name: a, when: condition, items: [b]}]",
-            "questionnaires[0].when: without a design nobody knows",
+            "questionnaires[0].when: without a design",
         ),
     ],
 )
@@ -171,7 +174,7 @@ def test_what_is_odd_is_said(tmp_path: Path, section: str, said: str) -> None:
 
 def test_speech_as_a_cue_wants_somebody_who_hears(tmp_path: Path) -> None:
     deaf = warnings(tmp_path, "shaping: {floor: 1}", head=SEEING % "presence")
-    assert deaf == ["shaping: speech never comes: no driver hears when somebody has spoken"]
+    assert deaf == ["shaping: the cue speech never occurs: no driver detects the end of speech"]
     assert warnings(tmp_path, "shaping: {floor: 1}", head=SEEING % "speech") == []
 
 

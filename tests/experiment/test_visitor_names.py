@@ -53,9 +53,9 @@ def test_what_is_a_name(text: str, name: str) -> None:
         ("An\u200bna", r"U\+200B"),
         ("Anna\u2028Bob", r"U\+2028"),
         ("Anna\ud800", r"U\+D800"),
-        ("...", "neither letters nor digits"),
-        ("Unknown", "stands for a visitor without a name"),
-        (" uNKNOWN", "stands for a visitor without a name"),
+        ("...", "has no letters and no digits"),
+        ("Unknown", "is the word for a visitor without a name"),
+        (" uNKNOWN", "is the word for a visitor without a name"),
         ("sensor", "is a command"),
     ],
 )

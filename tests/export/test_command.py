@@ -35,9 +35,9 @@ def test_it_says_what_it_did_and_what_was_wrong(
             "leaves sound and pictures out",
         ),
         (["LOG", "OTHER", "--to", "eaf", "--media", "LOG"], "of one session, and here are 2"),
-        (["LOG", "--to", "textgrid", "--samples"], "has no place for --samples"),
-        (["LOG", "--to", "eaf", "--offset", "3"], "--offset goes with --media"),
-        (["LOG", "--to", "eaf", "--media", "LOG", "--offset", "nan"], "is no time"),
+        (["LOG", "--to", "textgrid", "--samples"], "cannot include --samples"),
+        (["LOG", "--to", "eaf", "--offset", "3"], "--offset needs --media"),
+        (["LOG", "--to", "eaf", "--media", "LOG", "--offset", "nan"], "is not a time"),
     ],
 )
 def test_what_cannot_be_done_is_told(

@@ -18,26 +18,26 @@ from woz_tui.cli.streams import clean_streams
 COMMANDS = {
     "new": "write an experiment file to begin with",
     "run": "start the robot process and the console: a session",
-    "demo": "a session with a simulated robot and a simulated visitor",
+    "demo": "start a session with a simulated robot and a simulated visitor",
     "train": "train a wizard: a simulated visitor gives cues, answers are scored",
-    "host": "start the robot process alone",
+    "host": "start only the robot process",
     "attach": "join a running session",
-    "replay": "a session again, on the screen or on the robot",
-    "coding": "what coders set in a replay, and how much two of them agree",
-    "compare": "two sessions, or a session and its re-run, side by side",
+    "replay": "replay a session on the screen or on the robot",
+    "coding": "list codes that were set in replays, and the agreement of two coders",
+    "compare": "compare two sessions, or a session and its re-run",
     "check": "check an experiment file and show its keys",
     "convert": "write a WoZ4U config.yaml as an experiment file",
-    "design": "who gets which conditions: used so far, and next",
+    "design": "show the order of conditions: used so far, and next",
     "doctor": "check this machine, its devices and this terminal for an experiment",
-    "midi": "learn the controls of a MIDI panel, or show what they do",
-    "render": "compute what a body would do: setpoints and face as lines, or curves",
-    "visitors": "who has a name: list, show, add, rename, forget, profile",
-    "modes": "which mode takes which input",
-    "engagement": "run the engagement model over samples or a session's log",
+    "midi": "learn the controls of a MIDI panel, or show their functions",
+    "render": "compute the setpoints and the face of a body, as lines or curves",
+    "visitors": "named visitors: list, show, add, rename, forget, profile",
+    "modes": "show which inputs each mode accepts",
+    "engagement": "run the engagement model on samples or on a session's log",
     "record-move": "record a layer of a move by puppeteering",
-    "export": "sessions for other programs: tables, ELAN, BIDS, Praat",
-    "report": "the figures of one session or many: tables, plots, CSV, a page",
-    "methods": "a paragraph for a paper's method section",
+    "export": "export sessions for other programs: tables, ELAN, BIDS, Praat",
+    "report": "report the figures of one or more sessions: tables, plots, CSV, web page",
+    "methods": "write a paragraph for the method section of a paper",
     "schema": "print the JSON Schema of experiment files, for editors",
 }
 
@@ -71,7 +71,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except UnicodeEncodeError as error:
         sign = f"U+{ord(error.object[error.start]):04X}"
         return _cut_short(
-            f"this terminal cannot show {sign}: it takes {error.encoding}; set LC_ALL=C.UTF-8"
+            f"this terminal cannot show {sign}: its encoding is {error.encoding};"
+            " set LC_ALL=C.UTF-8"
         )
     except OSError as error:
         if not of_output(error):

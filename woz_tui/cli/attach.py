@@ -17,9 +17,11 @@ def add(parser: ArgumentParser) -> None:
     parser.add_argument(
         "name", nargs="?", default="", help="session code or socket (default: the only one)"
     )
-    parser.add_argument("--watch", action="store_true", help="only watch")
+    parser.add_argument("--watch", action="store_true", help="watch only")
     parser.add_argument(
-        "--take-over", action="store_true", help="play, even if another console does already"
+        "--take-over",
+        action="store_true",
+        help="take over: play the robot even if another console plays it",
     )
     parser.add_argument(
         "--questionnaire",
@@ -27,7 +29,7 @@ def add(parser: ArgumentParser) -> None:
         const="",
         default=None,
         metavar="NAME",
-        help="only the questionnaires (or this one), for a participant's own terminal",
+        help="show only the questionnaires (or this one), for the participant's terminal",
     )
     add_keymap(parser)
     add_pictures(parser)
@@ -60,7 +62,7 @@ def _attach(arguments: Namespace) -> int:
         )
     )
     if left == "detached":
-        print("The session goes on; `woz attach` brings you back.")
+        print("The session continues; join it again with `woz attach`.")
     return code
 
 
@@ -89,7 +91,7 @@ def _find(name: str, options: str) -> Path | None:
         socket = Path(name) if "/" in name else place.socket_path(name)
         if place.answers(socket):
             return socket
-        print(f"woz: no session answers at {socket}", file=sys.stderr)
+        print(f"woz: no session is running at {socket}", file=sys.stderr)
     running = place.running()
     if not name and len(running) == 1:
         return running[0]
@@ -97,5 +99,5 @@ def _find(name: str, options: str) -> Path | None:
         names = "\n".join(f"  woz attach {path.stem}{options}" for path in running)
         print(f"woz: which session?\n{names}", file=sys.stderr)
     elif not name:
-        print("woz: no session is running; `woz run FILE` starts one", file=sys.stderr)
+        print("woz: no session is running; start one with `woz run FILE`", file=sys.stderr)
     return None

@@ -465,7 +465,7 @@ def _given(experiment: Experiment, settings: EngagementSettings, sign: str) -> s
     actions = [f"{name!r}" for name in _actions(experiment, sign)]
     parts = ["from " + " and ".join(sensors)] if sensors else []
     parts += ["by " + ", ".join(actions)] if actions else []
-    return " and ".join(parts) or "nobody gives it"
+    return " and ".join(parts) or "no driver gives it"
 
 
 def _sensors(experiment: Experiment, settings: EngagementSettings, sign: str) -> Sequence[str]:
@@ -494,9 +494,9 @@ def _speech(experiment: Experiment, settings: EngagementSettings) -> str:
         return f"cut by {' and '.join(cutting)}"
     heard = _publishing(experiment, settings.sound.sensor)
     if not heard:
-        return "nobody hears it"
+        return "no driver detects it"
     threshold = settings.sound.threshold
-    loud = f"louder than {threshold:g}" if threshold is not None else "as loud as it has learnt"
+    loud = f"louder than {threshold:g}" if threshold is not None else "above the learnt threshold"
     return f"{' and '.join(heard)}, {loud}, {settings.sound.hang_over:g} s of silence end it"
 
 
@@ -511,7 +511,7 @@ def _limits(timeouts: Timeouts) -> Iterator[tuple[str, float]]:
 def _handshake(settings: EngagementSettings) -> str:
     handshake = settings.handshake
     if handshake.by == "nobody":
-        return "none: who has no name stays without one"
+        return "none: visitors without a name stay without one"
     if handshake.by == "wizard":
         return f"led by the wizard, {handshake.seconds:g} s at most"
     return f"led by the robot, asks {handshake.attempts} times within {handshake.seconds:g} s"

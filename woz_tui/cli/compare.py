@@ -23,13 +23,13 @@ _DIFFERENT, _TROUBLE = 1, 2
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("a", type=Path, metavar="A", help="a session's log")
-    parser.add_argument("b", type=Path, metavar="B", help="another one, or a re-run of it")
+    parser.add_argument("b", type=Path, metavar="B", help="another log, or a re-run of the first")
     parser.add_argument("--json", action="store_true", help="everything as one JSON object")
-    parser.add_argument("--all", action="store_true", help="every pair, and lists in full length")
+    parser.add_argument("--all", action="store_true", help="every pair, and lists without a limit")
     parser.add_argument(
-        "--changed", action="store_true", help="also sessions of different experiments"
+        "--changed", action="store_true", help="compare also sessions of different experiments"
     )
-    parser.epilog = "Exit code: 0 if both have done the same in the same order, 1 if not, 2 if they"
+    parser.epilog = "Exit code: 0 if both did the same in the same order, 1 if not, 2 if they"
     parser.epilog += " cannot be compared."
 
 
@@ -47,7 +47,7 @@ def _run(arguments: Namespace) -> int:
     if trouble:
         print(f"woz: {trouble}", file=sys.stderr)
         if foreign and not arguments.changed:
-            print("woz: they are compared all the same with --changed", file=sys.stderr)
+            print("woz: use --changed to compare them nevertheless", file=sys.stderr)
             return _TROUBLE
     comparison = compare(a, b)
     if arguments.json:
@@ -70,7 +70,9 @@ def _read(path: Path) -> Played | None:
     for sentence in damage.sentences():
         print(f"woz: {path.name}: {clean(sentence)}", file=sys.stderr)
     if found.start is None and not found.acts:
-        print(f"woz: {path}: this is no session's log, or nothing of it is left", file=sys.stderr)
+        print(
+            f"woz: {path}: this is not a session's log, or it has no readable line", file=sys.stderr
+        )
         return None
     return found
 
@@ -78,7 +80,7 @@ def _read(path: Path) -> Played | None:
 def _experiments(a: Played, b: Played) -> tuple[str, bool]:
     """How the experiments differ, in words (empty: not at all), and whether they are two."""
     if a.start is None or b.start is None:
-        return "the first line of a log is missing: nobody knows its experiment", False
+        return "the first line of a log is missing: its experiment is unknown", False
     name_a, name_b = clean(a.start.experiment), clean(b.start.experiment)
     if a.start.experiment_sha256 == b.start.experiment_sha256:
         return "", False
@@ -99,10 +101,10 @@ def _page(comparison: Comparison, *, everything: bool) -> Iterator[str]:
     yield from _pairs("in another order", comparison.moved, limit)
     yield from _pairs("different", comparison.different, limit)
     if everything:
-        yield from _pairs("all that both have", comparison.pairs, limit)
+        yield from _pairs("everything that is in both", comparison.pairs, limit)
     if comparison.same:
         yield ""
-        yield "Both have done the same in the same order."
+        yield "Both did the same in the same order."
 
 
 def _head(comparison: Comparison) -> Iterator[str]:
@@ -110,10 +112,10 @@ def _head(comparison: Comparison) -> Iterator[str]:
         again = f", a re-run of {clean(log.original)}" if log.original else ""
         yield f"{letter}  {clean(log.name)}{again}"
     if comparison.by == BY_COMMANDS:
-        yield "put side by side command by command, as the re-run's log says"
+        yield "paired command by command, as recorded in the re-run's log"
     else:
-        exact = "" if comparison.exact else " (piece by piece: they are long and unlike)"
-        yield f"put side by side by the names of actions and commands{exact}"
+        exact = "" if comparison.exact else " (in parts: the logs are long and differ a lot)"
+        yield f"paired by the names of actions and commands{exact}"
 
 
 def _figures(comparison: Comparison) -> Iterator[str]:

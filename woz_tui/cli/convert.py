@@ -22,7 +22,7 @@ from woz_tui.experiment.woz4u.texts import one_line
 from woz_tui.experiment.woz4u.written import written
 
 _HEAD = """{name} of WoZ4U, as `woz convert` wrote it: the same experiment.
-docs/woz4u.md says what became of each of its keys; `woz check` shows the keys of this file."""
+docs/woz4u.md explains how each key was converted; `woz check` shows the keys of this file."""
 
 
 def add(parser: ArgumentParser) -> None:
@@ -31,7 +31,7 @@ def add(parser: ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", type=Path, help="the file to write (default: standard output)"
     )
-    parser.add_argument("--force", action="store_true", help="replace a file that is there")
+    parser.add_argument("--force", action="store_true", help="replace an existing file")
 
 
 def run(arguments: Namespace) -> int:
@@ -71,7 +71,7 @@ def convert(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
         replace(output.resolve(), text)  # what was there stays until all of it is on the disk
     except OSError as error:
         raise ConvertError(f"{output} cannot be written: {error.strerror or error}") from error
-    print(f"{output}: written; woz check {output} shows it", file=sys.stderr)
+    print(f"wrote {output}; check it with: woz check {output}", file=sys.stderr)
     return 0
 
 
@@ -90,9 +90,9 @@ def _source(file: Path) -> Source:
             node.entries
         )
         raise ConvertError(
-            f"{file} is an experiment file of our own format already"
+            f"{file} is already a woz-tui experiment file"
             if ours
-            else f"{file} is no WoZ4U file: it has none of its sections, such as pepper_ips,"
+            else f"{file} is not a WoZ4U file: it has no section such as pepper_ips,"
             " animated_speech, gestures, tablet_items"
         )
     return source
@@ -104,9 +104,9 @@ def _free(output: Path, original: Path, *, force: bool) -> None:
         if output.exists() and output.samefile(original):
             raise ConvertError(f"{output} is the WoZ4U file itself; write to another file")
         if output.exists() and not force:
-            raise ConvertError(f"{output} is there already; --force replaces it")
+            raise ConvertError(f"{output} exists already; use --force to replace it")
         if output.exists() and not output.is_file():
-            raise ConvertError(f"{output} is no file; without -o it goes to standard output")
+            raise ConvertError(f"{output} is not a file; leave -o out to write to standard output")
     except OSError as error:
         raise ConvertError(f"{output}: {error.strerror or error}") from error
 
@@ -121,7 +121,7 @@ def _move(original: Path, output: Path | None) -> woz4u.Move:
     except UnicodeEncodeError as error:
         sign = f"U+{ord(error.object[error.start]):04X}"
         raise ConvertError(
-            f"{way!r} cannot stand in a file: there is no {sign} in {error.encoding}"
+            f"{way!r} cannot be written: there is no {sign} in {error.encoding}"
         ) from error
     except (OSError, RuntimeError, ValueError) as error:
         raise ConvertError(f"{output}: {error}") from error

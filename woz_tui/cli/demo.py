@@ -28,9 +28,9 @@ def add(parser: ArgumentParser) -> None:
         choices=tuple(DEMOS),
         default="simulated",
         help="simulated: a museum guide and a visitor; eyepi: a body with a face to be played by"
-        " hand; show: two of these; guide: knows who is with it, and runs alone;"
+        " hand; show: two such bodies; guide: with engagement model, runs without a wizard;"
         " pepper: a simulated Pepper behind a real connection;"
-        " study: a whole study, with conditions that are kept from the wizard",
+        " study: a complete study, with a wizard who is blind to the conditions",
     )
     add_session(parser)
     add_keymap(parser)

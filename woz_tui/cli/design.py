@@ -39,13 +39,13 @@ def add(parser: ArgumentParser) -> None:
         "--participants",
         type=number(1, 1000, whole=True),
         metavar="N",
-        help="plan for so many that are still to come (default: until every row is used equally)",
+        help="number of participants still to come (default: until all rows are used equally)",
     )
     parser.add_argument(
         "--recordings", type=Path, default=Path("recordings"), help="folder of the logs"
     )
     parser.add_argument(
-        "--labels", action="store_true", help="labels alone: what a blind wizard may see"
+        "--labels", action="store_true", help="show labels only, for a blind wizard"
     )
     parser.add_argument(
         "--format", choices=("text", "json"), default="text", help="json: one object, for programs"
@@ -70,7 +70,7 @@ def design(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     else:
         _print(plan, arguments.recordings, labels=arguments.labels)
     for name in found.unreadable:
-        _complain(f"{arguments.recordings / name} could not be read and is left out")
+        _complain(f"{arguments.recordings / name} cannot be read and is not counted")
     return 0
 
 
@@ -153,10 +153,10 @@ def _so_far(plan: _Plan, labels: bool) -> Table:
 
 def _remark(plan: _Plan, past: Past) -> str:
     if not plan.used.fits(past.order):
-        return "of another design"
+        return "from another design"
     if not past.counts:
-        return "aborted or excluded: the place is free again"
-    return "chosen by hand" if past.method == "hand" else ""
+        return "aborted or excluded: this order can be used again"
+    return "chosen by the wizard" if past.method == "hand" else ""
 
 
 def _coming(plan: _Plan, labels: bool) -> Table:
@@ -174,7 +174,7 @@ def _table(*columns: str) -> Table:
 
 
 def _row(row: int) -> str:
-    return str(row) if row >= 0 else "-"
+    return str(row + 1) if row >= 0 else "-"
 
 
 def _order(plan: _Plan, order: tuple[str, ...], labels: bool) -> str:

@@ -81,7 +81,7 @@ def examine(experiment: Path | None, recordings: Path) -> Iterator[Section]:
 def _terminal() -> list[Finding]:
     with terminal.controlling() as descriptor:
         if descriptor is None:
-            return [Finding("info", "terminal", "none here: its checks are left out")]
+            return [Finding("info", "terminal", "none here: its checks are skipped")]
         return [
             *bounded("terminal", lambda: terminal.environment(os.environ)),
             *bounded("size", lambda: [terminal.size()]),
@@ -113,7 +113,7 @@ def _sockets() -> list[Finding]:
         return [Finding("error", "socket", str(error), "see docs/protocol.md")]
     found = [_socket_folder(path.parent)]
     found += [
-        Finding("info", "socket", f"a session is running at {other}: it holds its devices")
+        Finding("info", "socket", f"a session is running at {other}: it uses its devices")
         for other in running
     ]
     return found
@@ -121,7 +121,7 @@ def _sockets() -> list[Finding]:
 
 def _socket_folder(folder: Path) -> Finding:
     if os.access(folder, os.W_OK | os.X_OK):
-        return Finding("ok", "socket", f"sessions will listen in {folder}")
+        return Finding("ok", "socket", f"sockets of sessions are in {folder}")
     return Finding("error", "socket", f"{folder} cannot be written to", "set WOZ_SOCKET")
 
 
@@ -184,7 +184,7 @@ def _driver(
     probe = Probe(spec.name, spec.settings, experiment.path.parent)
     driver: type[Driver] = catalogue[spec.type]
     findings = bounded(spec.name, lambda: asyncio.run(driver.examine(probe)), DRIVER_S)
-    return findings or [Finding("info", spec.name, "this driver has no checks of its own")]
+    return findings or [Finding("info", spec.name, "this driver has no checks")]
 
 
 # -- showing ------------------------------------------------------------------------------------

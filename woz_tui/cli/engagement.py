@@ -82,11 +82,16 @@ def add(parser: ArgumentParser) -> None:
     )
     add_settings(parser)
     parser.add_argument(
-        "--compare", action="store_true", help="a session's log: what it says, and what this says"
+        "--compare",
+        action="store_true",
+        help="for a session's log: compare its results with the new ones",
     )
     parser.add_argument(
         "--trials", action="store_true",
-        help="a session's log: how steady and quick its signs were, by markers `steady` and `now`",
+        help=(
+            "for a session's log: stability and delay of the signs, from markers `steady`"
+            " and `now`"
+        ),
     )  # fmt: skip
     engagement_bench.add_options(parser)
 
@@ -95,10 +100,10 @@ def add_settings(parser: ArgumentParser) -> None:
     """Options that stand above the experiment's settings; for all signs where signs differ."""
     setting = parser.add_argument_group("settings", "above those of the experiment, for all signs")
     setting.add_argument(
-        "--samples", type=number(1, 1000, whole=True), metavar="N", help="places of each queue (8)"
+        "--samples", type=number(1, 1000, whole=True), metavar="N", help="samples in each queue (8)"
     )
     setting.add_argument(
-        "--threshold", type=_share, metavar="X", help="share of the queue that decides (0.5)"
+        "--threshold", type=_share, metavar="X", help="share of the queue that is needed (0.5)"
     )
     setting.add_argument(
         "--filter", choices=FILTERS, help="fifo; median: of the distance, others stay fifo; joint"
@@ -108,14 +113,17 @@ def add_settings(parser: ArgumentParser) -> None:
     )
     setting.add_argument(
         "--stale", type=number(0.05, 60, "s"), metavar="SECONDS",
-        help="a sign that is silent for longer is forgotten (1); after 2 s nobody is engaged by it",
+        help="time in s after which a sign without samples is unknown (1)",
     )  # fmt: skip
     setting.add_argument(
         "--rate", type=number(0.1, 1000, "Hz"), metavar="HZ",
         help="samples a second: how long a line lasts whose t is missing or goes back (3)",
     )  # fmt: skip
     setting.add_argument(
-        "--social-distance", type=number(0.1, 10, "m"), metavar="M", help="near enough (1.3)"
+        "--social-distance",
+        type=number(0.1, 10, "m"),
+        metavar="M",
+        help="social distance in m (1.3)",
     )
     setting.add_argument(
         "--signs", type=_signs, metavar="SIGN,...",
@@ -123,7 +131,10 @@ def add_settings(parser: ArgumentParser) -> None:
     )  # fmt: skip
     setting.add_argument(
         "--loud", type=number(0, _LOUDEST), metavar="X",
-        help="louder is speech (0.0732, which is 2400 of 32768); above 1: rms is on that scale",
+        help=(
+            "sound above this RMS is speech (0.0732, which is 2400 of 32768); above 1: RMS"
+            " on the scale 0 to 32768"
+        ),
     )  # fmt: skip
 
 
@@ -151,7 +162,9 @@ def _run(arguments: Namespace) -> int:
             return _log(arguments, settings, file, first)
         if arguments.compare or arguments.trials:
             option = "--compare" if arguments.compare else "--trials"
-            raise UsageError(f"{option} needs a session's log: lines of samples say no verdicts")
+            raise UsageError(
+                f"{option} needs a session's log: lines of samples have no results of their own"
+            )
         _rows(_Lines(arguments.file, file, first), settings, _live(file))
     return 0
 
@@ -197,11 +210,11 @@ def _together(arguments: Namespace) -> None:
         raise UsageError(f"{' and '.join(chosen)}: take one of them")
     if arguments.bench:
         if arguments.file is not None:
-            raise UsageError(f"--bench makes its visitors up: it does not read {arguments.file}")
+            raise UsageError(f"--bench makes its visitors up: so it cannot read {arguments.file}")
         return
     for name in ("runs", "seed", "plot"):
         if getattr(arguments, name) is not None:
-            raise UsageError(f"--{name} is for --bench")
+            raise UsageError(f"--{name} needs --bench")
 
 
 # -- settings -----------------------------------------------------------------------------------
@@ -242,7 +255,7 @@ def _experiments(file: Path) -> EngagementSettings:
 
     engagement = load(file, plugins.installed()).engagement
     if engagement is None:
-        _tell(f"{file} has no section engagement: these are the defaults")
+        _tell(f"{file} has no section engagement; the defaults are used")
         return EngagementSettings()
     return engagement.settings
 
@@ -301,15 +314,15 @@ class _Lines:
         try:
             row = json.loads(self._line.decode("utf-8").removeprefix("\ufeff"))
         except UnicodeDecodeError:
-            self._is_wrong("is no UTF-8 text")
+            self._is_wrong("is not UTF-8 text")
         except RecursionError:
             self._is_wrong("is nested too deeply")
         except ValueError as error:
-            self._is_wrong(f"is no JSON: {error}")
+            self._is_wrong(f"is not JSON: {error}")
         else:
             if isinstance(row, dict):
                 return row
-            self._is_wrong("is no JSON object")
+            self._is_wrong("is not a JSON object")
         return None
 
     def _is_wrong(self, why: str) -> None:
@@ -335,12 +348,12 @@ def _rows(lines: _Lines, settings: EngagementSettings, live: bool) -> None:
 def _hints(rows: Rows, settings: EngagementSettings, wrong: int) -> None:
     """What may explain that nothing came of it."""
     if wrong > TOLD:
-        _tell(f"{wrong} lines are no rows of samples")
+        _tell(f"{wrong} lines are not rows of samples")
     silent = [sign for sign in settings.signs if sign not in rows.given]
     if silent:
         _tell(
-            f"no line gave {' or '.join(silent)}, so nobody was ever engaged"
-            f" (--signs names what the condition uses: {','.join(settings.signs)})"
+            f"no line gave {' or '.join(silent)}, so engagement never began"
+            f" (--signs sets the signs of the condition: {','.join(settings.signs)})"
         )
     if rows.over:
         _tell(

@@ -32,7 +32,9 @@ _MOST = 15
 
 def add_options(parser: ArgumentParser) -> None:
     """Declare the options of the bench."""
-    bench = parser.add_argument_group("bench", "instead of a file: filters on made-up visitors")
+    bench = parser.add_argument_group(
+        "bench", "instead of a file: test the filters on simulated visitors"
+    )
     bench.add_argument("--bench", action="store_true", help="measure stability and delays")
     bench.add_argument(
         "--runs",
@@ -40,7 +42,7 @@ def add_options(parser: ArgumentParser) -> None:
         metavar="N",
         help="runs of each scene (200)",
     )
-    bench.add_argument("--seed", type=int, metavar="N", help="other random numbers (2022)")
+    bench.add_argument("--seed", type=int, metavar="N", help="seed of the random numbers (2022)")
     bench.add_argument("--plot", type=Path, metavar="FILE.svg", help="draw delay and stability")
     bench.add_argument("--json", action="store_true", help="figures for programs")
 

@@ -1,4 +1,4 @@
-"""Two paths through the states side by side: as it was recorded, as it would have been."""
+"""Two paths through the states side by side: the recorded one and the computed one."""
 
 from __future__ import annotations
 
@@ -150,9 +150,9 @@ def show(recount: Recount, *, as_json: bool) -> None:
 def _table(pairs: Sequence[Pair]) -> Table:
     table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0))
     table.add_column("time", justify="right", no_wrap=True)
-    table.add_column("as it was", overflow="fold")
+    table.add_column("recorded", overflow="fold")
     table.add_column("", no_wrap=True)
-    table.add_column("as it would be", overflow="fold")
+    table.add_column("computed", overflow="fold")
     for pair in pairs:
         style = {ONLY_RECORDED: "red", ONLY_COMPUTED: "green", MOVED: "yellow"}.get(pair.sign, "")
         table.add_row(
@@ -183,17 +183,17 @@ def _second_cell(pair: Pair) -> str:
 def _sentences(figures: dict[str, Json]) -> Iterator[str]:
     yield ""
     yield (
-        f"transitions: {figures['recorded']} as it was, {figures['computed']} as it would be:"
+        f"transitions: {figures['recorded']} recorded, {figures['computed']} computed:"
         f" {figures['alike']} alike (=), {figures['moved']} moved (~)"
     )
     yield (
-        f"engaged: {_per_cent(figures['engaged_recorded'])} of the time as it was,"
-        f" {_per_cent(figures['engaged_computed'])} as it would be"
+        f"engaged: {_per_cent(figures['engaged_recorded'])} of the time recorded,"
+        f" {_per_cent(figures['engaged_computed'])} computed"
     )
     off = figures["off_recorded"], figures["off_computed"]
     if any(isinstance(each, float) and each >= _TOLD for each in off):
         yield (
-            f"off, or no model there: {off[0]:.1f} s as it was, {off[1]:.1f} s as it would be"
+            f"model off or missing: {off[0]:.1f} s recorded, {off[1]:.1f} s computed"
             " (counted in no state)"
         )
     first = figures["first_difference"]

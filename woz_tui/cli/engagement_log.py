@@ -212,11 +212,11 @@ def _searched(
     """Those of the experiment that the session was run with, if its very file is still there."""
     start = _start_of(log)
     if start is None:
-        _warn("the log does not say which experiment it is of: these are the defaults")
+        _warn("the log does not name its experiment; the defaults are used")
         return otherwise
     found, why = _experiment_of(log, start)
     if found is None:
-        _warn(f"{why}: these are the defaults (--experiment names a file)")
+        _warn(f"{why}; the defaults are used (name a file with --experiment)")
         return otherwise
     return of_experiment(found)
 
@@ -266,11 +266,11 @@ def _hints(recount: Recount, damage: Damage) -> None:
     if again is None:
         return
     for why in again.unreadable:
-        _warn(f"settings in the log cannot be read, those before them go on: {why}")
+        _warn(f"settings in the log cannot be read, the earlier ones are used: {why}")
     sensors = {sign: again.settings.sign(sign).sensor or sign for sign in again.settings.signs}
     missing = [name for name in sensors.values() if name not in recount.sensors]
     if missing:
-        _warn(f"nothing was sensed of {', '.join(missing)}")
+        _warn(f"the log has no samples of {', '.join(missing)}")
     if again.passed_over:
         _warn(_passed_over(again.passed_over))
     edited = again.told[1:] if again.told else recount.reloads
@@ -284,9 +284,9 @@ def _hints(recount: Recount, damage: Damage) -> None:
 def _passed_over(times: Sequence[int]) -> str:
     first = f"{times[0] / SECOND:.1f} s"
     if len(times) == 1:
-        what = f"1 change by the wizard was passed over (at {first})"
+        what = f"1 change by the wizard was ignored (at {first})"
     else:
-        what = f"{len(times)} changes by the wizard were passed over (the first at {first})"
+        what = f"{len(times)} changes by the wizard were ignored (the first at {first})"
     return f"{what}: the command line names what was changed"
 
 

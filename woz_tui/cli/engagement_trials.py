@@ -225,7 +225,7 @@ def show(log: Path, settings: EngagementSettings | None, above: Above, *, as_jso
         )
         return
     if found.stretches:
-        console.print("Right throughout", style="bold")
+        console.print("Correct throughout", style="bold")
         console.print(_steady(found))
     if found.moments:
         console.print("Seconds until engagement changed", style="bold")

@@ -16,7 +16,7 @@ _MEANINGS = {
     "eaf": "ELAN",
     "bids": "a dataset in the Brain Imaging Data Structure",
     "textgrid": "Praat",
-    "jsonl": "a log again, segments put together",
+    "jsonl": "one log, with its segments joined",
 }
 
 
@@ -32,19 +32,21 @@ def add(parser: ArgumentParser) -> None:
         help="; ".join(f"{name}: {meaning}" for name, meaning in _MEANINGS.items()),
     )
     parser.add_argument(
-        "--out", required=True, type=Path, metavar="FOLDER", help="a folder that is new or empty"
+        "--out", required=True, type=Path, metavar="FOLDER", help="a new or empty folder"
     )
     parser.add_argument("--force", action="store_true", help="replace an earlier export in FOLDER")
     parser.add_argument(
         "--redact-text",
         action="store_true",
-        help="replace what people said, typed or wrote, and take out dates and sound",
+        help="replace all spoken, typed and written text, and remove dates and sound",
     )
     parser.add_argument(
-        "--samples", action="store_true", help="the values of the sensors too (csv, bids)"
+        "--samples", action="store_true", help="include the values of the sensors (csv, bids)"
     )
     parser.add_argument(
-        "--no-sound", action="store_true", help="no file of the visitor's voice (eaf, textgrid)"
+        "--no-sound",
+        action="store_true",
+        help="leave out the sound of the visitor's voice (eaf, textgrid)",
     )
     media = parser.add_argument_group("a video of the session, for --to eaf")
     media.add_argument("--media", type=Path, metavar="FILE", help="a video or sound")
@@ -53,7 +55,10 @@ def add(parser: ArgumentParser) -> None:
         type=float,
         default=0.0,
         metavar="SECONDS",
-        help="where in it the session begins; negative: the session began earlier (default: 0)",
+        help=(
+            "time in the video at which the session begins; negative: the session began"
+            " earlier (default: 0)"
+        ),
     )
 
 
@@ -65,7 +70,7 @@ def run(arguments: Namespace) -> int:
 def _run(arguments: Namespace) -> int:
     if arguments.samples and arguments.to in ("eaf", "textgrid"):
         raise ExportError(
-            f"--to {arguments.to} has no place for --samples", "use --to csv or bids for them"
+            f"--to {arguments.to} cannot include --samples", "use --to csv or bids for them"
         )
     options = Options(
         redact=arguments.redact_text,
@@ -89,8 +94,8 @@ def _run(arguments: Namespace) -> int:
 
 def _microseconds(arguments: Namespace) -> int:
     if arguments.offset and arguments.media is None:
-        raise ExportError("--offset goes with --media", "name the video with --media")
+        raise ExportError("--offset needs --media", "name the video with --media")
     if not abs(arguments.offset) < 1e6:
-        raise ExportError(f"--offset {arguments.offset} is no time", "give it in seconds")
+        raise ExportError(f"--offset {arguments.offset} is not a time", "give it in seconds")
     seconds: float = arguments.offset
     return round(seconds * 1_000_000)

@@ -7,12 +7,12 @@ import sys
 from collections.abc import Callable
 
 _REMEDIES = {
-    errno.EEXIST: "name another place, or remove what is there",
+    errno.EEXIST: "choose another path, or remove the existing file",
     errno.ENOTDIR: "a part of this path is a file; name a folder",
-    errno.EISDIR: "name a file in it",
-    errno.EACCES: "ask its owner, or name another place",
-    errno.EROFS: "name a place that can be written",
-    errno.ENOSPC: "make room on this disk, or name another place",
+    errno.EISDIR: "this is a folder; name a file in it",
+    errno.EACCES: "ask its owner, or choose another path",
+    errno.EROFS: "choose a path that can be written to",
+    errno.ENOSPC: "free space on this disk, or choose another path",
 }
 
 

@@ -28,26 +28,29 @@ def add(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--headless",
         action="store_true",
-        help="with --rerun: begin without a wizard, and end the session with it",
+        help="with --rerun: run without a wizard; the session ends with the re-run",
     )
     parser.add_argument(
         "--rerun-wait",
         type=number(0, LONGEST_WAIT_S, "s"),
         default=20.0,
         metavar="SECONDS",
-        help="with --rerun: how long the drivers may take to be connected (default 20)",
+        help="with --rerun: longest time in s for the drivers to connect (default 20)",
     )
     parser.add_argument(
         "--train",
         action="store_true",
-        help="train a wizard: cues by a simulated visitor, and nothing moves (see `woz train`)",
+        help=(
+            "train a wizard: a simulated visitor gives cues; the robot does not move (see"
+            " `woz train`)"
+        ),
     )
     parser.add_argument(
         "--train-count",
         type=int,
         default=None,
         metavar="N",
-        help="with --train: how many cues (default: what the file says)",
+        help="with --train: number of cues (default: from the file)",
     )
     parser.add_argument("--announce", action="store_true", help=SUPPRESS)
 
@@ -55,7 +58,7 @@ def add(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """Serve until the session ends."""
     if arguments.headless and arguments.rerun is None:
-        print("woz: --headless goes with --rerun", file=sys.stderr)
+        print("woz: --headless needs --rerun", file=sys.stderr)
         return 2
     from woz_tui.host import process  # noqa: PLC0415 - only this command needs it
 

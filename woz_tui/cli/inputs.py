@@ -29,7 +29,7 @@ _BEGINS_LOG = re.compile(rb'\s*\{\s*"kind"\s*:\s*"(?:session\.start|segment)"')
 #: Inputs that are no verb of a body.
 BEYOND = (
     ("seen", "`x`, `y` (-1..1, null: nothing is seen), `size` (0..1)", "what the camera sees"),
-    ("stop", "", "ends what moves and leads back to the mode normal"),
+    ("stop", "", "ends all movement and returns to the mode normal"),
     ("freeze", "", "the emergency stop: stands still until `resume`"),
     ("resume", "", "the emergency stop is released"),
 )
@@ -94,7 +94,7 @@ def refreshed(page: str) -> str:
     before, _, rest = page.partition(BEGIN)
     _, end, after = rest.partition(END)
     if not end:
-        raise ValueError("the page lacks the marks between which the table stands")
+        raise ValueError("the page has no marks for the begin and end of the table")
     return f"{before}{BEGIN}\n\n{described()}\n\n{END}{after}"
 
 

@@ -73,8 +73,8 @@ class Launch:
             raise LaunchError(
                 self._errors.read().decode("utf-8", "replace").strip()
                 or (
-                    f"woz: the robot process ended with code {self._process.returncode} before it"
-                    " said where it listens; start it again"
+                    f"woz: the robot process ended with code {self._process.returncode} while it"
+                    " started; start it again"
                     if ended
                     else f"woz: the robot process did not start within {seconds:g} s"
                 )

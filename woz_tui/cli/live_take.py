@@ -140,7 +140,7 @@ class Live:
         if self._shape.face is not None:
             faces = [f"{key.decode()}: {emotion}" for key, emotion in EMOTIONS.items()]
             rows += [[*faces, "z x: eyes left, right", "c v: eyes up, down"]]
-        rows += [["space: done", "escape: give up"]]
+        rows += [["space: done", "escape: cancel"]]
         return [line for row in rows for line in _lines(row, width)]
 
     def _line(self, tick: Tick, t: float, began: float | None) -> None:

@@ -39,7 +39,7 @@ def _run(arguments: Namespace) -> int:
             print(f"{facts.experiment or 'experiment not recorded'}:")
         _print([(each.head, each.sentences) for each in paragraphs(facts)], arguments.markdown)
     if studies.found:
-        print("woz methods: no log can know the following, write it by hand:", file=sys.stderr)
+        print("woz methods: no log contains the following; write it by hand:", file=sys.stderr)
         for item in BY_HAND:
             print(f"  - {item}", file=sys.stderr)
     return reading.told("woz methods")

@@ -56,9 +56,9 @@ class _Lesson(Protocol):
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    learn = commands.add_parser("learn", help="move each control once; writes a map file")
+    learn = commands.add_parser("learn", help="move each control once; then a map file is written")
     learn.add_argument(
-        "file", type=Path, help="map file to write; if it is there, what it asks for"
+        "file", type=Path, help="map file to write; if it exists, its controls are asked for"
     )
     learn.add_argument(
         "--device", default="", help="the panel: its card's name or a path (default: the first)"
@@ -67,14 +67,14 @@ def add(parser: ArgumentParser) -> None:
         "--like",
         default="",
         metavar="MAP",
-        help=f"whose targets are asked for: nanokontrol2, thesis or a file (default: {_STANDARD})",
+        help=f"controls to ask for: nanokontrol2, thesis or a file (default: {_STANDARD})",
     )
     learn.set_defaults(work=_learn)
     show = commands.add_parser("show", help="show what each control sends and does")
     show.add_argument(
         "map", nargs="?", default=_STANDARD, help="nanokontrol2, thesis or a map file"
     )
-    show.add_argument("--yaml", action="store_true", help="as a map file, to begin one's own with")
+    show.add_argument("--yaml", action="store_true", help="as a map file, as a start for your own")
     show.set_defaults(work=_show)
 
 
@@ -120,7 +120,7 @@ def _learn(arguments: Namespace) -> int:
         with _keys():
             _converse(lesson)
         if not lesson.count:
-            print("Nothing was learnt; no file was written.")
+            print("No control was learnt; no file was written.")
             return 1
         replace(file, lesson.text())
     finally:

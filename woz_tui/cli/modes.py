@@ -45,8 +45,9 @@ def markdown() -> str:
     lines = [
         "# Modes",
         "",
-        "Which input counts in which mode; `woz modes` prints this table. An input that does not",
-        "count is refused and changes nothing. The stop counts everywhere.",
+        "Which input has an effect in which mode; `woz modes` prints this table. An input"
+        " that does not",
+        "have an effect is refused and changes nothing. The stop works in every mode.",
         "",
         f"| {' | '.join(heads)} |",
         f"|{'---|' * len(heads)}",

@@ -18,7 +18,9 @@ def number(
             if low <= value <= high:
                 return value
         kind = "whole number" if whole else "number"
-        raise ArgumentTypeError(f"{text!r} is no {kind} from {low:g} to {high:g} {unit}".rstrip())
+        raise ArgumentTypeError(
+            f"{text!r} is not a {kind} from {low:g} to {high:g} {unit}".rstrip()
+        )
 
     return read
 

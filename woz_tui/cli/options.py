@@ -14,18 +14,21 @@ from woz_tui.session.identity import Identity
 def add_session(parser: ArgumentParser) -> None:
     """Declare the options that say who takes part and where the log goes."""
     parser.add_argument("--session", default="", help="session code (default: the next free one)")
-    parser.add_argument("--participant", default="", help="participant code, never a name")
+    parser.add_argument("--participant", default="", help="participant code (no names)")
     parser.add_argument("--condition", default="", help="one of the experiment's conditions")
     parser.add_argument("--wizard", default="", help="the wizard's code")
     parser.add_argument(
-        "--profile", default="", help="what the wizard may use: a profile of the experiment"
+        "--profile", default="", help="profile of the experiment: which actions the wizard can use"
     )
-    parser.add_argument("--seed", type=int, default=0, help="seed of everything random")
+    parser.add_argument("--seed", type=int, default=0, help="seed of all random choices")
     parser.add_argument(
         "--recordings", type=Path, default=Path("recordings"), help="folder of the logs"
     )
     parser.add_argument(
-        "--spill", type=Path, default=None, help="second folder, for when the first one fails"
+        "--spill",
+        type=Path,
+        default=None,
+        help="second folder for the log, used if the first one fails",
     )
     parser.add_argument("--name", default="", help="name of the socket (default: the session code)")
 
@@ -36,7 +39,7 @@ def add_pictures(parser: ArgumentParser) -> None:
         "--pictures",
         choices=("auto", "blocks", "kitty", "sixel", "off"),
         default="auto",
-        help="how to draw what a camera sees (default: as well as the terminal says it can)",
+        help="how to draw camera pictures (default: the best that the terminal supports)",
     )
 
 

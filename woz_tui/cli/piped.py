@@ -48,8 +48,8 @@ def kept(file: BinaryIO, first: bytes = b"", most: int = MOST) -> Iterator[Path]
         except OSError as error:
             raise PipedError(
                 f"standard input cannot be kept in {tempfile.gettempdir()}:"
-                f" {error.strerror or error}; save it as a file and name that,"
-                " or let TMPDIR say where there is room"
+                f" {error.strerror or error}; save it as a file and name the"
+                " file, or set TMPDIR to a folder with enough space"
             ) from error
         yield folder / str(FileName(_STEM))
 
@@ -65,8 +65,8 @@ def _write(folder: Path, file: BinaryIO, first: bytes, most: int) -> None:
             size += len(part)
             if size > most:
                 raise PipedError(
-                    f"standard input goes on beyond {most >> 20} MiB:"
-                    " save it as a file and name that"
+                    f"standard input is larger than {most >> 20} MiB:"
+                    " save it as a file and name the file"
                 )
             if begins:
                 out = samples if _SAMPLE.match(part) else actions
@@ -97,7 +97,7 @@ def with_logs(arguments: Namespace, work: Callable[[Namespace], int], who: str) 
 def _wrong(times: int) -> str:
     """Why standard input cannot be read as often as it is named."""
     if times > 1:
-        return "- stands for standard input, which can be read once"
+        return "- is standard input and can be used only once"
     if times and (sys.stdin is None or sys.stdin.isatty()):
         return "- is standard input, and nothing is piped into it: name a log"
     return ""

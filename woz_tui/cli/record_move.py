@@ -39,14 +39,14 @@ class RecordError(Exception):
 
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
-    parser.add_argument("file", type=Path, help="move file; it is made if it is not there")
+    parser.add_argument("file", type=Path, help="move file; it is created if it does not exist")
     parser.add_argument("name", nargs="?", default="", help="the move (default: the file's name)")
     parser.add_argument(
         "--robot", type=Path, required=True, help="robot or experiment file with the body"
     )
-    parser.add_argument("--body", default="", help="which driver, where there are several bodies")
+    parser.add_argument("--body", default="", help="driver, if there are several bodies")
     take = parser.add_argument_group("the take")
-    take.add_argument("--layer", default="recorded", help="layer to record, or to redo")
+    take.add_argument("--layer", default="recorded", help="layer to record, or to record again")
     take.add_argument(
         "--seconds", type=numbers.seconds, help="how long (default: until space is pressed)"
     )
@@ -63,16 +63,16 @@ def add(parser: ArgumentParser) -> None:
     take.add_argument("--inputs", help="JSON lines of inputs or a session's log, instead of keys")
     take.add_argument(
         "--from", dest="start", type=numbers.seconds, default=0.0,
-        help="time of the inputs at which the take begins; earlier ones lead up to it",
+        help="time of the inputs at which the take begins; earlier inputs set the start",
     )  # fmt: skip
-    layers = parser.add_argument_group("layers that are there already, before the take")
-    for option, what in (("mute", "leave LAYER out"), ("unmute", "let LAYER count again")):
+    layers = parser.add_argument_group("changes of existing layers, before the take")
+    for option, what in (("mute", "switch LAYER off"), ("unmute", "switch LAYER on again")):
         layers.add_argument(f"--{option}", metavar="LAYER", action="append", default=[], help=what)
     layers.add_argument(
         "--share", metavar="LAYER=SHARE", type=_share, action="append", default=[],
-        help="how much of LAYER counts, 0 to 1",
+        help="weight of LAYER, 0 to 1",
     )  # fmt: skip
-    layers.add_argument("--drop", metavar="LAYER", action="append", default=[], help="take it out")
+    layers.add_argument("--drop", metavar="LAYER", action="append", default=[], help="remove LAYER")
     layers.add_argument("--no-take", action="store_true", help="only change layers")
 
 
@@ -96,7 +96,7 @@ def record(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     move = _changed(_move(arguments, shape), arguments)
     if arguments.no_take:
         if not move.layers:
-            raise RecordError("nothing would be left of the move; delete its file instead")
+            raise RecordError("the move would have no layer left; delete its file instead")
         save(move, arguments.file, shape)
         print(_told(move, arguments.file))
         return 0
@@ -114,7 +114,7 @@ def _move(arguments: Namespace, shape: BodyShape) -> KeyframeMove:
             move = read_move(arguments.file, shape)
         except MoveFileError as error:
             error.add_note(
-                f"woz record-move: {arguments.file} is there and is no move that can be read;"
+                f"woz record-move: {arguments.file} exists, but is not a readable move file;"
                 " nothing was recorded"
             )
             raise
@@ -124,7 +124,7 @@ def _move(arguments: Namespace, shape: BodyShape) -> KeyframeMove:
     if arguments.file.suffix not in (".yaml", ".yml"):
         raise RecordError(f"{arguments.file}: move files end in .yaml")
     if not arguments.file.absolute().parent.is_dir():
-        raise RecordError(f"{arguments.file.parent}: there is no such folder")
+        raise RecordError(f"{arguments.file.parent}: this folder does not exist")
     if not NAME.fullmatch(name):
         raise RecordError(f"{name!r} cannot be a move's name; {NAME_RULE}")
     return KeyframeMove(name, "", ())
@@ -194,7 +194,7 @@ def _live(arguments: Namespace, shape: BodyShape, move: KeyframeMove) -> Keyfram
     with keyboard() as keys:
         kept = Live(puppeteer, shape, keys, arguments.count_in, seconds).perform()
     if not kept:
-        raise RecordError("given up; nothing was saved")
+        raise RecordError("cancelled; nothing was saved")
     return _finished(puppeteer, arguments)
 
 
@@ -202,11 +202,11 @@ def _finished(puppeteer: Puppeteer, arguments: Namespace) -> KeyframeMove:
     move = puppeteer.recorded(trim=not arguments.no_trim)
     layer = next(layer for layer in move.layers if layer.name == arguments.layer)
     if layer.length <= 0:
-        raise RecordError("nothing was moved in this take; nothing was saved")
+        raise RecordError("this take has no movement; nothing was saved")
     if puppeteer.interrupted:
         _tell(
-            "an input took the place of the other layers while they played; with gaze, pose and"
-            " play they stop, joints and controls lie on top of them"
+            "an input stopped the other layers while they played: gaze, pose and play do this;"
+            " joints and controls are added to the layers"
         )
     return move
 

@@ -35,9 +35,7 @@ def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("file", type=Path, nargs="?", help="experiment or robot file")
     parser.add_argument("name", nargs="?", help="a move, a mode, idle, or an action of the file")
-    parser.add_argument(
-        "--seconds", type=numbers.seconds, help="how long (default: until it is over)"
-    )
+    parser.add_argument("--seconds", type=numbers.seconds, help="duration (default: until its end)")
     parser.add_argument(
         "--rate",
         type=numbers.number(1, 1000),
@@ -48,14 +46,14 @@ def add(parser: ArgumentParser) -> None:
         "--inputs", help="JSON lines of inputs, or a session's log; - is standard input"
     )
     parser.add_argument(
-        "--lenient", action="store_true", help="leave out wrong lines of --inputs, saying so"
+        "--lenient", action="store_true", help="skip wrong lines of --inputs and report them"
     )
     parser.add_argument("--plot", action="store_true", help="draw the joints' curves instead")
+    parser.add_argument("--body", default="", help="driver, if the file has several bodies")
     parser.add_argument(
-        "--body", default="", help="which driver, where the file has several bodies"
+        "--seed", type=int, help="seed of blinks and other random movements (default: the file's)"
     )
-    parser.add_argument("--seed", type=int, help="of blinks and the like (default: the file's)")
-    parser.add_argument("--help-inputs", action="store_true", help="which inputs there are")
+    parser.add_argument("--help-inputs", action="store_true", help="list all inputs")
 
 
 def run(arguments: Namespace) -> int:
@@ -74,7 +72,7 @@ def render(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
         print(described())
         return 0
     if arguments.file is None or arguments.name is None:
-        raise RenderError("name a file and what is to be rendered: woz render FILE NAME")
+        raise RenderError("name a file and what to render: woz render FILE NAME")
     stage = Stage.of(arguments.file, catalogue, arguments.body, arguments.seed)
     inputs = _inputs(arguments, stage)
     score, seconds = stage.score(arguments.name, inputs, _tell)

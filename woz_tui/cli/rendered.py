@@ -136,7 +136,7 @@ class Stage:
             left_out.update({f"{c.verb} ({c.driver})": None for c in step.calls if c not in mine})
             yield tuple(self._input(call.verb, call.args) for call in mine)
         if left_out:
-            tell(0.0, f"left out, {self.body} does not do it: {', '.join(left_out)}")
+            tell(0.0, f"left out, because {self.body} cannot do it: {', '.join(left_out)}")
 
     def _unknown(self, name: str) -> RenderError:
         actions = (

@@ -28,44 +28,50 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     screen = parser.add_argument_group("on the screen")
     screen.add_argument(
-        "--at", default="", metavar="TIME", help="begin there: 12:34, or what a marker says"
+        "--at", default="", metavar="TIME", help="start at a time (12:34) or at a marker (its text)"
     )
-    screen.add_argument(
-        "--speed", type=_speed, default=1.0, metavar="N", help="0.25 to 16 times as fast"
-    )
+    screen.add_argument("--speed", type=_speed, default=1.0, metavar="N", help="speed, 0.25 to 16")
     screen.add_argument(
         "--max-idle",
         type=_seconds,
         default=None,
         metavar="SECONDS",
-        help="leave out what is longer of stretches in which nothing happens",
+        help="shorten pauses without events to this length",
     )
     screen.add_argument(
         "--coder",
         type=_coder,
         default=None,
         metavar="CODE",
-        help="code it: m and n set codes and notes beside the log; the condition is hidden",
+        help="code the session: m and n set codes and notes; the condition is hidden",
     )
-    screen.add_argument("--paused", action="store_true", help="begin standing still")
+    screen.add_argument("--paused", action="store_true", help="start paused")
     robot = parser.add_argument_group("on the robot")
     add_theme(parser)
-    robot.add_argument("--robot", action="store_true", help="run its commands on the robot again")
+    robot.add_argument("--robot", action="store_true", help="send its commands to the robot again")
     robot.add_argument(
-        "--dry-run", action="store_true", help="say what --robot would do, and check it"
+        "--dry-run", action="store_true", help="show and check what --robot would do"
     )
-    robot.add_argument("--yes", action="store_true", help="with --robot: do not ask")
+    robot.add_argument(
+        "--yes", action="store_true", help="with --robot: do not ask for confirmation"
+    )
     robot.add_argument("--headless", action="store_true", help="with --robot: without a console")
     parser.add_argument(
         "--reveal",
         action="store_true",
-        help="show also what was kept from the wizard: blind conditions, hidden meters",
+        help="show also what was hidden from the wizard: conditions, meters",
     )
     parser.add_argument(
-        "--changed", action="store_true", help="also if the experiment has changed since"
+        "--changed",
+        action="store_true",
+        help="also if the experiment has changed since the session",
     )
     parser.add_argument(
-        "--experiment", type=Path, default=None, metavar="FILE", help="where its experiment is now"
+        "--experiment",
+        type=Path,
+        default=None,
+        metavar="FILE",
+        help="path of its experiment file now",
     )
 
 
@@ -90,7 +96,7 @@ def _coder(text: str) -> str:
 def _seconds(text: str) -> float:
     value = _number(text)
     if not 0 < value < 1e6:
-        raise argparse.ArgumentTypeError("say how many seconds, more than 0")
+        raise argparse.ArgumentTypeError("give seconds, above 0")
     return value
 
 
@@ -98,7 +104,7 @@ def _number(text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is no number") from None
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -153,13 +159,15 @@ def feed_of(index: LogIndex, path: Path, arguments: argparse.Namespace) -> Repla
     if not has_beginning(index) and not arguments.changed:
         print(
             f"woz: {path}: the log has no beginning: its first line, session.start, is missing\n"
-            "     put its first segment beside it; --changed shows what there is",
+            "     put its first segment into the same folder; use --changed to show the rest",
             file=sys.stderr,
         )
         return None
     plan, against = _experiment(index, path, arguments)
     if against and not arguments.changed:
-        print(*against, "woz: --changed shows the log all the same", sep="\n", file=sys.stderr)
+        print(
+            *against, "woz: use --changed to show the log nevertheless", sep="\n", file=sys.stderr
+        )
         return None
     coder = arguments.coder
     reel = Reel(
@@ -197,7 +205,7 @@ def _experiment(
     except ExperimentError as error:
         return None, [
             *wrong(told, error, reveal=arguments.reveal),
-            f"woz: {told.name} has errors now, so it is not what the session was played with",
+            f"woz: {told.name} has errors now, so it is not the version of the session",
         ]
     against = changed(told, experiment, reveal=arguments.reveal)
     return (None, against) if against else (_plan(experiment, catalogue), [])

@@ -30,9 +30,11 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--csv", type=Path, metavar="FOLDER", help="write the figures as tidy CSV files"
     )
     parser.add_argument("--html", type=Path, metavar="FILE", help="write one self-contained page")
-    parser.add_argument("--json", action="store_true", help="one object, for programs")
+    parser.add_argument("--json", action="store_true", help="one JSON object, for programs")
     parser.add_argument(
-        "--verify", action="store_true", help="check every number and checksum; reads the samples"
+        "--verify",
+        action="store_true",
+        help="check all line numbers and checksums, also of the samples",
     )
     parser.add_argument("--all", action="store_true", help="tables without a limit of rows")
 
@@ -50,14 +52,14 @@ def add_sessions(parser: argparse.ArgumentParser) -> None:
         type=number(0.1, 600),
         default=_WINDOW,
         metavar="SECONDS",
-        help=f"an answer to a cue comes within this time (default: {_WINDOW:g})",
+        help=f"longest time from a cue to its answer (default: {_WINDOW:g})",
     )
     parser.add_argument(
         "--cue-state",
         action="append",
         default=[],
         metavar="STATE",
-        help="state of the engagement model that wants an answer (default: RobotThinks)",
+        help="state of the engagement model that counts as a cue (default: RobotThinks)",
     )
     parser.add_argument(
         "--all-trials",
@@ -109,7 +111,7 @@ def _tell_written(arguments: argparse.Namespace, *, nothing: bool) -> None:
     if arguments.csv:
         print(f"woz report: wrote {arguments.csv}", file=sys.stderr)
     if arguments.html and nothing:
-        told = f"woz report: {arguments.html} is not written: there is nothing to report"
+        told = f"woz report: {arguments.html} was not written: there is nothing to report"
         print(told, file=sys.stderr)
     elif arguments.html:
         print(f"woz report: wrote {arguments.html}", file=sys.stderr)
@@ -147,7 +149,7 @@ class Reading:
         first = self._seen.setdefault(key, figures.path)
         if figures.started and first != figures.path:
             self.problems.append(
-                f"{figures.path}: is the same session as {first}, which has been counted"
+                f"{figures.path}: is the same session as {first}, which is counted already"
             )
             return False
         return True

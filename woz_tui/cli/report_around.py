@@ -63,12 +63,14 @@ def _phases(page: Page, figures: SessionFigures) -> None:
 
 
 def _settings(page: Page, figures: SessionFigures, top: int) -> None:
-    """Where a robot had other settings than were asked for: a threat to what its trial says."""
+    """Where a robot reported other settings than requested: a threat to what its trial says."""
     found = by_trial(figures.differences)
     if not found:
         return
-    page.head("Robot's settings that were other than asked for")
-    made = table("setting", "robot had", "asked for", "trial", "condition", "from", "for s", left=5)
+    page.head("Robot settings that differed from the requested ones")
+    made = table(
+        "setting", "robot reported", "requested", "trial", "condition", "from", "for s", left=5
+    )
     for each in found[:top]:
         trial = NONE if each.trial < 0 else str(each.trial)
         made.add_row(
@@ -114,7 +116,7 @@ def _training(page: Page, figures: SessionFigures) -> None:
         return
     page.head("Training")
     page.say(
-        f"{training.right} of {some(training.cues, 'cue')} answered rightly"
+        f"{training.right} of {some(training.cues, 'cue')} answered correctly"
         f" ({in_unit(training.score, 'share')}), {training.wrong} wrongly,"
         f" {training.missed} missed, {some(training.uncalled, 'action')} uncalled;"
         f" reaction {s(training.times.median)} s (median)"
@@ -171,12 +173,12 @@ def _sentences(figures: SessionFigures) -> Iterator[str]:
         yield f"driver {lost.name} was lost from {clock(lost.begin)} {until}{detail}"
     gone = [each for each in figures.consoles if each.lost and each.why != "left"]
     for each in gone:
-        yield f"{each.role} console {each.console} was lost at {clock(each.t)} ({each.why})"
+        yield f"{each.role} console {each.console} was disconnected at {clock(each.t)} ({each.why})"
     for seen in figures.restrictions:
-        yield f"from {clock(seen.t)} the wizard saw {_seen(seen.hidden, seen.blurred)}"
+        yield f"from {clock(seen.t)} the wizard's screen had {_seen(seen.hidden, seen.blurred)}"
     for shaped in figures.shaping:
         yield (
-            f"from {clock(shaped.t)} answers to {_listed(shaped.cues)} came no sooner than"
+            f"from {clock(shaped.t)} answers to {_listed(shaped.cues)} were delayed by at least"
             f" {shaped.floor_us / 1e6:g} s, and up to {shaped.jitter_us / 1e6:g} s later"
         )
     if figures.profiles:

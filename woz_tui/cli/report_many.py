@@ -51,7 +51,7 @@ def show(page: Page, grouped: Grouped) -> None:
     _trainings(page, grouped)
     if grouped.reruns:
         page.say()
-        page.trouble(f"re-runs are no sessions of their own: {', '.join(grouped.reruns)} left out")
+        page.trouble(f"re-runs are not counted as sessions: {', '.join(grouped.reruns)}")
     if grouped.damaged:
         page.head("Logs that are not whole")
     for who, sentences in grouped.damaged:

@@ -105,7 +105,7 @@ def title(page: Page, figures: SessionFigures) -> None:
     ]
     page.say(f" {page.signs.dot} ".join(filter(None, what)))
     if figures.rerun_of:
-        page.trouble(f"a re-run of {figures.rerun_of}: its actions were not the wizard's of then")
+        page.trouble(f"a re-run of {figures.rerun_of}: its actions come from that log")
     left_out = [trial for trial in figures.trials if not trial.counted]
     if left_out and not figures.all_trials:
         outcomes = ", ".join(f"{trial.trial} {trial.outcome}" for trial in left_out)
@@ -117,7 +117,7 @@ def title(page: Page, figures: SessionFigures) -> None:
         page.trouble(sentence)
     if not figures.wholeness.sentences:
         checked = "every line and checksum" if figures.wholeness.verified else "no line lost"
-        page.say(f"The log is whole ({checked}).", style="green")
+        page.say(f"The log is complete ({checked}).", style="green")
 
 
 def _figures(figures: SessionFigures) -> Block:

@@ -75,11 +75,11 @@ def _admitted(prepared: _Prepared, arguments: argparse.Namespace) -> bool:
     """Whether nothing stands against it; says what does, and else what will be run."""
     if prepared.changed and not arguments.changed:
         print(*prepared.changed, sep="\n", file=sys.stderr)
-        print("woz: it is run all the same with --changed", file=sys.stderr)
+        print("woz: use --changed to run it nevertheless", file=sys.stderr)
         return False
     if not prepared.plan.sent:
         print(*table.table(prepared.shown), sep="\n")
-        print("woz: there is no command in it that can be sent again", file=sys.stderr)
+        print("woz: this log has no command that can be sent again", file=sys.stderr)
         return False
     told = table.summary(prepared.shown, prepared.experiment, headless=arguments.headless)
     print(*told, sep="\n")
@@ -146,7 +146,10 @@ def _agreed(said_yes: bool) -> bool:
     if said_yes:
         return True
     if not sys.stdin.isatty():
-        print("woz: nobody can be asked here; --yes runs it without asking", file=sys.stderr)
+        print(
+            "woz: standard input is not a terminal; use --yes to run it without a question",
+            file=sys.stderr,
+        )
         return False
     try:
         answer = input("Is the robot free to move? Type yes to run it again: ")
@@ -195,6 +198,6 @@ def _in_console(words: list[str]) -> int:
     if opened is None:
         return 1
     if opened.left == "detached":
-        print("The session goes on, without driving; `woz attach` brings you back.")
+        print("The session continues, without driving; join it again with `woz attach`.")
     print(f"Log: {present(opened.robot.log)}")
     return opened.code

@@ -114,7 +114,7 @@ def watch(launch: Launch, streams: frozenset[tuple[str, str]], redactor: Redacto
     if stopped:
         return _STOPPED
     if progress.over is None:
-        print(f"woz: the robot process is gone; see {robot.host_log}", file=sys.stderr)
+        print(f"woz: the robot process has ended; see {robot.host_log}", file=sys.stderr)
         return 1
     return int(progress.over.reason != "done" or progress.failed > 0)
 

@@ -29,7 +29,7 @@ def _seen(step: Step, redactor: Redactor) -> Step:
     command = redactor.message(step.command)
     if command is step.command or not isinstance(command, m.Command):
         return step
-    why = "why may tell what is kept from you" if step.skip else ""
+    why = "reason is hidden: it could reveal what this study hides from you" if step.skip else ""
     return replace(step, command=command, skip=why)
 
 
@@ -41,17 +41,19 @@ def summary(plan: Plan, experiment: Experiment, *, headless: bool) -> Iterator[s
     yield f"robot       {_robot(plan, experiment)}"
     yield f"commands    {len(plan.sent)} in {clock(plan.duration)}{_counts(plan)}"
     if drives:
-        who = "are refused, because nobody watches" if headless else "need you at the console"
+        who = (
+            "are refused, because no wizard watches" if headless else "need a wizard at the console"
+        )
         yield f"drives      {drives}: they {who}"
     cut = sum(step.cut >= 0 for step in plan.sent)
     if cut:
-        yield f"cut short   {cut}, at the moments of then"
+        yield f"cut short   {cut}, at the same moments as in the log"
     if plan.stops:
-        yield f"stops       {plan.stops} then; the stop is not pressed again"
+        yield f"stops       {plan.stops} in the log; the stop is not pressed again"
     for count, reason in _reasons(plan):
         yield f"left out    {count}: {reason}"
     if not plan.ended:
-        yield "the log has no end: its session was cut off, or goes on at this moment"
+        yield "the log has no end: its session was interrupted, or is still running"
     for sentence in plan.damage:
         yield f"damage      {clean(sentence)}"
 

@@ -79,5 +79,5 @@ def _host_command(arguments: Namespace, experiment: Path) -> list[str]:
 
 def _farewell(left: str, log: Path) -> None:
     if left == "detached":
-        print("The session goes on; `woz attach` brings you back.")
+        print("The session continues; join it again with `woz attach`.")
     print(f"Log: {present(log)}")

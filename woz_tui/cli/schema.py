@@ -18,11 +18,9 @@ from woz_tui.motion.moveschema import move_schema
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     kind = parser.add_mutually_exclusive_group()
-    kind.add_argument(
-        "--robot", action="store_true", help="of robot files instead of experiment files"
-    )
-    kind.add_argument("--move", action="store_true", help="of move files")
-    kind.add_argument("--midi", action="store_true", help="of maps of MIDI panels")
+    kind.add_argument("--robot", action="store_true", help="schema of robot files")
+    kind.add_argument("--move", action="store_true", help="schema of move files")
+    kind.add_argument("--midi", action="store_true", help="schema of MIDI panel maps")
 
 
 def run(arguments: Namespace) -> int:

@@ -183,7 +183,7 @@ def _restart(
 
 
 #: Without a console the robot process would wait for one for a long time.
-ENDED = "woz: the console did not open, so the robot process was ended"
+ENDED = "woz: the console did not open; the robot process was ended"
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,7 @@ _WHENS = {
     "end": "at the end",
     "trial": "after each trial",
     "condition": "after each condition",
-    "hand": "by hand",
+    "hand": "when the wizard starts it",
 }
 
 
@@ -30,7 +30,7 @@ def lines(experiment: Experiment) -> Iterator[tuple[str, str]]:
     if study.design is not None:
         yield "design", summary(study.design, len(conditions))
         for row, order in enumerate(rows(study.design, conditions)[:_LISTED]):
-            yield f"row {row}", spoken(order, study.design.blind)
+            yield f"row {row + 1}", spoken(order, study.design.blind)
         left = len(rows(study.design, conditions)) - _LISTED
         if left > 0:
             yield "", f"and {left} more: woz design"
@@ -45,7 +45,7 @@ def lines(experiment: Experiment) -> Iterator[tuple[str, str]]:
         span = f"{first:g} s" if first == last else f"{first:g} to {last:g} s"
         yield (
             "shaping",
-            f"answers come no sooner than {span} after {' and '.join(study.shaping.cues)}",
+            f"the robot answers no earlier than {span} after {' and '.join(study.shaping.cues)}",
         )
     for cue, names in study.answers.items():
         yield "answers", f"{cue}: {', '.join(names)}"
@@ -95,7 +95,7 @@ def summary(design: Design, conditions: int) -> str:
     }[design.order]
     if not conditions:
         return _times(design.trials, "trial")
-    blind = "; the wizard is told labels" if design.blind else ""
+    blind = "; the wizard sees labels" if design.blind else ""
     return f"{how}: {who}, {trials}{blind}"
 
 

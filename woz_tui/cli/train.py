@@ -27,22 +27,24 @@ FOLDER = Path("recordings/training")
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("experiment", type=Path, nargs="?", help="experiment file")
-    parser.add_argument("--wizard", default="", help="the wizard's code, under which scores count")
+    parser.add_argument("--wizard", default="", help="code of the wizard, for the scores")
     parser.add_argument(
         "--count",
         type=number(1, 1000, whole=True),
         default=None,
         metavar="N",
-        help="how many cues (default: what the file says, or 20)",
+        help="number of cues (default: from the file, or 20)",
     )
     parser.add_argument(
-        "--seed", type=int, default=0, help="the same cues again (default: others each time)"
+        "--seed", type=int, default=0, help="repeat the same cues (default: other cues each time)"
     )
     parser.add_argument(
         "--recordings", type=Path, default=FOLDER, help=f"folder of the logs (default: {FOLDER})"
     )
     parser.add_argument(
-        "--history", action="store_true", help="only show the scores so far, of --wizard or all"
+        "--history",
+        action="store_true",
+        help="only show the scores so far, of --wizard or of all wizards",
     )
     parser.add_argument("--name", default="", help="name of the socket (default: the session code)")
     add_keymap(parser)
@@ -63,9 +65,9 @@ def run(arguments: Namespace) -> int:
 def _wrong(arguments: Namespace) -> str:
     """Why no training can begin; empty if one can."""
     if arguments.experiment is None:
-        return "which experiment? woz train EXPERIMENT --wizard W1"
+        return "name an experiment file: woz train EXPERIMENT --wizard W1"
     if not arguments.wizard:
-        return "whose training is it? --wizard W1 (a code, never a name)"
+        return "name the wizard's code: --wizard W1 (no names)"
     return screen.refusal()
 
 

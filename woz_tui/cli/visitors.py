@@ -45,48 +45,48 @@ def add(parser: ArgumentParser) -> None:
         one.set_defaults(does=does)
         return one
 
-    command("list", "everybody who has a name", _list)
-    show = command("show", "all that is kept about a visitor", _show)
+    command("list", "list all named visitors", _list)
+    show = command("show", "show all stored data of a visitor", _show)
     show.add_argument("name", help="name or face label, in any letter case")
-    new = command("add", "somebody who was not met yet", _add)
+    new = command("add", "add a visitor before the first meeting", _add)
     new.add_argument("name", help="a code or a name")
     rename = command("rename", "give a visitor another name", _rename)
-    rename.add_argument("name", help="as it is now")
-    rename.add_argument("new", help="as it shall be")
-    profile = command("profile", 'change what is known of a visitor; "" removes it', _profile)
+    rename.add_argument("name", help="present name")
+    rename.add_argument("new", help="new name")
+    profile = command("profile", 'change the data of a visitor; "" removes a value', _profile)
     profile.add_argument("name")
     for one in (new, profile):
         one.add_argument("--age-group", metavar="TEXT", help="for example child, adult")
         one.add_argument("--address", metavar="TEXT", help="form of address, for example Ms")
-        one.add_argument("--label", metavar="TEXT", help="what a recogniser calls the face")
-    forget = command("forget", "remove all that is kept about visitors", _forget)
-    forget.add_argument("name", nargs="*", help="whom to forget")
+        one.add_argument("--label", metavar="TEXT", help="label of the face in the recogniser")
+    forget = command("forget", "delete all stored data of visitors", _forget)
+    forget.add_argument("name", nargs="*", help="visitors to delete")
     forget.add_argument("--all", action="store_true", help="everybody")
-    forget.add_argument("--yes", action="store_true", help="do not ask")
+    forget.add_argument("--yes", action="store_true", help="do not ask for confirmation")
 
 
 def _which_store(parser: ArgumentParser, **defaults: object) -> None:
     """Options that stand before or after the command; only the former have `defaults`."""
     # A default after the command would take the place of what was given before it.
     default = {name: defaults.get(name, SUPPRESS) for name in _STORE_OPTIONS}
-    where = parser.add_argument_group("which store")
+    where = parser.add_argument_group("choose the store")
     file = where.add_mutually_exclusive_group()
     file.add_argument(
-        "--file", type=Path, metavar="FILE", default=default["file"], help="the store itself"
+        "--file", type=Path, metavar="FILE", default=default["file"], help="path of the store"
     )
     file.add_argument(
         "--experiment",
         type=Path,
         metavar="FILE",
         default=default["experiment"],
-        help="the store that this experiment uses",
+        help="store of this experiment",
     )
     where.add_argument(
         "--recordings",
         type=Path,
         metavar="FOLDER",
         default=default["recordings"],
-        help="folder of the logs, where the store is unless it is named (default: recordings)",
+        help="folder of the logs, which has the store by default (default: recordings)",
     )
     parser.add_argument(
         "--json", action="store_true", default=default["json"], help="one object, for programs"
@@ -135,7 +135,7 @@ def _list(store: Visitors, arguments: Namespace) -> int:
     elif everybody:
         TextConsole(page=_PAGE).print(_table(everybody))
     else:
-        missing = "" if store.path.exists() else " (there is no such file yet)"
+        missing = "" if store.path.exists() else " (the file does not exist yet)"
         print(f"{store.path}: nobody{missing}")
     return 0
 
@@ -194,12 +194,12 @@ def _profile(store: Visitors, arguments: Namespace) -> int:
 
 def _forget(store: Visitors, arguments: Namespace) -> int:
     if bool(arguments.name) == arguments.all:
-        raise RefusedError("whom?", "name visitors, or give --all and no name")
+        raise RefusedError("no visitor is named", "name visitors, or use --all without names")
     names = arguments.name
     visitors = store.everybody() if arguments.all else [_wanted(store, name) for name in names]
     visitors = list(dict.fromkeys(visitors))
     if visitors and not arguments.yes and not _agreed(visitors):
-        print("woz visitors: nobody was forgotten", file=sys.stderr)
+        print("woz visitors: no visitor was deleted", file=sys.stderr)
         return 1
     if visitors:
         store.forget(*(visitor.name for visitor in visitors))
@@ -210,7 +210,10 @@ def _forget(store: Visitors, arguments: Namespace) -> int:
     labels = [label for visitor in visitors for label in visitor.labels]
     if labels:
         known = ", ".join(labels)
-        print(f"woz visitors: the recogniser still knows {known}; remove it there", file=sys.stderr)
+        print(
+            f"woz visitors: the face recogniser still has {known}; remove it there too",
+            file=sys.stderr,
+        )
     return 0
 
 
@@ -221,11 +224,11 @@ def _agreed(visitors: list[Visitor]) -> bool:
     """Whether whoever sits at the terminal wants it; `RefusedError` if nobody does."""
     if not sys.stdin.isatty():
         raise RefusedError(
-            "nobody can be asked here whether to forget", "give --yes if it is meant"
+            "standard input is not a terminal, so this cannot be confirmed", "use --yes to confirm"
         )
     for visitor in visitors:
         print(f"{visitor.name}: {_meetings(visitor)}", file=sys.stderr)
-    print("Forget for good? [y/N] ", end="", file=sys.stderr, flush=True)
+    print("Delete for ever? [y/N] ", end="", file=sys.stderr, flush=True)
     return sys.stdin.readline().strip().casefold() in ("y", "yes")
 
 
@@ -240,7 +243,7 @@ def _wanted(store: Visitors, name: str) -> Visitor:
         return visitor
     names = {key_of(one.name): one.name for one in store.everybody()}
     near = [names[key] for key in difflib.get_close_matches(key_of(name), names)]
-    remedy = f"did you mean {' or '.join(near)}?" if near else "woz visitors list shows them all"
+    remedy = f"did you mean {' or '.join(near)}?" if near else "list all with: woz visitors list"
     raise RefusedError(f"{store.path}: there is no visitor {shown(name)}", remedy)
 
 

@@ -74,7 +74,7 @@ class PanelReader:
         """Every panel that has a title and actions."""
         entries = spot.list("a list of panels")
         if entries is not None and not entries:
-            spot.error("no panel stands here")
+            spot.error("a panel is missing here")
         return [panel for entry in entries or () if (panel := self._panel(entry)) is not None]
 
     def _panel(self, spot: Spot) -> Panel | None:
@@ -95,7 +95,7 @@ class PanelReader:
     def _actions(self, spot: Spot, panel: str) -> list[Action]:
         entries = spot.list("a list of actions")
         if entries is not None and not entries:
-            spot.warning("no action stands here")
+            spot.warning("an action is missing here")
         drafts = [self._action(entry, panel) for entry in entries or ()]
         found = [draft for draft in drafts if draft is not None]
         self.drafts += found
@@ -109,7 +109,7 @@ class PanelReader:
         label = read_filled(fields.get("label"))
         name = read_filled(fields.get("name"))
         if label is None and name is None and not {"label", "name"} & fields.keys():
-            missing({}, "label", spot, "what stands on the button")
+            missing({}, "label", spot, "text on the button")
         when_busy = fields.get("when_busy")
         return Drafted(
             spot.path,
@@ -144,7 +144,7 @@ class PanelReader:
         if isinstance(spot.node, Scalar) and not spot.node.nothing:
             return spot.node.text
         raise KeyNameError(
-            "no key stands here; characters such as # - ! & * need quotes"
+            "a key is missing here; characters such as # - ! & * need quotes"
             if isinstance(spot.node, Scalar)
             else "expected a key such as a, F1 or ctrl+a, not a mapping"
         )
@@ -155,10 +155,10 @@ class PanelReader:
             together = self._reader.together(spot, table, on)
             return [together] if together is not None else []
         for entry in table.values():
-            entry.error("stands beside steps; put it into one of them")
+            entry.error("cannot be next to steps; put it into one of the steps")
         entries = steps.list("a list of steps, such as [{say: Hello}, {wait: 0.5}]")
         if entries is not None and not entries:
-            steps.error("no step stands here")
+            steps.error("a step is missing here")
         return [
             step for entry in entries or () if (step := self._reader.step(entry, on)) is not None
         ]

@@ -71,7 +71,7 @@ def _wrong(ask: Ask, offers: Sequence[Offer], known: _Known, report: Report) -> 
         yield f"{ask.name!r} is offered by {who}; name one of them with on"
     else:
         verbs = [*known.robots.offers, *known.own]
-        whom = f"{ask.on!r} does not offer" if ask.on else "nobody offers"
+        whom = f"{ask.on!r} does not offer" if ask.on else "no driver offers"
         yield f"{whom} {ask.name!r}{report.hint(ask.name, verbs)}"
 
 

@@ -49,9 +49,11 @@ def read_variables(
     depending: dict[str, dict[str, str]] = {}
     for name, entry in (table or {}).items():
         if name in filled:
-            entry.error(f"{name!r} is filled in by the session; choose another name")
+            entry.error(f"{name!r} is reserved for the session; choose another name")
         elif not template.NAME.fullmatch(name):
-            entry.error("a variable's name has letters, digits and _, and no digit in front")
+            entry.error(
+                "a variable's name can have letters, digits and _, and cannot begin with a digit"
+            )
         elif isinstance(entry.node, Table):
             depending[name] = texts(entry, conditions)
         else:
@@ -82,7 +84,7 @@ def read_choice(
         table = dict(entry.entries())
         listed = table[ANY].list("a list of variants") if set(table) == {ANY} else [entry]
         if listed == []:
-            table[ANY].error("no variant stands here")
+            table[ANY].error("a variant is missing here")
         found = [read(each) for each in listed or ()]
         wrong = wrong or not found or None in found
         return tuple(text for text in found if text is not None)
@@ -90,7 +92,7 @@ def read_choice(
     table = dict(spot.entries())
     if ANY in table and ANY in conditions:
         table[ANY].error(
-            f"{ANY!r} lists variants here, and cannot be the condition; give that another name"
+            f"{ANY!r} lists variants here and cannot be a condition; rename the condition"
         )
         return None
     if ANY in table and len(table) > 1:
@@ -110,7 +112,9 @@ def texts(spot: Spot, conditions: Sequence[str]) -> dict[str, str]:
 
 def _each(spot: Spot, conditions: Sequence[str], read: Callable[[Spot], T]) -> dict[str, T]:
     if not conditions:
-        spot.error("depends on the condition, but the file lists none; add conditions: [...]")
+        spot.error(
+            "depends on the condition, but the file has no conditions; add conditions: [...]"
+        )
         return {}
     table = spot.table("a text for each condition") or {}
     found: dict[str, T] = {}

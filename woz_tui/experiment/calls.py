@@ -93,14 +93,14 @@ class CallReader:
         beside = {name: entry for name, entry in table.items() if name not in known}
         if WAIT.name in verbs:
             verbs.pop(WAIT.name).error(
-                "waiting is a step of its own: steps: [{say: Hello}, {wait: 0.5}, ...]"
+                "wait must be a separate step: steps: [{say: Hello}, {wait: 0.5}, ...]"
             )
         targets = self._targets(on)
         chosen = {name: self._choose(entry, name, targets) for name, entry in verbs.items()}
         shares = self._share(verbs, beside, others)
         if not table and not self._vocabulary.robots.incomplete:
             verbs_known = listed(self._vocabulary.names)
-            spot.error(f"does nothing; a verb is missing: {verbs_known}")
+            spot.error(f"does nothing; add a verb: {verbs_known}")
         calls: list[Call] = []
         for name, entry in verbs.items():
             for offer in chosen[name]:
@@ -118,7 +118,7 @@ class CallReader:
             return None
         entries = [*on.items()] if isinstance(on.node, Items) else [on]
         if not entries:
-            on.error("names nobody")
+            on.error("names no driver and no robot")
         known = self._vocabulary.targets
         wanted = []
         for entry in entries:
@@ -154,7 +154,7 @@ class CallReader:
         if len(offers) > 1:
             drivers = [offer.driver for offer in offers]
             verb.error(
-                f"{' and '.join(drivers)} offer {name!r}; say which, for example on: {drivers[0]}"
+                f"{' and '.join(drivers)} offer {name!r}; choose one, for example on: {drivers[0]}"
             )
             return []
         return list(offers)
@@ -168,11 +168,11 @@ class CallReader:
             who = ", ".join(offer.driver for offer in offers)
             target.error(
                 f"{wanted!r} does not offer {name!r}, {who} does;"
-                f" under the verb it is said for the verb alone: {name}: {{on: ...}}"
+                f" to name it for this verb alone, write {name}: {{on: ...}}"
             )
         else:
             who = " and ".join(offer.driver for offer in fitting)
-            target.error(f"{who} both offer {name!r}; name one of them")
+            target.error(f"{who} both offer {name!r}; choose one of them")
         return None
 
     def _share(
@@ -289,7 +289,7 @@ class _Arguments:
         given = self._under()
         for name, entry in beside.items():
             if name in given:
-                entry.error(f"is given twice: here and under {self._verb.name!r}")
+                entry.error(f"is set twice: here and under {self._verb.name!r}")
             elif name in self._known:
                 given[name] = entry
             else:
@@ -346,7 +346,7 @@ class _Arguments:
             return self._mapping(node, main)
         if main is None:
             if not (isinstance(node, Scalar) and node.text == "true"):
-                self._spot.error(f"takes nothing; write only {self._verb.name}:")
+                self._spot.error(f"takes no arguments; write only {self._verb.name}:")
             return {}
         return {main.name: self._spot}
 
@@ -368,7 +368,7 @@ class _Arguments:
         chosen = self._conditions if main is not None and main.kind in self._chosen else ()
         for name, entry in entries.items():
             if name in chosen and main is not None:
-                entry.error(f"is a condition; its text stands under {main.name}: {{{name}: ...}}")
+                entry.error(f"is a condition; put its text under {main.name}: {{{name}: ...}}")
             else:
                 entry.unknown([*self._known, *chosen], f"{self._verb.name} takes", [*self._known])
         return given
@@ -389,7 +389,7 @@ class _Arguments:
             case "poses":
                 entries = spot.list("a list of poses, such as [{pan: 20, seconds: 1}]")
                 if entries == []:
-                    spot.error("no pose stands here")
+                    spot.error("a pose is missing here")
                 return None if entries is None else [self._pose(each, allowed) for each in entries]
         if argument.kind in _FIGURES:
             return _FIGURES[argument.kind](spot, allowed)
@@ -408,7 +408,7 @@ class _Arguments:
 
     def _angles(self, spot: Spot, table: Mapping[str, Spot], allowed: Range | None) -> Json:
         if not table:
-            spot.error("no joint is named here")
+            spot.error("the joints are missing here")
         joints = self._offer.joints
         angles: dict[str, Json] = {}
         for name, entry in table.items():

@@ -36,7 +36,7 @@ def _ports(experiment: Experiment, report: Report) -> None:
                 report.error(
                     spec.place,
                     f"drivers.{spec.name}.{name}",
-                    f"{quoted(port)} is the port of {quoted(owner[port])} already",
+                    f"{quoted(port)} is already the port of {quoted(owner[port])}",
                 )
             owner.setdefault(port, spec.name)
 
@@ -100,7 +100,7 @@ def _keys(drafts: Sequence[Drafted], layout: str, report: Report) -> None:
                 report.warning_at(
                     path,
                     f"the {layout} keyboard has no key for {key!r}; it gets a reserve key"
-                    " (keyboard: sets another layout)",
+                    " (set your layout with keyboard:)",
                 )
 
 
@@ -112,7 +112,7 @@ def _script(experiment: Experiment, report: Report) -> None:
             near = report.hint(name, actions)
             report.error_at(path, f"there is no action {quoted(name)}{near}")
         elif actions[name].locked:
-            report.warning_at(path, f"{quoted(name)} is locked, it will not play")
+            report.warning_at(path, f"{quoted(name)} is locked and cannot be played")
 
 
 def _then(drafts: Sequence[Drafted], report: Report) -> None:
@@ -124,4 +124,4 @@ def _then(drafts: Sequence[Drafted], report: Report) -> None:
                 near = report.hint(name, actions)
                 report.error_at(path, f"there is no action {quoted(name)}{near}")
             elif actions[name].locked:
-                report.warning_at(path, f"{quoted(name)} is locked, it will not play")
+                report.warning_at(path, f"{quoted(name)} is locked and cannot be played")

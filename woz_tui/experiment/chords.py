@@ -111,11 +111,13 @@ def _parts(text: str) -> list[str]:
     if "_".join(parts).lower() in _NAMES:
         return ["_".join(parts)]
     if not parts:
-        raise KeyNameError("no key stands here")
+        raise KeyNameError("a key is missing here")
     if len(parts) > 2:
-        raise KeyNameError(f"{quoted(text)} has {len(parts)} keys; at most two follow each other")
+        raise KeyNameError(
+            f"{quoted(text)} has {len(parts)} keys; at most two keys can follow each other"
+        )
     if len(parts) == 2 and parts[0].lower() in _MODIFIERS:
-        raise KeyNameError(f"{quoted(text)}: held down together is written {'+'.join(parts)}")
+        raise KeyNameError(f"{quoted(text)}: for keys held down together, write {'+'.join(parts)}")
     return parts
 
 
@@ -129,7 +131,7 @@ def _together(parts: list[str]) -> Chord:
             raise KeyNameError("a list of modifiers without a key")
         raise KeyNameError(
             f"no terminal can send {' and '.join(keys[:3])} held down together;"
-            f" one after the other is written {quoted(' '.join(keys[:2]))}"
+            f" for one after the other, write {quoted(' '.join(keys[:2]))}"
         )
     (key,) = keys if keys[0] == " " else [keys[0].strip()]
     chord = _chord("space" if key == " " else key)
@@ -152,7 +154,7 @@ def _chord(text: str) -> Chord:
         held.append(word or short)
         text = match["rest"] or match["tail"]
     if text.lower() in _MODIFIERS or not text:
-        raise KeyNameError(f"{quoted(whole)} is no key by itself; write it like ctrl+a")
+        raise KeyNameError(f"{quoted(whole)} is not a key by itself; write it like ctrl+a")
     chord = _base(text, whole)
     for modifier in held:
         chord = _hold(chord, modifier)
@@ -162,7 +164,7 @@ def _chord(text: str) -> Chord:
 def _hold(chord: Chord, modifier: str) -> Chord:
     name = _MODIFIERS[modifier]
     if not name:
-        raise KeyNameError(f"{modifier} never reaches a terminal; the desktop keeps it")
+        raise KeyNameError(f"{modifier} never reaches a terminal; the desktop uses it")
     return Chord(
         chord.base,
         chord.ctrl or name == "ctrl",
@@ -174,7 +176,7 @@ def _hold(chord: Chord, modifier: str) -> Chord:
 def _base(text: str, whole: str) -> Chord:
     if len(text) == 1:
         if not text.isprintable() or text.isspace() or unicodedata.combining(text):
-            raise KeyNameError(f"{quoted(whole)} is no key that can be pressed")
+            raise KeyNameError(f"{quoted(whole)} is not a key that can be pressed")
         return Chord(text)
     name = _NAMES.get(text.lower()) or _unicode_named(text)
     if name == "shift+tab":
@@ -186,7 +188,7 @@ def _base(text: str, whole: str) -> Chord:
     if re.fullmatch(r".[+-].", text):
         raise KeyNameError(
             f"{quoted(whole)}: no terminal can send two keys held down together;"
-            f" one after the other is written {quoted(text[0] + ' ' + text[2])}"
+            f" for one after the other, write {quoted(text[0] + ' ' + text[2])}"
         )
     raise KeyNameError(f"{quoted(whole)} is not a key{hint(text, _NAMES)}")
 

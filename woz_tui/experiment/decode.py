@@ -192,7 +192,7 @@ def _pattern(spot: Spot | None) -> str:
     try:
         re.compile(text)
     except (re.error, OverflowError, RecursionError) as error:
-        entry.error(f"{quoted(text)} is no regular expression: {error}")
+        entry.error(f"{quoted(text)} is not a regular expression: {error}")
         return default
     if pattern.is_slow(text):
         entry.warning(

@@ -81,7 +81,7 @@ class EngagementReader:
         """Steps of its own, and names of actions."""
         entries = list(spot.items()) if isinstance(spot.node, Items) else [spot]
         if not entries:
-            spot.error("nothing stands here")
+            spot.error("a value is missing here")
         steps: list[Step] = []
         names: list[str] = []
         for entry in entries:
@@ -106,10 +106,11 @@ class EngagementReader:
             spot.error(f"there is no action {quoted(name)}{self._meant(spot, name)}")
             return None
         if action.locked:
-            spot.warning(f"{quoted(name)} is locked, it will not play")
+            spot.warning(f"{quoted(name)} is locked and cannot be played")
         if late:
             spot.warning(
-                f"{quoted(name)} plays at once, it does not wait: actions play beside the steps"
+                f"{quoted(name)} starts at once and does not wait: actions run in parallel to"
+                " the steps"
             )
         for step in action.steps:
             _no_chase(spot, step)
@@ -117,7 +118,7 @@ class EngagementReader:
 
     def _meant(self, spot: Spot, name: str) -> str:
         if name in self._vocabulary.names:
-            return f"; a verb stands in braces: {{{name}: ...}}"
+            return f"; write a verb in braces: {{{name}: ...}}"
         return spot.report.hint(name, self._actions, or_list="actions are")
 
 
@@ -126,7 +127,7 @@ def _only_verbs(spot: Spot) -> Spot | None:
     strange = {name: entry for name, entry in spot.entries() if name in _OF_ACTIONS}
     for name, entry in strange.items():
         entry.error(
-            "steps stand in a list right under the state: [{say: Hello}, {wait: 0.5}]"
+            "put the steps in a list directly under the state: [{say: Hello}, {wait: 0.5}]"
             if name == "steps"
             else "belongs to actions of panels; put one there and name it here"
         )
@@ -147,8 +148,8 @@ def _no_chase(spot: Spot, step: Step) -> None:
     for call in step.calls if isinstance(step, Together) else ():
         if _moves(call):
             spot.error(
-                f"{call.verb!r} moves the model on, which an effect may not do: two states could"
-                " chase each other for ever"
+                f"{call.verb!r} changes the state, which is not allowed here: the states could"
+                " change in an endless loop"
             )
 
 

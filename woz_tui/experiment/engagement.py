@@ -34,9 +34,11 @@ START_UPS = ("zero-fill", "partial", "hold")
 RUNS = ("run", "hold", "off")
 MODES = ("Unengaged", "FullyEngaged", "SemiEngaged")
 
-_Places = Annotated[int, Range(1, 1000), Doc("places of the queue (n)")]
+_Places = Annotated[int, Range(1, 1000), Doc("samples in the queue (n)")]
 _Share = Annotated[float, Range(0, 1), Doc("share of the queue that decides (t_r)")]
-_Stale = Annotated[float, Seconds(0.05, 60.0), Doc("without a valid sample for so long: stale")]
+_Stale = Annotated[
+    float, Seconds(0.05, 60.0), Doc("time without a valid sample after which the sign is stale")
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +55,7 @@ class SignSettings:
     rate: Annotated[
         float | None,
         Range(0.1, 1000, "Hz"),
-        Doc("at most so many samples a second count, for a sensor that is quicker; default: all"),
+        Doc("most samples per second that are used, for fast sensors; default: all"),
     ] = None
 
 
@@ -65,9 +67,9 @@ class SoundSettings:
     threshold: Annotated[
         float | None,
         Range(0, 1),
-        Doc("louder than this RMS is speech; default: what the microphone publishes"),
+        Doc("sound above this RMS is speech; default: the microphone's value"),
     ] = None
-    hang_over: Annotated[float, Seconds(0.05, 10), Doc("quiet for so long ends speech")] = 1.0
+    hang_over: Annotated[float, Seconds(0.05, 10), Doc("silence of this length ends speech")] = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,8 +80,8 @@ class JointSettings:
         float,
         Seconds(0.1, 10),
         Doc(
-            "an engaged visitor glances away for so long on average; the longer, the later turning"
-            " away is noticed"
+            "how long an engaged visitor glances away on average; with a longer time, turning away"
+            " is noticed later"
         ),
     ] = 0.56
 
@@ -89,10 +91,10 @@ class Timeouts:
     """Seconds; none: never. Edges beyond the paper's table are off unless a time is given."""
 
     unrecognized: Annotated[
-        float, Seconds(0, 60), Doc("so long an engaged visitor may stay without a name")
+        float, Seconds(0, 60), Doc("longest time for which an engaged visitor can have no name")
     ] = 0.0
     lost: Annotated[
-        float, Seconds(0, 60), Doc("so long the condition may fail before a visitor is lost")
+        float, Seconds(0, 60), Doc("time for which the condition must fail until a visitor is lost")
     ] = 0.0
     approach: Annotated[
         float | None, Seconds(0.1, 3600), Doc("a person who does not engage: back to Wait")
@@ -118,18 +120,24 @@ class HandshakeSettings:
     """How an unknown visitor gets a name. `{name}` in the sentences is what was understood."""
 
     by: Annotated[
-        str, OneOf(("wizard", "robot", "nobody")), Doc("who leads it; nobody: no handshakes")
+        str,
+        OneOf(("wizard", "robot", "nobody")),
+        Doc("who leads the handshake; nobody: no handshakes"),
     ] = "wizard"
     attempts: Annotated[int, Range(1, 20), Doc("how often a name is asked for")] = 3
-    seconds: Annotated[float, Seconds(1, 600), Doc("the whole handshake at most")] = 60.0
-    silence: Annotated[float, Seconds(1, 60), Doc("no answer for so long: asked again")] = 8.0
+    seconds: Annotated[float, Seconds(1, 600), Doc("longest time for the whole handshake")] = 60.0
+    silence: Annotated[
+        float, Seconds(1, 60), Doc("time without an answer after which it asks again")
+    ] = 8.0
     ask: Annotated[str, Doc("asks for the name")] = "I do not think we have met. What is your name?"
     again: Annotated[str, Doc("asks once more")] = "Sorry, what is your name?"
-    confirm: Annotated[str, Doc("repeats it")] = "{name}, is that right?"
+    confirm: Annotated[str, Doc("repeats the name to confirm it")] = "{name}, is that right?"
     taken: Annotated[str, Doc("when a visitor of this name is known already")] = (
         "I know {name} already. Is that you?"
     )
-    another: Annotated[str, Doc("when it is not")] = "Then please tell me another name for you."
+    another: Annotated[str, Doc("when it is another visitor")] = (
+        "Then please tell me another name for you."
+    )
     welcome: Annotated[str, Doc("at the end")] = "Nice to meet you, {name}!"
     give_up: Annotated[str, Doc("when it did not work")] = "Never mind, let us go on."
     yes: Annotated[tuple[str, ...], Doc("answers that confirm")] = ("yes", "yeah", "right", "ok")
@@ -146,7 +154,7 @@ class AttentionSettings:
     look: Annotated[bool, Doc("turn the head towards where a sound comes from")] = False
     seconds: Annotated[float, Seconds(0.2, 30), Doc("how long it looks there")] = 2.0
     within: Annotated[
-        float, Range(0, 180, "degrees"), Doc("directions so close to each other are the same")
+        float, Range(0, 180, "degrees"), Doc("directions that differ less than this are the same")
     ] = 15.0
 
 
@@ -154,20 +162,23 @@ class AttentionSettings:
 class EngagementSettings(Section):
     """The model's settings. Distances in metres, times in seconds, rates in samples a second."""
 
-    start: Annotated[str, OneOf(RUNS), Doc("run, hold (only by hand) or off")] = "run"
+    start: Annotated[str, OneOf(RUNS), Doc("run, hold (only the wizard changes it) or off")] = "run"
     signs: Annotated[
-        tuple[Annotated[str, OneOf(CONDITION)], ...], Doc("what the condition of engagement uses")
+        tuple[Annotated[str, OneOf(CONDITION)], ...],
+        Doc("signs that the condition of engagement uses"),
     ] = CONDITION
     rate: Annotated[float, Range(0.1, 1000, "Hz"), Doc("samples a second of a sensor")] = 3.0
     filter: Annotated[str, OneOf(FILTERS), Doc("fifo, median (distance only) or joint")] = "fifo"
     samples: _Places = 8
     threshold: _Share = 0.5
     start_up: Annotated[
-        str, OneOf(START_UPS), Doc("a queue that is not full: empty places count as no; or not")
+        str,
+        OneOf(START_UPS),
+        Doc("queue that is not full: empty places count as no, or are ignored"),
     ] = "zero-fill"
     stale: _Stale = 1.0
     social_distance: Annotated[float, Range(0.1, 10, "m"), Doc("near enough to talk (S_d)")] = 1.3
-    farthest: Annotated[float, Range(0.5, 100, "m"), Doc("beyond the range sensor's reach")] = 5.0
+    farthest: Annotated[float, Range(0.5, 100, "m"), Doc("beyond the range of the sensor")] = 5.0
     presence: SignSettings = field(default_factory=SignSettings)
     gaze: SignSettings = field(default_factory=SignSettings)
     distance: SignSettings = field(default_factory=SignSettings)
@@ -201,7 +212,7 @@ class EngagementSettings(Section):
         if not self.signs:
             found.append(("signs", f"name at least one of {', '.join(CONDITION)}"))
         elif len(set(self.signs)) < len(self.signs):
-            found.append(("signs", "one sign stands here twice"))
+            found.append(("signs", "a sign appears here twice"))
         if self.stale * self.rate < 1:
             found.append(("stale", self._too_soon(self.stale)))
         if self.social_distance >= self.farthest:
@@ -210,9 +221,9 @@ class EngagementSettings(Section):
             word.casefold() for word in self.handshake.no
         }
         if both:
-            found.append(("handshake.no", f"{', '.join(sorted(both))} would mean yes too"))
+            found.append(("handshake.no", f"{', '.join(sorted(both))} means both yes and no"))
         return found
 
     def _too_soon(self, stale: float) -> str:
         period = f"{1 / self.rate:.2g} s at {self.rate:g} Hz"
-        return f"{stale:g} s is shorter than from one sample to the next ({period})"
+        return f"{stale:g} s is shorter than the time between two samples ({period})"

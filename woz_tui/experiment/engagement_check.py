@@ -86,7 +86,7 @@ def _sensors(settings: EngagementSettings, published: list[str], report: Report)
             near = report.hint(name, published, or_list="sensors are")
             report.error_at(path, f"there is no sensor {quoted(name)}{near}")
         elif other != part and name in published:
-            said = f"{quoted(name)} gives {other} already"
+            said = f"{quoted(name)} already gives {other}"
             report.error_at(path, said)
 
 
@@ -104,9 +104,9 @@ def _signs(
         rest = ", ".join(sign for sign in settings.signs if sign not in missing)
         report.warning_at(
             path,
-            f"nobody gives {' and '.join(missing)}, so nobody is ever engaged; let the wizard do it"
-            f" with an action such as {{key: ..., label: ..., toggle: {missing[0]}}}"
-            + (f", or do without: signs: [{rest}]" if rest else ""),
+            f"no driver gives {' and '.join(missing)}, so engagement never begins; add an action"
+            f" for the wizard, such as {{key: ..., label: ..., toggle: {missing[0]}}}"
+            + (f", or leave it out: signs: [{rest}]" if rest else ""),
         )
 
 
@@ -122,7 +122,7 @@ def _choices(settings: EngagementSettings, published: list[str], report: Report)
             path = f"{SECTION}.{part}"
             report.warning_at(
                 path,
-                f"{' and '.join(several)} give {name}; say which one counts:"
+                f"{' and '.join(several)} give {name}; choose one:"
                 f" {part}: {{sensor: {several[0]}}}",
             )
 
@@ -135,16 +135,16 @@ def _handshake(
     if settings.handshake.by != "robot":
         return
     if "say" not in robots.offers:
-        said = "the robot cannot ask anybody: no driver offers 'say'; lead it yourself, by: wizard"
+        said = "the robot cannot ask for a name: no driver offers 'say'; write by: wizard"
         report.warning_at(path, said)
     elif not _given_as(SPEECH_TEXT, published):
         said = (
-            "nobody hears the answer: no driver gives speech as text (a microphone's transcribe,"
+            "no driver recognises the answer as text (a microphone's transcribe,"
             " a pepper's recognition); type the name with visitor, or lead it yourself, by: wizard"
         )
         report.warning_at(path, said)
     elif _given_as("identity", published) and LEARN_FACE not in robots.offers:
-        said = f"nobody is recognised when they come back: no driver offers {quoted(LEARN_FACE)}"
+        said = f"returning visitors are not recognised: no driver offers {quoted(LEARN_FACE)}"
         report.warning_at(path, said)
 
 

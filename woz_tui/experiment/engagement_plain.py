@@ -37,7 +37,7 @@ def settings_from(values: dict[str, Json]) -> EngagementSettings:
     except msgspec.ValidationError as error:
         raise ValueError(str(error)) from error
     except ArithmeticError as error:
-        raise ValueError("rate is no number of samples a second") from error
+        raise ValueError("rate must be a number of samples per second") from error
     problems += _strange(settings, EngagementSettings, "")
     if problems:
         raise ValueError("; ".join(f"{name}: {why}" for name, why in problems))

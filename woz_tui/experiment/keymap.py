@@ -288,7 +288,7 @@ class FileKeys:
         if key in self._played:
             return f"{key!r} already plays {self._played[key]}"
         if second and first in self._played:
-            return f"{key!r} can never be finished: {first!r} plays {self._played[first]}"
+            return f"{key!r} can never be completed: {first!r} plays {self._played[first]}"
         if not second and key in self._begun:
             whole, who = self._begun[key]
             return f"{key!r} begins {whole!r}, which plays {who}"
@@ -342,7 +342,7 @@ def _read(path: Path, layout: str, report: Report) -> dict[str, str]:
         if name not in known:
             spot.unknown(known, "known are")
         elif not known[name].movable:
-            spot.error("the stop stays where it is")
+            spot.error("the key of the stop cannot be changed")
         elif (chord := _chord(spot, layout)) is not None:
             moved[name] = chord
     return moved
@@ -361,7 +361,7 @@ def _chord(spot: Spot, layout: str) -> str | None:
         spot.error(f"{quoted(text)} means stop, and nothing else")
         return None
     if " " in chord:
-        spot.error("one key only, not two after each other")
+        spot.error("only one key is possible here, not two after each other")
         return None
     return chord
 

@@ -165,7 +165,8 @@ class _Composer:
                 self._documents += 1
                 if self._documents > 1:
                     raise _HopelessError(
-                        self._place(event), "a second document begins here; one file holds one"
+                        self._place(event),
+                        "a second document begins here; a file can have only one",
                     )
 
     def _place(self, event: yaml.Event) -> Place:
@@ -201,7 +202,7 @@ class _Composer:
             )
         node = self._anchors[event.anchor]
         if node is None:
-            raise _HopelessError(place, f"*{event.anchor} stands inside itself")
+            raise _HopelessError(place, f"*{event.anchor} contains itself")
         self._add(node)
 
     def _anchor(self, anchor: str | None, node: Node) -> None:
@@ -255,7 +256,7 @@ class _Composer:
         self._report.error(
             node.place,
             top.path or "YAML",
-            f"a name is expected before the colon, not {described(node)}",
+            f"expected a name before the colon, not {described(node)}",
         )
         top.dropped = True
 
@@ -270,7 +271,7 @@ class _Composer:
             return
         first = table.keys.get(key.text)
         if first is not None:
-            twice = f"{quoted(key.text)} stands here twice (first in line {first.place.line})"
+            twice = f"{quoted(key.text)} appears twice (first in line {first.place.line})"
             say = self._report.warning if self._last_wins else self._report.error
             say(key.place, join(top.path, key.text), twice)
         if first is None or self._last_wins:
@@ -300,20 +301,20 @@ def _merge(table: Table, base: Table) -> None:
 
 #: (part of the parser's sentence, ours). First match wins.
 _SAID = (
-    ("tab character that violates", "a tab; YAML is indented with blanks"),
+    ("tab character that violates", "a tab character; indent YAML with spaces"),
     ("alphabetic or numeric", "text that begins with * or & needs quotes"),
-    ("mapping values are not allowed", "a colon too many: text that holds ': ' needs quotes"),
+    ("mapping values are not allowed", "one colon too many: text that contains ': ' needs quotes"),
     ("could not find expected ':'", "a colon is missing after a name, or a quote is not closed"),
-    ("block sequence entries", "a dash cannot stand here; is the line above complete?"),
-    ("expected '-' indicator", "a '-' is expected here; look at the indentation"),
+    ("block sequence entries", "a dash cannot be here; is the line above complete?"),
+    ("expected '-' indicator", "a '-' is missing here; check the indentation"),
     ("expected ',' or ']'", "a ',' or the closing ] is missing"),
     ("expected ',' or '}'", "a ',' or the closing } is missing"),
     ("unexpected end of stream", "these quotes are never closed"),
     ("escape character", "unknown escape after \\ in double quotes; use single quotes"),
     ("hexdecimal", "unknown escape after \\ in double quotes; use single quotes"),
     ("expected node content", "a value is missing here, or text that needs quotes"),
-    ("<document start>", "this stands outside of the file's mapping; look at the indentation"),
-    ("expected key", "this does not fit: look at the indentation and the quotes"),
+    ("<document start>", "this is outside of the file's mapping; check the indentation"),
+    ("expected key", "this does not fit: check the indentation and the quotes"),
     ("tag", "text that begins with ! needs quotes"),
     ("URI", "text that begins with ! needs quotes"),
     ("directive", "text that begins with % needs quotes"),
@@ -325,7 +326,7 @@ def explained(error: yaml.YAMLError, text: str) -> tuple[int, int, str]:
     """Line and column (from 1) of the error in `text`, and a sentence."""
     if not isinstance(error, yaml.MarkedYAMLError):
         return 1, 1, " ".join(str(error).split())
-    said = f"{error.problem or 'cannot be understood'} {error.context or ''}".strip()
+    said = f"{error.problem or 'cannot be read'} {error.context or ''}".strip()
     mark = error.problem_mark or error.context_mark
     begun = error.context_mark
     if "end of stream" in said and begun is not None:
@@ -345,5 +346,5 @@ def _character(text: str, line: int, column: int) -> str:
     lines = text.splitlines()
     found = lines[line][column : column + 1] if line < len(lines) else ""
     if found == "\t":
-        return "a tab; YAML is indented with blanks"
+        return "a tab character; indent YAML with spaces"
     return f"text that begins with {found or 'this character'} needs quotes"

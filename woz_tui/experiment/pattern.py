@@ -11,7 +11,7 @@ import re
 #: Seconds that one comparison may take; an ordinary one takes microseconds.
 LIMIT_S = 0.02
 #: What helps against a pattern that takes longer.
-SIMPLER = "write participants.pattern without a repetition inside another one"
+SIMPLER = "write participants.pattern without nested repetitions"
 
 
 def matches(pattern: str, code: str) -> bool:

@@ -36,7 +36,7 @@ def read_phases(
     """
     entries = spot.list("a list of phases") if spot is not None else None
     if spot is not None and entries == []:
-        spot.error("no phase stands here; leave phases out")
+        spot.error("the list has no phase; add one, or remove phases")
     found = [(entry, phase) for entry in entries or () if (phase := _phase(entry)) is not None]
     names = [phase.name for _, phase in found]
     first: dict[str, int] = {}
@@ -61,7 +61,7 @@ def _phase(spot: Spot) -> Phase | None:
         return None
     title, name = read_filled(table.get("title")), read_filled(table.get("name"))
     if title is None and name is None and not {"title", "name"} & table.keys():
-        missing({}, "name", spot, "what logs and tables call it")
+        missing({}, "name", spot, "name in logs and tables")
 
     def texts(field: str, expected: str) -> tuple[str, ...]:
         return tuple(text for _, text in one_or_more(table.get(field), expected))
@@ -102,7 +102,7 @@ def _check_actions(spot: Spot | None, actions: Mapping[str, Action], phase: Phas
             near = entry.report.hint(name, actions)
             entry.error(f"there is no action {quoted(name)}{near}")
         elif action.locked:
-            entry.warning(f"{quoted(name)} is locked, it will not play")
+            entry.warning(f"{quoted(name)} is locked and cannot be played")
         elif phase.panels and action.panel not in phase.panels:
             panel = f"the panel {quoted(action.panel)} is not in front in this phase"
             entry.warning(f"{panel}; add it to panels: [...]")
@@ -120,6 +120,6 @@ def _check_reachable(found: Sequence[tuple[Spot, Phase]]) -> None:
     for number, (entry, phase) in enumerate(found):
         after = dict(entry.entries()).get("after")
         if after is not None and not number and phase.after:
-            after.warning("the first phase begins by itself, whatever stands here")
+            after.warning("the first phase begins by itself; after has no effect here")
         elif after is not None and phase.name not in reached:
             after.warning(f"{quoted(phase.name)} can never begin: none of these phases can")

@@ -82,7 +82,7 @@ def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
     if old.engagement is not None and new.engagement is not None:
         yield from _engagement(old.engagement, new.engagement)
     elif old.engagement is not new.engagement:
-        yield f"engagement is {'new' if old.engagement is None else 'gone'}"
+        yield f"engagement is {'new' if old.engagement is None else 'removed'}"
     yield from _entries(
         "repair",
         {action.label: action for action in old.repairs},
@@ -147,7 +147,7 @@ def _study(old: Study, new: Study) -> Iterable[str]:
 def _part(part: str, old: Study, new: Study) -> Iterable[str]:
     was, now = getattr(old, part), getattr(new, part)
     if was is None or now is None:
-        yield from () if was is now else (f"{part} is {'new' if was is None else 'gone'}",)
+        yield from () if was is now else (f"{part} is {'new' if was is None else 'removed'}",)
     else:
         yield from (f"{part}: {what}" for what in _settings(was, now))
 
@@ -257,5 +257,5 @@ def _entries(what: str, old: Mapping[str, object], new: Mapping[str, object]) ->
 def _came_and_went(
     what: str, old: Mapping[str, object], new: Mapping[str, object]
 ) -> Iterable[str]:
-    yield from (f"{what} {name!r} is gone" for name in old if name not in new)
+    yield from (f"{what} {name!r} was removed" for name in old if name not in new)
     yield from (f"{what} {name!r} is new" for name in new if name not in old)

@@ -87,7 +87,7 @@ class Looker:
 
 
 #: Why a file with a secret in it is refused.
-SECRET = "a password, or another secret, stands here, and the file goes into every log; take it out"
+SECRET = "this looks like a password or another secret, and each log contains this file; remove it"
 
 
 def _findings(offer: Offer, written: Written, verb: Spot) -> Iterable[Finding]:
@@ -97,7 +97,7 @@ def _findings(offer: Offer, written: Written, verb: Spot) -> Iterable[Finding]:
     try:
         return [*offer.look(written)]
     except Exception as error:  # noqa: BLE001 - a plug-in's code; the file is not at fault
-        verb.warning(f"{offer.driver} fails when it looks at this: {error!r}")
+        verb.warning(f"{offer.driver} fails to check this: {error!r}")
         return ()
 
 

@@ -130,7 +130,7 @@ class Report:
         errors = self.errors
         if len(errors) > MAX_PROBLEMS:
             last = errors[MAX_PROBLEMS]
-            rest = f"and {len(errors) - MAX_PROBLEMS} more errors from here on"
+            rest = f"and {len(errors) - MAX_PROBLEMS} more errors"
             errors = [*errors[:MAX_PROBLEMS], Problem(last.place, last.path, rest)]
         if errors:
             raise ExperimentError(errors)

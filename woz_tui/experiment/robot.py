@@ -111,7 +111,7 @@ class RobotReader:
             self._robots.incomplete = True
             return
         if not table:
-            spot.error("no robot stands here")
+            spot.error("a robot is missing here")
         for name, entry in table.items():
             if _named(entry, name):
                 self._robots.names.append(name)
@@ -178,7 +178,7 @@ class RobotReader:
         before = len(self._robots.drivers)
         entries = drivers.table("a mapping of drivers by name") if drivers is not None else None
         if drivers is not None and entries is not None and not entries:
-            drivers.error("no driver stands here")
+            drivers.error("a driver is missing here")
         for driver, entry in (entries or {}).items():
             if _named(entry, driver):
                 self._typed_driver(entry, f"{prefix}{driver}")
@@ -254,7 +254,7 @@ class RobotReader:
 def _named(spot: Spot, name: str) -> bool:
     if name in PERFORMERS:
         itself = "the session itself" if name == SESSION else "the engagement model"
-        spot.error(f"{name!r} is {itself}; choose another name")
+        spot.error(f"{name!r} is already the name of {itself}; choose another name")
         return False
     if not _NAME.fullmatch(name):
         spot.error(_NAME_RULE)

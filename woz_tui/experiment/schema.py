@@ -151,11 +151,11 @@ def study_properties() -> Schema:
             "type": "array",
             "items": TEXT,
             "uniqueItems": True,
-            "description": "what a human sees to before the first participant",
+            "description": "what a person checks before the first participant",
         },
         "shaping": {
             **settings_schema(Shaping),
-            "description": "how soon the robot may answer a cue",
+            "description": "delays before the robot answers a cue",
         },
         "answers": {
             "oneOf": [
@@ -171,7 +171,7 @@ def study_properties() -> Schema:
         },
         "perception": {
             **settings_schema(Perception),
-            "description": "what the wizard does not get to see",
+            "description": "sensor values that are hidden from the wizard",
         },
         "training": _training(),
     }
@@ -179,12 +179,12 @@ def study_properties() -> Schema:
 
 def _design() -> Schema:
     schema = settings_schema(Design)
-    schema["description"] = "who gets which condition, in which order"
+    schema["description"] = "order of conditions for each participant"
     # Who gets one condition gets it from a shuffled block, unless the file says otherwise.
     schema["properties"]["order"].pop("default")
     schema["properties"]["blind"] = {
         "anyOf": [FLAG, BY_CONDITION],
-        "description": "what the wizard is told instead of each condition; true: letters",
+        "description": "labels that the wizard sees instead of the conditions; true: letters",
     }
     return schema
 
@@ -196,10 +196,10 @@ def _scale() -> Schema:
             {
                 "low": {"type": "integer", "description": "the lowest number"},
                 "high": {"type": "integer", "description": "the highest number"},
-                "ends": {**ends, "description": "what the lowest and the highest are called"},
+                "ends": {**ends, "description": "labels of the lowest and the highest number"},
             }
         ),
-        "description": "whole numbers from low to high, and what the ends are called",
+        "description": "whole numbers from low to high, with labels for both ends",
     }
 
 
@@ -210,25 +210,26 @@ def _questionnaire() -> Schema:
             "question": {**TEXT, "description": "as the participant reads it"},
             "scale": _scale(),
             "text": {**FLAG, "description": "a free text instead of a scale"},
-            "optional": {**FLAG, "description": "may be left out"},
+            "optional": {**FLAG, "description": "can be skipped"},
         },
         required=("question",),
     )
     schema = mapping(
         {
             "name": _NAME,
-            "title": {**TEXT, "description": "what stands above it"},
+            "title": {**TEXT, "description": "title"},
             "when": {
                 "enum": list(WHENS),
-                "description": "at the end, after each trial or condition, or by hand alone",
+                "description": "at the end, after each trial or condition, or only when the wizard"
+                " starts it",
             },
-            "introduction": {**TEXT, "description": "what is said before the first item"},
+            "introduction": {**TEXT, "description": "introduction before the first item"},
             "scale": _scale(),
             "items": {
                 "type": "array",
                 "items": {"oneOf": [TEXT, item]},
                 "minItems": 1,
-                "description": "what is asked, in this order",
+                "description": "questions, in this order",
             },
         },
         required=("items",),
@@ -241,13 +242,13 @@ def _training() -> Schema:
         {
             "cue": {"enum": list(SORTS), "description": "what the visitor does"},
             "says": {**_ONE_OR_MORE, "description": "what the visitor says; one of several"},
-            "answers": {**_ONE_OR_MORE, "description": "names of the actions that are right"},
-            "window": {**SECONDS, "description": "seconds in which the answer must come"},
+            "answers": {**_ONE_OR_MORE, "description": "names of the correct actions"},
+            "window": {**SECONDS, "description": "time limit for the answer, in seconds"},
         },
         required=("cue", "answers"),
     )
     schema = settings_schema(Training)
-    schema["description"] = "what `woz train` does"
+    schema["description"] = "settings of `woz train`"
     schema["properties"]["cues"] = {
         "type": "array",
         "items": cue,
@@ -283,7 +284,7 @@ _KEY: Schema = {
     ],
 }
 _ON: Schema = {
-    "description": "driver or robot that is meant; a list for several at once",
+    "description": "driver or robot; a list for several at once",
     "oneOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}],
 }
 
@@ -332,7 +333,8 @@ def experiment_schema(
                 },
                 "variables": {
                     "type": "object",
-                    "description": "values for {name} in utterances; a mapping: by condition",
+                    "description": "values for {name} in utterances; a mapping gives one for each"
+                    " condition",
                     "propertyNames": {"pattern": "^[A-Za-z_][A-Za-z0-9_]*$"},
                     "additionalProperties": {"oneOf": [TEXT, BY_CONDITION]},
                 },
@@ -355,7 +357,7 @@ def experiment_schema(
                 },
                 "steps": {
                     **settings_schema(Steps),
-                    "description": "how far one press of an arrow key goes",
+                    "description": "size of one step of an arrow key",
                 },
                 "engagement": _engagement(),
                 **study_properties(),
@@ -363,11 +365,11 @@ def experiment_schema(
                     "type": "array",
                     "items": {"$ref": "#/$defs/panel"},
                     "minItems": 1,
-                    "description": "groups of actions, as they stand on the screen",
+                    "description": "groups of actions, in the order of the screen",
                 },
                 "profiles": {
                     "type": "object",
-                    "description": "what a wizard may use, by the profile's name",
+                    "description": "profiles: what a wizard may use, by name",
                     "additionalProperties": _profile(),
                 },
                 "script": {
@@ -380,7 +382,7 @@ def experiment_schema(
                     "type": "array",
                     "items": _phase(),
                     "minItems": 1,
-                    "description": "parts of a trial: what is in front, and which may follow",
+                    "description": "parts of a trial: panels in front, and which phase may follow",
                 },
             },
             required=("title", "panels"),
@@ -479,10 +481,10 @@ def _engagement() -> Schema:
         }
     )
     schema = settings_schema(EngagementSettings)
-    schema["description"] = "how the robot tells whether somebody is with it"
+    schema["description"] = "engagement model: whether a visitor is engaged with the robot"
     schema["properties"][ON_ENTER] = {
         **on_enter,
-        "description": "what is done when a state is entered: steps, or names of actions",
+        "description": "on entering a state: steps, or names of actions",
     }
     return schema
 
@@ -490,9 +492,9 @@ def _engagement() -> Schema:
 def _profile() -> Schema:
     names: Schema = {"type": "array", "items": TEXT}
     allowed = {
-        name: {**names, "description": f"{name} that may be used"} for name in PROFILE_FIELDS
+        name: {**names, "description": f"{name} that can be used"} for name in PROFILE_FIELDS
     }
-    return mapping({**allowed, "hide": {**FLAG, "description": "hide what may not be used"}})
+    return mapping({**allowed, "hide": {**FLAG, "description": "hide what cannot be used"}})
 
 
 def _phase() -> Schema:
@@ -508,11 +510,11 @@ def _panel() -> Schema:
     panel = mapping(
         {
             "title": {**TEXT, "description": "unique in the file"},
-            "locked": {**FLAG, "description": "takes no input until it is unlocked"},
+            "locked": {**FLAG, "description": "locked until the wizard unlocks it"},
             "covers": {
                 "type": "array",
                 "items": TEXT,
-                "description": "verbs that nobody sends by hand while the panel is locked",
+                "description": "verbs that cannot be sent by hand while the panel is locked",
             },
             "actions": {
                 "type": "array",
@@ -529,13 +531,13 @@ def _action(verbs: Sequence[Verb]) -> Schema:
     properties = {
         **_spoken(verbs),
         "key": _KEY,
-        "label": {**TEXT, "description": "what stands on the button"},
+        "label": {**TEXT, "description": "text on the button"},
         "name": {**TEXT, "description": "name for scripts and programs (default: the label)"},
         "help": {**TEXT, "description": "a sentence for the wizard"},
-        "locked": {**FLAG, "description": "shown, but never played"},
+        "locked": {**FLAG, "description": "shown, but cannot be played"},
         "when_busy": {
             "enum": list(WHEN_BUSY),
-            "description": "what a press does while it is running",
+            "description": "what the key does while the action is running",
         },
         "on": _ON,
         "then": {**_ONE_OR_MORE, "description": "names of actions to be within reach behind it"},
@@ -543,7 +545,7 @@ def _action(verbs: Sequence[Verb]) -> Schema:
             "type": "array",
             "items": {"$ref": "#/$defs/step"},
             "minItems": 1,
-            "description": "one after the other; verbs in one step run together",
+            "description": "steps run one after the other; verbs in one step run at the same time",
         },
     }
     schema = mapping(properties)
@@ -661,7 +663,7 @@ def _merged(one: Verb, other: Verb) -> Verb:
 
 
 def _sample(shape: type) -> Any:
-    """An instance with what is required, and with all parts that may be left out: a robot may
+    """An instance with what is required, and with all parts that can be skipped: a robot may
     have a face, and its editor shall know what faces can do.
     """
     given = (item for item in fields_of(shape) if item.required or _part(item.annotation))

@@ -100,7 +100,7 @@ def _misfiltered(args: Mapping[str, Json]) -> str:
     if kind == "median" and sign != "distance":
         return "a median is for distance; take fifo or joint"
     if not {"kind", "samples", "threshold"} & args.keys():
-        return "changes nothing; give it a kind, samples or a threshold"
+        return "changes nothing; add a kind, samples or a threshold"
     return ""
 
 
@@ -109,6 +109,4 @@ def without_a_sign(verb: str, text: str) -> str:
     if verb != "filter" or text not in FILTERS:
         return ""
     sign = "distance" if text == "median" else "all"
-    return (
-        f"{text!r} is a kind of filter; say of which sign: filter: {{sign: {sign}, kind: {text}}}"
-    )
+    return f"{text!r} is a kind of filter; name the sign: filter: {{sign: {sign}, kind: {text}}}"

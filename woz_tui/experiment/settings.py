@@ -219,7 +219,7 @@ def _simple(spot: Spot, bare: Any, notes: tuple[Any, ...]) -> Any:
         return BAD if text is None else bare(text)
     if bare is Any or bare is object:
         return raw(spot.node)
-    spot.error(f"the driver wants a {bare!r} here, which a file cannot hold")
+    spot.error(f"the driver needs a {bare!r} here, which a file cannot contain")
     return BAD
 
 
@@ -261,7 +261,7 @@ def resolved(spot: Spot, text: str, *, must_exist: bool) -> str:
         if must_exist and not path.exists():
             spot.warning(f"there is no file {text!r}")
     except (OSError, RuntimeError, ValueError) as error:
-        spot.error(f"{text!r} is no path: {error}")
+        spot.error(f"{text!r} is not a path: {error}")
         return text
     return str(_straight(path))
 
@@ -305,7 +305,7 @@ def _different(entries: Sequence[Spot], values: Sequence[Any]) -> bool:
     """Whether no value stands twice; what does is reported."""
     twice = [entry for at, entry in enumerate(entries) if values[at] in values[:at]]
     for entry in twice:
-        entry.error(f"{described(entry.node)} stands here twice")
+        entry.error(f"{described(entry.node)} appears twice")
     return not twice
 
 

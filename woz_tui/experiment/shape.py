@@ -179,13 +179,13 @@ class Phase:
 
     name: Annotated[str, Doc("what logs and tables call it (default: the title)")]
     title: Annotated[str, Doc("what the screen shows (default: the name)")] = ""
-    panels: Annotated[tuple[str, ...], Doc("titles of the panels that are in front")] = ()
+    panels: Annotated[tuple[str, ...], Doc("titles of the panels in front")] = ()
     script: Annotated[tuple[str, ...], Doc("names of actions; space plays the next one")] = ()
     on_enter: Annotated[tuple[str, ...], Doc("names of actions played when it begins")] = ()
     after: Annotated[
-        tuple[str, ...], Doc("it can begin once one of these phases has begun in the trial")
+        tuple[str, ...], Doc("phases, one of which must have begun in the trial before this one")
     ] = ()
-    planned: Annotated[float, PLANNED, Doc("how long it is to last")] = 0.0
+    planned: Annotated[float, PLANNED, Doc("planned duration")] = 0.0
     lock_others: Annotated[bool, Doc("panels of other phases are locked, not only folded")] = False
 
     @property
@@ -218,10 +218,10 @@ class Profile:
 class Steps:
     """How far one press of an arrow key goes."""
 
-    head: Annotated[float, Range(0.1, 90, "°"), Doc("the head turns so far")] = 5.0
-    hip: Annotated[float, Range(0.1, 45, "°"), Doc("the hip bends so far")] = 3.0
-    drive: Annotated[float, Range(0.01, 5, "m"), Doc("the base drives so far")] = 0.1
-    turn: Annotated[float, Range(1, 360, "°"), Doc("the base turns so far")] = 10.0
+    head: Annotated[float, Range(0.1, 90, "°"), Doc("angle of the head for one step")] = 5.0
+    hip: Annotated[float, Range(0.1, 45, "°"), Doc("angle of the hip for one step")] = 3.0
+    drive: Annotated[float, Range(0.01, 5, "m"), Doc("distance of the base for one step")] = 0.1
+    turn: Annotated[float, Range(1, 360, "°"), Doc("angle of the base for one step")] = 10.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -230,19 +230,19 @@ class SessionSettings:
 
     #: Seconds without any console before the robot rests and the session ends.
     abandon_after: Annotated[
-        float, Seconds(5.0), Doc("without any console for so long, the session ends")
+        float, Seconds(5.0), Doc("the session ends after this time without a console")
     ] = 600.0
     #: Seconds a key press may wait in a queue before it is refused as late.
     deadline: Annotated[
-        float, Seconds(0.1, 600.0), Doc("how long a key press may wait in a queue")
+        float, Seconds(0.1, 600.0), Doc("longest time that a key press can wait in a queue")
     ] = 10.0
     #: Seconds a press may take from the terminal to the robot before it counts as stale.
     stale_after: Annotated[
-        float, Seconds(0.1, 60.0), Doc("how old a key press may be and still be played")
+        float, Seconds(0.1, 60.0), Doc("age above which a key press is refused")
     ] = 1.5
     #: Seconds without a beat of the wizard's console before driving stops.
     dead_man: Annotated[
-        float, Seconds(1.0, 60.0), Doc("without the console for so long, driving stops")
+        float, Seconds(1.0, 60.0), Doc("driving stops after this time without the console")
     ] = 3.0
 
 

@@ -59,7 +59,9 @@ def _bytes(path: Path) -> bytes:
         reason = getattr(error, "strerror", None) or str(error)
         raise SourceError(f"cannot be read: {reason}") from error
     if len(data) > MAX_BYTES:
-        raise SourceError(f"the file is larger than {MAX_BYTES >> 20} MiB; is it the right one?")
+        raise SourceError(
+            f"the file is larger than {MAX_BYTES >> 20} MiB; check that it is the right file"
+        )
     return data
 
 
@@ -78,7 +80,7 @@ def text_of(data: bytes) -> str:
     if match := _FORBIDDEN.search(text):
         line, column = _position(text[: match.start()])
         character = f"U+{ord(match.group()):04X}"
-        raise SourceError(f"the invisible character {character} cannot stand here", line, column)
+        raise SourceError(f"the invisible character {character} is not allowed here", line, column)
     return text
 
 

@@ -112,7 +112,7 @@ def read_text(spot: Spot, expected: str = "text") -> str | None:
         spot.wrong(expected)
         return None
     if "\0" in spot.node.text:
-        spot.error("a NUL character cannot stand in text")
+        spot.error("text cannot contain a NUL character")
         return None
     return spot.node.text
 
@@ -121,7 +121,7 @@ def read_filled(spot: Spot | None, expected: str = "text") -> str | None:
     """Text that is more than blanks, if it is there; blanks are reported, and come back."""
     text = read_text(spot, expected) if spot is not None else None
     if spot is not None and text is not None and not text.strip():
-        spot.error("nothing but blanks")
+        spot.error("is empty")
     return text
 
 
@@ -135,7 +135,7 @@ def read_texts(
     for entry in entries or ():
         text = read_text(entry, each)
         if text is not None and once and text in found:
-            entry.error(f"{quoted(text)} stands here twice")
+            entry.error(f"{quoted(text)} appears twice")
         elif text is not None:
             texts.append((entry, text))
             found[text] = entry
@@ -185,7 +185,7 @@ def read_number(spot: Spot, allowed: Range | None = None) -> float | None:
         if _NUMBER.fullmatch(text.replace(",", ".", 1)):
             spot.error(f"write {text.replace(',', '.', 1)!r}: the decimal sign is a point")
         elif (number := _NUMBER.match(text)) and number.group():
-            spot.error(f"expected {expected} and nothing else, not {quoted(text)}")
+            spot.error(f"expected {expected} alone, not {quoted(text)}")
         else:
             spot.wrong(expected)
         return None

@@ -37,12 +37,12 @@ class Design:
     """
 
     order: Annotated[str, OneOf(ORDERS), Doc("latin-square, blocks or fixed")] = "latin-square"
-    within: Annotated[bool, Doc("each participant gets all conditions, not one")] = True
+    within: Annotated[bool, Doc("each participant gets all conditions; false: one of them")] = True
     trials: Annotated[int, Range(1, 1000), Doc("trials in each condition")] = 1
     block: Annotated[
-        int | None, Range(1, 1000), Doc("participants of a block; default: one for each condition")
+        int | None, Range(1, 1000), Doc("participants per block; default: the number of conditions")
     ] = None
-    seed: Annotated[int, Range(0, 999_999), Doc("seed of what is shuffled")] = 0
+    seed: Annotated[int, Range(0, 999_999), Doc("seed of the shuffling")] = 0
     #: Condition -> what the wizard is told instead; empty: the wizard is told the condition.
     blind: Mapping[str, str] = field(default_factory=dict)
 
@@ -84,9 +84,11 @@ class Shaping:
     """
 
     floor: Annotated[
-        float, Seconds(0, 60), Doc("seconds from the cue to the robot's act, at least")
+        float, Seconds(0, 60), Doc("shortest time from the cue to the robot's action, in seconds")
     ] = 0.0
-    jitter: Annotated[float, Seconds(0, 60), Doc("up to so many seconds more, at random")] = 0.0
+    jitter: Annotated[
+        float, Seconds(0, 60), Doc("longest random time that is added, in seconds")
+    ] = 0.0
     cues: Annotated[tuple[str, ...], OneOf(CUES), Unique(), Doc("speech, engagement, marker")] = (
         "speech",
     )
@@ -96,11 +98,9 @@ class Shaping:
 class Perception:
     """What the wizard does not get to see, so as to know no more than the robot could."""
 
-    hide: Annotated[
-        tuple[str, ...], OneOf(PERCEIVED), Unique(), Doc("what is not shown at all")
-    ] = ()
+    hide: Annotated[tuple[str, ...], OneOf(PERCEIVED), Unique(), Doc("what is hidden")] = ()
     blur: Annotated[
-        tuple[str, ...], OneOf(BLURRED), Unique(), Doc("what is shown, but not legibly")
+        tuple[str, ...], OneOf(BLURRED), Unique(), Doc("what is shown only roughly")
     ] = ()
 
 
@@ -122,7 +122,7 @@ class Training:
 
     cues: tuple[TrainingCue, ...] = ()
     count: Annotated[int, Range(1, 1000), Doc("cues in one training")] = 20
-    window: Annotated[float, Seconds(0.5, 60), Doc("seconds in which an answer must come")] = 4.0
+    window: Annotated[float, Seconds(0.5, 60), Doc("time limit for an answer, in seconds")] = 4.0
     pause: Annotated[float, Seconds(0.5, 60), Doc("seconds between two cues, on average")] = 3.0
 
 

@@ -105,9 +105,9 @@ def _questionnaire(spot: Spot) -> Questionnaire | None:
     title = read_filled(table.get("title"))
     name = _name(table.get("name"), title)
     if title is None and not name and not {"title", "name"} & table.keys():
-        missing({}, "title", spot, "what stands above it")
+        missing({}, "title", spot, "title")
     elif not name and "name" not in table:
-        missing({}, "name", spot, "none can be made from the title")
+        missing({}, "name", spot, "no name can be made from the title")
     when = table.get("when")
     scale = _scale(table.get("scale"), _Scale())
     items_spot = missing(table, "items", spot)
@@ -124,7 +124,7 @@ def _questionnaire(spot: Spot) -> Questionnaire | None:
 def _items(spot: Spot, scale: _Scale) -> tuple[Item, ...]:
     entries = spot.list("a list of items")
     if entries is not None and not entries:
-        spot.error("no item stands here")
+        spot.error("an item is missing here")
     found = [(entry, _item(entry, scale)) for entry in entries or ()]
     _different([(entry, item.name) for entry, item in found], "an item", "question")
     return tuple(item for _, item in found)
@@ -135,7 +135,7 @@ def _item(spot: Spot, scale: _Scale) -> Item:
         question = read_filled(spot) or ""
         name = code_of(question)
         if question and not name:
-            spot.error("no name can be made of this; write {name: ..., question: ...}")
+            spot.error("no name can be made from this; write {name: ..., question: ...}")
         return Item(name, question, scale.low, scale.high, scale.ends)
     example = "a question, or {name: ..., question: ...}"
     table = spot.fields(ITEM_FIELDS, "an item has", example) or {}
@@ -143,7 +143,7 @@ def _item(spot: Spot, scale: _Scale) -> Item:
     question = read_filled(asked) or ""
     name = _name(table.get("name"), question)
     if question and not name and "name" not in table:
-        missing({}, "name", spot, "none can be made from the question")
+        missing({}, "name", spot, "no name can be made from the question")
     text = is_set(table.get("text"))
     own = table.get("scale")
     if text and own is not None:
@@ -174,21 +174,21 @@ def _scale(spot: Spot | None, outer: _Scale) -> _Scale:
         return outer
     last = table.get("high", table.get("low", spot))
     if low >= high:
-        last.error(f"the scale goes from {low} to {high}; it wants two points at least")
+        last.error(f"the scale goes from {low} to {high}; it needs at least two points")
         return outer
     if high - low >= MOST_POINTS:
-        last.error(f"a scale has {MOST_POINTS} points at most")
+        last.error(f"a scale can have at most {MOST_POINTS} points")
         return outer
     return _Scale(low, high, ends)
 
 
 def _ends(spot: Spot | None) -> tuple[str, str] | None:
-    entries = spot.list("what the ends are called: [not at all, very much]") if spot else None
+    entries = spot.list("labels of both ends: [not at all, very much]") if spot else None
     if spot is None or entries is None:
         return None
     names = [read_text(entry) for entry in entries]
     if len(names) != 2:
-        spot.error(f"a scale has two ends, here are {len(names)}")
+        spot.error(f"a scale has two labels, one for each end; this has {len(names)}")
         return None
     return (names[0] or "", names[1] or "")
 
@@ -250,14 +250,17 @@ def _problems(design: Design, conditions: Sequence[str]) -> Iterator[tuple[str, 
     """What does not go together, each with the setting that is to blame."""
     count = len(conditions)
     if design.order == "latin-square" and not design.within:
-        yield "order", "who gets one condition has no order of them; take order: blocks"
+        yield (
+            "order",
+            "with one condition for each participant there is no order; write order: blocks",
+        )
     elif count < 2 and (design.order != "fixed" or not design.within):
         listed = "the file lists one" if count else "the file lists none"
-        yield "order", f"wants two conditions at least, {listed}; without them: order: fixed"
+        yield "order", f"needs at least two conditions,  {listed}; without them: order: fixed"
     if design.block is not None and design.order != "blocks":
         yield "block", "only order: blocks has blocks"
     elif design.block is not None and count and design.block % count:
-        yield "block", f"is a multiple of the number of conditions, {count}"
+        yield "block", f"must be a multiple of the number of conditions, {count}"
 
 
 def _labels(spot: Spot | None, conditions: Sequence[str], seed: int) -> dict[str, str]:
@@ -271,7 +274,7 @@ def _labels(spot: Spot | None, conditions: Sequence[str], seed: int) -> dict[str
         if not read_flag(spot):
             return {}
         if not conditions:
-            spot.error("hides the conditions, but the file lists none; add conditions: [...]")
+            spot.error("hides the conditions, but the file has none; add conditions: [...]")
         return letters(conditions, seed)
     if not isinstance(spot.node, Table):
         spot.wrong("true, or a label for each condition")
@@ -283,9 +286,11 @@ def _labels(spot: Spot | None, conditions: Sequence[str], seed: int) -> dict[str
         if label is None:
             continue
         if not label.strip():
-            entry.error("nothing but blanks")
+            entry.error("is empty")
         elif label in conditions:
-            entry.error(f"{quoted(label)} is a condition's name; choose a label that tells nothing")
+            entry.error(
+                f"{quoted(label)} is a condition's name; choose a label that does not reveal it"
+            )
         elif label in first:
             entry.error(f"{quoted(label)} is the label of {quoted(first[label])} already")
         first.setdefault(label, condition)
@@ -335,8 +340,8 @@ def _without_a_design(spot: Spot | None) -> None:
         when = dict(entry.entries()).get("when")
         if when is not None and getattr(when.node, "text", "") == "condition":
             when.warning(
-                "without a design nobody knows which trial of a condition is the last;"
-                " add design: {trials: ...}, or put it yourself: when: hand"
+                "without a design, the last trial of a condition is unknown;"
+                " add design: {trials: ...}, or start it by hand: when: hand"
             )
 
 
@@ -344,7 +349,7 @@ def _preflight(spot: Spot | None) -> tuple[str, ...]:
     found = read_texts(spot, "a list of sentences", "a sentence", once=True)
     for entry, text in found:
         if not text.strip():
-            entry.error("nothing but blanks")
+            entry.error("is empty")
     return tuple(text for _, text in found)
 
 
@@ -355,13 +360,13 @@ def _shaping(spot: Spot | None, around: Around) -> Shaping | None:
     entries = dict(spot.entries())
     cues = entries.get("cues", spot)
     if not shaping.cues:
-        cues.error("no cue stands here; without the whole section nothing is held up")
+        cues.error("the list has no cue; add one, or remove the section")
     if not shaping.floor and not shaping.jitter:
-        spot.warning("holds nothing up; give it a floor, such as floor: 0.8 s")
+        spot.warning("delays nothing; add a floor, such as floor: 0.8 s")
     if "engagement" in shaping.cues and not around.engaged:
-        cues.warning("engagement never comes: the file has no section engagement")
+        cues.warning("the cue engagement never occurs: the file has no section engagement")
     if "speech" in shaping.cues and around.sensors is not None and not _heard(around.sensors):
-        cues.warning("speech never comes: no driver hears when somebody has spoken")
+        cues.warning("the cue speech never occurs: no driver detects the end of speech")
     return shaping
 
 
@@ -399,7 +404,7 @@ def _perception(spot: Spot | None) -> Perception:
     blur = dict(spot.entries()).get("blur")
     for each, word in zip(blur.items() if blur is not None else (), perception.blur, strict=True):
         if word in perception.hide:
-            each.warning("is hidden already, so there is nothing to blur")
+            each.warning("is hidden already and cannot be blurred as well")
     return perception
 
 
@@ -413,7 +418,9 @@ def _training(spot: Spot | None, actions: Mapping[str, Action]) -> Training:
     section = dict(spot.entries()).get("cues")
     entries = section.list("a list of cues") if section is not None else None
     if section is not None and entries == []:
-        section.error("no cue stands here; leave cues out, and they are made from the actions")
+        section.error(
+            "the list has no cue; add one, or remove cues: they are then made from the actions"
+        )
     cues = tuple(cue for entry in entries or () if (cue := _cue(entry, actions)) is not None)
     return Training(cues, settings.count, settings.window, settings.pause)
 
@@ -441,12 +448,12 @@ def _cue(spot: Spot, actions: Mapping[str, Action]) -> TrainingCue | None:
 def _answers(spot: Spot, actions: Mapping[str, Action]) -> Iterator[str]:
     given = [*one_or_more(spot, "the name of an action, or a list of them")]
     if not given and isinstance(spot.node, Items) and not spot.node.nodes:
-        spot.error("no action stands here")
+        spot.error("an action is missing here")
     for entry, name in given:
         action = actions.get(name)
         if action is None:
             near = spot.report.hint(name, actions, or_list="actions are")
             entry.error(f"there is no action {quoted(name)}{near}")
         elif action.locked:
-            entry.warning(f"{quoted(name)} is locked, nobody can answer with it")
+            entry.warning(f"{quoted(name)} is locked and cannot be an answer")
         yield name

@@ -51,7 +51,7 @@ def check(spot: Spot, text: str, known: Collection[str]) -> None:
         name = match["name"]
         if match["brace"]:
             brace = match["brace"]
-            spot.error(f"a {brace!r} without its partner; write {brace * 2} for a brace")
+            spot.error(f"a {brace!r} without its counterpart; write {brace * 2} for a brace")
         elif name is not None and name not in known:
             nearest = spot.report.hint(name, known, or_list="known are")
             spot.error(f"there is no variable {{{name}}}{nearest}")

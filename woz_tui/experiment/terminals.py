@@ -193,7 +193,7 @@ def _multiplexer_key(chord: Chord, terminal: Terminal) -> str:
     prefix = {"tmux": "ctrl+b", "screen": "ctrl+a"}.get(terminal.multiplexer)
     if prefix is None or not chord.ctrl or chord.alt or f"ctrl+{chord.base}" != prefix:
         return ""
-    return f"{terminal.multiplexer} keeps {prefix} for itself"
+    return f"{terminal.multiplexer} uses {prefix} itself"
 
 
 def _character(chord: Chord, terminal: Terminal, layout: Layout) -> Reach:
@@ -254,7 +254,7 @@ def _simple(chord: Chord, terminal: Terminal) -> Reach:
 
 def _tab(chord: Chord) -> Reach:
     if chord.alt:
-        return Reach(Verdict.NEVER, why="the desktop keeps alt+tab for itself")
+        return Reach(Verdict.NEVER, why="the desktop uses alt+tab itself")
     return Reach(Verdict.ARRIVES, b"\x1b[Z", "shift+tab")
 
 
@@ -297,7 +297,7 @@ def _pedal(chord: Chord, terminal: Terminal) -> Reach:
 
 def _kept(chord: Chord, terminal: Terminal) -> str:
     if terminal.linux and chord.alt and chord.base in (*ARROWS, *FUNCTION_KEYS):
-        return "the Linux console keeps alt with arrows and F-keys for itself"
+        return "the Linux console uses alt with arrows and F-keys itself"
     if chord == Chord("f4", alt=True):
         return "alt+f4 closes the window"
     if chord.shift and not (chord.ctrl or chord.alt):

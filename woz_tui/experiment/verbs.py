@@ -54,7 +54,9 @@ def session_verbs(conditions: Sequence[str] = (), panels: Sequence[str] = ()) ->
     """The verbs with the choices that one experiment allows."""
     panel = Argument("panel", "text", "a panel's title", required=True, choices=tuple(panels))
     return (
-        Verb("mark", "put a marker into the log", (Argument("text", "text", "what it marks"),)),
+        Verb(
+            "mark", "put a marker into the log", (Argument("text", "text", "text of the marker"),)
+        ),
         Verb(
             "note",
             "write a note into the log",
@@ -80,50 +82,52 @@ def engagement_verbs() -> tuple[Verb, ...]:
     sensor; `force` goes to a state, or takes the way out of the present one with this outcome.
     """
     return (
-        _brief("toggle", "your verdict on a sign: the opposite of what it is", _sign(*CONDITION)),
+        _brief(
+            "toggle", "set a sign by hand to the opposite of its present value", _sign(*CONDITION)
+        ),
         _brief(
             "sense",
-            "your verdict on a sign, or the sensor's again",
+            "set a sign by hand, or return it to the sensor",
             _sign(*SIGNS, "all"),
-            _text("value", "on, off, metres, a name, or sensor to give it back", required=True),
+            _text("value", "on, off, metres, a name, or sensor to return it", required=True),
         ),
         _brief(
             "force",
-            "go to a state, or leave this one by an outcome",
+            "go to a state, or leave the present one by an outcome",
             _choice("to", "a state or an outcome", *STATES, STOPPED, *OUTCOMES),
         ),
         _brief(
             "engagement",
-            "let the model run, hold it, switch it off, or take one step",
+            "run, hold or switch off the model, or take one step",
             _choice("run", "what it does", *RUNS, "step"),
         ),
         _brief(
             "filter",
-            "how the samples of a sign are filtered from now on",
+            "set the filter of a sign",
             _sign(*SIGNS, "all"),
             Argument("kind", "choice", "median is for distance only", choices=FILTERS),
-            Argument("samples", "whole", "places of the queue", range=Range(1, 1000)),
-            Argument("threshold", "number", "share of them that decides", range=Range(0, 1)),
+            Argument("samples", "whole", "samples in the queue", range=Range(1, 1000)),
+            Argument("threshold", "number", "share of them that is needed", range=Range(0, 1)),
         ),
         _brief(
             "social_distance",
-            "how near a visitor must be to talk",
+            "set the social distance",
             Argument("metres", "number", "from the robot", True, range=Range(0.1, 10, "m")),
         ),
         _brief(
             "attend",
-            "what may distract the robot from the one it talks with",
-            _choice("mode", "how steadfast it is", *MODES),
+            "set what can distract the robot from an engaged visitor",
+            _choice("mode", "distraction mode", *MODES),
         ),
         _brief(
             "handshake",
             "begin or end the introduction",
-            _choice("what", "ok needs a name, here or known already", "begin", "ok", "fail"),
+            _choice("what", "ok needs a name, given here or known before", "begin", "ok", "fail"),
             _text("code", "the visitor's code"),
         ),
         _brief(
             "visitor",
-            "who stands there: remembered, and in a handshake its end",
+            "set who the visitor is; this also ends a handshake",
             _text("code", "the visitor's code", required=True),
             _text("age_group", "such as child or adult"),
             _text("address", "form of address, such as formal or informal"),

@@ -9,7 +9,7 @@ LONGEST = 64
 #: Longest word in a profile.
 LONGEST_WORD = 32
 #: Names that mean something else where an identity is given.
-RESERVED = {"unknown": "it stands for a visitor without a name", "sensor": "it is a command"}
+RESERVED = {"unknown": "it is the word for a visitor without a name", "sensor": "it is a command"}
 #: Joiners that Persian and Indic names need; they make no difference between names.
 _JOINERS = "\u200c\u200d"
 #: Categories that are never seen, or that turn the text around them.
@@ -35,10 +35,10 @@ def name_of(text: str) -> str:
         raise BadNameError("a visitor's name is empty", "give a code or a name")
     _check(name, "a visitor's name", LONGEST)
     if not any(character.isalnum() for character in name):
-        raise BadNameError(f"{shown(name)} has neither letters nor digits", "give a code or a name")
+        raise BadNameError(f"{shown(name)} has no letters and no digits", "give a code or a name")
     reason = RESERVED.get(key_of(name))
     if reason is not None:
-        raise BadNameError(f"{shown(name)} is no name, {reason}", "take another one")
+        raise BadNameError(f"{shown(name)} cannot be a name: {reason}", "choose another name")
     return name
 
 
@@ -93,6 +93,6 @@ def _check(text: str, what: str, longest: int) -> None:
     for character in text:
         if character not in _JOINERS and unicodedata.category(character) in _UNSEEN:
             raise BadNameError(
-                f"{what} holds the character U+{ord(character):04X}, which cannot be seen",
-                "type it anew",
+                f"{what} holds the character U+{ord(character):04X}, which is invisible",
+                "type it again",
             )

@@ -30,7 +30,7 @@ class MicrophoneSettings(Section):
     ] = "max"
     threshold: Annotated[float, Range(0, 1), Doc("louder than this RMS is speech")] = 0.02
     onset: Annotated[float, Seconds(0, 2), Doc("so long it must be loud to be speech")] = 0.06
-    hang_over: Annotated[float, Seconds(0, 10), Doc("quiet for so long ends speech")] = 1.0
+    hang_over: Annotated[float, Seconds(0, 10), Doc("silence of this length ends speech")] = 1.0
     pre_roll: Annotated[
         float, Seconds(0, 10), Doc("a segment of speech begins so long before it is loud")
     ] = 0.5

@@ -197,5 +197,7 @@ def _bytes(path: Path) -> bytes:
     except NotRegularError:
         raise RejectedError(f"{path} is no text file", "correct the path") from None
     if len(data) > LONGEST:
-        raise RejectedError(f"{path} is longer than {LONGEST >> 20} MiB", "is it the right one?")
+        raise RejectedError(
+            f"{path} is longer than {LONGEST >> 20} MiB", "check that it is the right file"
+        )
     return data

@@ -172,7 +172,7 @@ def test_a_picture_that_was_painted_over_is_drawn_again(tmp_path: Path) -> None:
         host.held = True  # no other picture comes that would be drawn anyway
         host.until(lambda: host.unanswered > 0, "a question that is not answered")
         before = len(terminal.written)
-        terminal.send("\x0c")  # draw the screen again
+        terminal.send("\x0c")  # redraw the screen
         terminal.wait_for(lambda text: b"Camera" in terminal.written[before:])
         painted = terminal.written.index(b"Camera", before)
         terminal.wait_for(lambda text: SIXEL.search(bytes(terminal.written[painted:])) is not None)

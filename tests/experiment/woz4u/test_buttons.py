@@ -84,7 +84,8 @@ def test_a_long_text_that_ends_like_a_file_is_said(tmp_path: Path) -> None:
     text = f"animated_speech:\n  - {{title: A, string: {words}}}\n"
     assert spoken(read(tmp_path, text)) == [words]
     assert messages(tmp_path, text) == [
-        "warning: animated_speech[0].string: ends in .txt, but this is no file's name; it is said"
+        "warning: animated_speech[0].string: ends in .txt, but this is not a file name; it"
+        " is spoken as text"
     ]
 
 
@@ -195,7 +196,7 @@ def test_odd_colours(tmp_path: Path) -> None:
         "warning: colors[1].green: expected a number, not 'much'; there is no green in it",
         "warning: colors[1].is_default: a colour above is the default, too; the eyes come to this"
         " one",
-        "warning: colors[1].red: less than nothing; there is no red in it",
+        "warning: colors[1].red: below 0; there is no red in it",
         "warning: colors[1]: without 'blue' there is no blue in it",
     ]
 
@@ -273,7 +274,7 @@ tablet_items:
     assert messages(tmp_path, text) == [
         "warning: animated_speech[0].string: without 'string' there is nothing to say; it is left"
         " out",
-        "warning: animated_speech[1]: nothing stands here; it is left out",
+        "warning: animated_speech[1]: a value is missing here; it is left out",
         "warning: gestures[0]: without 'gesture' there is nothing to play; it is left out",
         "warning: tablet_items: expected a list; this one entry is read as a list of one",
     ]

@@ -81,20 +81,20 @@ participants: {pattern: 'V\\d\\d'}
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("gestres: []", "gestres: nothing reads this; did you mean 'gestures'?"),
-        ("zzz: 1", "zzz: nothing reads this"),
-        ("images: []", "images: nothing reads this any more; it is 'tablet_items' now"),
+        ("gestres: []", "gestres: this key is not used; did you mean 'gestures'?"),
+        ("zzz: 1", "zzz: this key is not used"),
+        ("images: []", "images: this key is no longer used; the new key is 'tablet_items'"),
         (
             "steps: {head: 3}",
-            "steps: a WoZ4U file does not say this; convert it to change it (woz convert)",
+            "steps: a WoZ4U file has no such key; convert the file to change it (woz convert)",
         ),
         (
             "gestures: [{title: A, gesture: a/b, tool_tip: b}]",
-            "gestures[0].tool_tip: nothing reads this; did you mean 'tooltip'?",
+            "gestures[0].tool_tip: this key is not used; did you mean 'tooltip'?",
         ),
         (
             "rasta_anim: {durations: 3}",
-            "rasta_anim.durations: nothing reads this; did you mean 'duration'?",
+            "rasta_anim.durations: this key is not used; did you mean 'duration'?",
         ),
     ],
 )
@@ -106,7 +106,7 @@ def test_of_two_equal_keys_the_last_one_counts_as_it_did_there(tmp_path: Path) -
     text = "gestures:\n  - {title: A, gesture: a/b, title: B}\n"
     assert [action.label for action in panel(read(tmp_path, text), "Gestures").actions] == ["B"]
     assert problems(tmp_path, text) == [
-        "3:30: warning: gestures[0].title: 'title' stands here twice (first in line 3)"
+        "3:30: warning: gestures[0].title: 'title' appears twice (first in line 3)"
     ]
 
 

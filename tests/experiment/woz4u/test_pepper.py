@@ -18,7 +18,7 @@ def test_the_robots_to_choose_from(tmp_path: Path) -> None:
     found = settings(read(tmp_path, text, start=""))
     assert found.robots == ("192.168.1.4", "pepper.local", "tcp://10.0.0.3:9559")
     assert problems(tmp_path, text, start="") == [
-        "1:62: warning: pepper_ips[3]: '192.168.1.4' stands here twice"
+        "1:62: warning: pepper_ips[3]: '192.168.1.4' appears twice"
     ]
 
 
@@ -27,8 +27,7 @@ def test_the_robots_to_choose_from(tmp_path: Path) -> None:
 def test_without_a_robot_a_simulated_one_is_played(tmp_path: Path, text: str) -> None:
     assert settings(read(tmp_path, NO_ROBOT, start=text)).robots == ("simulated",)
     assert messages(tmp_path, NO_ROBOT, start=text) == [
-        "warning: pepper_ips: no robot is named; a simulated one is played"
-        " (pepper_ips: [simulated])"
+        "warning: pepper_ips: no robot is named; a simulated one is used (pepper_ips: [simulated])"
     ]
 
 
@@ -126,7 +125,7 @@ def test_values_that_cannot_be_used_leave_the_robots_with_a_warning(tmp_path: Pa
         " is 0 to 5 m; the robot's value stays",
         "5:3: warning: autonomous_life_config.blinking: expected true or false, not 'maybe'; the"
         " robot's value stays",
-        "6:3: warning: autonomous_life_config.breathing: nothing reads this; did you mean"
+        "6:3: warning: autonomous_life_config.breathing: this key is not used; did you mean"
         " 'legs_breathing'?",
     ]
 
@@ -159,7 +158,7 @@ def test_the_voice(tmp_path: Path) -> None:
         ("volume: .nan", Voice(), "expected a number (0 to 1), not '.nan'; the robot's value"
          " stays"),
         ("voice_pitch: 0", Voice(pitch=0.0), ""),
-        ("voice_pitch: 0.5", Voice(), "0.5 is no pitch: it is 0, or from 1 to 4; the robot's"
+        ("voice_pitch: 0.5", Voice(), "0.5 is not a pitch: allowed are 0 and 1 to 4; the robot's"
          " value stays"),
         ("voice_speed: ''", Voice(), ""),
     ],

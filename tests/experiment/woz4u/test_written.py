@@ -73,7 +73,7 @@ def test_the_layout_of_a_file(tmp_path: Path) -> None:
     assert converted(path).startswith(
         """title: "WoZ4U: config.yaml"
 
-# Addresses to choose from, and what is set on connect. What is not named stays.
+# Addresses to choose from, and what is set on connect. Other settings stay unchanged.
 robot:
   name: pepper
   drivers:
@@ -82,11 +82,11 @@ robot:
       robots: ["10.0.0.7"]
       voice: {volume: 0.5}
 
-# One press of an arrow key: degrees; drive in metres. Alt: the base, shift: the hip.
+# Step of one arrow key: degrees; drive in metres. Alt: the base, shift: the hip.
 steps:
   hip: 11.46
 
-# covers: verbs that nobody's hand may send while the panel is locked.
+# covers: verbs that cannot be sent by hand while the panel is locked.
 panels:
   - title: Gestures
     covers: [play]

@@ -107,7 +107,7 @@ def warn_unknown(fields: Mapping[str, Spot], known: tuple[str, ...]) -> None:
     for name, entry in fields.items():
         if name not in known:
             near = entry.report.hint(name, known, or_list="read are")
-            entry.warning(f"nothing reads this{near}")
+            entry.warning(f"this key is not used{near}")
 
 
 def speech(table: Mapping[str, Spot], move: Move) -> list[Button]:
@@ -135,7 +135,7 @@ def _names_file(spot: Spot, typed: str) -> bool:
     if not name.endswith(".txt"):
         return False
     if len(name) > _LONGEST_NAME or "\n" in name:
-        spot.warning("ends in .txt, but this is no file's name; it is said")
+        spot.warning("ends in .txt, but this is not a file name; it is spoken as text")
         return False
     return True
 

@@ -83,7 +83,7 @@ def _channel(item: Item, name: str) -> float:
         return 0.0
     value = values.number(spot, _ANY, f"there is no {name} in it") or 0.0
     if value < 0.0:
-        spot.warning(f"less than nothing; there is no {name} in it")
+        spot.warning(f"below 0; there is no {name} in it")
     return max(0.0, value)
 
 

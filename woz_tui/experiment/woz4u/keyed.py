@@ -128,9 +128,11 @@ def comb(node: Node) -> str:
     if presses and held:
         presses[-1][0].extend(held)
     elif held:
-        raise KeyNameError(f"{' and '.join(held[:3])} alone are no key")
+        raise KeyNameError(f"{' and '.join(held[:3])} alone are not a key")
     if len(presses) > 2:
-        raise KeyNameError(f"{len(presses)} keys one after the other are too many, two is the most")
+        raise KeyNameError(
+            f"{len(presses)} keys one after the other are too many; at most two are possible"
+        )
     return " ".join(_chord(*press) for press in presses)
 
 

@@ -97,14 +97,14 @@ def _robots(spot: Spot | None, start: Place, report: Report) -> tuple[Place, Ite
         for entry in entries:
             address = _address(entry)
             if address in found:
-                entry.warning(f"{quoted(address)} stands here twice")
+                entry.warning(f"{quoted(address)} appears twice")
             elif address:
                 found[address] = made.node(address, entry.place)
     place = start if spot is None else spot.place
     if not found:
         where = f"pepper_ips: [{SIMULATED}]"
         if not (spot is not None and isinstance(spot.node, Table)):  # that is an error already
-            message = f"no robot is named; a simulated one is played ({where})"
+            message = f"no robot is named; a simulated one is used ({where})"
             report.warning(place, "pepper_ips", message)
         found[SIMULATED] = made.node(SIMULATED, place)
     return place, Items(place, [*found.values()])
@@ -152,7 +152,7 @@ def voice(table: Mapping[str, Spot]) -> dict[str, Scalar]:
         if spot is None or value is None:
             continue
         if ours == "pitch" and 0.0 < value < 1.0:
-            spot.warning(f"{value:g} is no pitch: it is 0, or from 1 to 4; {_AS_IT_IS}")
+            spot.warning(f"{value:g} is not a pitch: allowed are 0 and 1 to 4; {_AS_IT_IS}")
             continue
         found[ours] = Scalar(spot.place, f"{value:.6g}", plain=True)
     return found

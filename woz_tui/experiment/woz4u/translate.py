@@ -58,9 +58,9 @@ class OwnNames(Report):
 _MADE = ("robot", "robots", "steps", "panels")
 #: What a reader of the text is told about its sections.
 _SECTIONS = {
-    "robot": "Addresses to choose from, and what is set on connect. What is not named stays.",
-    "steps": "One press of an arrow key: degrees; drive in metres. Alt: the base, shift: the hip.",
-    "panels": "covers: verbs that nobody's hand may send while the panel is locked.",
+    "robot": "Addresses to choose from, and what is set on connect. Other settings stay unchanged.",
+    "steps": "Step of one arrow key: degrees; drive in metres. Alt: the base, shift: the hip.",
+    "panels": "covers: verbs that cannot be sent by hand while the panel is locked.",
 }
 
 
@@ -103,12 +103,14 @@ def _title(start: Place) -> Node:
 def _unknown(table: Mapping[str, Spot], own: Collection[str]) -> None:
     for name, spot in table.items():
         if name in OLDER and name not in TOP_LEVEL:
-            spot.warning(f"nothing reads this any more; it is {OLDER[name]!r} now")
+            spot.warning(f"this key is no longer used; the new key is {OLDER[name]!r}")
         elif name in _MADE:
-            spot.warning("a WoZ4U file does not say this; convert it to change it (woz convert)")
+            spot.warning(
+                "a WoZ4U file has no such key; convert the file to change it (woz convert)"
+            )
         elif name not in TOP_LEVEL and name not in own:
             near = spot.report.nearest(name, TOP_LEVEL)
-            spot.warning(f"nothing reads this{f'; did you mean {near!r}?' if near else ''}")
+            spot.warning(f"this key is not used{f'; did you mean {near!r}?' if near else ''}")
 
 
 def _read(root: Spot, table: Mapping[str, Spot], move: Move) -> tuple[list[Panel], Table]:

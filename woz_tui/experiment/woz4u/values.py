@@ -113,6 +113,6 @@ def items(spot: Spot | None, example: str) -> Iterator[Spot]:
         if isinstance(entry.node, Table):
             yield entry
         elif empty(entry):
-            entry.warning(f"nothing stands here; {LEFT_OUT}")
+            entry.warning(f"a value is missing here; {LEFT_OUT}")
         else:
             entry.wrong(f"an entry such as {example}")

@@ -5,6 +5,7 @@ import itertools
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -15,7 +16,7 @@ from textual.widgets import OptionList
 
 from tests.console.driving import screen_text
 from tests.console.scripted import ScriptedFeed
-from tests.replay.logs import SECOND, reel_of, story
+from tests.replay.logs import SECOND, START, reel_of, story
 from woz_tui.console.cells import Cells
 from woz_tui.console.feed import OnLost, OnMessages
 from woz_tui.console.glyphs import ASCII, UNICODE
@@ -24,6 +25,7 @@ from woz_tui.console.replay.app import ReplayConsole
 from woz_tui.console.replay.commands import ReplayKeyboard
 from woz_tui.core import requests as r
 from woz_tui.core.clock import ManualClock
+from woz_tui.record.coding import Coding
 from woz_tui.replay.player import Player, Start
 from woz_tui.replay.reel import Reel
 
@@ -96,10 +98,11 @@ async def watching(
     size: tuple[int, int] = (80, 24),
     reel: Reel | None = None,
     notes: tuple[str, ...] = (),
+    coding: Coding | None = None,
     **options: Any,
 ) -> AsyncIterator[Seat]:
     clock = ManualClock()
-    player = Player(reel or reel_of(story()), start, "recordings/x_S01.jsonl", notes)
+    player = Player(reel or reel_of(story()), start, "recordings/x_S01.jsonl", notes, coding)
     feed = StillReplay(player, clock)
     console = ReplayConsole(feed, ReplayKeyboard(feed, clock), clock=clock, **options)
     async with console.run_test(size=size) as pilot:
@@ -334,3 +337,38 @@ async def test_an_old_burst_of_keys_is_not_refused() -> None:
         assert seat.console.keyboard.arrive("right", stale=True)
         await seat.settle()
         assert seat.t == 5 * SECOND
+
+
+async def test_a_code_is_typed_while_the_replay_stands_still_and_chosen_the_next_time(
+    tmp_path: Path,
+) -> None:
+    coding = Coding(tmp_path / "x.coding.jsonl", "K1", START)
+    reel = Reel(story(), coded=True)
+    async with watching(Start(at_us=4 * SECOND), reel=reel, coding=coding) as it:
+        assert "CODER K1" in it.drawn
+        assert "hidden" in it.drawn
+        assert "warm" not in it.drawn
+        await it.press("m")
+        await it.pass_time(3)
+        assert it.t == 4 * SECOND
+        await it.press(*"smiles", "enter")
+        assert [(code.t, code.text) for code in coding.codes] == [(4 * SECOND, "smiles")]
+        assert "Code of K1" in it.drawn
+        await it.pass_time(2)
+        await it.press("m", "enter")
+        assert [code.text for code in coding.codes] == ["smiles", "smiles"]
+        await it.press("n", *"odd", "enter")
+        assert coding.codes[-1].note
+        await it.press("x")
+        assert len(coding.codes) == 2
+        await it.press("m", *"never", "ctrl+q")
+        assert len(coding.codes) == 2
+        before = it.t
+        await it.pass_time(1)
+        assert it.t > before, "it goes on"
+
+
+async def test_without_a_coder_the_keys_say_how_to_begin() -> None:
+    async with watching() as it:
+        await it.press("x")
+        assert "--coder" in it.drawn

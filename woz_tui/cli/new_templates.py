@@ -6,8 +6,6 @@ import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from woz_tui.experiment.decode import TOP_LEVEL
-
 
 @dataclass(frozen=True, slots=True)
 class Offer:
@@ -231,10 +229,9 @@ def _engagement() -> Iterator[str]:
 
 
 def _repairs() -> Iterator[str]:
-    if "repairs" in TOP_LEVEL:
-        yield "# Keys that save a dialogue: again, other words, yes, no, I do not know ..."
-        yield "repairs: {}                   # the sentences of `language`; or your own"
-        yield ""
+    yield "# Keys that save a dialogue: again, other words, yes, no, I do not know ..."
+    yield "repairs: {}                   # the sentences of `language`; or your own"
+    yield ""
 
 
 def _panels(template: Template, conditions: list[str], offer: Offer) -> Iterator[str]:

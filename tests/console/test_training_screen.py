@@ -11,10 +11,10 @@ from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 
 NOW = scenes.NOW
-WAITS = m.TrainingChanged(state="waits", cues=20, t=NOW)
-RUNS = m.TrainingChanged(state="runs", cues=20, t=NOW)
+WAITS = m.TrainingChanged(state="waits", planned=20, t=NOW)
+RUNS = m.TrainingChanged(state="runs", planned=20, t=NOW)
 OVER = m.TrainingChanged(
-    state="over", cues=5, right=3, wrong=1, missed=1, uncalled=2, median_us=1_240_000, t=NOW
+    state="over", planned=5, right=3, wrong=1, missed=1, uncalled=2, median_us=1_240_000, t=NOW
 )
 CUE = m.CueGiven(
     cue="q1", sort="question", text="How old is it?", expects=["Map"], window_us=4_000_000, t=NOW

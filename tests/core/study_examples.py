@@ -91,9 +91,9 @@ COURSE: tuple[m.AnyMessage, ...] = (
         questionnaire="robot", item="age", question="How old are you?", skipped=True
     ),
     m.QuestionnaireEnded(questionnaire="robot", reason="done", answered=2),
-    m.TrainingChanged(state="waits", cues=20),
+    m.TrainingChanged(state="waits", planned=20),
     m.TrainingChanged(
-        state="over", cues=20, right=15, wrong=3, missed=2, uncalled=1, median_us=1_240_000
+        state="over", planned=20, right=15, wrong=3, missed=2, uncalled=1, median_us=1_240_000
     ),
     m.RerunStarted(
         original="2026-02-27T10-00-00_P03_S03.jsonl",

@@ -194,12 +194,12 @@ class TrainingChanged(
     Message, frozen=True, kw_only=True, omit_defaults=True, tag="training.changed"
 ):
     """How far a training of the wizard is: `state` is waits (for the key that begins it), runs or
-    over. `cues`: how many there are. When it is over, the counts are as in `cue.answered`, and
+    over. `planned`: how many cues there are. When it is over, the counts are as in `cue.answered`, and
     `median_us` is the median reaction time to all that was answered (-1: nothing was).
     """
 
     state: str
-    cues: int
+    planned: int
     right: int = 0
     wrong: int = 0
     missed: int = 0

@@ -117,7 +117,7 @@ class TrainingSession:
         self._session.hub.publish(
             m.TrainingChanged(
                 state=state,
-                cues=len(self._cues),
+                planned=len(self._cues),
                 right=count[RIGHT],
                 wrong=count[WRONG],
                 missed=count[MISSED],

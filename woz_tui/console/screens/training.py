@@ -48,7 +48,7 @@ class BeginDialog(_Training):
 
     def lines(self) -> list[Row]:
         """What will happen."""
-        count = self._training.cues
+        count = self._training.planned
         return [
             ((f"A visitor is simulated: {count} cue{'' if count == 1 else 's'}.", "strong"),),
             (("Answer each of them with the right key. Nothing moves.", "plain"),),

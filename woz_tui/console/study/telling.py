@@ -99,7 +99,7 @@ def _perception(told: m.PerceptionChanged) -> Line:
 
 
 def _training(told: m.TrainingChanged) -> Line:
-    cues = f"{told.cues} cue{'' if told.cues == 1 else 's'}"
+    cues = f"{told.planned} cue{'' if told.planned == 1 else 's'}"
     if told.state == "over":
         return Line("done", f"Training over: {told.right} of {cues} right")
     state = "waits for you" if told.state == "waits" else "begins"

@@ -194,8 +194,8 @@ class TrainingChanged(
     Message, frozen=True, kw_only=True, omit_defaults=True, tag="training.changed"
 ):
     """How far a training of the wizard is: `state` is waits (for the key that begins it), runs or
-    over. `planned`: how many cues there are. When it is over, the counts are as in `cue.answered`, and
-    `median_us` is the median reaction time to all that was answered (-1: nothing was).
+    over. `planned`: how many cues there are. When it is over, the counts are as in `cue.answered`,
+    and `median_us` is the median reaction time to all that was answered (-1: nothing was).
     """
 
     state: str

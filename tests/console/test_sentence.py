@@ -89,6 +89,20 @@ async def test_a_command_of_the_console_keeps_its_name() -> None:
         assert "Food" in second
 
 
+async def test_a_repair_is_found_and_peeked_at_by_what_it_says() -> None:
+    first = guide(msgspec.structs.replace(FILLED, actions={"repair yes": [says("Yes, indeed.")]}))
+    view = ActionView(name="repair yes", label="yes", verbs=["say"])
+    settings = msgspec.structs.replace(first.settings, repairs=[view])
+    async with sitting(msgspec.structs.replace(first, settings=settings)) as seat:
+        await opened(seat, "FindDialog")
+        await seat.type("indeed")
+        assert "“Yes, indeed.”" in found(seat)[0]
+        await seat.press("ctrl+q")
+        await opened(seat, "PeekDialog")
+        await seat.press("left_parenthesis")
+        assert "Yes, indeed." in seat.drawn()
+
+
 async def test_the_finder_has_no_hit_for_what_is_kept() -> None:
     async with sitting(guide(blind=True)) as seat:
         await opened(seat, "FindDialog")

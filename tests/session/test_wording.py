@@ -17,6 +17,7 @@ from tests.session.rig import Stage, action, call, experiment, together
 from woz_tui.core import messages as m
 from woz_tui.experiment.shape import Call, Choice, Experiment
 from woz_tui.experiment.study import Design, Study
+from woz_tui.replay.plan import plan_of
 from woz_tui.session.identity import AskError, Identity
 from woz_tui.session.redactor import Redactor
 from woz_tui.session.runner import Origin
@@ -141,6 +142,21 @@ def test_what_is_refused_uses_no_variant_up(tmp_path: Path) -> None:
     on_stage(tmp_path, scenario)
 
 
+def test_a_part_that_is_played_alone_leaves_the_whole_action_shown(tmp_path: Path) -> None:
+    async def scenario(stage: Played) -> None:
+        stage.session.set(condition="warm")
+        whole = stage.session.experiment.action("Greet")
+        assert whole is not None
+        part = replace(whole, steps=(together(whole.calls[0]),))
+        stage.session.wording.play(part)
+        assert stage.session.state.filled is not None
+        (step,) = stage.session.state.filled.actions["Greet"]
+        assert isinstance(step, list)
+        assert [each.verb for each in step] == ["say", "play"]
+
+    on_stage(tmp_path, scenario)
+
+
 # -- conditions ----------------------------------------------------------------------------------
 
 
@@ -209,3 +225,15 @@ def test_a_blind_wizard_is_told_the_same_in_every_condition(tmp_path: Path) -> N
 def replaced(line: m.Message | None) -> m.Message | None:
     """Without its time, which no test decides."""
     return structs.replace(line, t=0, ts="", seq=0) if line is not None else None
+
+
+def test_a_re_run_plays_the_texts_of_its_log(tmp_path: Path) -> None:
+    async def scenario(stage: Played) -> None:
+        await stage.play("Filler", "Greet", "Filler", "Filler")
+
+    who = Identity(participant="P07", condition="warm", seed=5)
+    stage = on_stage(tmp_path, scenario, who)
+    plan = plan_of(stage.recorder.path)
+    texts = [step.command.args["text"] for step in plan.sent if step.command.verb == "say"]
+    assert texts == stage.spoken
+    assert len({*texts}) == 4

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from woz_tui.console.cells import Row, clean, cut, hung
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.state import ConsoleState
-from woz_tui.console.wording import said_in, words
+from woz_tui.console.wording import words
 from woz_tui.core.messages import FilledCall
 from woz_tui.session.variables import UNTOLD
 
@@ -19,7 +19,12 @@ def step_words(step: Sequence[FilledCall] | float) -> str:
     """`say “Hello” + play nod`, or `wait 0.5 s`."""
     if isinstance(step, float | int):
         return f"wait {step:g} s"
-    return " + ".join(f"say {words(call)}" if said_in(call) else words(call) for call in step)
+    return " + ".join(map(_call_words, step))
+
+
+def _call_words(call: FilledCall) -> str:
+    text = words(call)
+    return f"{call.verb} {text}" if call.args.get("text") else text
 
 
 def does(picture: ConsoleState, action: str) -> str:

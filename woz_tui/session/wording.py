@@ -79,9 +79,11 @@ class Wording:
         used: set[tuple[str, Sequence[str]]] = set()
         steps = self._steps(action, self._values(), used)
         self._played.update(used)
-        if any(call.choices for call in action.calls) and self._experiment().action(action.name):
+        # Of a part of an action that is played alone, all of it is told.
+        whole = self._experiment().action(action.name)
+        if whole is not None and any(call.choices for call in action.calls):
             # Whatever the condition: that something is told must not depend on it.
-            self._tell([action])
+            self._tell([whole])
         return steps
 
     def calls(self, action: Action) -> list[Call]:

@@ -143,7 +143,9 @@ class FindDialog(Search[Find]):
             serves = bound and command.found and command.serves(self.picture.role)
             if name == command.name and serves:
                 key, words = key_name(app.key_of(name), self.glyphs), command.words
-                yield Find(words, key, "console", functools.partial(app.do, name), words)
+                said = quoted(self.picture, name.replace("_", " ", 1), self.glyphs)  # of a repair
+                do = functools.partial(app.do, name)
+                yield Find(words, key, said or "console", do, words, said)
 
     def matching(self, typed: str) -> list[Find]:
         """The best first, in the file's order where they are as good."""

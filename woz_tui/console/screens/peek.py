@@ -22,6 +22,7 @@ class PeekDialog(Report):
     indent = 2
     _action = ""
     _typed = ""
+    _shown: tuple[Row, ...] = ()
 
     def lines(self) -> list[Row]:
         """The action of the key pressed last; before, the script's next one."""
@@ -29,8 +30,16 @@ class PeekDialog(Report):
         if action:
             return self._of(action)
         if self._typed:
-            return [((f"{key_name(self._typed, self.glyphs)} is not assigned", "warn"),)]
+            return [self._of_the_console()]
         return [(("Press the key of an action.", "muted"),)]
+
+    def _of_the_console(self) -> Row:
+        """A key that plays no action."""
+        app, key = self.console_app, key_name(self._typed, self.glyphs)
+        own = app.keymap.builtin_table.get(self._typed)
+        if own is None:
+            return ((f"{key} is not assigned", "warn"),)
+        return ((f"{key} ", "key"), (app.commands[own].words, "strong"))
 
     def _of(self, name: str) -> list[Row]:
         app, picture, glyphs = self.console_app, self.picture, self.glyphs
@@ -65,6 +74,13 @@ class PeekDialog(Report):
             rows += [((f"{n}. ", "muted"), (step, "plain")) for n, step in enumerate(steps, 1)]
         return rows
 
+    def refreshed(self) -> None:
+        """What it would do has changed, or it has been played meanwhile."""
+        rows = tuple(self.lines())
+        if rows != self._shown:
+            self._shown = rows
+            self.renew()
+
     def on_key(self, event: events.Key) -> None:
         """A key of an action, perhaps the second one of two; of the script; or of this dialog."""
         chord = from_textual(event.key, event.character)
@@ -79,6 +95,8 @@ class PeekDialog(Report):
             return
         both = f"{self._typed} {chord}"
         self._typed = both if both in keys.table else chord
-        script = chord == app.key_of("script_next")
-        self._action = upcoming(self.picture) if script else keys.table.get(self._typed, "")
-        self.renew()
+        own = keys.builtin_table.get(chord, "")
+        repair = own.replace("_", " ", 1) if own.startswith("repair_") else ""
+        played = upcoming(self.picture) if own == "script_next" else repair
+        self._action = keys.table.get(self._typed, played)
+        self.refreshed()

@@ -126,3 +126,13 @@ def test_profiles_do_not_lock_repairs(tmp_path: Path) -> None:
         await play(stage)
 
     assert spoken(scene(tmp_path, with_profile)) == ["Hello P07"] * 2
+
+
+def test_typed_sentences_survive_a_reload(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        assert stage.session.keep_typed("One moment", "")
+        assert not stage.session.keep_typed("One moment", "")
+        stage.session.adopt(made(tmp_path), ["something"])
+        stage.session.play("typed: One moment", KEY)
+
+    assert spoken(scene(tmp_path, play)) == ["One moment"]

@@ -50,6 +50,7 @@ from woz_tui.session.preflight import preflight
 from woz_tui.session.questioning import PARTICIPANT
 from woz_tui.session.runner import Origin
 from woz_tui.session.session import Session
+from woz_tui.session.typed import without_typed
 from woz_tui.session.variables import MissingError, call_with
 
 log = logging.getLogger(__name__)
@@ -231,7 +232,7 @@ class Desk:
                 raise AskError(str(error), "to write a brace, double it: {{ or }}") from error
         if tells := self._tells(client):
             call = dataclasses.replace(call, tells=tells, unfilled=dict.fromkeys(texts, "..."))
-        return self._session.send(
+        run = self._session.send(
             request.verb,
             {**args, **call.args},
             request.on,
@@ -241,6 +242,10 @@ class Desk:
             tells=call.tells,
             unfilled=call.unfilled,
         )
+        typed = request.verb == "say" and request.source == "key" and client.role == "wizard"
+        if typed and [*args] == ["text"] and self._session.keep_typed(texts["text"], request.on):
+            self.on_panels()
+        return run
 
     def _stale(self, request: AnyRequest) -> str:
         """Why it is too old to move anything; its time in the socket counts."""
@@ -318,7 +323,7 @@ class Desk:
         experiment = await asyncio.to_thread(self._load)
         if self._session.ended:
             raise AskError("the session is ending")
-        difference = compare(self._session.experiment, experiment)
+        difference = compare(without_typed(self._session.experiment), experiment)
         if difference.drivers:
             raise AskError(
                 "the drivers changed: " + "; ".join(difference.drivers),

@@ -35,6 +35,7 @@ from woz_tui.session.runner import Origin, Refusal, Runner
 from woz_tui.session.script import Scripts
 from woz_tui.session.shaping import Shaper
 from woz_tui.session.study import LiveStudy
+from woz_tui.session.typed import added, with_typed
 from woz_tui.session.utterances import no_value, utterances
 from woz_tui.session.variables import Values
 from woz_tui.session.verbs import ENGAGEMENT, PERFORMERS, SESSION, VERBS, SessionVerbs
@@ -71,6 +72,8 @@ class Session:
     feeds: Feeds = field(init=False, default_factory=Feeds)
     locked: dict[str, bool] = field(init=False, default_factory=dict)
     ended: bool = field(init=False, default=False)
+    #: Sentences that were typed, as actions.
+    typed: tuple[Action, ...] = field(init=False, default=())
     #: What the reason of the end tells (see `messages.Worded`).
     end_tells: tuple[str, ...] = field(init=False, default=())
     #: Tells how old a request without a time stamp may be.
@@ -320,6 +323,16 @@ class Session:
             raise AskError(refusal.reason, AGAIN if stale else "")
         return command
 
+    def keep_typed(self, text: str, on: str) -> bool:
+        """Make a button of a sentence that was typed; says whether it is a new one."""
+        typed = added(self.experiment, self.typed, text, self._driver_for("say", on))
+        if typed == self.typed:
+            return False
+        self.typed = typed
+        self.experiment = with_typed(self.experiment, typed)
+        self.wording.tell()
+        return True
+
     def _no_verb(self, verb: str, args: Mapping[str, m.Json]) -> Refusal | None:
         """Why nobody's hand may send it at the moment; None: it may."""
         return self.profiles.no_verb(verb, args) or covered(self.experiment, self.locked, verb)
@@ -536,7 +549,7 @@ class Session:
         Panels keep the lock that the wizard gave them, unless it is the lock that was edited.
         """
         before = {panel.title: panel.locked for panel in self.experiment.panels}
-        self.experiment = experiment
+        self.experiment = experiment = with_typed(experiment, self.typed)
         for spec in experiment.drivers:
             self._by_name[spec.name].update({verb.name: verb for verb in spec.verbs})
             self.bus.offer(spec.name, spec.verbs)

@@ -29,7 +29,7 @@ from functools import partial
 from itertools import chain, combinations
 from pathlib import Path
 
-from benchmarks.figures import percentile, table, verdict
+from benchmarks.figures import machine, percentile, table, verdict
 from docs import demo_session
 from tests.console.driving import Sitting, sitting
 from woz_tui.console.glyphs import Frame
@@ -222,6 +222,7 @@ def main() -> None:
         head,
         [[*row, *[""] * (width_of - len(row))] for row in rows],
     )
+    print(f"\n{machine()}")
 
 
 if __name__ == "__main__":

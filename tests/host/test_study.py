@@ -151,7 +151,7 @@ def test_a_watcher_looks_on(tmp_path: Path) -> None:
             ("questionnaire", {"questionnaire": "ux"}),
         ):
             reply = await peer.ask(kind, **fields)
-            assert reply["reason"] == "this console only watches; another console plays the robot"
+            assert (reply["ok"], reply["command"]) == (False, "take_over")
 
     hosted(tmp_path, scenario)
 

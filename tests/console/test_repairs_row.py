@@ -93,3 +93,10 @@ async def test_its_line_in_the_list_of_events_has_its_label() -> None:
             )
         )
         assert "don't know" in seat.text("Events")
+
+
+async def test_an_interruption_from_the_reading_thread_reaches_the_screen() -> None:
+    async with sitting(welcome(FEW)) as seat:
+        assert not seat.console.keyboard.arrive("!")  # left to the screen, which offers it again
+        await seat.press("!")
+        assert seat.feed.last(r.AskAction) is not None

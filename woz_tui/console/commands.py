@@ -131,7 +131,8 @@ def _repair(move: str, run: Run | None = None) -> Command:
             action=name, source="key", key=press.key, age_us=press.age_us, stale=press.stale
         )
 
-    return _row(f"repair_{move}", run, sends=None if run else ask, once=True)
+    # What the screen carries out passes the keyboard twice, so it cannot count once there.
+    return _row(f"repair_{move}", run, sends=None if run else ask, once=run is None)
 
 
 def _interrupt(app: ConsoleApp) -> None:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -170,8 +171,9 @@ def test_ascii_glyphs_are_ascii() -> None:
     ],
 )
 def test_the_look_follows_the_terminal(
-    environ: dict[str, str], encoding: str, ascii_only: bool, theme: str
+    environ: dict[str, str], encoding: str, ascii_only: bool, theme: str, tmp_path: Path
 ) -> None:
+    environ = {**environ, "XDG_CONFIG_HOME": str(tmp_path)}  # nothing is remembered
     look = look_for(environ, encoding)
     assert look.glyphs.ascii is ascii_only
     assert look.theme == theme

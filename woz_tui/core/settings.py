@@ -119,7 +119,7 @@ class QuestionnaireWords(msgspec.Struct, frozen=True, omit_defaults=True):
     questions_one: str = "1 question."
     questions: str = "{count} questions."
     position: str = "{number} of {count}"
-    optional: str = "may be left out"
+    optional: str = "can be skipped"
     left_out: str = "left out"
     no_answer: str = "no answer"
     finish: str = "Everything is as it should be: finish"

@@ -93,7 +93,7 @@ def test_a_file_that_is_there_is_left_alone(
         (("--robot", "nowhere.yaml"), "nowhere.yaml"),
         (("--robot", "camera.yaml"), "say"),
         (("--language", "xx"), "'xx' is not known"),
-        (("--conditions", "a,a"), "stands here twice"),
+        (("--conditions", "a,a"), "appears twice"),
     ],
 )
 def test_what_cannot_be_is_said_and_nothing_is_written(

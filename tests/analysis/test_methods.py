@@ -43,9 +43,9 @@ def test_a_study_in_sentences(tmp_path: Path) -> None:
         "Training of the wizards was not recorded. "
         "What the wizard could choose from was not recorded. "
         "In all, 5 actions were asked for, all by key. All of them were carried out. "
-        "No restriction of what the wizard could see was recorded. "
+        "No restriction of the wizard's view was recorded. "
         "Of 5 wizard actions, 0 (0.0 %) were marked as mistakes. "
-        "Of 6 cues that wanted an answer, the wizard answered 5 within 10 s (83.3 %). "
+        "Of 6 cues that needed an answer, the wizard answered 5 within 10 s (83.3 %). "
         "The reaction time was 3 s in the median (95 % quantile 4.8 s, longest 5 s). "
         "The time from the request of a wizard action to its start in the robot was 1.0 ms in the "
         "median (95 % quantile 1.0 ms, longest 1.0 ms), over 5 wizard actions. "
@@ -112,7 +112,7 @@ def test_what_the_wizard_had_and_saw() -> None:
         "In 1 session the robot answered the end of the visitor's speech no sooner than 0.8 s"
         " after it, plus a random 0 to 0.4 s." in found
     )
-    assert "What would have come sooner was held back: 1 action, by 0.25 s in the median." in found
+    assert "Earlier actions were delayed: 1 action, by 0.25 s in the median." in found
     assert "In all, 2 actions were asked for, 1 by key and 1 by the script." in found
 
 
@@ -132,8 +132,8 @@ def test_training_is_no_session_with_a_participant() -> None:
     assert found.sessions == 1
     sentences = " ".join(paragraphs(found)[1].sentences)
     assert sentences.endswith(
-        "W2 practised in 2 training sessions and answered 3 of 4 cues (75.0 %) rightly in the last"
-        " one, with a median reaction time of 0.9 s."
+        "W2 practised in 2 training sessions and answered 3 of 4 cues (75.0 %) correctly in the"
+        " last one, with a median reaction time of 0.9 s."
     )
 
 
@@ -162,7 +162,7 @@ def test_cues_that_the_end_cut_off_are_not_held_against_the_wizard() -> None:
     it.add(55, m.Marker(text="y", source="key"))
     found = text(told(it.end(60)))
     assert (
-        "Of 2 cues that wanted an answer, the wizard answered 1 within 10 s (100.0 % of those "
+        "Of 2 cues that needed an answer, the wizard answered 1 within 10 s (100.0 % of those "
         "not cut off by the end)." in found
     )
 

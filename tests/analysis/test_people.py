@@ -92,7 +92,7 @@ def test_the_sentences_are_of_those_who_took_part() -> None:
     )
     assert "In all, 2 actions were asked for" in found
     assert "Of 2 wizard actions, 0 (0.0 %) were marked as mistakes." in found
-    assert "Of 1 cue that wanted an answer, the wizard answered 1" in found
+    assert "Of 1 cue that needed an answer, the wizard answered 1" in found
     assert "No participant was recorded" not in found
     assert "left out" not in found
 
@@ -169,12 +169,12 @@ def test_a_session_in_which_nobody_took_part_is_left_out() -> None:
     assert found.totals("guide.yaml") == []
     assert len(found.of("guide.yaml")) == 1
     assert text(deserted) == (
-        "No session with a participant is among the logs. "
-        "One session in which nobody took part was left out."
+        "The logs contain no session with a participant. "
+        "One session without a participant was left out."
     )
     both = text(deserted, told(Told().act(1).end(60)))
     assert both.startswith("In all, 1 participant took part in 1 session of 1.0 min.")
-    assert "One session in which nobody took part was left out." in both
+    assert "One session without a participant was left out." in both
 
 
 def test_tables_say_what_counts(tmp_path: Path) -> None:

@@ -35,7 +35,7 @@ def test_a_torn_log_tells_so_and_has_its_figures(tmp_path: Path) -> None:
     path.write_bytes(data[: len(data) - 20])
     whole = examine(path, places=[]).figures.wholeness
     assert (whole.left_out, whole.ended) == (1, False)
-    assert whole.sentences[0] == "1 torn last line(s) cut"
+    assert whole.sentences[0] == "1 incomplete last line(s) removed"
     assert whole.sentences[-1] == NO_END
     assert examine(path, places=[]).figures.whole.actions == 3
 
@@ -93,11 +93,11 @@ def test_checksums_are_checked_if_somebody_wants(tmp_path: Path) -> None:
 def test_what_is_no_log_is_named(tmp_path: Path) -> None:
     empty = tmp_path / f"{STEM}.jsonl"
     empty.touch()
-    with pytest.raises(NoSessionError, match=f"{STEM}.jsonl: no line of a session was found"):
+    with pytest.raises(NoSessionError, match=f"{STEM}.jsonl: the file has no line of a session"):
         examine(empty, places=[])
     other = tmp_path / "notes.txt"
     other.touch()
-    with pytest.raises(ValueError, match=r"ends in \.jsonl"):
+    with pytest.raises(ValueError, match=r"must end in \.jsonl"):
         examine(other, places=[])
     with pytest.raises(FileNotFoundError, match="there is no such log"):
         examine(tmp_path / "gone.jsonl", places=[])
@@ -152,7 +152,7 @@ def test_what_leads_nowhere_is_named(tmp_path: Path) -> None:
     assert problems == [
         f"{empty}: there is no log in this folder",
         f"{tmp_path / 'gone'}: there is no such file, folder, or log of this pattern",
-        f"{text}: the name of a log ends in .jsonl",
+        f"{text}: the name of a log must end in .jsonl",
     ]
 
 

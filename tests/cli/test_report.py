@@ -168,7 +168,8 @@ def test_what_cannot_be_read_is_named_and_the_others_go_on(
     assert "4 sessions, 2 participants" in out
     assert err == [
         "woz report: gone.jsonl: there is no such file, folder, or log of this pattern",
-        f"woz report: {empty}: no line of a session was found: the log is empty, or no log of woz",
+        f"woz report: {empty}: the file has no line of a session: the file is empty, or is"
+        " not a log of woz",
     ]
     assert told(capsys, "report", "gone.jsonl")[0] == 1
     assert first.exists()
@@ -179,15 +180,15 @@ def test_damage_is_told_on_the_page(here: Path, capsys: pytest.CaptureFixture[st
     path.write_bytes(path.read_bytes()[:-30])
     code, out, _ = told(capsys, "report", path)
     assert code == 0
-    assert "▲ 1 torn last line(s) cut" in out
-    assert "▲ the session has no end: it runs still, or it was cut off" in out
+    assert "▲ 1 incomplete last line(s) removed" in out
+    assert "▲ the session has no end: it is still running, or it was interrupted" in out
 
 
 def test_damage_is_told_for_each_of_many(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     [first, *_] = study(here)
     first.write_bytes(first.read_bytes()[:-30])
     _, out, _ = told(capsys, "report", here)
-    assert "▲ S01 P01: 1 torn last line(s) cut" in out
+    assert "▲ S01 P01: 1 incomplete last line(s) removed" in out
 
 
 def test_a_copy_of_a_session_counts_once(here: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -77,7 +77,7 @@ def test_the_dry_run_tells_every_command_and_what_becomes_of_it(
     assert "drives      1: they need a wizard at the console" in out
     assert '0:00.000  robot.say    {"text": "Hello"}' in out
     assert "drives, cut at 0:02.000 (stop pressed)" in out
-    assert "left out: refused then: the stop is pressed" in out
+    assert "left out: refused in the log: the stop is pressed" in out
     assert out.endswith("2 would be sent, 1 left out\n")
     main(["replay", str(path), "--dry-run", "--headless"])
     assert "are refused, because no wizard watches" in capsys.readouterr().out

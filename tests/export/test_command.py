@@ -20,7 +20,8 @@ def test_it_says_what_it_did_and_what_was_wrong(
     told = capsys.readouterr()
     assert told.out == f"{STEM}: 14 events, 11.0 s\n1 session in {tmp_path / 'out'}\n"
     assert told.err == (
-        f"woz export: {STEM}: damage: the session has no end: it runs still, or it was cut off\n"
+        f"woz export: {STEM}: damage: the session has no end: it is still running, or it was"
+        " interrupted\n"
     )
 
 
@@ -28,13 +29,13 @@ def test_it_says_what_it_did_and_what_was_wrong(
     ("options", "told"),
     [
         (["nowhere.jsonl", "--to", "csv"], "nowhere.jsonl: there is no such log"),
-        (["LOG", "--to", "csv", "--media", "LOG"], "--media goes with --to eaf alone"),
+        (["LOG", "--to", "csv", "--media", "LOG"], "--media needs --to eaf"),
         (["LOG", "--to", "eaf", "--media", "no.mp4"], "no.mp4: there is no such file"),
         (
             ["LOG", "--to", "eaf", "--media", "LOG", "--redact-text"],
             "leaves sound and pictures out",
         ),
-        (["LOG", "OTHER", "--to", "eaf", "--media", "LOG"], "of one session, and here are 2"),
+        (["LOG", "OTHER", "--to", "eaf", "--media", "LOG"], "exactly one session; these are 2"),
         (["LOG", "--to", "textgrid", "--samples"], "cannot include --samples"),
         (["LOG", "--to", "eaf", "--offset", "3"], "--offset needs --media"),
         (["LOG", "--to", "eaf", "--media", "LOG", "--offset", "nan"], "is not a time"),
@@ -85,5 +86,8 @@ def test_a_log_of_which_nothing_can_be_read_is_no_success(
     whole = write(logs, visit())
     (logs / "2026-03-02T10-00-00_P08_S02.jsonl").touch()
     assert main(["export", str(logs), "--to", "csv", "--out", str(out)]) == 1
-    assert "2026-03-02T10-00-00_P08_S02: damage: no line of a session" in capsys.readouterr().err
+    assert (
+        "2026-03-02T10-00-00_P08_S02: damage: the file has no line of a session"
+        in capsys.readouterr().err
+    )
     assert whole.stem in (out / "events.csv").read_text(encoding="utf-8")

@@ -123,7 +123,7 @@ def test_the_header_says_who_when_and_what_is_wrong(tmp_path: Path) -> None:
     assert (root.get("AUTHOR"), root.get("DATE")) == ("W2", "2026-03-01T10:00:00+00:00")
     told = properties(path)
     assert ("participants", "P07") in told
-    assert ("damage", "the session has no end: it runs still, or it was cut off") in told
+    assert ("damage", "the session has no end: it is still running, or it was interrupted") in told
 
 
 def _spoken(folder: Path) -> Path:

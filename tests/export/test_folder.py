@@ -43,7 +43,7 @@ def test_force_deletes_nothing_else(tmp_path: Path) -> None:
     log = write(tmp_path / "recordings", visit())
     (tmp_path / "thesis").mkdir()
     (tmp_path / "thesis" / README).write_text("# My thesis\n")
-    with pytest.raises(ExportError, match="no earlier export"):
+    with pytest.raises(ExportError, match="not an earlier export"):
         exported(log, "csv", tmp_path / "thesis", force=True)
     assert (tmp_path / "thesis" / README).read_text() == "# My thesis\n"
 
@@ -61,7 +61,7 @@ def test_neither_a_file_nor_a_link_is_replaced(tmp_path: Path) -> None:
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / "link").symlink_to(tmp_path / "elsewhere")
     for name in ("file", "link"):
-        with pytest.raises(ExportError, match="no folder"):
+        with pytest.raises(ExportError, match="not a folder"):
             exported(log, "csv", tmp_path / name, force=True)
 
 
@@ -96,7 +96,7 @@ def test_what_fails_in_the_middle_leaves_the_earlier_export(tmp_path: Path) -> N
     exported(log, "csv", tmp_path / "out")
     with pytest.raises(OSError, match="gone") as error, new_folder(tmp_path / "out", force=True):
         raise OSError("gone")
-    assert error.value.__notes__ == [f"nothing was exported; {tmp_path / 'out'} is as it was"]
+    assert error.value.__notes__ == [f"nothing was exported; {tmp_path / 'out'} is unchanged"]
     assert (tmp_path / "out" / "events.csv").is_file()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["out", "recordings"]
 

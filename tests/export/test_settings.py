@@ -113,7 +113,7 @@ def test_bids_has_the_events_and_says_what_they_are(tmp_path: Path) -> None:
         ("6.000000", "blinking", "n/a"),
         ("9.000000", "blinking", "n/a"),
     ]
-    assert "other than asked for" in path.with_suffix(".json").read_text(encoding="utf-8")
+    assert "differed from the requested" in path.with_suffix(".json").read_text(encoding="utf-8")
 
 
 @settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))

@@ -59,7 +59,7 @@ def flipped(line: bytes) -> bytes:
     return line.replace(b'"', b"#", 1)
 
 
-NONE = "no line of a session was found: the log is empty, or no log of woz"
+NONE = "the file has no line of a session: the file is empty, or is not a log of woz"
 FILE = f"{STEM}.jsonl"
 DAMAGED: dict[str, tuple[bytes, list[int], list[str]]] = {
     "whole": (log_of(NOTES[:5]), [0, 1, 2, 3, 4], []),
@@ -69,7 +69,7 @@ DAMAGED: dict[str, tuple[bytes, list[int], list[str]]] = {
     "torn": (
         log_of(NOTES[:3]) + NOTES[3][:30],
         [0, 1, 2],
-        ["1 torn last line(s) cut", f"first at {FILE}:{len(log_of(NOTES[:3]))}"],
+        ["1 incomplete last line(s) removed", f"first at {FILE}:{len(log_of(NOTES[:3]))}"],
     ),
     "torn, then NULs": (
         log_of(NOTES[:3]) + b"\0" * 300_000,
@@ -104,7 +104,7 @@ DAMAGED: dict[str, tuple[bytes, list[int], list[str]]] = {
     "time goes back": (
         log_of([*NOTES[:3], NOTES[3].replace(b'"t":30', b'"t":10'), NOTES[4]]),
         [0, 1, 2, 3, 4],
-        ["1 line(s) with a time before the last one's"],
+        ["1 line(s) with a time before the previous line's"],
     ),
     "numbers missing": (
         log_of([*NOTES[:41], *NOTES[53:60], *NOTES[61:70]]),
@@ -120,7 +120,7 @@ DAMAGED: dict[str, tuple[bytes, list[int], list[str]]] = {
     "a number twice": (
         log_of([*NOTES[:4], note(3, "other"), NOTES[4]]),
         [0, 1, 2, 3, 4],
-        ["1 line(s) with a number that was taken left out"],
+        ["1 line(s) with a repeated number left out"],
     ),
     "a newer schema": (
         log_of(
@@ -136,9 +136,9 @@ DAMAGED: dict[str, tuple[bytes, list[int], list[str]]] = {
         ),
         [0, 1, 2, 3, 4],
         [
-            "written by a newer version (schema 99): read as far as it goes",
-            "2 line(s) whose fields this version cannot take",
-            "2 line(s) of kinds this version does not know: mood, aura",
+            "written by a newer version (schema 99): only what this version understands is read",
+            "2 line(s) with fields that this version cannot read",
+            "2 line(s) of unknown kinds: mood, aura",
         ],
     ),
     "a table": (
@@ -245,7 +245,7 @@ def test_lines_of_several_versions_in_one_log(
     new = b'{"kind":"mood","seq":%d,"t":900000000,"ts":"","colour":"blue"}\n' % (last + 1)
     numbers, sentences = reader(written(tmp_path, old + new))
     assert numbers[-1] == last + 1
-    assert sentences[0] == "1 line(s) of kinds this version does not know: mood"
+    assert sentences[0] == "1 line(s) of unknown kinds: mood"
 
 
 def test_the_oldest_log_is_not_the_newest() -> None:
@@ -256,6 +256,6 @@ def test_a_log_that_cannot_be_read_is_not_called_empty() -> None:
     """Whether it is, nobody knows."""
     refused = "x.jsonl: Permission denied"
     assert Damage(lineless=True, unreadable=[refused]).sentences() == [
-        "no line of a session was found",
+        "the file has no line of a session",
         refused,
     ]

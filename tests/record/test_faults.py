@@ -146,7 +146,7 @@ def test_without_room_for_samples_actions_go_on(tmp_path: Path) -> None:
         held = it.sample()
         numbers += [it.note()]
         assert [line.seq for line in it.lines()] == numbers
-        assert "no room for samples" in it.recorder.state().detail
+        assert "no space for samples" in it.recorder.state().detail
         it.disk.faults.clear()
         it.synced()
         assert it.numbers() == sorted([*numbers, held])

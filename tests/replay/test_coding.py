@@ -121,7 +121,7 @@ def test_the_file_is_its_owners_and_no_log(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("coder", ["", "Anna Smith", "K-1", "x" * 17, "../K1"])
 def test_a_coders_code_is_checked_as_a_participants(tmp_path: Path, coder: str) -> None:
-    with pytest.raises(ValueError, match="is no code"):
+    with pytest.raises(ValueError, match="is not a valid code"):
         Coding(coding_path(tmp_path / LOG), coder, START)
     assert not list(tmp_path.iterdir())
 

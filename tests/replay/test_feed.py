@@ -106,7 +106,7 @@ def test_nothing_comes_after_it_was_closed() -> None:
 def test_a_failure_is_told_and_the_keys_still_answer() -> None:
     class Broken(KeptSamples):
         def between(self, after_us: int, until_us: int) -> Iterable[m.AnyMessage]:
-            raise OSError("the disk is gone")
+            raise OSError("the disk does not exist any more")
 
     lines = [each for each in story() if not wire.is_sample(each)]
     feed = ReplayFeed(Player(Reel(lines, Broken([], lines[-1].t))), clock := ManualClock())
@@ -116,7 +116,7 @@ def test_a_failure_is_told_and_the_keys_still_answer() -> None:
     clock.advance(3)
     told = ear.until(_kind(m.Notice))
     assert isinstance(told, m.Notice)
-    assert "the disk is gone" in told.text
+    assert "the disk does not exist any more" in told.text
     ref = feed.ask(r.AskReplay(what="go", to="end"))
     ear.until(lambda each: isinstance(each, r.Reply) and each.ref == ref)
     feed.close()

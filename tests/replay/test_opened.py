@@ -79,9 +79,9 @@ def test_of_a_folder_the_newest_session_is_taken(tmp_path: Path) -> None:
     ("name", "content", "words"),
     [
         (f"{STEM}.jsonl", b"", "is empty"),
-        (f"{STEM}.jsonl", b"\0" * 300, "holds no line of a session"),
-        (f"{STEM}.jsonl", b"title: Museum guide\nrobot: simulated\n", "holds no line of a session"),
-        ("guide.yaml", b"title: Museum guide\n", "name of a log ends in .jsonl"),
+        (f"{STEM}.jsonl", b"\0" * 300, "has no line of a session"),
+        (f"{STEM}.jsonl", b"title: Museum guide\nrobot: simulated\n", "has no line of a session"),
+        ("guide.yaml", b"title: Museum guide\n", "name of a log must end in .jsonl"),
     ],
 )
 def test_what_is_no_log_is_said(tmp_path: Path, name: str, content: bytes, words: str) -> None:
@@ -134,7 +134,7 @@ def _headless(data: bytes) -> bytes:
 @pytest.mark.parametrize(
     ("harm", "words"),
     [
-        (_torn, "torn last line"),
+        (_torn, "incomplete last line"),
         (_nul, "NUL byte"),
         (_flipped, "damaged line"),
         (_swapped, ""),

@@ -99,7 +99,7 @@ def test_a_log_without_the_text_says_that_it_cannot_show_it(tmp_path: Path) -> N
     was = origin(path)
     experiment(tmp_path, said="Good morning.")
     (line,) = differences(was, find(tmp_path / "x.jsonl", was, installed()))
-    assert "does not hold its text" in line
+    assert "does not contain its text" in line
 
 
 def test_the_file_as_it_was_after_a_reload_is_the_same_experiment(tmp_path: Path) -> None:
@@ -131,5 +131,5 @@ def test_a_file_that_the_log_left_out_is_no_difference_but_named(tmp_path: Path)
     (tmp_path / "robot.yaml").write_text(ROBOT.replace("small", "large"), encoding="utf-8")
     now = find(tmp_path / "x.jsonl", was, installed())
     assert differences(Origin("small.yaml", was.hashes, kept), now) == [
-        "the hash of the experiment's files is another one (robot.yaml is not kept in the log)"
+        "the hash of the experiment's files differs (robot.yaml is not kept in the log)"
     ]

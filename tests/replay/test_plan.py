@@ -70,7 +70,7 @@ def test_a_command_is_repeated_at_the_moment_at_which_it_began(tmp_path: Path) -
     ("asked", "course", "why"),
     [
         (command(), [m.Refused(command="c1", code="busy", reason="it is busy")], "it is busy"),
-        (command(), [m.Refused(command="c1", code="late")], "refused then: late"),
+        (command(), [m.Refused(command="c1", code="late")], "refused in the log: late"),
         (command(), [dispatched(), m.Refused(command="c1", code="args", reason="no")], "no"),
         (
             command(),
@@ -79,11 +79,11 @@ def test_a_command_is_repeated_at_the_moment_at_which_it_began(tmp_path: Path) -
         ),
         (command(), [m.Stopped(command="c1", reason="stop pressed")], "never began: stop pressed"),
         (command(), [], "never began: the log ends"),
-        (command(verb="set", driver="session"), [dispatched(), done()], "session of then"),
-        (command(verb="lock", driver="session"), [dispatched(), done()], "session of then"),
+        (command(verb="set", driver="session"), [dispatched(), done()], "recorded session"),
+        (command(verb="lock", driver="session"), [dispatched(), done()], "recorded session"),
         (command(verb="toggle", driver="engagement"), [dispatched(), done()], "engagement model"),
-        (command(verb="learn_face"), [dispatched(), done()], "whoever is there now"),
-        (command(verb="sound", source="body"), [dispatched(), done()], "body asks for it"),
+        (command(verb="learn_face"), [dispatched(), done()], "person who is there now"),
+        (command(verb="sound", source="body"), [dispatched(), done()], "body requests it"),
     ],
 )
 def test_what_is_left_out_and_why(
@@ -129,7 +129,7 @@ def test_a_command_whose_request_is_lost_is_named(tmp_path: Path) -> None:
     made = plan(tmp_path, (1, dispatched("c9")), (2, done("c9")), (5, END))
     (step,) = made.skipped
     assert step.command.command == "c9"
-    assert "not known" in step.skip
+    assert "unknown" in step.skip
 
 
 def test_where_the_line_of_the_beginning_is_lost_the_end_tells_it(tmp_path: Path) -> None:
@@ -233,7 +233,7 @@ def test_what_was_left_out_anyway_keeps_its_reason(tmp_path: Path) -> None:
     refused = m.Refused(command="c1", driver="robot", code="busy", reason="busy")
     made = plan(tmp_path, (1, command()), (1, refused), (9, END))
     now = fitted(made, experiment(tmp_path, drivers=("left", "right")))
-    assert [step.skip for step in now.steps] == ["refused then: busy"]
+    assert [step.skip for step in now.steps] == ["refused in the log: busy"]
 
 
 def test_a_missing_verb_and_a_wrong_argument_are_named(made: Plan, tmp_path: Path) -> None:

@@ -104,7 +104,7 @@ def test_a_step_goes_to_the_next_line_that_says_something() -> None:
         m for m in story() if m.__struct_config__.tag not in ("sample", "clock", "session.plan")
     ]
     assert steps == [line.__struct_config__.tag for line in lines][1:]
-    assert "no further line" in reply.reason
+    assert "no more lines" in reply.reason
     assert it.picture.ended == "wizard"
 
 

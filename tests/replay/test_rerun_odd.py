@@ -85,7 +85,7 @@ def test_a_command_that_began_and_was_cut_in_one_moment_is_cut_short(tmp_path: P
     again = run_again(tmp_path / "b", log)
     ends = [line for line in again.stage.lines if isinstance(line, m.End)]
     assert [type(end).__name__ for end in ends] == ["Stopped", "Done"]
-    assert ends[0].reason == "cut short as it was then: stop pressed"
+    assert ends[0].reason == "cut short as in the log: stop pressed"
 
 
 def test_a_last_command_that_is_refused_at_once_is_told_before_the_end(tmp_path: Path) -> None:

@@ -54,7 +54,7 @@ def _cues_of(sort: str, words: str) -> tuple[Measure, ...]:
             lambda part: reactions(part, sort).cues,
         ),
         Measure(
-            f"{sort}_missed", "", f"`{sort}_cues` that nothing answered within the window",
+            f"{sort}_missed", "", f"`{sort}_cues` without an answer within the window",
             f"{sort} missed", lambda part: reactions(part, sort).missed,
         ),
         Measure(
@@ -76,7 +76,7 @@ MEASURES: tuple[Measure, ...] = (
         "trials", lambda part: part.trials,
     ),
     Measure(
-        "actions", "", "lines `action.requested`, whoever asked and whatever became of them",
+        "actions", "", "lines `action.requested`, from every source and with every result",
         "actions", lambda part: part.actions,
     ),
     Measure("actions_done", "", "actions that ended with `action.done`", "done",
@@ -86,8 +86,8 @@ MEASURES: tuple[Measure, ...] = (
     Measure("actions_stopped", "", "actions that ended with `action.stopped`: by the stop, or "
             "cut short (in logs of before, also replaced)", "stopped",
             lambda part: part.outcomes.stopped),
-    Measure("actions_superseded", "", "actions that ended with `action.superseded`: a newer one "
-            "took the place of what was still to be done", "replaced",
+    Measure("actions_superseded", "", "actions that ended with `action.superseded`: a newer "
+            "action replaced their remaining steps", "replaced",
             lambda part: part.outcomes.superseded),
     Measure("actions_refused", "", "actions that ended with `action.refused`", "refused",
             lambda part: part.outcomes.refused),
@@ -140,7 +140,7 @@ MEASURES: tuple[Measure, ...] = (
     Measure("action_max_s", "s", "longest of this time", "took max",
             lambda part: seconds(part.took.most)),
     Measure(
-        "cues", "", "events that want an answer: cues of speech, engagement and marker, each "
+        "cues", "", "events that need an answer: cues of speech, engagement and marker, each "
         "event once (without echoes)", "cues", lambda part: reactions(part).cues,
     ),
     Measure("cues_answered", "", "cues that a wizard action answered within the window",
@@ -168,10 +168,10 @@ MEASURES: tuple[Measure, ...] = (
     *_cues_of("marker", "somebody has set a marker"),
     *_cues_of("training", "`cue.given` of a training; judged and timed as in `cue.answered`"),
     Measure(
-        "engagement_on_s", "s", "time in which the engagement model was there and not `off`",
+        "engagement_on_s", "s", "time in which the engagement model was present and not `off`",
         "model on", lambda part: part.engagement.on_us / 1e6,
     ),
-    Measure("engagement_off_s", "s", "time in which it was there, but `off`", "model off",
+    Measure("engagement_off_s", "s", "time in which it was present, but `off`", "model off",
             lambda part: part.engagement.off_us / 1e6),
     Measure(
         "engaged_share", "share", "time in a state of engagement (EngagedWithUnknown, Handshake, "
@@ -196,8 +196,8 @@ MEASURES: tuple[Measure, ...] = (
         "was not lost", "settings", lambda part: part.settings_us / 1e6,
     ),
     Measure(
-        "settings_differ_s", "s", "time of it in which at least one setting was other than asked "
-        "for (`wanted`); empty if none were known", "differ",
+        "settings_differ_s", "s", "time of it in which at least one setting differed from "
+        "the requested value (`wanted`); empty if none were known", "differ",
         lambda part: part.differing_us / 1e6 if part.settings_us else None,
     ),
     Measure("settings_differ_share", "share", "`settings_differ_s` / `settings_known_s`",

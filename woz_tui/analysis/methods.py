@@ -84,13 +84,13 @@ def paragraphs(facts: Facts) -> list[Paragraph]:
 def _sessions(facts: Facts) -> Iterator[str]:
     yield from _attended(facts)
     if facts.deserted:
-        left = f"{Some(facts.deserted, 'session')} in which nobody took part"
+        left = f"{Some(facts.deserted, 'session')} without a participant"
         yield f"{left} {were(facts.deserted)} left out."
 
 
 def _attended(facts: Facts) -> Iterator[str]:
     if not facts.sessions:
-        yield "No session with a participant is among the logs."
+        yield "The logs contain no session with a participant."
         return
     people = len(facts.participants)
     if people:
@@ -117,7 +117,7 @@ def _attended(facts: Facts) -> Iterator[str]:
     if software:
         yield f"The robot was run by {listed(sorted(software))}{file}{title}."
     for name, count in facts.questionnaires.items():
-        yield f"The questionnaire {name} was put {times(count)}."
+        yield f"The questionnaire {name} was given {times(count)}."
     if facts.declined:
         yield f"Participants declined {some(facts.declined, 'questionnaire')}."
 
@@ -182,7 +182,7 @@ def _practised(name: str, practice: Practice) -> str:
         reaction = f", with a median reaction time of {_seconds(last.times.median)} s"
     return (
         f"{told} and answered {last.right} of {some(last.cues, 'cue')}"
-        f" ({_per_cent(last.right, last.cues)}) rightly{when}{reaction}."
+        f" ({_per_cent(last.right, last.cues)}) correctly{when}{reaction}."
     )
 
 
@@ -211,7 +211,7 @@ def _production(facts: Facts) -> Iterator[str]:
         )
     if facts.held.median is not None:
         yield (
-            f"What would have come sooner was held back: {some(facts.held.n, 'action')}, by"
+            f"Earlier actions were delayed: {some(facts.held.n, 'action')}, by"
             f" {_seconds(facts.held.median)} s in the median."
         )
 
@@ -266,7 +266,7 @@ def _recognition(facts: Facts) -> Iterator[str]:
         parts += [f"saw {listed(_named(blurred))} only blurred"] if blurred else []
         yield f"In {some(count, 'session')} the wizard {listed(parts)}."
     if not facts.seen:
-        yield "No restriction of what the wizard could see was recorded."
+        yield "No restriction of the wizard's view was recorded."
 
 
 def _named(names: Sequence[str]) -> list[str]:
@@ -313,7 +313,7 @@ def _reacted(facts: Facts) -> Iterator[str]:
         left = f" of those {neither(others)}" if others else ""
         share = f" ({_per_cent(facts.results['answered'], due)}{left})"
     yield (
-        f"Of {some(cues, 'cue')} that wanted an answer, the wizard answered"
+        f"Of {some(cues, 'cue')} that needed an answer, the wizard answered"
         f" {facts.results['answered']} within {_seconds(facts.window_us)} s"
         f"{share}."
     )

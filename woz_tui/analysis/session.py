@@ -91,7 +91,7 @@ def _examined(
         else:
             timeline.take(message)
     if not some:
-        raise NoSessionError(f"{path}: {'; '.join(damage.sentences()) or 'it holds no session'}")
+        raise NoSessionError(f"{path}: {'; '.join(damage.sentences()) or 'it contains no session'}")
     timeline.finish()
     found = files_of(path, places, samples=False)
     figures = figures_of(timeline, options, str(path), found.stem)

@@ -31,7 +31,7 @@ def sessions_in(named: Sequence[str]) -> tuple[list[Path], list[str]]:
         for path in paths:
             parsed = FileName.parse(path.name)
             if parsed is None:
-                problems.append(f"{path}: the name of a log ends in .jsonl")
+                problems.append(f"{path}: the name of a log must end in .jsonl")
                 continue
             key = (path.parent.resolve(), parsed.stem)
             if key not in found or _rank(path) < _rank(found[key]):

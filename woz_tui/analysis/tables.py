@@ -177,10 +177,10 @@ _SEQ: Column[Any] = Column(
 )
 _COUNTED = _plain(
     *("boolean", "counted"),
-    "means contain it: somebody took part, and where there are trials it was in one that was "
+    "means include it: it has a participant, and where there are trials it was in one that was "
     "neither aborted nor excluded",
 )
-_PIECE = "false: only participant, condition, trial or a break did"
+_PIECE = "false: only participant, condition, trial or a break changed"
 
 
 # -- sessions and conditions ----------------------------------------------------------------------
@@ -219,7 +219,7 @@ SESSIONS: Table[SessionFigures] = Table(
         _session("string", "rerun_of", "the log whose commands were run again"),
         _plain("integer", "lines", "lines in the log, samples not counted"),
         _named(
-            "damage", "what is wrong with the log; empty: nothing",
+            "damage", "damage of the log; empty: none",
             lambda it: "; ".join(it.wholeness.sentences),
         ),
         _plain("boolean", "redacted", "texts and dates were taken out"),
@@ -241,7 +241,11 @@ CONDITIONS: Table[Part] = Table(
     (
         *(_LOG, _CODE, _PARTICIPANT, _CONDITION, _SCOPE),
         Column(
-            *("counted", "boolean", "means contain it: somebody took part, and it is not outside"),
+            *(
+                "counted",
+                "boolean",
+                "means include it: it has a participant, and it is not outside",
+            ),
             lambda _, part: part.in_means,
         ),
         *map(_main, MEASURES),
@@ -269,7 +273,8 @@ EVENTS: Table[Any] = Table(
         _text(
             "kind",
             "action, command, engagement, speech (the visitor's), trial, phase, break, stop, "
-            "questionnaire; difference: a robot's setting was other than asked for; conflict: of "
+            "questionnaire; difference: a robot's setting differed from the requested value;"
+            " conflict: of "
             "settings; code: what a coder (`source`) set in a replay, with its tier as `label`; of "
             "moments, the kind of the log's line: marker, note, sensor.changed ...",
         ),
@@ -323,7 +328,7 @@ EVENTS: Table[Any] = Table(
 
 TRIALS: Table[Trial] = Table(
     "trials",
-    "One row for each trial that was begun, those that do not count too.",
+    "One row for each trial that was begun, also those that are not counted.",
     (
         *_WHOSE,
         _ONSET,
@@ -438,7 +443,7 @@ LATENCIES: Table[tuple[Part, str, VerbTimes]] = Table(
 
 CUES: Table[Cue] = Table(
     "cues",
-    "One row for each cue, and what the wizard made of it.",
+    "One row for each cue, and the wizard's answer.",
     (
         *_WHERE,
         _MOMENT,
@@ -469,11 +474,11 @@ _STAY: tuple[Column[Visit], ...] = (
         "name of the transition that ended it; empty: the log ended first, or the machine was "
         "switched off",
     ),
-    _text("visitor", "code of who was known"),
-    _plain("boolean", "forced", "the wizard led to it, or decided a verdict on which it rests"),
+    _text("visitor", "code of the identified visitor"),
+    _plain("boolean", "forced", "the wizard caused it, or set a sign by hand that caused it"),
     _text("why", "why it was entered, in words"),
 )
-_CUT = _plain("boolean", "cut", "the log, or the machine, ended before it did")
+_CUT = _plain("boolean", "cut", "the log, or the machine, ended before it")
 
 ENGAGEMENT: Table[Visit] = Table(
     "engagement",
@@ -507,20 +512,21 @@ SETTINGS: Table[Setting] = Table(
         Column(
             "value",
             "string",
-            "what the robot had: true, false, a number, a text, or JSON; empty: an empty text, or "
+            "value in the robot: true, false, a number, a text, or JSON; empty: an empty text, or "
             "unknown",
             lambda _, each: None if each.differs is None else _value(each.value),
         ),
         Column(
             "wanted",
             "string",
-            "what was asked for, by the robot file or a command, where it differs",
+            "value that the robot file or a command requested, where it differs",
             lambda _, each: _value(each.wanted) if each.differs else None,
         ),
         _plain(
             "boolean",
             "differs",
-            "it was other than asked for; empty: unknown, since the robot was lost or did not tell",
+            "it differed from the requested value; empty: unknown, because the robot was"
+            " disconnected or did not report it",
         ),
         _plain("boolean", "changed", f"the setting changed; {_PIECE}"),
         _plain("boolean", "cut", "the log ended before it did"),
@@ -536,7 +542,7 @@ SETTINGS: Table[Setting] = Table(
 _ROUND: tuple[Column[Any], ...] = (
     *_WHERE,
     _text("questionnaire", "name of the questionnaire"),
-    _plain("integer", "round", "how often it was put so far in this session, from 1"),
+    _plain("integer", "round", "how often it was given so far in this session, from 1"),
 )
 
 ANSWERS: Table[Answer] = Table(
@@ -552,8 +558,8 @@ ANSWERS: Table[Answer] = Table(
             *("text", "string", "the answer to an item without a scale"),
             lambda _, answer: None if answer.skipped else answer.text or None,
         ),
-        _plain("boolean", "skipped", "left out on purpose"),
-        _time("response_time", "from its being shown to the answer", "answered_us"),
+        _plain("boolean", "skipped", "skipped on purpose"),
+        _time("response_time", "from its display to the answer", "answered_us"),
         _time("onset", "when it was answered, from the session's start", "t"),
         _text("question", "the item's words"),
     ),
@@ -602,7 +608,7 @@ TRAININGS: Table[Training] = Table(
         _session("string", "wizard", "the wizard's code"),
         _STARTED,
         _plain("integer", "cues", "lines `cue.given`, without those that became void"),
-        _plain("integer", "right", "cues that were answered rightly"),
+        _plain("integer", "right", "cues that were answered correctly"),
         _plain("integer", "wrong", "cues that were answered by another action"),
         _plain("integer", "missed", "cues that were not answered in time"),
         _plain("integer", "uncalled", "actions without a cue"),
@@ -626,7 +632,7 @@ SAMPLES: Table[Reading] = Table(
         _text("unit", "unit of `value`"),
         _text("text", "what is not a number: an identity"),
         _text("driver", "name of the driver"),
-        _plain("number", "raw", "what the device said, in its unit"),
+        _plain("number", "raw", "value of the device, in its unit"),
     ),
     _nothing,
 )

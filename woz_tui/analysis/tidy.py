@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 #: How texts are kept from being formulas, for the reader of the tables.
 GUARDED = (
     "Texts that begin with = + - @ ' (or a tab, a line end, a full-width = + - @) have one ' more "
-    "before them, so that no spreadsheet takes them for a formula. Numbers never have. Control "
+    "before them, so that spreadsheets do not read them as formulas. Numbers have none. Control "
     "characters are shown as their pictures (U+2400 and on)."
 )
 DICTIONARY = "datapackage.json"

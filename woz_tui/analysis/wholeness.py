@@ -15,7 +15,7 @@ from woz_tui.record.names import FileName
 from woz_tui.record.verify import verify
 
 #: What stands in a log whose first line is lost.
-NO_BEGINNING = "the first line is missing: nobody's codes are known"
+NO_BEGINNING = "the first line is missing: all codes are unknown"
 #: Lines of messages that are no actions.
 _NO_ACTIONS = frozenset({Segment, Reading, EngagementShown})
 

@@ -74,7 +74,9 @@ class BidsExporter(Exporter):
         if not session.participants:
             notes.append(f"no participant's code: it is in sub-{self._label(session, '')}")
         if self._options.samples and len(session.participants) > 1:
-            notes.append("several participants: values of sensors are nobody's and left out")
+            notes.append(
+                "several participants: values of sensors cannot be assigned and are left out"
+            )
         elif self._options.samples:
             notes += write_physio(self._folder, paths[0], source, _common(session))
         return notes
@@ -196,19 +198,17 @@ def _common(session: Session) -> dict[str, Any]:
 #: What stands where there is no value.
 NONE = "n/a"
 _KINDS = {
-    "action": "an action of the robot that was asked for, from the request to its end",
+    "action": "an action of the robot, from the request to its end",
     "command": "one verb sent to one driver, from the request to its end",
     "engagement": "a state of the engagement machine",
     "speech": "a sentence of the visitor",
     "trial": "a trial",
     "phase": "a phase of the experiment",
     "break": "a break between trials",
-    "stop": "the emergency stop, from its being pressed to its release; of driving alone, to its "
-    "confirmation",
-    "questionnaire": "a questionnaire was put to the participant",
-    "difference": "a robot's setting was other than asked for; the text is what it had and what "
-    "was wanted",
-    "conflict": "settings of a robot that worked against each other, or against the wizard",
+    "stop": "the emergency stop, from press to release; of driving alone, to its confirmation",
+    "questionnaire": "a questionnaire was given to the participant",
+    "difference": "a robot's setting differed from the requested value; the text has both values",
+    "conflict": "settings of a robot that conflicted with each other, or with the wizard's actions",
     "marker": "a moment that the wizard marked",
     "code": "what a coder (the source) set while watching a replay: the label is its tier",
     "note": "a sentence that the wizard typed",
@@ -336,7 +336,7 @@ def write_physio(folder: Folder, stem: str, source: Source, common: Mapping[str,
     """
     units = _units(source)
     if not units:
-        return ["no sensor's values are in the log"]
+        return ["the log has no values of sensors"]
     sensors = sorted(units)
     resampled = _Resampled(sensors)
     with (

@@ -23,7 +23,7 @@ _ABOUT = f"""## Files
 - `cues.csv`, `actions.csv`, `latencies.csv`: answers to cues, actions and commands counted
 - `engagement.csv`, `episodes.csv`: states of the engagement machine, by trial and as they were
 - `questionnaires.csv`, `questionnaires_wide.csv`: answers
-- `settings.csv`: what robots had set, and where it was other than asked for
+- `settings.csv`: settings of robots, and where they differed from the requested values
 - `trainings.csv`: trainings of wizards
 - `sessions.csv`: the sessions, and what is wrong with their logs
 - `samples.csv`: values of the sensors (only with `--samples`)

@@ -68,7 +68,7 @@ class EafExporter(Exporter):
         if shift:
             notes.append(
                 f"the session begins {seconds(-shift)} s before the medium: times are the medium's,"
-                " and what was over when it began is left out"
+                " and what ended before it began is left out"
             )
         root = document(session, tiers, media, notes)
         ET.indent(root)

@@ -74,14 +74,14 @@ def _refuse(sources: Sequence[Source], to: str, options: Options) -> None:
     if options.media is None:
         return
     if to != "eaf":
-        raise ExportError("--media goes with --to eaf alone", "leave it out")
+        raise ExportError("--media needs --to eaf", "leave it out")
     if options.redact:
         raise ExportError(
             "--redact-text leaves sound and pictures out", "leave out --media or --redact-text"
         )
     if len(sources) > 1:
         raise ExportError(
-            f"--media is of one session, and here are {len(sources)}", "export them one by one"
+            f"--media needs exactly one session; these are {len(sources)}", "export them one by one"
         )
     if not options.media.is_file():
         raise ExportError(f"{options.media}: there is no such file", "check the name")

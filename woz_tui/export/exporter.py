@@ -15,14 +15,14 @@ from woz_tui.export.sources import Source
 
 _TIMES = (
     "All times are in seconds since the beginning of the session, on a clock that never jumps. "
-    "People stand here under the codes that the experimenters gave them."
+    "People appear under the codes that the experimenters gave them."
 )
 _REDACTED = (
     "What people said, typed or wrote was replaced by `[redacted]`; dates and sound were left out. "
     "Codes, the labels of the experiment file, numbers and times are as they were."
 )
 _UNREDACTED = (
-    "Texts are as they were logged: notes, markers, sentences spoken and recognised, free answers. "
+    "Texts are unchanged: notes, markers, sentences spoken and recognised, free answers. "
     "They are personal data if somebody said or typed a name."
 )
 
@@ -90,5 +90,5 @@ def _session(told: Told) -> str:
     session = told.session
     who = ", ".join(told.participants) or "no participant's code"
     head = f"- {session.name}: {who}, {seconds(session.duration)} s, {session.lines} lines"
-    damage = [f"damage: {one_line(each)}" for each in session.damage] or ["the log is whole"]
+    damage = [f"damage: {one_line(each)}" for each in session.damage] or ["the log is complete"]
     return "\n".join([head, *(f"  - {line}" for line in [*damage, *map(one_line, told.notes)])])

@@ -64,7 +64,7 @@ def new_folder(path: Path, *, force: bool = False) -> Iterator[Folder]:
         yield Folder(draft, path)
         _replace(draft, path)
     except OSError as error:
-        error.add_note(f"nothing was exported; {path} is as it was")
+        error.add_note(f"nothing was exported; {path} is unchanged")
         raise
     finally:
         shutil.rmtree(draft, ignore_errors=True)
@@ -74,7 +74,7 @@ def _refuse(path: Path, force: bool) -> None:
     if not os.path.lexists(path):
         return
     if not path.is_dir() or path.is_symlink():
-        raise ExportError(f"{path} is there and is no folder", "name another one with --out")
+        raise ExportError(f"{path} exists and is not a folder", "name another one with --out")
     if not any(path.iterdir()):
         return
     if not force:
@@ -83,7 +83,7 @@ def _refuse(path: Path, force: bool) -> None:
         )
     if not _is_export(path):
         raise ExportError(
-            f"{path} is no earlier export: --force would delete what is in it",
+            f"{path} is not an earlier export: --force would delete what is in it",
             "name another folder with --out",
         )
 

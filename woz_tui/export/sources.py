@@ -133,7 +133,7 @@ def read(source: Source, *, redact: bool = False) -> Session:
         files = replace(source.files, spill="") if redact else source.files
         session.damage.append(files.no_end())
     if session.lines and session.start is None:
-        session.damage.append("the first line is missing: nobody's codes are known")
+        session.damage.append("the first line is missing: all codes are unknown")
     session.name = _name(session)
     whole = Wholeness(sentences=tuple(session.damage), ended=bool(session.end_reason))
     session.figures = replace(session.figures, wholeness=whole)

@@ -66,20 +66,21 @@ class Damage:
         """Everything that was wrong, in words; empty if nothing was."""
         found = []
         if self.lineless:
-            why = "" if self.unreadable else ": the log is empty, or no log of woz"
-            found.append(f"no line of a session was found{why}")
+            why = "" if self.unreadable else ": the file is empty, or is not a log of woz"
+            found.append(f"the file has no line of a session{why}")
         if self.newer:
             found.append(
-                f"written by a newer version (schema {self.newer}): read as far as it goes"
+                f"written by a newer version (schema {self.newer}): only what this version"
+                " understands is read"
             )
         counts = [
-            (self.torn, "torn last line(s) cut"),
+            (self.torn, "incomplete last line(s) removed"),
             (self.damaged, "damaged line(s) left out"),
             (self.nul_bytes, "NUL byte(s) dropped"),
-            (self.conflicting, "line(s) with a number that was taken left out"),
+            (self.conflicting, "line(s) with a repeated number left out"),
             (self.misplaced, "line(s) far out of order left out"),
-            (self.backwards, "line(s) with a time before the last one's"),
-            (self.misshapen, "line(s) whose fields this version cannot take"),
+            (self.backwards, "line(s) with a time before the previous line's"),
+            (self.misshapen, "line(s) with fields that this version cannot read"),
             (self.dropped, "line(s) of actions were never written"),
             (self.dropped_samples, "sample(s) were never written"),
         ]
@@ -88,7 +89,7 @@ class Damage:
             found.append("first at " + ", ".join(self.places[:_SHOWN]))
         if self.unknown:
             kinds = _listed(self.kinds)
-            found.append(f"{self.unknown} line(s) of kinds this version does not know: {kinds}")
+            found.append(f"{self.unknown} line(s) of unknown kinds: {kinds}")
         if self.missing:
             runs = [f"{a}" if a == b else f"{a} to {b}" for a, b in self.gaps]
             found.append(f"{self.missing} line(s) missing: {_listed(runs)}")

@@ -17,7 +17,7 @@ _TAIL = 1 << 14
 #: So many folders are believed of one line.
 _PLACES = 16
 #: What stands in a log that was cut off, or whose session still runs.
-NO_END = "the session has no end: it runs still, or it was cut off"
+NO_END = "the session has no end: it is still running, or it was interrupted"
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class LogFiles:
         """What it may mean that no end of the session is in these files."""
         if not self.spill or self.missing or len(self.actions) > 1:
             return NO_END
-        return f"{NO_END}, or it went on in {self.spill}, where no file of it is found"
+        return f"{NO_END}, or it went on in {self.spill}, but no file was found there"
 
 
 def holds_samples(path: Path) -> bool:
@@ -74,7 +74,7 @@ def files_of(path: Path, places: Iterable[Path] | None = None, *, samples: bool 
         raise FileNotFoundError(f"{path}: there is no such log")
     name = FileName.parse(path.name)
     if name is None:
-        raise ValueError(f"{path}: the name of a log ends in .jsonl")
+        raise ValueError(f"{path}: the name of a log must end in .jsonl")
     folders = unique([path.parent, *(second_places() if places is None else places)])
     real = set(map(os.path.realpath, folders))
     found: dict[Path, FileName] = {}

@@ -94,10 +94,10 @@ def state_of(
     """
     parts, remedy = [], ""
     if failed:
-        parts.append(f"no folder takes the log ({failed}); it is held in memory")
-        remedy = "make room or give the disk back; it is written as soon as a folder takes it"
+        parts.append(f"the log cannot be written to any folder ({failed}); it is kept in memory")
+        remedy = "free space, or connect the disk again; the log is then written"
     elif broken:
-        parts.append(f"{broken}; looking for another folder")
+        parts.append(f"{broken}; searching for another folder")
     elif left:
         parts.append(f"{left}; the log goes on in {path}")
         remedy = "after the session, put all files of this log into one folder"
@@ -105,8 +105,8 @@ def state_of(
         parts.append("the disk is slow")
         remedy = "stop other programs that write to this disk"
     if not samples and not failed:
-        parts.append("there is no room for samples")
-        remedy = remedy or "make room; samples are tried again every few seconds"
+        parts.append("there is no space for samples")
+        remedy = remedy or "free space; samples are written again as soon as there is room"
     if uncopied:
         parts.append(uncopied)
     parts.extend(f"{count} {what} lost" for count, what in zip(lost, _WHAT, strict=True) if count)

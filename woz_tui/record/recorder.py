@@ -266,7 +266,7 @@ class Recorder:
         if waited < self._stall_us:
             return ""
         self._stall_us *= 2
-        return f"the disk has not answered for {waited // 1_000_000} s"
+        return f"the disk has not responded for {waited // 1_000_000} s"
 
     def _trouble(self, segment: OpenSegment, reason: str) -> None:
         """The segment's thread has given up; the files may go on taking lines until we move."""

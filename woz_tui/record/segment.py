@@ -54,7 +54,7 @@ class LogFile:
         if taken != len(data):
             with suppress(OSError):
                 self._disk.truncate(self.fd, self.size)
-            raise OSError(errno.ENOSPC, f"only {taken} of {len(data)} bytes were taken")
+            raise OSError(errno.ENOSPC, f"only {taken} of {len(data)} bytes were written")
         self.size += taken
         if self.deleted:
             raise OSError(_DELETED)

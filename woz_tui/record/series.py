@@ -53,7 +53,7 @@ class Series:
                 return new
             new.discard()
             self._skip()
-        raise FileExistsError(errno.EEXIST, "every name is taken", str(folder))
+        raise FileExistsError(errno.EEXIST, "all file names are in use", str(folder))
 
     def _skip(self) -> None:
         """A name is taken: a session that has not begun takes another stem, a running one the

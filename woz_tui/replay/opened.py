@@ -76,8 +76,8 @@ def opened(path: Path) -> LogIndex:
         index.close()
         if index.damage.unreadable:
             raise LogError("; ".join(index.damage.unreadable))
-        state = "is empty" if not path.stat().st_size else "holds no line of a session"
-        raise LogError(f"{path}: {state}", "is it the log of a session of woz?")
+        state = "is empty" if not path.stat().st_size else "has no line of a session"
+        raise LogError(f"{path}: {state}", "check that it is the log of a woz session")
     return index
 
 
@@ -90,7 +90,7 @@ def notes_of(index: LogIndex, reel: Reel) -> tuple[str, ...]:
     """What the viewer must know: damage, a lost beginning, an end that was never written."""
     notes = list(index.damage.sentences())
     if reel.start is None:
-        notes.append("its beginning is missing: who took part in which session is not known")
+        notes.append("its beginning is missing: participant and session are unknown")
     if not any(isinstance(line, m.SessionEnd) for line in index.actions):
         notes.append(index.no_end)
     return tuple(notes)

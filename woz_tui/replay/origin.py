@@ -108,7 +108,7 @@ def find(
     if not found:
         raise OriginError(
             f"the experiment {origin.name or 'of this log'} is not beside the log",
-            "say where it is with --experiment FILE",
+            "name it with --experiment FILE",
         )
     read: list[Experiment] = []
     broken: list[ExperimentError] = []
@@ -140,7 +140,7 @@ def differences(origin: Origin, experiment: Experiment, *, places: bool = False)
         return [
             f"{experiment.path.name} is not the file that the session was played with"
             f" (its hash was {was}, now it is {experiment.sha256[:12]});"
-            " the log does not hold its text, so nobody can say what has changed"
+            " the log does not contain its text, so the changes are unknown"
         ]
     compared = _places if places else _unified
     return _diff(compared, origin.files.files, now_of(experiment), origin.files.left_out)
@@ -171,7 +171,7 @@ def _diff(
             lines += compared(name, then.get(name), now.get(name))
     if not lines:
         kept = f" ({', '.join(left_out)} is not kept in the log)" if left_out else ""
-        lines.append(f"the hash of the experiment's files is another one{kept}")
+        lines.append(f"the hash of the experiment's files differs{kept}")
     return lines
 
 
@@ -188,14 +188,14 @@ def _unified(name: str, then: str | None, now: str | None) -> Iterable[str]:
 def _places(name: str, then: str | None, now: str | None) -> Iterator[str]:
     """`small.yaml: line 6 in the log, lines 6 to 8 now`, a line for each place."""
     if then is None or now is None:
-        yield f"{name}: {'not in the log, and there now' if then is None else 'is gone'}"
+        yield f"{name}: {'not in the log, but exists now' if then is None else 'is gone'}"
         return
     matcher = difflib.SequenceMatcher(None, then.splitlines(), now.splitlines())
     for what, i1, i2, j1, j2 in matcher.get_opcodes():
         if what == "replace":
             yield f"{name}: {_lines(i1, i2)} in the log, {_lines(j1, j2)} now"
         elif what == "delete":
-            yield f"{name}: {_lines(i1, i2)} in the log, gone now"
+            yield f"{name}: {_lines(i1, i2)} in the log, removed now"
         elif what == "insert":
             yield f"{name}: {_lines(j1, j2)} now, not in the log"
 

@@ -59,7 +59,7 @@ def find(text: str, reel: Reel, now: int) -> int:
         return t
     mark = _named(wanted.casefold(), reel.marks, now)
     if mark is None:
-        raise PlaceError(f"there is no {wanted!r} in this log", "g lists what there is")
+        raise PlaceError(f"there is no {wanted!r} in this log", "press g for the list")
     return mark.t
 
 
@@ -69,7 +69,7 @@ def _beside(marks: Sequence[Mark], now: int, *, later: bool) -> int:
         [t for t in places if t > now] if later else [t for t in places[::-1] if t < now - AGAIN_US]
     )
     if not found:
-        raise PlaceError(f"there is no marker, stop, trial ... {'later' if later else 'before'}")
+        raise PlaceError(f"there is no marker, stop or trial {'later' if later else 'before'}")
     return found[0]
 
 

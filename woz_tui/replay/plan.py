@@ -188,7 +188,9 @@ def _left_open(step: Step, presses: Sequence[int], last: int) -> Step:
     """
     for press in presses:
         if press >= step.at:
-            return replace(step, cut=press, why_cut="the stop was pressed; its own end is lost")
+            return replace(
+                step, cut=press, why_cut="the stop was pressed; the end of the command is missing"
+            )
     return replace(step, cut=max(last, step.at), why_cut="the log ends")
 
 
@@ -208,7 +210,7 @@ def _lost(timeline: Timeline, known: Container[str]) -> Iterator[Step]:
                 t=before.t if before is not None else ack.t,
             )
     for command in lost.values():
-        why = "its request is not in the log: what it was is not known"
+        why = "its request is not in the log, so the command is unknown"
         yield Step(command, command.t, skip=why)
 
 
@@ -222,7 +224,7 @@ def _step(command: Command) -> Step:
     kind = str(command.outcome) if ended is not None else ""
     at = command.begin if began is None else max(began, command.begin)
     if isinstance(ended, m.Refused):
-        return Step(request, at, end=kind, skip=f"refused then: {ended.reason or ended.code}")
+        return Step(request, at, end=kind, skip=f"refused in the log: {ended.reason or ended.code}")
     if began is None:
         return Step(request, at, end=kind, skip=_never(ended))
     return Step(request, at, cut, why, kind, skip=_senseless(request))
@@ -249,9 +251,9 @@ def _senseless(command: m.Command) -> str:
     if command.driver == ENGAGEMENT:
         return "the engagement model does not act in a re-run"
     if command.driver == SESSION and command.verb not in SESSION_VERBS:
-        return "it belongs to the session of then, and moves nothing"
+        return "it belongs to the recorded session and does not move the robot"
     if command.verb in LEARNING:
-        return "it would learn from whoever is there now"
+        return "it would learn from the person who is there now"
     if command.source not in ASKED:
-        return f"{command.source} asks for it by itself, and will again"
+        return f"{command.source} requests it by itself, also in the re-run"
     return ""

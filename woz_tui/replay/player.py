@@ -41,8 +41,8 @@ Incoming = m.AnyMessage | AnyAnswer | dict[str, Any]
 SLOWEST, FASTEST = 0.25, 16.0
 #: How often it is told how the replay stands, in microseconds of the viewer's time.
 PULSE_US = 1_000_000
-REFUSED = "this is a replay; nothing is played"
-UNMOVED = "this is a replay; nothing moves"
+REFUSED = "this is a replay; actions are not played"
+UNMOVED = "this is a replay; the robot does not move"
 HOW_TO_CODE = "m sets a code, n writes a note, x takes your last one back"
 UNCODED = "nobody codes this replay; begin it with --coder and your code"
 
@@ -289,7 +289,7 @@ class Player:
 
     def _pause(self, now: int) -> list[Incoming]:
         if self.ended:
-            raise PlaceError("the replay is at its end", "home goes to the beginning")
+            raise PlaceError("the replay is at its end", "press home to go to the beginning")
         self.paused = not self.paused
         self._local = now
         return self._stands(now)
@@ -304,7 +304,7 @@ class Player:
         """To the next line that says something; the replay stands still there."""
         number = self.reel.step(self._index)
         if number >= len(self.reel.lines):
-            raise PlaceError("there is no further line in this log")
+            raise PlaceError("this log has no more lines")
         self.paused = True
         t = max(self._t, self.reel.times[number])
         told = self._lines(number + 1, t)

@@ -209,7 +209,7 @@ class Player:
         def act(due: int) -> None:
             original = step.command.command
             if original in self._open:
-                why = f"cut short as it was then: {step.why_cut}".removesuffix(": ")
+                why = f"cut short as in the log: {step.why_cut}".removesuffix(": ")
                 self._cut(self._ids[original], why)
 
         return act

@@ -43,8 +43,8 @@ def planned(experiment: Experiment, count: int | None, seed: int) -> tuple[Plann
     cues = training.cues or tuple(requests(experiment))
     if not cues:
         raise ValueError(
-            "there is nothing to train: the experiment has neither training cues nor unlocked"
-            " actions that make the robot do something"
+            "there is nothing to train: the experiment has no training cues and no unlocked"
+            " actions of the robot"
         )
     chance = random.Random(f"{seed} training")
     wanted = training.count if count is None else count

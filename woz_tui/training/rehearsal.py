@@ -44,7 +44,7 @@ class Rehearsal(PassiveDriver):
 
     async def open(self) -> None:
         """Ready at once."""
-        self.context.health(Health.CONNECTED, "rehearsed: nothing moves")
+        self.context.health(Health.CONNECTED, "rehearsed: the robot does not move")
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Take as long as the real one roughly would."""

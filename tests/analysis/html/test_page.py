@@ -138,7 +138,7 @@ def test_settings_that_differed_are_told_and_drawn(text: str, tmp_path: Path) ->
     [volume] = lanes["settings differ"]["items"]
     assert volume[:4] == [102.0, 112.0, "volume", "differing"]
     assert volume[4] == [["driver", "head"], ["had", "0.8"], ["wanted", "0.6"]]
-    assert text.count("<caption>Robot&#x27;s settings that were other than asked for") == 3
+    assert text.count("<caption>Robot settings that differed from the requested ones") == 3
     quiet = ordinary()
     quiet.told = [each for each in quiet.told if not isinstance(each[1], m.SettingsShown)]
     page = render([quiet.report(tmp_path)])

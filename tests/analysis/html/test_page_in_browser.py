@@ -276,7 +276,7 @@ def test_damage_is_stated_in_red(page: Page, tmp_path: Path) -> None:
     path.write_bytes(whole[:2000] + b"\0\0rubbish\xff" + whole[2040:-30])
     write([examine(path, wanted=Wanted(timeline=True))], tmp_path / "report.html")
     page.open(tmp_path / "report.html")
-    assert "This log is not whole" in page.one(".damage").text
+    assert "This log is incomplete" in page.one(".damage").text
     red, green, blue = page.run(
         "return getComputedStyle(document.querySelector('.damage h3')).color.match(/\\d+/g)"
     )

@@ -91,7 +91,7 @@ def _facts(thing: Interval) -> Iterator[tuple[str, str]]:
         yield from _stated(**{_DETAILS.get(thing.sort, "detail"): thing.detail})
     yield from _stated(source=thing.source)
     if thing.cut:
-        yield "end", "not in the log: drawn to its last moment"
+        yield "end", "end not in the log: drawn to the last moment of the log"
     yield from _stated(run=thing.run)
 
 

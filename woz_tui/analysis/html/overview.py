@@ -35,7 +35,7 @@ def _damage(damaged: Sequence[Entry], number: int) -> Markup | None:
     if not damaged:
         return None
     names = [tag("li", _link(entry)) for entry in damaged]
-    words = f"{len(damaged)} of {number} logs are not whole"
+    words = f"{len(damaged)} of {number} logs are incomplete"
     return tag("div", tag("h3", words), tag("ul", names), class_="damage", role="note")
 
 

@@ -112,7 +112,7 @@ def _damage(figures: SessionFigures) -> Markup | None:
     if not whole.sentences:
         return None
     sentences = tag("ul", [tag("li", said(sentence)) for sentence in whole.sentences])
-    return tag("div", tag("h3", "This log is not whole"), sentences, class_="damage", role="note")
+    return tag("div", tag("h3", "This log is incomplete"), sentences, class_="damage", role="note")
 
 
 def _who(figures: SessionFigures) -> Iterator[tuple[str, Child]]:

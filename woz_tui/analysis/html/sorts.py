@@ -31,7 +31,7 @@ SORTS: dict[str, Look] = {
         "no end in the log", "M-5-1.2H-2.6V1.2H-5ZM-1.2-1.2H1.2V1.2H-1.2ZM2.6-1.2H5V1.2H2.6Z"
     ),
     "trial": Look("trial"),
-    "left-out": Look("trial that does not count", "M-5-1.2H5V1.2H-5Z"),
+    "left-out": Look("trial that is not counted", "M-5-1.2H5V1.2H-5Z"),
     "phase": Look("phase"),
     "break": Look("break"),
     "engaged": Look("visitor engaged"),

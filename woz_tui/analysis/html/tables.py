@@ -75,7 +75,7 @@ def actions(figures: SessionFigures) -> Markup | None:
     counts = figures.whole.counts
     # A column for each end that occurs: six would make the table too wide for a telephone.
     ends = [end for end in ENDS if any(getattr(count.outcomes, end) for count in counts)]
-    heads = ["Action", "Panel", "Asked by", "All", *ends]
+    heads = ["Action", "Panel", "Source", "All", *ends]
     rows = [
         [
             said(count.action),
@@ -193,7 +193,7 @@ def phases(figures: SessionFigures) -> Markup | None:
 
 def settings(figures: SessionFigures) -> Markup | None:
     """Where robots had other settings than were asked for."""
-    heads = ["Setting", "Robot had", "Asked for", "Participant", "Condition", "Trial"]
+    heads = ["Setting", "Robot reported", "Requested", "Participant", "Condition", "Trial"]
     rows = [
         [
             said(each.name),
@@ -208,7 +208,7 @@ def settings(figures: SessionFigures) -> Markup | None:
         ]
         for each in by_trial(figures.differences)
     ]
-    caption = "Robot's settings that were other than asked for"
+    caption = "Robot settings that differed from the requested ones"
     return table(caption, [*heads, "From", "For"], rows)
 
 
@@ -284,5 +284,5 @@ def limits(figures: SessionFigures) -> Markup | None:
         ]
         for one in figures.shaping
     ]
-    caption = "What shaped the wizard's answers"
+    caption = "Delays of the wizard's answers"
     return table(caption, ["From", "What", "How", "Which"], [*hidden, *held])

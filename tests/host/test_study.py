@@ -228,8 +228,8 @@ def test_after_a_reload_the_study_is_told_again(tmp_path: Path) -> None:
             told = [line for line in peer.seen if line["kind"] == "panels"]
             assert told[-1]["study"]["preflight"] == [{"check": "the lamp is on", "ok": False}]
             assert reply["data"] == [
-                "preflight 'the door is shut' is gone",
-                "preflight 'the camera sees the table' is gone",
+                "preflight 'the door is shut' was removed",
+                "preflight 'the camera sees the table' was removed",
                 "preflight 'the lamp is on' is new",
             ]
 

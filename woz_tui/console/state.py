@@ -274,6 +274,7 @@ class ConsoleState:
         self.perception = Perception.of(self.settings.study)
         self._plan(welcome, welcome.drivers)
         self._recall(welcome)
+        self.role = welcome.role  # whatever old lines say of it
         self.study.read_tidings()  # old ones
 
     def _recall(self, welcome: r.Welcome) -> None:

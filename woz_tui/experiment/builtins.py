@@ -82,7 +82,7 @@ BUILTIN: tuple[Builtin, ...] = (
     ),
     Builtin("failures", "enter", "list failures and mark them as seen"),
     Builtin(
-        *("events", "{", "filter the events: all, own acts, faults, machine"),
+        *("events", "|", "filter the events: all, own acts, faults, machine"),
         reserves=("home",),
         yields=True,
         last=True,

@@ -31,6 +31,7 @@ check: $(DEV)  ## lint, format, types, import rules
 
 screenshots: $(DEV)  ## draw the pictures of the documentation again
 	@$(BIN)/python docs/screenshots.py
+	@$(BIN)/python -m docs.film
 	@$(BIN)/python -m docs.report_picture
 	@$(BIN)/python -m docs.pepper_pictures
 

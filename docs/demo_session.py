@@ -7,6 +7,7 @@ and every drawing shows the same moment.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -26,7 +27,7 @@ from woz_tui.core.requests import PROTOCOL, Welcome
 from woz_tui.experiment.decode import load
 from woz_tui.host.plan import Shown, plan_of
 from woz_tui.record.recorder import Recorder
-from woz_tui.session.identity import Identity
+from woz_tui.session.identity import AskError, Identity
 from woz_tui.session.runner import Origin
 from woz_tui.session.session import Session
 
@@ -60,8 +61,13 @@ def catalogue() -> dict[str, type[Driver]]:
 
 
 def play(name: str) -> Callable[[Session], object]:
-    """The action's key."""
-    return lambda session: session.play(name, KEY)
+    """The action's key; what is refused is in the log."""
+
+    def press(session: Session) -> None:
+        with contextlib.suppress(AskError):
+            session.play(name, KEY)
+
+    return press
 
 
 def space(session: Session) -> object:
@@ -105,9 +111,28 @@ SHOW: tuple[Step, ...] = tuple((at, space) for at in (1.0, 4.0, 10.0, 15.5, 21.0
 #: Joy breaks down before Grim.
 SHOW_MOMENT = 30.6
 
+
+def ticked(session: Session) -> None:
+    """Everything on the preflight list has been seen to."""
+    for item in session.study.settings.preflight:
+        session.study.check(item.check, ok=True, text="", source="wizard")
+
+
+#: An interview: the participant asks something at 26 s that no line answers.
+INTERVIEW: tuple[Step, ...] = (
+    (0.5, ticked),
+    (1.0, lambda session: session.study.trial("begin", "")),
+    (3.0, lambda session: session.phase("Home", KEY)),
+    (15.0, space),
+    (27.5, play("repair dont_know")),
+    (32.0, space),
+)
+INTERVIEW_MOMENT = 28.4
+
 #: The guide by itself: a visitor has asked something, the robot thinks.
 GUIDE_MOMENT = 171.4
 WARM = Identity(participant="P07", condition="warm", wizard="W2", seed=7)
+TALKING = Identity(participant="P01", condition="empathic", wizard="W2", seed=7)
 ALONE = Identity(participant="G01", condition="alone", wizard="W2", seed=7)
 
 

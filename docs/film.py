@@ -19,7 +19,7 @@ from pathlib import Path
 
 from rich.segment import Segment
 
-from docs.demo_session import KEY, WARM, Step, demo, play, space, welcome
+from docs.demo_session import INTERVIEW, TALKING, WARM, Step, demo, play, space, welcome
 from tests.console.driving import sitting
 from woz_tui.console.bodies.pane import pane_rows
 from woz_tui.console.cells import Row
@@ -62,12 +62,6 @@ class Film:
     who: Identity = WARM
 
 
-def _ticked(session: Session) -> None:
-    """Everything on the preflight list has been seen to."""
-    for item in session.study.settings.preflight:
-        session.study.check(item.check, ok=True, text="", source="wizard")
-
-
 #: When the wizard presses space in the show.
 _SCENES = (1.0, 4.0, 10.0, 15.5, 21.0, 24.0, 33.0, 40.5)
 FILMS = (
@@ -83,21 +77,14 @@ FILMS = (
     Film(
         "answer",
         "interview",
-        (
-            (0.5, _ticked),
-            (1.0, lambda session: session.study.trial("begin", "")),
-            (3.0, lambda session: session.phase("Home", KEY)),
-            (15.0, space),
-            (27.5, play("repair dont_know")),
-            (32.0, space),
-        ),
+        INTERVIEW,
         21.0,
         35.0,
         "The participant asks something; one key answers, and the next line goes on",
         80,
         24,
         ((27.5, "["), (32.0, "space")),
-        Identity(participant="P01", condition="empathic", wizard="W2", seed=7),
+        TALKING,
     ),
 )
 

@@ -75,6 +75,12 @@ def guide() -> ScriptedFeed:
     return _told(demo_session.demo((), moment, "guide", who=who))
 
 
+def interview() -> ScriptedFeed:
+    """The wizard answers what nobody foresaw."""
+    steps, moment = demo_session.INTERVIEW[:5], demo_session.INTERVIEW_MOMENT
+    return _told(demo_session.demo(steps, moment, "interview", who=demo_session.TALKING))
+
+
 def _told(first: Welcome) -> ScriptedFeed:
     feed = ScriptedFeed()
     feed.round_trip_us = 23_000
@@ -173,6 +179,9 @@ SHOTS = (
     Shot("console-80x24", 80, 24, demo),
     Shot("console-160x50", 160, 50, demo),
     Shot("console-100x36", 100, 36, demo),
+    Shot("interview", 80, 24, interview),
+    Shot("interview-160x50", 160, 50, interview),
+    Shot("interview-light", 80, 24, interview, Look(UNICODE, "woz-light")),
     Shot("eyepi", 160, 50, eyepi),
     Shot("eyepi-small", 80, 24, eyepi),
     Shot("eyepi-body", 80, 24, eyepi, keys=(";",)),

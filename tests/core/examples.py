@@ -307,6 +307,7 @@ REQUESTS: tuple[r.AnyRequest, ...] = (
     r.AskPhase(ref=36, phase="whales", source="palette"),
     r.AskPhase(ref=37, source="key", key=")", age_us=4_000_000, stale=True),
     r.AskReload(ref=17, dry_run=True),
+    r.AskKeepTyped(ref=38, dry_run=True),
     r.AskPreflight(ref=18),
     r.AskEnd(ref=19, reason="the visitor has left"),
     r.AskProposal(ref=22, participant="P08"),

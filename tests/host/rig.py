@@ -21,6 +21,7 @@ from woz_tui.host.server import Host
 from woz_tui.record.recorder import Recorder
 from woz_tui.session.identity import Identity
 from woz_tui.session.session import Session
+from woz_tui.session.typed import Reader
 
 WAIT_S = 40.0
 
@@ -123,6 +124,7 @@ async def served(
     *,
     catalogue: Mapping[str, type[Driver]] | None = None,
     clock: RealClock | None = None,
+    read: Reader | None = None,
 ) -> AsyncIterator[Served]:
     """A host that serves until the block ends."""
     clock = clock or RealClock()
@@ -139,7 +141,7 @@ async def served(
     lines: list[m.AnyMessage] = []
     session.hub.listen(lines.append)
     path = path or tmp_path / "s"
-    host = Host(session, path, Desk(session, load or (lambda: made)), pulse_s=0.05)
+    host = Host(session, path, Desk(session, load or (lambda: made), read), pulse_s=0.05)
     await session.open()
     host.listen(bind(path))
     place = Served(host, path, lines)

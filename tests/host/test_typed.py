@@ -2,12 +2,24 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import AsyncIterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from tests.host.rig import served
+from tests.experiment.catalogue import CATALOGUE
+from tests.host.rig import Served, served
+from woz_tui.core.messages import Notice
+from woz_tui.experiment.decode import load
 
-TYPED = {"verb": "say", "args": {"text": "Wait, {participant}"}, "source": "key", "key": "/"}
+
+def typing(text: str) -> dict[str, Any]:
+    """What the console asks for behind `/`."""
+    return {"verb": "say", "args": {"text": text}, "source": "key", "key": "/"}
+
+
+TYPED = typing("Wait, {participant}")
 
 
 def typed(line: dict[str, Any]) -> list[dict[str, Any]]:
@@ -41,3 +53,94 @@ async def test_what_a_program_says_is_no_button(tmp_path: Path) -> None:
         await program.ask("verb", verb="say", args={"text": "Hi"}, source="program")
         late = await host.connect()
         assert typed(await late.hello("watcher")) == []
+
+
+TALK = """title: Talk
+robot: simulated  # no robot
+panels:
+  - title: Speech
+    actions:
+      - {key: h, label: Hello, say: "Hello"}
+"""
+
+
+def files(folder: Path) -> list[str]:
+    """The experiment files that lie there."""
+    return [path.name for path in folder.glob("*.yaml")]
+
+
+@contextlib.asynccontextmanager
+async def talking(folder: Path) -> AsyncIterator[tuple[Served, Path]]:
+    """A session of a file that lies there."""
+    path = folder / "talk.yaml"
+    path.write_text(TALK)
+    read = partial(load, path, CATALOGUE)
+    async with served(folder, load=read, made=read(), catalogue=CATALOGUE, read=read) as host:
+        yield host, path
+
+
+async def test_a_copy_is_shown_then_written_and_offered_once(tmp_path: Path) -> None:
+    async with talking(tmp_path) as (host, path):
+        wizard = await host.connect()
+        await wizard.hello("wizard")
+        nothing = await wizard.ask("keep-typed")
+        assert (nothing["ok"], nothing["data"]["sentences"]) == (True, 0)
+        for text in ("One moment", "Was: #1?", "One moment"):
+            assert (await wizard.ask("verb", **typing(text)))["ok"]
+        shown = (await wizard.ask("keep-typed", dry_run=True))["data"]
+        assert shown["sentences"] == 2
+        assert not shown["written"]
+        assert shown["diff"][0] == "--- talk.yaml"
+        assert all(line.startswith("+") for line in shown["diff"][3:])
+        assert files(tmp_path) == [path.name]
+        kept = (await wizard.ask("keep-typed"))["data"]
+        assert (kept["written"], kept["file"]) == (True, str(tmp_path / "talk-typed.yaml"))
+        assert 'say: "Was: #1?"' in (tmp_path / "talk-typed.yaml").read_text()
+        assert path.read_text() == TALK
+        again = (await wizard.ask("keep-typed"))["data"]
+        assert (again["sentences"], again["file"]) == (0, kept["file"])
+        notice = await host.published(lambda line: isinstance(line, Notice))
+        assert isinstance(notice, Notice)
+        assert "talk-typed.yaml" in notice.text
+
+
+async def test_a_file_that_is_wrong_by_now_gets_no_copy(tmp_path: Path) -> None:
+    async with talking(tmp_path) as (host, path):
+        wizard = await host.connect()
+        await wizard.hello("wizard")
+        await wizard.ask("verb", **typing("One moment"))
+        path.write_text(f"{TALK}scripts: [Hello]\n")
+        reply = await wizard.ask("keep-typed")
+        assert not reply["ok"]
+        assert "scripts" in reply["data"][0]
+        path.unlink()
+        gone = await wizard.ask("keep-typed", dry_run=True)
+        assert "cannot be read" in gone["reason"]
+        assert files(tmp_path) == []
+
+
+async def test_a_copy_is_the_next_sessions_file_with_one_panel(tmp_path: Path) -> None:
+    async with talking(tmp_path) as (host, _):
+        wizard = await host.connect()
+        await wizard.hello("wizard")
+        await wizard.ask("verb", **typing("One moment"))
+        copy = Path((await wizard.ask("keep-typed"))["data"]["file"])
+    second = tmp_path / "second"
+    second.mkdir()
+    read = partial(load, copy, CATALOGUE)
+    async with served(second, load=read, made=read(), catalogue=CATALOGUE, read=read) as host:
+        wizard = await host.connect()
+        assert [each["label"] for each in typed(await wizard.hello("wizard"))] == ["One moment"]
+        await wizard.say(kind="verb", ref=7, **typing("One moment"))
+        await wizard.say(kind="verb", ref=8, **typing("And now"))
+        panels = await wizard.kind("panels")
+        assert [each["label"] for each in typed(panels)] == ["One moment", "And now"]
+        assert [panel["title"] for panel in panels["panels"]] == ["Speech", "Typed"]
+        assert (await wizard.ask("reload", dry_run=True))["data"] == []
+
+
+async def test_who_only_watches_writes_no_file(tmp_path: Path) -> None:
+    async with talking(tmp_path) as (host, _):
+        watcher = await host.connect()
+        await watcher.hello("watcher")
+        assert not (await watcher.ask("keep-typed"))["ok"]

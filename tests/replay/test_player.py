@@ -276,6 +276,7 @@ def test_samples_alone_do_not_keep_a_stretch() -> None:
         r.AskSet(trial=3),
         r.AskEnd(),
         r.AskReload(),
+        r.AskKeepTyped(),
         r.AskPreflight(),
     ],
 )

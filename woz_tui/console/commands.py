@@ -269,6 +269,10 @@ COMMANDS = (
     _row("suspend", _suspend, users=WATCHER),
     _row("leave", opens("screens.leave:LeaveDialog"), hint=Hint(13, "leave"), users=WATCHER),
     Command(
+        (Builtin("keep_typed", "", "put the typed sentences into a copy of the experiment file"),),
+        opens("screens.typed:KeepTypedDialog"),
+    ),
+    Command(
         (Builtin("questionnaire", "", "go on with the questionnaire that is being asked"),),
         opens("screens.questionnaire:QuestionnaireDialog"),
         found=False,

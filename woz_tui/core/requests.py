@@ -190,6 +190,16 @@ class AskReload(Request, frozen=True, kw_only=True, omit_defaults=True, tag="rel
     dry_run: bool = False
 
 
+class AskKeepTyped(Request, frozen=True, kw_only=True, omit_defaults=True, tag="keep-typed"):
+    """Write the sentences that were typed into a copy of the experiment file, as the panel `Typed`.
+
+    `dry_run` only shows it. The reply's `data` has `sentences`: how many, `file`: the copy, `diff`:
+    the lines that come in, and `written`. No sentences: there is nothing new since `file`.
+    """
+
+    dry_run: bool = False
+
+
 class AskPreflight(Request, frozen=True, kw_only=True, omit_defaults=True, tag="preflight"):
     """Run the robot side's checks; the reply's `data` lists them."""
 
@@ -302,6 +312,7 @@ AnyRequest = (
     | AskPhase
     | AskProfile
     | AskReload
+    | AskKeepTyped
     | AskPreflight
     | AskEnd
     | AskProposal

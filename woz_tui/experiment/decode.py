@@ -53,14 +53,17 @@ TOP_LEVEL = (
 )
 
 
-def load(path: Path, catalogue: Mapping[str, type[Driver]]) -> Experiment:
-    """Read and check an experiment file with the drivers of `catalogue`.
+def load(
+    path: Path, catalogue: Mapping[str, type[Driver]], data: bytes | None = None
+) -> Experiment:
+    """Read and check an experiment file with the drivers of `catalogue`; `data` stands for what the
+    file holds.
 
     Raises `ExperimentError` with every problem of this file and of the robot files that it names,
     sorted by place. Nothing else is raised, whatever the files hold.
     """
     report = Report()
-    source = source_of(path, report)
+    source = source_of(path, report, data)
     wanted = "title, robot and panels, such as title: Museum guide"
     root = None if source is None else document(source, report, wanted)
     if source and root and isinstance(root.node, Table) and woz4u.recognised(root.node, TOP_LEVEL):

@@ -85,8 +85,8 @@ def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
         yield f"engagement is {'new' if old.engagement is None else 'removed'}"
     yield from _entries(
         "repair",
-        {action.label: action for action in old.repairs},
-        {action.label: action for action in new.repairs},
+        {action.label: _essences(action) for action in old.repairs},
+        {action.label: _essences(action) for action in new.repairs},
     )
     yield from _entries("profile", old.profiles, new.profiles)
     yield from _study(old.study, new.study)

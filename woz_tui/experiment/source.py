@@ -39,9 +39,11 @@ class Source:
     text: str
 
 
-def read(path: Path, name: str) -> Source:
-    """Read a regular file of at most `MAX_BYTES`. Raises `SourceError`."""
-    data = _bytes(path)
+def read(path: Path, name: str, data: bytes | None = None) -> Source:
+    """Read a regular file of at most `MAX_BYTES`, or `data` as if it held that. Raises
+    `SourceError`.
+    """
+    data = _bytes(path) if data is None else _small(data)
     return Source(name, path, data, text_of(data))
 
 
@@ -58,6 +60,10 @@ def _bytes(path: Path) -> bytes:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise SourceError(f"cannot be read: {reason}") from error
+    return _small(data)
+
+
+def _small(data: bytes) -> bytes:
     if len(data) > MAX_BYTES:
         raise SourceError(
             f"the file is larger than {MAX_BYTES >> 20} MiB; check that it is the right file"

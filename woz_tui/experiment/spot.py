@@ -246,11 +246,13 @@ def document(source: Source, report: Report, expected: str) -> Spot | None:
     return None
 
 
-def source_of(path: Path, report: Report) -> Source | None:
-    """A file that was named on a command line, or None after saying why it cannot be read."""
+def source_of(path: Path, report: Report, data: bytes | None = None) -> Source | None:
+    """A file that was named on a command line, or None after saying why it cannot be read; `data`
+    stands for what it holds.
+    """
     report.file(str(path))
     try:
-        return read(path, str(path))
+        return read(path, str(path), data)
     except SourceError as error:
         report.error(Place(str(path), error.line, error.column), "file", error.message)
     return None

@@ -11,7 +11,7 @@ import msgspec
 from msgspec.structs import replace
 
 from woz_tui.core.driver import Finding
-from woz_tui.core.messages import Json
+from woz_tui.core.messages import Json, Notice
 from woz_tui.core.requests import (
     AnyRequest,
     AskAction,
@@ -21,6 +21,7 @@ from woz_tui.core.requests import (
     AskCheck,
     AskEmptyQueue,
     AskEnd,
+    AskKeepTyped,
     AskLock,
     AskMarker,
     AskMistake,
@@ -50,7 +51,7 @@ from woz_tui.session.preflight import preflight
 from woz_tui.session.questioning import PARTICIPANT
 from woz_tui.session.runner import Origin
 from woz_tui.session.session import Session
-from woz_tui.session.typed import without_typed
+from woz_tui.session.typed import Reader, copied, without_typed, written
 from woz_tui.session.variables import MissingError, call_with
 
 log = logging.getLogger(__name__)
@@ -60,7 +61,7 @@ WATCHER_MAY = (AskPreflight, AskMarker, AskNote, AskPicture, AskTakeOver)
 #: What a participant may ask for, who sits at a terminal to answer a questionnaire.
 PARTICIPANT_MAY = (AskQuestionnaire, AskAnswer)
 #: What takes its time, because it reads files or asks devices.
-Slow = AskReload | AskPreflight | AskProposal
+Slow = AskReload | AskKeepTyped | AskPreflight | AskProposal
 #: So many of one kind may wait for each client, while the one before is worked on.
 SLOW_WAITING = 16
 _NOWHERE = Place("", 0, 0)
@@ -72,11 +73,15 @@ class Desk:
     Args:
         session: What is asked of.
         load: Reads the experiment file again; raises `ExperimentError`.
+        read: Reads a text as if that file held it; raises `ExperimentError`.
     """
 
-    def __init__(self, session: Session, load: Callable[[], Experiment]) -> None:
+    def __init__(
+        self, session: Session, load: Callable[[], Experiment], read: Reader | None = None
+    ) -> None:
         self._session = session
         self._load = load
+        self._read = read or (lambda data: load())
         self._pictures = Pictures(session)
         self._tasks: set[asyncio.Task[None]] = set()
         self._slow: dict[tuple[Client, type[Slow]], list[Slow]] = {}
@@ -316,7 +321,27 @@ class Desk:
                 study, participant = self._session.study, request.participant
                 return (await asyncio.to_thread(study.propose, participant)).data()
         async with self._reading:
+            if isinstance(request, AskKeepTyped):
+                return await self._keep_typed(request.dry_run)
             return await self._reload(request.dry_run, instead)
+
+    async def _keep_typed(self, dry_run: bool) -> Json:
+        """Also while the session ends: the sentences are there until the process has gone."""
+        session = self._session
+        typed, path = session.typed, session.experiment.path
+        kept, file = session.kept
+        data: dict[str, Json] = {"sentences": 0, "file": file, "diff": [], "written": False}
+        if typed == kept:
+            return data
+        copy = await asyncio.to_thread(copied, path, typed, self._read)
+        if copy.sentences and not dry_run:
+            copy = await asyncio.to_thread(written, path, copy)
+            session.kept = typed, str(copy.file)
+            data["written"] = True
+            text = f"Typed sentences are in {copy.file.name}, a copy of the experiment file"
+            if not session.ended:
+                session.hub.publish(Notice(level="info", text=text))
+        return {**data, "sentences": copy.sentences, "file": str(copy.file), "diff": [*copy.diff]}
 
     async def _reload(self, dry_run: bool, instead: dict[str, str]) -> Json:
         """Read in a thread: a network folder must not hold up the robot."""

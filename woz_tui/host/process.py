@@ -157,7 +157,8 @@ async def _serve(
     session.hub.listen(functools.partial(_note_participant, participants))
     if options.profile:
         session.use_profile(options.profile, "start")
-    desk = Desk(session, lambda: _read(options, catalogue))
+    read = functools.partial(load, options.experiment, catalogue)
+    desk = Desk(session, lambda: _read(options, catalogue), read)
     host = Host(session, path, desk)
     rerun, training = _played(host, options, plan, cues)
     for number in (signal.SIGTERM, signal.SIGINT):

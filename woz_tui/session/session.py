@@ -74,6 +74,8 @@ class Session:
     ended: bool = field(init=False, default=False)
     #: Sentences that were typed, as actions.
     typed: tuple[Action, ...] = field(init=False, default=())
+    #: Those of them that stand in a copy of the file, and which.
+    kept: tuple[tuple[Action, ...], str] = field(init=False, default=((), ""))
     #: What the reason of the end tells (see `messages.Worded`).
     end_tells: tuple[str, ...] = field(init=False, default=())
     #: Tells how old a request without a time stamp may be.

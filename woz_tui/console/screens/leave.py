@@ -9,6 +9,7 @@ from textual.content import Content
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.screens.choice import Choice
 from woz_tui.console.screens.trial import OfferDialog
+from woz_tui.console.screens.typed import KeepTypedDialog, has_typed
 from woz_tui.console.study.picture import Study
 
 
@@ -41,8 +42,15 @@ class LeaveDialog(Choice):
         if index == 1:
             self.console_app.exit("detached")
         elif index == 2 and due and self.picture.role == "wizard":
-            self.console_app.open_dialog(OfferDialog(due[0], self.desk.end_session))
+            self.console_app.open_dialog(OfferDialog(due[0], self._end))
         elif index == 2:
+            self._end()
+
+    def _end(self) -> None:
+        """With what was typed offered for the file."""
+        if self.picture.role == "wizard" and has_typed(self.picture):
+            self.console_app.open_dialog(KeepTypedDialog(self.desk.end_session))
+        else:
             self.desk.end_session()
 
 

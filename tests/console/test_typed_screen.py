@@ -74,7 +74,8 @@ async def test_the_end_without_a_copy_and_no_end_at_all() -> None:
 
 async def test_an_answer_that_does_not_come_holds_up_no_end() -> None:
     async with sitting(typed()) as seat:
-        seat.feed.silent.add(r.AskKeepTyped)
+        # A reply to something else: this one is never answered.
+        seat.feed.answers[r.AskKeepTyped] = lambda _, ref: r.Reply(ref=ref + 9999, ok=True)
         await ending(seat)
         assert "reading" in seat.drawn()
         await seat.press("enter", "n")
@@ -114,7 +115,8 @@ async def test_the_finder_offers_it_any_time() -> None:
     async with sitting(typed()) as seat:
         answers(seat)
         await opened(seat, "FindDialog")
-        await seat.press(*"typed sentences", "enter")
+        await seat.type("typed sentences")
+        await seat.press("enter")
         await seat.until(lambda: DIFF[-1] in seat.drawn())
         await seat.press("enter")
         await seat.until(lambda: "/study/talk-typed.yaml" in seat.text("StopBar"))

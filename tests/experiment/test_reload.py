@@ -77,6 +77,16 @@ def test_nothing_changed(tmp_path: Path) -> None:
     assert list(compare(read(tmp_path, BASE), read(tmp_path, BASE)).changes) == []
 
 
+def test_repairs_that_only_moved_down_have_not_changed(tmp_path: Path) -> None:
+    """Their lines in the file are no difference."""
+    repairs = 'repairs:\n  filler: "Hm."\n'
+    text = panel("{label: Hello, say: Hello!}")
+    old, new = (read(tmp_path, f"{text}{gap}{repairs}") for gap in ("", "\n\n"))
+    assert compare(old, new).changes == ()
+    other = read(tmp_path, f"{text}{repairs}".replace("Hm.", "Well."))
+    assert compare(old, other).changes == ("repair 'filler' changed",)
+
+
 def test_panels_and_actions_come_go_and_change_places(tmp_path: Path) -> None:
     old = read(tmp_path, BASE + "# \n")
     more = BASE.replace("script:", "  - {title: Q, actions: [{label: D, say: D}]}\nscript:")

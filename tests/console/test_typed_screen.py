@@ -23,7 +23,8 @@ def typed() -> r.Welcome:
 def answers(seat: Sitting, wrong: str = "", sentences: int = 1) -> None:
     """What the robot process says."""
 
-    def answer(request: r.AskKeepTyped, ref: int) -> r.Reply:
+    def answer(request: r.AnyRequest, ref: int) -> r.Reply:
+        assert isinstance(request, r.AskKeepTyped)
         if wrong and not request.dry_run:
             return r.Reply(ref=ref, ok=False, reason=wrong)
         file = "/study/talk-typed.yaml"

@@ -60,7 +60,7 @@ def split(command: str | Sequence[str], setting: str) -> tuple[str, ...]:
             words = tuple(shlex.split(command))
         except ValueError as error:
             raise DriverError(
-                f"{setting}: {command!r} is no command: {str(error).lower()}",
+                f"{setting}: {command!r} is not a command: {str(error).lower()}",
                 "close the quote, or write the command as a list of words",
             ) from error
     if not words:

@@ -87,7 +87,7 @@ class Lesson:
         room, threshold = self.room, self.threshold
         if room.loudest == 0:
             raise DriverError(
-                f"{self.driver} hears only zeros: the threshold stays",
+                f"{self.driver} hears only zeros: the threshold is unchanged",
                 "switch the microphone on, or choose another device",
             )
         context.reading(THRESHOLD, threshold)

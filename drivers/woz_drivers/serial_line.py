@@ -94,7 +94,7 @@ class SerialLine:
         self._need_port()
         if len(self._unsent) + len(data) > MAX_UNSENT:
             raise DeviceLostError(
-                f"{self.port} takes no more data: {len(self._unsent)} bytes are waiting",
+                f"{self.port} accepts no more data: {len(self._unsent)} bytes are waiting",
                 "check the flow control and whether the device's firmware runs",
             )
         self._unsent += data
@@ -133,7 +133,7 @@ class SerialLine:
         self._tell(
             Trouble(
                 f"{self.port} was lost: {reason}",
-                "plug it in again; it is found by itself",
+                "plug it in again; it is connected again by itself",
             )
         )
         self._gone.set()

@@ -190,7 +190,7 @@ async def test_a_cable_pulled_in_mid_utterance_ends_the_segment(
     await heard.first(SpeechStarted)
     pipe.unplug()
     ended = await heard.first(SpeechEnded)
-    assert ended.detail == "the sound broke off: cat ended: exit status 0"
+    assert ended.detail == "the sound stopped: cat ended: exit status 0"
     assert kept(heard, ended) == data[2 * BLOCK :]
     await until(pipe.connected)
     clock = heard.clock
@@ -226,7 +226,7 @@ async def test_the_end_of_the_session_ends_the_utterance(begin: Begin, pipe: Pip
     await heard.first(SpeechStarted)
     await microphone.close()
     (ended,) = heard.all(SpeechEnded)
-    assert ended.detail == "the sound broke off: the session ended"
+    assert ended.detail == "the sound stopped: the session ended"
 
 
 async def test_a_folder_that_is_none_costs_the_file_and_nothing_else(

@@ -239,7 +239,7 @@ async def test_an_unplugged_microphone_ends_the_segment_and_says_why(it: Rig) ->
     started, ended, *rest = it.context.told
     assert isinstance(started, SpeechStarted)
     assert isinstance(ended, SpeechEnded)
-    assert ended.detail == "the sound broke off: unplugged on purpose"
+    assert ended.detail == "the sound stopped: unplugged (simulated fault)"
     assert ended.ended > ended.began
     assert all(one.segment > 1 for one in rest), "nothing more of that segment"
 

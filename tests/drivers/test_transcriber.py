@@ -112,7 +112,7 @@ async def test_a_program_that_crashes_is_told_of_once(begin: Begin, pipe: PipedC
     (notice,) = heard.all(Notice)
     assert (notice.level, notice.text) == (
         "warning",
-        "it: speech is not understood: ./transcriber ended: no model",
+        "it: speech is not recognised: ./transcriber ended: no model",
     )
 
 
@@ -149,7 +149,7 @@ async def test_a_slow_program_gets_one_at_a_time_and_what_waits_too_long_is_left
     gate.touch()
     await heard.first(SpeechText, after=WAITING + 2)
     texts = {text.segment: text for text in heard.all(SpeechText)}
-    left_out = "left out: ./transcriber does not keep up"
+    left_out = "not recognised: ./transcriber is too slow"
     assert sorted(texts) == list(range(1, WAITING + 4)), "each segment has one answer"
     assert [n for n, text in sorted(texts.items()) if text.detail == left_out] == [2, 3]
     assert {text.text for text in texts.values()} == {""}, "never two at once"

@@ -27,7 +27,7 @@ def examine(probe: Probe) -> list[Finding]:
             Finding(
                 "info",
                 probe.name,
-                "moves no servos: it is seen in the console only",
+                "moves no servos: it is only shown in the console",
                 "name the driver of the servos in `servos`",
             )
         )

@@ -43,7 +43,7 @@ POSE_S = 1.0
 
 #: Told where the head shall follow what nobody sees, and what to do about it.
 BLIND = (
-    "no camera to track with: it will be sad, then go home",
+    "tracking has no camera: the body shows sad and returns to its home pose",
     "name a driver of type camera in the body's setting `camera`",
 )
 
@@ -54,7 +54,7 @@ class Body(RenderedDriver):
     """Joints with roles, a face and a personality, moved by an engine."""
 
     Settings = BodySettings
-    summary = "a body: gaze, moves, moods and modes, for servos or only to be seen"
+    summary = "a body: gaze, moves, emotions and modes, for servos or only on the screen"
     settings: BodySettings
     #: What keeps the rate, made with the rate and the driver's name.
     ticker: ClassVar[Callable[[float, str], ThreadTicker]] = ThreadTicker
@@ -110,7 +110,7 @@ class Body(RenderedDriver):
     async def open(self) -> None:
         """Begin to tick."""
         self._events = asyncio.get_running_loop()
-        self.context.health(Health.CONNECTING, "before its first tick")
+        self.context.health(Health.CONNECTING, "before its first update")
         self._ticker.start(self.loop.step)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
@@ -151,7 +151,7 @@ class Body(RenderedDriver):
                 await still
         except TimeoutError:
             raise DriverError(
-                "no tick has confirmed the stop", "servos hold by themselves; end the session"
+                "the stop was not confirmed", "the servos hold their position; end the session"
             ) from None
 
     async def resume(self) -> None:
@@ -204,7 +204,7 @@ class Body(RenderedDriver):
                 break
             await asyncio.sleep(LOOK_S)
         else:
-            log.error("the body's thread hangs")
+            log.error("the body's thread does not respond")
         for future in self._running.values():
             if not future.done():
                 future.set_exception(DeviceLostError("the body was closed"))

@@ -177,7 +177,7 @@ class Publishing:
         def heard(carried: bool, why: str) -> None:
             if not carried and why not in self._unheard:
                 self._unheard.add(why)
-                text = f"the sound {cue.sound} was not heard: {why}"
+                text = f"the sound {cue.sound} was not played: {why}"
                 self._context.notice("warning", text, tells=("request",))
 
         self._context.ask(Ask("verb", "sound", {"file": cue.sound}, source="body"), heard)
@@ -280,7 +280,7 @@ class BodyLoop:
             log.exception("the body's tick failed")
             failure = DriverError(f"the body's tick failed: {error!r}")
             self._context.health(
-                Health.FAULTED, f"a tick failed: {error!r}", "report this, with the log"
+                Health.FAULTED, f"a tick failed: {error!r}", "report this error and attach the log"
             )
         else:
             self._context.health(Health.CONNECTED, self._detail)

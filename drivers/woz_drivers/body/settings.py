@@ -43,7 +43,7 @@ def differences(old: Mapping[str, Move], new: Mapping[str, Move]) -> Iterator[st
             yield f"move {name!r} is new"
         elif move != old[name]:
             yield f"move {name!r} changed"
-    yield from (f"move {name!r} is gone" for name in old if name not in new)
+    yield from (f"move {name!r} was removed" for name in old if name not in new)
 
 
 # --------------------------------------------------------------------------------------------------
@@ -61,18 +61,16 @@ class Settings(BodyShape):
         field(default_factory=dict)
     )
     rest: Annotated[
-        dict[str, float], Doc("angles in which it may be left alone; joints not named go home")
+        dict[str, float], Doc("rest pose: angles by joint; other joints go to their home angle")
     ] = field(default_factory=dict)
-    rest_time: Annotated[float, Seconds(0.1, 8), Doc("the way to the rest pose takes so long")] = (
+    rest_time: Annotated[float, Seconds(0.1, 8), Doc("time for the movement to the rest pose")] = (
         3.0
     )
     servos: Annotated[
-        str, Sibling(), Doc("the driver that moves the joints; empty: none, it is only seen")
+        str, Sibling(), Doc("driver that moves the joints; empty: none, only shown on the screen")
     ] = ""
-    camera: Annotated[
-        str, Sibling(), Doc("the camera whose findings object tracking follows; empty: none")
-    ] = ""
-    seed: Annotated[int, Range(0, 2**31), Doc("of blinks and other irregularities")] = 1
+    camera: Annotated[str, Sibling(), Doc("camera for object tracking; empty: none")] = ""
+    seed: Annotated[int, Range(0, 2**31), Doc("seed of blinks and other random movements")] = 1
 
     def problems(self) -> list[tuple[str, str]]:
         """What does not fit together: pairs of a setting's path and a sentence."""
@@ -92,7 +90,7 @@ class Settings(BodyShape):
             elif name in CONTROLS:
                 yield (
                     f"joints.{name}",
-                    f"every body has a control {name!r} already; call the joint otherwise",
+                    f"every body has a control {name!r}; choose another name for the joint",
                 )
 
     def _angle_problems(self) -> Iterator[tuple[str, str]]:

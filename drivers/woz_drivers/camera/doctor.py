@@ -98,7 +98,7 @@ def _judge(subject: str, settings: CameraSettings, taken: _Taken) -> Finding:
             "warning",
             subject,
             f"{program}: {rate:.1f} pictures a second ({shape}) instead of {settings.rate:g}",
-            "its pictures are probably of another size or format, or the rate is another",
+            "its pictures probably have another size, format or rate",
         )
     return Finding("ok", subject, f"{program}: {shape}; {_sight(settings, bytes(taken.first))}")
 
@@ -107,6 +107,6 @@ def _sight(settings: CameraSettings, first: bytes) -> str:
     picture = settings.layout.decode(first)
     blob = Finder(settings.rule).find(picture)
     if blob is None:
-        return "nothing green is in the first one"
+        return "the first picture has nothing green"
     share = blob.size / (picture.shape[0] * picture.shape[1])
-    return f"green in the first one: {share:.1%} of the picture"
+    return f"green in the first picture: {share:.1%} of the picture"

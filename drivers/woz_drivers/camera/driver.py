@@ -19,7 +19,7 @@ from woz_tui.motion.setpoints import SEEN, Seen
 SENSORS = ("seen.x", "seen.y", "seen.size")
 #: Pictures of a film that wait for their moment; then its command has to wait as well.
 _WAITING = 64
-_CHECK = "try its command in a terminal; `woz doctor` shows what it says"
+_CHECK = "try its command in a terminal; `woz doctor` shows its output"
 
 
 class Camera(PassiveDriver):
@@ -31,7 +31,7 @@ class Camera(PassiveDriver):
     """
 
     Settings = CameraSettings
-    summary = "where a camera sees something green"
+    summary = "position of something green in a camera picture"
     settings: CameraSettings
 
     def __init__(self, name: str, settings: CameraSettings, context: DriverContext) -> None:

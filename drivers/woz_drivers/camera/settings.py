@@ -21,7 +21,7 @@ class CameraSettings(Section):
     ] = ""
     width: Annotated[int, Range(4, 1920), Doc("pixels a row")] = 320
     height: Annotated[int, Range(4, 1080), Doc("rows")] = 240
-    format: Annotated[str, OneOf(FORMATS), Doc("what a pixel is made of")] = "yuv420"
+    format: Annotated[str, OneOf(FORMATS), Doc("format of a pixel")] = "yuv420"
     stride: Annotated[
         int, Range(0, 16_384), Doc("bytes from one row to the next, where rows are padded; 0: none")
     ] = 0
@@ -31,13 +31,13 @@ class CameraSettings(Section):
         OneOf(("as-fast", "real")),
         Doc("as-fast: a picture counts when it comes, right for cameras; real: a file is a film"),
     ] = "as-fast"
-    mirror: Annotated[bool, Doc("exchange left and right")] = False
-    flip: Annotated[bool, Doc("exchange top and bottom, for a camera that hangs")] = False
+    mirror: Annotated[bool, Doc("mirror left and right")] = False
+    flip: Annotated[bool, Doc("mirror top and bottom, for a camera mounted upside down")] = False
     factor: Annotated[
         float, Range(1, 10), Doc("green counts if it is more than this times red and blue")
     ] = 1.3
     brightness: Annotated[int, Range(0, 255), Doc("darker green does not count")] = 40
-    smallest: Annotated[int, Range(1, 100_000), Doc("so many pixels make a thing")] = 1
+    smallest: Annotated[int, Range(1, 100_000), Doc("smallest number of pixels of an object")] = 1
     largest: Annotated[bool, Doc("only the largest patch counts; else all green together")] = True
     publish: Annotated[float, Range(0.5, 10, "Hz"), Doc("readings a second, for the log")] = 10.0
 

@@ -28,7 +28,7 @@ REFRESH_S = 0.5
 CATCH_UP = 2.0
 #: Silent servos are asked again one by one, one every so many seconds.
 PROBE_S = 1.0
-TORQUE_REMEDY = "switch the torque on (`torque: on`) when nobody is in reach"
+TORQUE_REMEDY = "make sure that nobody is in reach, then switch the torque on (`torque: on`)"
 
 
 @dataclass(eq=False, slots=True)
@@ -191,7 +191,7 @@ class Chain(Upkeep):
         ]
         if unknown:
             raise DriverError(
-                f"nobody knows whether {', '.join(unknown)} stands still",
+                f"it is unknown whether {', '.join(unknown)} has stopped",
                 "switch the power off if it moves",
             )
 

@@ -49,11 +49,13 @@ class Following:
             if self._fresh:
                 self._context.notice(
                     "warning",
-                    f"{self._body} says nothing any more; the joints hold where they are",
-                    "the robot process's own log may say why",
+                    f"{self._body} sends no setpoints any more; the joints hold their position",
+                    "the log file of the robot process may have the reason",
                 )
             elif self._fresh is False and fresh:
-                self._context.notice("info", f"{self._body} is there; the joints go to its pose")
+                self._context.notice(
+                    "info", f"{self._body} is connected; the joints move to its pose"
+                )
             self._fresh = fresh
 
     @property

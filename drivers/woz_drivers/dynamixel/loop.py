@@ -96,7 +96,7 @@ class ServoLoop:
             except Exception as error:  # the thread must outlive its own mistakes
                 log.exception("the servo loop failed")
                 self._lost = DeviceLostError(
-                    f"the servo driver failed: {error!r}", "report this, with the log"
+                    f"the servo driver failed: {error!r}", "report this error and attach the log"
                 )
                 self._context.health(Health.FAULTED, self._lost.what, self._lost.remedy)
             self._wait_offline()
@@ -136,7 +136,9 @@ class ServoLoop:
                 self._context.notice("error", f"no torque on {name}: {why}")
         elif not first:
             self._context.notice(
-                "info", "the servos are back, and limp", "`torque: on` when nobody is in reach"
+                "info",
+                "the servos are connected again; their torque is off",
+                "make sure that nobody is in reach, then `torque: on`",
             )
 
     def _keep_rate(self, chain: Chain) -> None:

@@ -130,7 +130,7 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
                 sent += os.write(number, packet[sent:])
             except BlockingIOError:
                 if not self._room.poll(STUCK_MS):
-                    raise OSError(errno.ETIMEDOUT, "it takes nothing more") from None
+                    raise OSError(errno.ETIMEDOUT, "it accepts no more data") from None
         return sent
 
     def _wait_and_read(self, length: int) -> bytes:
@@ -138,7 +138,7 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
             return b""
         data = os.read(self._open().fileno(), length)
         if not data:
-            raise OSError(errno.EIO, "the device is ready to read, but has nothing to say")
+            raise OSError(errno.EIO, "the device is ready to read, but sends no data")
         self.longest_ms = max(self.longest_ms, self.getTimeSinceStart())
         return data
 
@@ -165,7 +165,7 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
         except LOSSES as error:
             raise DeviceLostError(
                 f"the line to the servos broke ({self.port_name}: {reason_of(error)})",
-                "check cable and adapter; it is looked for until it is back",
+                "check cable and adapter; the program connects again by itself",
             ) from error
 
 

@@ -90,7 +90,7 @@ MISSES = 3
 #: when its torque goes on: gears have play, and the limit may be the joint's mechanical stop.
 HOLDABLE = 2.0
 #: A protocol 1 servo that shut itself down cannot be restarted over the wire.
-PROTOCOL_1_REMEDY = "take the load off and let it cool, then switch the servos' power off and on"
+PROTOCOL_1_REMEDY = "remove the load and let it cool, then switch the servos' power off and on"
 
 
 class Standing(enum.Enum):

@@ -19,8 +19,10 @@ ROUND_S = 1.0
 #: A warning is repeated only after the value has fallen back by this share of its limit.
 EASING = 0.05
 
-X_REMEDY = "take the load off and let it cool, then `reboot` and `torque: on`"
-POWER_REMEDY = "check its power supply and plugs, then `torque: on` when nobody is in reach"
+X_REMEDY = "remove the load and let it cool, then `reboot` and `torque: on`"
+POWER_REMEDY = (
+    "check its power supply and plugs, then make sure that nobody is in reach, then `torque: on`"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +142,7 @@ class Upkeep(abc.ABC):
         if bitten:
             self._context.notice(
                 "warning",
-                f"{servo.label} stopped by itself: it heard nothing for"
+                f"{servo.label} stopped by itself: it received nothing for"
                 f" {self.settings.watchdog} ms",
                 "the computer was too busy; close other programs, or raise `watchdog`",
             )

@@ -41,7 +41,7 @@ _FAREWELL_S = 0.3
 
 _PATTERN = Verb(
     "pattern",
-    "show a test picture for whoever mounts the lights",
+    "show a test picture, for mounting the lights",
     (
         Argument("picture", "choice", "which one", default="arrow", choices=tuple(PATTERNS)),
         Argument("seconds", "seconds", "for so long", default=5.0, range=Range(0.1, 25, "s")),
@@ -107,7 +107,7 @@ class LedFace(PassiveDriver):
         self._need_face()
         picture, seconds = job.args["picture"], job.args["seconds"]
         if not isinstance(seconds, int | float) or picture not in PATTERNS:
-            raise RejectedError(f"there is no pattern {picture!r} of {seconds!r} seconds")
+            raise RejectedError(f"there is no test picture {picture!r} of {seconds!r} seconds")
         job.expects(seconds)
         self._pattern = Wanted(
             self._mounted(PATTERNS[str(picture)](self.settings.width, self.settings.height)),
@@ -212,6 +212,6 @@ class LedFace(PassiveDriver):
 
     def _need_face(self) -> None:
         if not self._line.connected:
-            raise DeviceLostError(f"{self.settings.port} is not open", "see what its state says")
+            raise DeviceLostError(f"{self.settings.port} is not open", "see its state")
         if self._talk.state is not State.TALKING:
             raise DeviceLostError(self._talk.detail, self._talk.remedy)

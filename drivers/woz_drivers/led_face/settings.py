@@ -36,9 +36,9 @@ class LedFaceSettings:
     mirror: Annotated[bool, Doc("left and right are wired the other way round")] = False
     brightness: Annotated[float, Range(0, 1), Doc("of the brightest face; 1: all it can")] = 1.0
     rate: Annotated[float, Range(1, 30, "Hz"), Doc("at most so many frames a second")] = 30.0
-    afterwards: Annotated[
-        str, OneOf(AFTERWARDS), Doc("what it shows when the session has ended")
-    ] = "dark"
+    afterwards: Annotated[str, OneOf(AFTERWARDS), Doc("picture after the end of the session")] = (
+        "dark"
+    )
 
     @property
     def wired(self) -> tuple[int, int]:

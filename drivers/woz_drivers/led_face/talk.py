@@ -147,7 +147,7 @@ class Talk:
 
     def _refused(self, packet: Packet) -> None:
         """Nothing that was agreed on is refused, so this is another firmware than it says."""
-        reason = REASONS.get(packet.payload[0] if packet.payload else 0, "it does not say why")
+        reason = REASONS.get(packet.payload[0] if packet.payload else 0, "it gives no reason")
         self._refusal = f"the face refused a packet: {reason}"
         self._move(State.STRANGE, self._refusal, _FLASH)
 
@@ -214,10 +214,10 @@ class Talk:
 
 
 _FLASH = "flash drivers/firmware/led_face onto it again"
-_POWER = "check its cable and power; it is found by itself"
+_POWER = "check its cable and power; it is connected again by itself"
 _NOBODY = (
     "check the port and baud, and that drivers/firmware/led_face is on the board;"
-    " it is found by itself"
+    " it is connected again by itself"
 )
 
 

@@ -37,7 +37,7 @@ def _transcriber(probe: Probe, settings: MicrophoneSettings) -> list[Finding]:
         path = programs.find(words[0], probe.folder)
     except DriverError as error:
         return [Finding("error", probe.name, error.what, error.remedy)]
-    return [Finding("ok", probe.name, f"speech is understood by {path}")]
+    return [Finding("ok", probe.name, f"speech is recognised by {path}")]
 
 
 async def _record(settings: MicrophoneSettings, words: tuple[str, ...], probe: Probe) -> bytes:

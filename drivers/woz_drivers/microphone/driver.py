@@ -91,7 +91,7 @@ class Microphone(PassiveDriver):
         """Start the command, and again whenever it ends."""
         self.context.health(Health.CONNECTING, "starting the microphone's command")
         self.context.reading(room.THRESHOLD, self._speaking.threshold)
-        self.context.sensor(SPEECH, "ready", "it tells itself when somebody speaks")
+        self.context.sensor(SPEECH, "ready", "it reports speech by itself")
         settings = self.settings
         command = Command(
             settings.words, self.context.folder, "no sound", _CHECK, least=settings.block_bytes
@@ -146,7 +146,7 @@ class Microphone(PassiveDriver):
         """Nobody can know whether they speak on: an utterance that never ends helps nobody."""
         ended = self._speaking.break_off()
         if ended is not None:
-            self._segments.ended(ended, f"the sound broke off: {why}")
+            self._segments.ended(ended, f"the sound stopped: {why}")
 
     def _lose(self, trouble: DriverError) -> None:
         self._forget_pause()
@@ -216,7 +216,9 @@ class Microphone(PassiveDriver):
     def _reason(self, level: float) -> str:
         match self._speaking.state:
             case "silent":
-                return "only zeros come: the microphone is muted, unplugged or the wrong one"
+                return (
+                    "the sound has only zeros: the microphone is muted, unplugged or the wrong one"
+                )
             case "clipping":
                 return "too loud for the converter: turn the gain down"
             case _:

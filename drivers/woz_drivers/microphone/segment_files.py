@@ -38,7 +38,7 @@ def write(path: Path, pcm: bytes, rate: int) -> Path:
         with os.fdopen(os.open(part, _FLAGS, 0o600), "wb") as file:  # a person's voice
             file.write(Wav("S16_LE", rate, 1, pcm).to_bytes())
         if path.exists():
-            raise FileExistsError(errno.EEXIST, "there is a file of this name already", str(path))
+            raise FileExistsError(errno.EEXIST, "a file with this name exists already", str(path))
         part.rename(path)
     finally:
         part.unlink(missing_ok=True)

@@ -29,10 +29,12 @@ class MicrophoneSettings(Section):
         str, OneOf(("max", "rms")), Doc("loudest 20 ms since the last value, or all of them")
     ] = "max"
     threshold: Annotated[float, Range(0, 1), Doc("louder than this RMS is speech")] = 0.02
-    onset: Annotated[float, Seconds(0, 2), Doc("so long it must be loud to be speech")] = 0.06
+    onset: Annotated[
+        float, Seconds(0, 2), Doc("time above the threshold that counts as speech")
+    ] = 0.06
     hang_over: Annotated[float, Seconds(0, 10), Doc("silence of this length ends speech")] = 1.0
     pre_roll: Annotated[
-        float, Seconds(0, 10), Doc("a segment of speech begins so long before it is loud")
+        float, Seconds(0, 10), Doc("time before the threshold is passed that is kept in a segment")
     ] = 0.5
     longest: Annotated[
         float, Seconds(1, 600), Doc("speech without a pause is cut into segments of this length")
@@ -44,11 +46,11 @@ class MicrophoneSettings(Section):
         str | tuple[str, ...],
         Doc("program that turns the WAV file {file} into text on stdout; empty: none"),
     ] = ""
-    transcribe_limit: Annotated[
-        float, Seconds(1, 600), Doc("that program is ended when it takes longer")
-    ] = 30.0
+    transcribe_limit: Annotated[float, Seconds(1, 600), Doc("time limit of that program")] = 30.0
     silent_after: Annotated[
-        float, Seconds(0.1, 600), Doc("nothing but zeros for so long: muted or unplugged")
+        float,
+        Seconds(0.1, 600),
+        Doc("time with only zeros after which it counts as muted or unplugged"),
     ] = 3.0
     sensitivity: Annotated[
         float, Range(0.5, 20), Doc("listen_room: mean + this many standard deviations")
@@ -76,7 +78,7 @@ class MicrophoneSettings(Section):
                 return []
         except DriverError as error:
             return [("transcribe", f"{error.what}; {error.remedy}")]
-        return [("transcribe", "must say where the sound's file goes: write {file} there")]
+        return [("transcribe", "must contain {file}, the place of the sound file")]
 
     @property
     def transcriber(self) -> tuple[str, ...]:

@@ -49,7 +49,7 @@ class Speaking:
         self.forget()
 
     def forget(self) -> None:
-        """Begin afresh, for a new stream, with block 0; the threshold stays."""
+        """Begin afresh, for a new stream, with block 0; the threshold is unchanged."""
         ear = self._ear
         self._ends = Endpointer(
             self.threshold,

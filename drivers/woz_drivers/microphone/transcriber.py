@@ -64,7 +64,7 @@ class Transcriber:
         self._waiting.append(heard)
         if len(self._waiting) > WAITING:
             late = self._waiting.popleft()
-            self._answer(late, "", f"left out: {self._words[0]} does not keep up")
+            self._answer(late, "", f"not recognised: {self._words[0]} is too slow")
             self._finish_with(late)
         self._news.set()
 
@@ -105,7 +105,7 @@ class Transcriber:
         if trouble.what and not self._complained:
             self._context.notice(
                 "warning",
-                f"speech is not understood: {trouble.what}",
+                f"speech is not recognised: {trouble.what}",
                 trouble.remedy or "try the command of `transcribe` in a terminal",
             )
         self._complained = bool(trouble.what)
@@ -167,4 +167,4 @@ async def _there(file: asyncio.Future[Path]) -> Path:
         why = f"not within {_FILE_S:g} s"
     except OSError as error:
         why = error.strerror or str(error)
-    raise DriverError(f"its sound was not written: {why}", "look at the disk")
+    raise DriverError(f"its sound was not written: {why}", "check the disk")

@@ -79,7 +79,7 @@ class MidiPanel(PassiveDriver):
     @classmethod
     def verbs(cls, settings: Any) -> tuple[Verb, ...]:
         """It takes the hand's values over at once, where the hand shall win."""
-        return (Verb(TAKE_OVER, "let the robot take the panel's values as they are"),)
+        return (Verb(TAKE_OVER, "set the robot to the present values of the panel"),)
 
     @classmethod
     def outline(cls, settings: Any) -> dict[str, Json]:

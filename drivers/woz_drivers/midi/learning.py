@@ -96,9 +96,9 @@ class Lesson:
         except BlockingIOError:
             return ""
         except OSError as error:
-            raise DriverError(f"the panel is gone: {error.strerror or error}") from error
+            raise DriverError(f"the panel is disconnected: {error.strerror or error}") from error
         if not data:
-            raise DriverError("the panel is gone: it delivers no more data")
+            raise DriverError("the panel is disconnected: it delivers no more data")
         return self.take(data)
 
     def take(self, data: bytes) -> str:
@@ -122,7 +122,10 @@ class Lesson:
                     return ""  # the hand has not left it yet
                 label = self._asked[one.question].label
                 values.clear()
-                return f"{one.name} is for {label} already; take another one, or b to go back"
+                return (
+                    f"{one.name} is used for {label} already; use another one, or press b to"
+                    " go back"
+                )
         name = self._name(signal)
         self._taught.append(Taught(self.at, signal, name))
         self.skip()

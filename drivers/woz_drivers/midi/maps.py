@@ -158,21 +158,21 @@ def kind_of(name: str, mapped: Mapped, layout: Layout) -> str:
 
 def _signal(path: str, name: str, mapped: Mapped, layout: Layout) -> Found:
     if len(mapped.signals) > 1:
-        yield path, "say one of cc, note, program and bend: it sends one thing"
+        yield path, "set only one of cc, note, program and bend"
     if not mapped.signals and name not in layout.controls:
         near = difflib.get_close_matches(name, layout.controls, n=1)
         meant = f"; did you mean {near[0]!r}?" if near else ""
-        yield path, f"nobody knows what it sends: say cc, note, program or bend{meant}"
+        yield path, f"its signal is missing: set cc, note, program or bend{meant}"
 
 
 def _purpose(path: str, mapped: Mapped) -> Found:
     doing = mapped.doing
     if len(doing) > 1:
-        yield f"{path}.{doing[1]}", f"it does one thing: {doing[0]} stands here already"
+        yield f"{path}.{doing[1]}", f"a control has one function: {doing[0]} is set already"
     if not mapped.verb:
         for name in ("args", "argument", "back"):
             if getattr(mapped, name):
-                yield f"{path}.{name}", "belongs to verb, which is not here"
+                yield f"{path}.{name}", "needs verb"
     elif mapped.argument and mapped.argument in mapped.args:
         yield f"{path}.args.{mapped.argument}", "is what the control sets: see argument"
     if mapped.on and doing and doing[0] in _ONCE:

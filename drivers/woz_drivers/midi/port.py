@@ -117,7 +117,9 @@ class MidiPort:
 
     def _lose(self, reason: str) -> None:
         self._detach()
-        self._tell(f"{self.path} was lost: {reason}", "plug it in again; it is found by itself")
+        self._tell(
+            f"{self.path} was lost: {reason}", "plug it in again; it is connected again by itself"
+        )
         self._gone.set()
 
     def _detach(self) -> None:

@@ -107,7 +107,9 @@ class Animations(Part):
         """Raises `DriverError` if the robot does not say it: then nobody knows."""
         runs = flag(await self._robot.call(BEHAVIORS, "isBehaviorRunning", path))
         if runs is None:
-            raise DriverError(f"the robot does not say whether {path} has ended", "look at it")
+            raise DriverError(
+                f"the robot does not report whether {path} has ended", "check the robot"
+            )
         return runs
 
 

@@ -65,7 +65,7 @@ class Base(Part):
         """Drive there; fails with a sentence when something is in the way."""
         x, y, turn = (number(job.args, name) for name in ("x", "y", "turn"))
         if x == y == turn == 0.0:
-            raise RejectedError("there is nowhere to drive", "give x, y or turn")
+            raise RejectedError("the distance is 0", "give x, y or turn")
         await self._endings.settled()
         # A robot that was silent for a while must not set off when it wakes from that.
         await self._robot.probe()
@@ -125,5 +125,5 @@ def _still(velocity: object) -> bool:
     speeds = [number_of(speed) for speed in items(velocity)]
     known = [speed for speed in speeds if speed is not None]
     if not known or len(known) < len(speeds):
-        raise DriverError("the robot does not say how fast it drives", "look whether it stands")
+        raise DriverError("the robot does not report its speed", "check whether it stands still")
     return all(abs(speed) < STILL for speed in known)

@@ -196,7 +196,7 @@ async def hold(robot: Robot, names: list[str]) -> None:
     now = [stiffness for one in told if (stiffness := memory.number(one)) is not None]
     if len(now) != len(names) or len(told) != len(names):
         raise DriverError(
-            f"the robot does not say whether {', '.join(names)} are stiff",
+            f"the robot does not report whether {', '.join(names)} are stiff",
             "wake it: `torque: true`; else restart it",
         )
     slack = [name for name, stiffness in zip(names, now, strict=True) if stiffness < SLACK]

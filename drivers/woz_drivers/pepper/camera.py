@@ -163,7 +163,8 @@ class Camera(Part):
         said = await self._robot.call("ALVideoDevice", "subscribe", name, size, RGB, rate)
         if not isinstance(said, str) or not said:
             raise DriverError(
-                "the camera takes no one more", "restart the robot if nobody else looks through it"
+                "the camera has too many subscribers",
+                "restart the robot if no other program uses the camera",
             )
         return said
 

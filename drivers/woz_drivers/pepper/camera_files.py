@@ -44,7 +44,7 @@ def keep(folder: Path, name: str, picture: Picture) -> Path:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         return _written(folder, name, content)
     except OSError as error:
-        remedy = _REMEDIES.get(error.errno or 0, "look at the disk")
+        remedy = _REMEDIES.get(error.errno or 0, "check the disk")
         why = error.strerror or str(error)
         raise DriverError(f"the picture could not be kept in {folder}: {why}", remedy) from None
 

@@ -218,7 +218,7 @@ class Connection:
         except Unanswered:
             raise DeviceLostError(
                 f"the robot did not answer {what} in time; it may still do it",
-                "stop it if it does what it should not",
+                "stop it if it moves unexpectedly",
             ) from None
         except Gone as gone:
             raise line.lost(str(gone)) from None
@@ -240,7 +240,7 @@ class Connection:
             if self._closed:
                 raise DeviceLostError("the session is over")
             await self._let_go(
-                DeviceLostError(f"{address.shown} is being taken", "wait until it is there")
+                DeviceLostError(f"{address.shown} is being connected", "wait until it is there")
             )
             return self._keep(address)
 
@@ -248,7 +248,7 @@ class Connection:
         shown = self.robot or "no robot"
         async with self._changing:
             why = DeviceLostError(
-                f"{shown}: disconnected by the wizard", "take a robot with `connect`"
+                f"{shown}: disconnected by the wizard", "connect to a robot with `connect`"
             )
             await self._let_go(why)
             self._address = None
@@ -267,7 +267,7 @@ class Connection:
         """Nobody waits for it any more, and a mistake of ours does not end it in silence."""
         error = None if keeper.cancelled() else keeper.exception()
         if error is not None:
-            what = f"the connection ended by a mistake of this program: {error!r}"
+            what = f"the connection ended because of an error in this program: {error!r}"
             self._tell(
                 Health.FAULTED, DeviceLostError(what, "take the robot again; please report it")
             )
@@ -289,7 +289,7 @@ class Connection:
         """Connect, watch, connect again; ends when there is no use in trying."""
         pause = _FIRST_PAUSE_S
         self._why = DeviceLostError(
-            f"{address.shown} is being looked for", "wait until it is there"
+            f"{address.shown} is being searched for", "wait until it is there"
         )
         self._context.health(Health.CONNECTING, f"connecting to {address.shown}")
         while True:

@@ -57,7 +57,7 @@ _LOOK_S = 0.25
 _COMES_WITHIN_S = 3.0
 _ANSWERS_WITHIN_S = 2.0
 
-_LOOKED_FOR = "it is looked for all the time; check its power and the network"
+_LOOKED_FOR = "the program keeps searching for it; check its power and the network"
 
 
 class Line:
@@ -89,7 +89,7 @@ class Line:
         """
         if self.leaving and what not in FAREWELL:
             raise DeviceLostError(
-                f"{self.shown} is being let go; nothing was sent", "connect again"
+                f"{self.shown} is being disconnected; nothing was sent", "connect again"
             )
 
     async def until_lost(self, getting_ready: asyncio.Task[None]) -> DeviceLostError:
@@ -100,7 +100,7 @@ class Line:
             while waiting & {dead, self.link.lost} == {dead, self.link.lost}:
                 done, waiting = await asyncio.wait(waiting, return_when=asyncio.FIRST_COMPLETED)
                 if getting_ready in done and (error := getting_ready.exception()) is not None:
-                    return self.lost(f"it could not be got ready: {error!r}")
+                    return self.lost(f"it could not be prepared: {error!r}")
             return self.lost(dead.result() if dead.done() else self.link.lost.result())
         finally:
             dead.cancel()
@@ -287,5 +287,5 @@ class Pulse:
 def _silent() -> DeviceLostError:
     return DeviceLostError(
         "the robot does not answer at the moment; nothing was sent",
-        "wait: it is asked all the time, and found again by itself",
+        "wait: the program keeps trying and connects again by itself",
     )

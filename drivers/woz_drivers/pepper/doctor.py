@@ -62,7 +62,7 @@ async def _robot(text: str, probe: Probe) -> list[Finding]:
     try:
         return await _visit(address, link, settings)
     except LinkError as error:
-        lost = f"went while it was examined: {error}"
+        lost = f"was disconnected during the check: {error}"
         return [Finding("error", address.shown, lost, "check its network, and try again")]
     finally:
         await link.close()

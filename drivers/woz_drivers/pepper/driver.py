@@ -254,8 +254,8 @@ class Pepper(Driver):
                 missing = ", ".join(report.missing)
                 self.context.notice(
                     "warning",
-                    f"{robot} was let go, but did not confirm its stop: {missing}",
-                    "look at it: what it was doing may go on",
+                    f"{robot} was disconnected, but did not confirm its stop: {missing}",
+                    "check the robot: its last movement may continue",
                 )
             self._gone()
         self._astray = False

@@ -77,7 +77,7 @@ class Eyes(Part):
                     Argument(
                         "animation",
                         "choice",
-                        "steady, blinking lids, or a light that comes and goes",
+                        "steady, blinking lids, or a pulsing light",
                         default="steady",
                         choices=ANIMATIONS,
                     ),
@@ -88,7 +88,7 @@ class Eyes(Part):
             ),
             Verb(
                 "eyes_animation",
-                "play an animation of the eyes; the colour of before comes back",
+                "play an animation of the eyes; afterwards the previous colour returns",
                 (
                     Argument("kind", "choice", required=True, choices=KINDS),
                     Argument("seconds", "seconds", "how long", False, 3.0, LONGEST),

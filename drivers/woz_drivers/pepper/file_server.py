@@ -171,7 +171,7 @@ class FileServer:
         """Nobody can be let in for now; told once."""
         if not self._told_shut:
             self._told_shut = True
-            self._troubled(f"the robot gets no files for now: {error.strerror or error}")
+            self._troubled(f"the robot cannot load files at the moment: {error.strerror or error}")
         time.sleep(_SHUT_S)
 
     def _show_out(self) -> None:

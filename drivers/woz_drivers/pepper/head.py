@@ -75,7 +75,7 @@ class Pair:
             first_now, second_now = (within(item(now, place), *_TURN) for place in (0, 1))
             if first_now is None or second_now is None:
                 raise DriverError(
-                    f"the robot does not say where {' and '.join(self.joints)} are",
+                    f"the robot does not report where {' and '.join(self.joints)} are",
                     "look into a direction with `gaze`; else restart the robot",
                 )
             self.goal = math.degrees(first_now), math.degrees(second_now)

@@ -79,8 +79,8 @@ class Microphones(Part):
         listening, self._listening = self._listening, None
         if listening is not None:
             self._leave(listening)
-            text = f"the robot's sound in {listening.file} ends here: the robot is gone"
-            self._context.notice("warning", text, "play listen again when it is there")
+            text = f"the robot's sound in {listening.file} ends here: the robot is disconnected"
+            self._context.notice("warning", text, "play listen again when it is connected")
 
     async def read(self) -> Mapping[str, Json]:
         """What is under way."""
@@ -233,7 +233,11 @@ class Listening:
         if isinstance(came, str) or (self._sound and came.channels != self._sound.channels):
             self._bad += 1
             if self._bad == 1:
-                why = came if isinstance(came, str) else f"{came.channels} channels of a sudden"
+                why = (
+                    came
+                    if isinstance(came, str)
+                    else f"{came.channels} channels instead of the number before"
+                )
                 self._context.notice("warning", f"a part of the robot's sound is missing: {why}")
             return
         if self._sound is None:
@@ -246,7 +250,7 @@ class Listening:
 
     def _failed(self, why: str) -> None:
         text = f"the robot's sound is not kept any more, {self.file}: {why}"
-        self._context.notice("error", text, "look at the disk, then play listen off and on")
+        self._context.notice("error", text, "check the disk, then play listen off and on")
 
     async def end(self) -> Mapping[str, Json]:
         """Return when the file is whole. Raises `DriverError` if something of it is missing."""
@@ -258,7 +262,7 @@ class Listening:
             raise DriverError(
                 f"{self.file} ends too early, after {written.frames / _HEARD_HZ:.1f} s:"
                 f" {written.trouble}",
-                "look at the disk",
+                "check the disk",
             )
         seconds = round(written.frames / _HEARD_HZ, 3)
         return {**self._about(), "seconds": seconds, "missing": self._bad}

@@ -31,7 +31,7 @@ class Absent(DriverError):  # noqa: N818 - read as `except Absent`
 class Robot(Protocol):
     """The robot as its parts see it: `connection.Connection` implements it.
 
-    All raise `core.driver` errors: `DeviceLostError` when the robot is not there or does not answer
+    All raise `core.driver` errors: `DeviceLostError` when the robot is not connected or silent
     (nothing is sent while it is silent), `DriverError` with the robot's own words when it says no,
     `Absent` where it has no such service.
     """

@@ -47,7 +47,7 @@ class Background:
     def _ended(self, task: asyncio.Task[None]) -> None:
         error = None if task.cancelled() else task.exception()
         if error is not None:
-            text = f"{self._what} ended by a mistake of this program: {error!r}"
+            text = f"{self._what} ended because of an error in this program: {error!r}"
             self._context.notice("error", text, "connect again; please report it")
 
 

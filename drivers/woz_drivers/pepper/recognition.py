@@ -44,7 +44,7 @@ class Recognition(Part):
     def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         self._asking = Asking(robot)
-        self._polling = Background("reading what the robot understands", context)
+        self._polling = Background("reading the robot's speech recognition", context)
         self._segment = 0
         #: When the segment under way began; None: nobody speaks.
         self._began_us: int | None = None
@@ -72,9 +72,9 @@ class Recognition(Part):
         except DriverError as error:
             self._context.sensor(SPEECH, "stale", f"{SERVICE} does not run: {error.what}")
             remedy = "is the language installed? does another program on the robot listen?"
-            raise DriverError(f"nothing is recognised: {error.what}", error.remedy or remedy) from (
-                None
-            )
+            raise DriverError(
+                f"speech is not recognised: {error.what}", error.remedy or remedy
+            ) from (None)
         self._context.sensor(SPEECH, "ready", "the robot tells itself when somebody speaks")
         self._polling.start(self._poll())
 
@@ -82,10 +82,10 @@ class Recognition(Part):
         """Nobody knows whether they speak on."""
         self._polling.cancel()
         if self._began_us is not None:
-            self._end("the robot is not there")
+            self._end("the robot is not connected")
         self._awaited = self._lingers = False
         if self._settings.recognition.phrases:
-            self._context.sensor(SPEECH, "stale", "the robot is not there")
+            self._context.sensor(SPEECH, "stale", "the robot is not connected")
 
     async def close(self) -> None:
         """The robot need not listen for us any more."""

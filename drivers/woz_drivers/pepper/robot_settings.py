@@ -131,7 +131,7 @@ def _breathing(name: str, what: str, chain: str) -> RobotSetting:
 
 _TABLE = (
     RobotSetting(
-        *("Robot", "robot", "choice", "which robot is played; any other address can be typed"),
+        *("Robot", "robot", "choice", "robot to use; another address can be typed"),
         *("connect", "robot"),
     ),
     RobotSetting(
@@ -156,10 +156,10 @@ _TABLE = (
         choices=("solitary", "interactive", "safeguard", "disabled"),
         within=STATE_S,
     ),
-    _ability("awareness", "turns to people and sounds", AWARENESS),
+    _ability("awareness", "the robot the robot turns to people and sounds", AWARENESS),
     _life(
         "engagement",
-        "how steadfast awareness is with the one whom it has noticed",
+        "how strongly awareness stays with one person",
         (AWARENESS, "getEngagementMode"),
         (AWARENESS, "setEngagementMode"),
         choices=("Unengaged", "FullyEngaged", "SemiEngaged"),

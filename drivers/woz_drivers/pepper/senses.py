@@ -84,7 +84,7 @@ class Senses(Part):
         if await self._robot.call("ALFaceDetection", "learnFace", name, within=LEARN_S) is False:
             raise DriverError(
                 f"the robot has not learnt the face of {name}",
-                "one person alone looks at it, from a metre away, in good light; then try again",
+                "let one person look at it from one metre in good light, then try again",
             )
         return {"name": name}
 
@@ -101,7 +101,7 @@ class Senses(Part):
     def lost(self) -> None:
         """Nothing is known any more."""
         self._polling.cancel()
-        self._all_silent("the robot is not there")
+        self._all_silent("the robot is not connected")
 
     async def read(self) -> Mapping[str, Json]:
         """The battery's charge, 0 to 1, as it was read last."""
@@ -303,7 +303,7 @@ def _why(said: Any) -> str:
         return "the robot has no value for it"
     if isinstance(said, Refusal):
         return said.why
-    return f"makes no sense: {memory.brief(said)}"
+    return f"is not a valid value: {memory.brief(said)}"
 
 
 # -- people ----------------------------------------------------------------------------------------

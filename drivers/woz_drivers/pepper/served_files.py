@@ -67,7 +67,7 @@ class Files:
             host = self._host
             if not host:
                 raise DeviceLostError(
-                    "the robot is not there, so nothing can be served", "wait for it"
+                    "the robot is not connected, so no files can be sent", "wait for it"
                 )
             self._server = FileServer(host, self._settings.port, self._troubled)
         return self._server

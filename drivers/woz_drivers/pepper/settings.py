@@ -97,20 +97,20 @@ class PepperSettings(Section):
     robots: Annotated[
         tuple[str, ...],
         Doc(
-            "addresses to choose from, the first is taken at the start: a host name, tcp://HOST:9559,"
+            "addresses of robots; the first one is used at the start: a host name, tcp://HOST:9559,"
             " tcps://USER@HOST:9503, or simulated"
         ),
     ]
-    client: Annotated[str, OneOf(CLIENTS), Doc("not needed: there is one client")] = "auto"
+    client: Annotated[str, OneOf(CLIENTS), Doc("without effect: there is one client")] = "auto"
     connect: Annotated[bool, Doc("connect at the start; else wait for the wizard")] = True
     password: Annotated[
         str, Doc("name of the environment variable that holds the password for tcps")
     ] = "WOZ_PEPPER_PASSWORD"
     trusted: Annotated[
-        str, Doc("SHA-256 of the certificate to expect with tcps; empty: any, and it is told")
+        str, Doc("SHA-256 of the expected certificate with tcps; empty: any, with a warning")
     ] = ""
     heartbeat: Annotated[
-        float, Seconds(0.1, 1.5), Doc("how long the robot may be silent before it is asked")
+        float, Seconds(0.1, 1.5), Doc("time without an answer after which the robot is tested")
     ] = 0.5
     autonomy: Annotated[Autonomy, Doc("applied on connect")] = field(default_factory=Autonomy)
     voice: Annotated[Voice, Doc("applied on connect")] = field(default_factory=Voice)

@@ -241,7 +241,8 @@ class Screen(Part):
         said = await self._robot.call(_SERVICE, method, *words)
         if sure and said is False:
             raise DriverError(
-                f"the tablet refused {method}", "is it on? `tablet wifi` switches its network on"
+                f"the tablet refused {method}",
+                "check that it is on; `tablet wifi` switches its network on",
             )
 
     # -- a video's end -------------------------------------------------------------------------
@@ -250,7 +251,7 @@ class Screen(Part):
         try:
             if not await played(self._robot):
                 text = f"the tablet has not begun to play {video.text}"
-                remedy = "can it play that kind? is it on the network?"
+                remedy = "check its format, and that the tablet is on the network"
                 self._context.notice("warning", text, remedy, tells=("request",))
         except DeviceLostError:
             return

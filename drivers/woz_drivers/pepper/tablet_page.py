@@ -69,9 +69,7 @@ def _by_suffix(text: str) -> Kind:
         if suffix in suffixes:
             return found
     known = ", ".join(sorted(one[1:] for one in PICTURES | VIDEOS | PAGES))
-    raise RejectedError(
-        f"the tablet does not know what {text!r} is", f"it shows {known}, or http://..."
-    )
+    raise RejectedError(f"the tablet cannot show {text!r}", f"it shows {known}, or http://...")
 
 
 def page(address: str) -> str:

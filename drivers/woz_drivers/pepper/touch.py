@@ -101,7 +101,7 @@ class Touch:
         """Nobody knows of any finger."""
         self._forget()
         self._held_signals = []
-        self._state("stale", "the robot is not there")
+        self._state("stale", "the robot is not connected")
 
     async def close(self) -> None:
         """Listen no more."""

@@ -36,7 +36,7 @@ LANE = "line"
 LINE = (
     Verb(
         "connect",
-        "take a robot",
+        "connect to a robot",
         (
             Argument(
                 "robot",
@@ -49,7 +49,7 @@ LINE = (
         lane=LANE,
         limit_s=CONNECT_LIMIT_S,
     ),
-    Verb("disconnect", "let the robot go until `connect`", lane=LANE, limit_s=10.0),
+    Verb("disconnect", "disconnect the robot until `connect`", lane=LANE, limit_s=10.0),
 )
 
 

@@ -110,7 +110,7 @@ class Rangefinder(PassiveDriver):
                 self._out_of_range += 1
                 self._why = f"{measurement.metres:.2f} m is out of range"
             else:
-                self._why = "the distance jumps to and fro"
+                self._why = "the distance jumps"
             return
         self._accepted += 1
         self._why = ""

@@ -18,7 +18,7 @@ class RangefinderSettings(Section):
         str, Port(), Doc("serial port, best by its lasting name under /dev/serial/by-id/")
     ]
     framing: Annotated[
-        str, OneOf(tuple(FRAMINGS)), Doc("how the sensor talks: its family, or lines of text")
+        str, OneOf(tuple(FRAMINGS)), Doc("protocol of the sensor: its family, or lines of text")
     ] = "lines"
     unit: Annotated[
         str,

@@ -26,7 +26,7 @@ def examine(probe: Probe) -> list[Finding]:
             Finding(
                 "warning",
                 probe.name,
-                f"it will break down {len(settings.faults)} times by itself",
+                f"it will have {len(settings.faults)} times by itself",
                 "take `faults` out of the robot file to end that",
             )
         )

@@ -59,7 +59,7 @@ BLINK = 0.001
 #: The home pose is taken this gently when the robot is left alone, in seconds.
 REST_SECONDS = 1.5
 
-_LOST_REMEDY = "it comes back by itself; `fault: clear` brings it back at once"
+_LOST_REMEDY = "it recovers by itself; `fault: clear` ends the fault at once"
 
 
 class SimulatedRobot(Driver):
@@ -152,14 +152,14 @@ class SimulatedRobot(Driver):
         self._tell_health(now)
         if self._ears is not None:
             self._ears.tell_threshold()
-            self.context.sensor(SPEECH, "ready", "it tells itself when somebody speaks")
+            self.context.sensor(SPEECH, "ready", "it reports speech by itself")
         self._life = asyncio.create_task(self._live(), name=f"{self.name} simulated")
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Carry out one command, unless a break-down prevents it."""
         verb = self._verbs.get(job.verb)
         if verb is None:
-            raise RejectedError(f"the simulated robot does not know {job.verb!r}")
+            raise RejectedError(f"the simulated robot cannot {job.verb}")
         if self._closed or self._life is None:
             raise DeviceLostError("the simulated robot is closed", "start the session again")
         if job.verb == "fault":
@@ -387,7 +387,7 @@ class SimulatedRobot(Driver):
 
     def _need_torque(self) -> None:
         if not self._body.torque:
-            raise RejectedError("the motors are limp", "switch them on first: `torque: on`")
+            raise RejectedError("the motors are off", "switch them on first: `torque: on`")
 
     # -- face, screen, base ---------------------------------------------------------------------
 
@@ -448,7 +448,7 @@ class SimulatedRobot(Driver):
             if stops != [self._stops[scope] for scope in scopes]:
                 raise DriverError("cut short by the stop")
         if failing:
-            raise DriverError(f"{job.verb} failed half-way, as asked for", "try it again")
+            raise DriverError(f"{job.verb} failed, because a fault is simulated", "try it again")
 
     async def _learn_room(self, job: Job) -> Mapping[str, Json]:
         """Learn the room's noise, in ticks of the simulated world."""
@@ -494,16 +494,18 @@ class SimulatedRobot(Driver):
     # -- break-downs ----------------------------------------------------------------------------
 
     def _gone(self, now: float) -> str | None:
-        return "unplugged on purpose" if self._faults.holding("disconnect", "", now) else None
+        return (
+            "unplugged (simulated fault)" if self._faults.holding("disconnect", "", now) else None
+        )
 
     def _admit(self, lane: str, now: float) -> None:
         if now < self._opened + self.settings.connect_after:
             raise DeviceLostError(
-                "the simulated robot is still being looked for", "wait until it is there"
+                "the simulated robot is being searched for", "wait until it is there"
             )
         self._check_link(lane, now)
         if self._faults.holding("refuse", lane, now):
-            raise RejectedError("refused, as asked for", "wait, or `fault: clear`")
+            raise RejectedError("refused, because a fault is simulated", "wait, or `fault: clear`")
 
     def _check_link(self, lane: str, now: float) -> None:
         if self._faults.holding("disconnect", lane, now):

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 #: What each kind does to commands, sensors or the driver as a whole.
 MEANING = {
-    "disconnect": "the hardware is gone: commands are lost, sensors fall silent",
-    "slow": "everything takes four times as long",
+    "disconnect": "the hardware is disconnected: commands are lost, sensors stop",
+    "slow": "all commands take four times as long",
     "fail": "the next command fails half-way",
     "hang": "the next command does not end when it is cancelled",
     "refuse": "commands are refused",
@@ -17,7 +17,7 @@ MEANING = {
     "nan": "a sensor reads not-a-number",
     "stuck": "a sensor repeats its last value",
     "silent": "a sensor says nothing",
-    "clear": "ends every break-down",
+    "clear": "ends all faults",
 }
 KINDS = tuple(kind for kind in MEANING if kind != "clear")
 

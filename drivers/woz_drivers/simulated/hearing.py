@@ -53,7 +53,7 @@ class Teller:
     def break_off(self, t: float, why: str) -> None:
         """The microphone is gone, and whoever spoke will never be heard to have ended."""
         if self._open:
-            self._end(t, None, f"the sound broke off: {why}")
+            self._end(t, None, f"the sound stopped: {why}")
         self._understood.clear()
 
     def _start(self, one: Speech) -> None:
@@ -149,7 +149,7 @@ class Ears:
         """
         if not heard.done():
             raise DeviceLostError(
-                f"{self._name} delivers no sound", "its loudness is broken on purpose"
+                f"{self._name} delivers no sound", "its loudness has a simulated fault"
             )
         keeping = "the next session begins with the usual one again"
         learnt = room.learn(heard.levels)

@@ -77,15 +77,13 @@ class Settings(Section):
     characters_per_second: Annotated[float, Range(1, 100), Doc("how fast it speaks")] = 14.0
     drive_speed: Annotated[float, Range(0.01, 5, "m/s"), Doc("how fast it drives")] = 0.3
     turn_speed: Annotated[float, Range(1, 720, "degrees/s"), Doc("how fast the base turns")] = 45.0
-    voice_only: Annotated[bool, Doc("it only speaks and sounds: the body is another driver's")] = (
-        False
-    )
-    torque: Annotated[bool, Doc("whether the motors hold from the start")] = True
-    speed: Annotated[float, Range(0.1, 1000), Doc("how many times faster than life")] = 1.0
-    connect_after: Annotated[float, Seconds(), Doc("how long it takes to be found")] = 0.0
+    voice_only: Annotated[bool, Doc("only voice and sound: another driver has the body")] = False
+    torque: Annotated[bool, Doc("whether the motors are on at the start")] = True
+    speed: Annotated[float, Range(0.1, 1000), Doc("speed of time: 2 is twice as fast")] = 1.0
+    connect_after: Annotated[float, Seconds(), Doc("time until it is connected")] = 0.0
     visitor: Annotated[bool, Doc("whether a simulated person comes and goes")] = False
-    seed: Annotated[int, Range(0, 2**31 - 1), Doc("same seed, same visitor")] = 7
-    faults: Annotated[tuple[ScheduledFault, ...], Doc("break-downs that come by themselves")] = ()
+    seed: Annotated[int, Range(0, 2**31 - 1), Doc("seed of the simulated visitor")] = 7
+    faults: Annotated[tuple[ScheduledFault, ...], Doc("planned faults")] = ()
 
     def __post_init__(self) -> None:
         if not self.modes or not self.emotions:

@@ -223,7 +223,7 @@ _JOINT_VERBS = (
     Verb("home", "take the home pose", (seconds,), lane="body", limit_s=60.0),
     Verb(
         "torque",
-        "let the motors hold, or go limp",
+        "switch the motors on or off",
         (Argument("on", "flag", required=True),),
         lane="control",
     ),
@@ -287,7 +287,7 @@ def _face(settings: Settings) -> tuple[Verb, ...]:
                 Argument(
                     "animation",
                     "choice",
-                    "steady, blinking lids, or a light that comes and goes",
+                    "steady, blinking lids, or a pulsing light",
                     default="steady",
                     choices=ANIMATIONS,
                 ),
@@ -327,7 +327,7 @@ def _control(settings: Settings) -> tuple[Verb, ...]:
         ),
         Verb(
             "fault",
-            "break something on purpose, to rehearse a break-down",
+            "simulate a fault, for rehearsals",
             (
                 Argument(
                     "kind",

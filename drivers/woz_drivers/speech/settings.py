@@ -79,7 +79,7 @@ class SpeechSettings(Section):
             return ("aplay", "-q", *(("-D", "{device}") if self.device else ()), "{wav}")
         words = _checked(self.play, PLAY_WORDS, "play")
         if not any("{wav}" in word for word in words):
-            raise DriverError("play never names {wav}", "put {wav} where the file belongs")
+            raise DriverError("play does not contain {wav}", "put {wav} at the place of the file")
         return words
 
     def speak_words(self) -> tuple[str, ...]:

@@ -72,7 +72,7 @@ async def finish(running: Child, seconds: float) -> None:
     except TimeoutError as error:
         raise DriverError(
             f"{running.program} did not end within {seconds:.1f} s and was killed",
-            "try its command in a terminal; is the sound device busy?",
+            "try its command in a terminal; check whether another program uses the sound device",
         ) from error
     finally:
         await running.gone()
@@ -149,7 +149,7 @@ class Voice:
             made = wav.parse(content)
         except NoWav as error:
             raise DriverError(
-                f"{words[0]} ended well but wrote no sound: {error}",
+                f"{words[0]} ended without an error, but wrote no sound: {error}",
                 "check the command's options: {wav} or stdout must become a WAV file",
             ) from error
         return made

@@ -119,7 +119,7 @@ async def test_a_sound_that_nobody_plays_is_told_once(tmp_path: Path) -> None:
     assert [ask.args["file"] for ask in asked] == ["gong.wav", "bell.wav"]
     notices = [message for message in said if isinstance(message, Notice)]
     assert [notice.text for notice in notices] == [
-        "it: the sound gong.wav was not heard: no driver offers 'sound'"
+        "it: the sound gong.wav was not played: no driver offers 'sound'"
     ]
 
 

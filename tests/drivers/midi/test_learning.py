@@ -75,7 +75,7 @@ def test_a_control_cannot_be_taken_twice() -> None:
     lesson.take(knob(9, 127))
     assert lesson.question.startswith("[3/3]")
     assert lesson.take(knob(20, 0, 127)) == (
-        "cc-20 is for pitch already; take another one, or b to go back"
+        "cc-20 is used for pitch already; use another one, or press b to go back"
     )
     assert lesson.question.startswith("[3/3]")
 

@@ -130,12 +130,12 @@ def test_every_mistake_of_a_map_file_has_its_place(tmp_path: Path) -> None:
         " control, or verb with argument",
         "m.yaml:5:28: controls.knob-3.range: the low end comes first: [low, high]; `reversed`"
         " turns it round",
-        "m.yaml:7:25: controls.button-2.mode: it does one thing: play stands here already",
+        "m.yaml:7:25: controls.button-2.mode: a control has one function: play is set already",
         "m.yaml:9:29: controls.button-4.press: action cannot be taken back: leave press out",
         "m.yaml:10:3: controls.buton-5: nobody knows what it sends: say cc, note, program or"
         " bend; did you mean 'button-5'?",
         "m.yaml:12:3: controls.b: sends cc 16, and so does 'a'",
-        "m.yaml:13:14: controls.button-6.args: belongs to verb, which is not here",
+        "m.yaml:13:14: controls.button-6.args: needs verb",
     ]
 
 

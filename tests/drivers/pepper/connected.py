@@ -131,7 +131,7 @@ async def stand(folder: Path, *robots: str, **settings: Any) -> AsyncIterator[St
 
 
 def is_lost(outcome: Outcome) -> bool:
-    """Whether the wizard was told that the robot is not there."""
+    """Whether the wizard was told that the robot is not connected."""
     return isinstance(outcome.error, DeviceLostError)
 
 

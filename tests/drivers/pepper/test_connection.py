@@ -90,7 +90,7 @@ async def test_another_robot_is_taken(robot: StandIn, tmp_path: Path) -> None:
         await it.connection.connect(other.address)
         said = await saying
         assert is_lost(said)
-        assert f"127.0.0.1:{other.port} is being taken" in str(said.error)
+        assert f"127.0.0.1:{other.port} is being connected" in str(said.error)
         await it.is_so(Health.CONNECTED, f"127.0.0.1:{other.port}")
         assert (it.came, it.went) == (2, 1)
         await it.connection.call("ALSystem", "systemVersion")

@@ -185,7 +185,8 @@ async def test_all_settings_are_read_from_a_simulated_robot_of_its_own(tmp_path:
 
 
 @pytest.mark.parametrize(
-    ("verb", "why"), [("disconnect", "disconnected by the wizard"), ("connect", "is being taken")]
+    ("verb", "why"),
+    [("disconnect", "disconnected by the wizard"), ("connect", "is being connected")],
 )
 async def test_a_call_that_never_returns_keeps_nobody_from_leaving_or_changing_the_robot(
     tmp_path: Path, verb: str, why: str

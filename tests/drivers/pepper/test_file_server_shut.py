@@ -43,7 +43,7 @@ def test_it_is_told_and_keeps_nothing_busy(monkeypatch: pytest.MonkeyPatch) -> N
     with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(url) as answer:
         assert answer.read() == b"page"
     server.close()
-    assert troubles == ["the robot gets no files for now: Too many open files"]
+    assert troubles == ["the robot cannot load files at the moment: Too many open files"]
 
 
 def test_what_is_no_file_any_more_holds_nothing_open(tmp_path: Path) -> None:

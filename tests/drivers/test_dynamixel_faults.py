@@ -44,7 +44,7 @@ async def test_cable_pulled_in_a_move_and_put_back(tmp_path: Path) -> None:
 
         it.bus.plug()
         await it.heard.first(DriverConnected, after=1)
-        await it.noticed("are back, and limp")
+        await it.noticed("their torque is off")
         await it.ticks(10)
         assert not it.bus.servo(11).torque
         assert it.bus.servo(11).position == here
@@ -260,7 +260,7 @@ async def test_bus_watchdog_stops_the_servos_when_the_thread_hangs(tmp_path: Pat
         # Goals were refused until the driver noticed, cleared it, and went on from there.
         with pytest.raises(DriverError, match="bus watchdog"):
             await running
-        await it.noticed("heard nothing for 800 ms")
+        await it.noticed("nothing for 800 ms")
         await it.ticks(5)
         assert it.bus.servo(11).watchdog == 800 // 20
         assert abs(it.bus.servo(11).position - here) <= 1

@@ -127,7 +127,7 @@ async def test_a_body_that_falls_silent_leaves_the_joints_where_they_are(tmp_pat
         say(it, {"pan": 10.0})
         await until(lambda: bool(it.bus.goals(11)) and it.bus.goals(11)[-1] == raw(10.0))
         say(it, {"pan": 60.0}, age=0.6)  # said by a body that died on the way
-        await it.noticed("body says nothing any more")
+        await it.noticed("body sends no setpoints")
         await it.ticks(10)
         assert it.bus.goals(11)[-1] == raw(10.0)
         before = len(it.bus.goals(11))

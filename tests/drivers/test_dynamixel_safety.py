@@ -52,7 +52,7 @@ async def test_stop_is_not_confirmed_for_a_servo_that_fell_silent_holding(tmp_pa
         running = it.begin("pose", joints={"pan": 80.0}, seconds=20.0)
         it.bus.servo(12).silent = True
         await it.noticed("tilt (id 12) no longer answers")
-        with pytest.raises(DriverError, match=r"nobody knows whether tilt \(id 12\) stands"):
+        with pytest.raises(DriverError, match=r"unknown whether tilt \(id 12\)"):
             await it.driver.stop(Scope.ALL)
         with pytest.raises(DriverError, match="stopped where it was"):
             await running

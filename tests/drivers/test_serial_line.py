@@ -128,7 +128,7 @@ async def test_a_device_that_never_reads_is_an_error_and_not_a_heap_of_memory(
     sensor = PluggedSensor(tmp_path / "port")
     watched.line.start()
     assert await watched.next() == "open"
-    with pytest.raises(DeviceLostError, match="takes no more data"):
+    with pytest.raises(DeviceLostError, match="no more data"):
         for _ in range(1000):
             watched.line.write(bytes(1000))
     sensor.unplug()

@@ -212,7 +212,7 @@ async def test_face_volume_and_mode(it: Rig) -> None:
         ("eyes", {"color": "red", "animation": "blnk"}, "eyes.animation must be one of ", ""),
         ("fault", {"kind": "nan", "part": "joint.pam"}, "unknown part 'joint.pam'", "did you mean"),
         ("fault", {"kind": "slow", "part": "body"}, "unknown part 'body'", "leave it out"),
-        ("jump", {}, "the simulated robot cannot 'jump'", ""),
+        ("jump", {}, "the simulated robot cannot jump", ""),
     ],
 )
 async def test_nonsense_is_refused_with_a_remedy(

@@ -208,7 +208,7 @@ def test_an_overload_is_shown_by_name_with_what_to_do(
     )
     assert "reboot" in str(fault.fields["remedy"])
     terminal.send("\x04")
-    terminal.wait_for(lambda s: "overload" in s and "take the load off" in s)
+    terminal.wait_for(lambda s: "overload" in s and "remove the load" in s)
     terminal.send("\x11")
     terminal.wait_for(lambda screen: "─ Drivers ─" not in screen)
     command, _ = press(terminal, log, servos, F7, "Restart")

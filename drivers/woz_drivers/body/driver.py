@@ -43,7 +43,7 @@ POSE_S = 1.0
 
 #: Told where the head shall follow what nobody sees, and what to do about it.
 BLIND = (
-    "tracking has no camera: the body shows sad and returns to its home pose",
+    "tracking has no camera: the body gets sad, then moves to its home pose",
     "name a driver of type camera in the body's setting `camera`",
 )
 

@@ -107,6 +107,6 @@ def _sight(settings: CameraSettings, first: bytes) -> str:
     picture = settings.layout.decode(first)
     blob = Finder(settings.rule).find(picture)
     if blob is None:
-        return "the first picture has nothing green"
+        return "nothing in the first picture is green"
     share = blob.size / (picture.shape[0] * picture.shape[1])
-    return f"green in the first picture: {share:.1%} of the picture"
+    return f"green: {share:.1%} of the first picture"

@@ -21,7 +21,7 @@ EASING = 0.05
 
 X_REMEDY = "remove the load and let it cool, then `reboot` and `torque: on`"
 POWER_REMEDY = (
-    "check its power supply and plugs, then make sure that nobody is in reach, then `torque: on`"
+    "check its power supply and plugs, make sure that nobody is in reach, then `torque: on`"
 )
 
 

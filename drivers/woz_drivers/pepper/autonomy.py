@@ -62,7 +62,9 @@ class Autonomy(Part):
         """Set what was named; the rest is set even if the robot refuses one of them."""
         wanted = {name: value for name, value in job.args.items() if value is not None}
         if not wanted:
-            raise RejectedError(f"{job.verb} has no setting", "name what to change and its value")
+            raise RejectedError(
+                f"{job.verb} was given no setting", "name what to change and its value"
+            )
         if job.verb == "collision":
             wanted = {name: number(wanted, name) for name in wanted}
         elif job.verb != "autonomy":

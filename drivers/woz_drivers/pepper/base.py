@@ -65,7 +65,7 @@ class Base(Part):
         """Drive there; fails with a sentence when something is in the way."""
         x, y, turn = (number(job.args, name) for name in ("x", "y", "turn"))
         if x == y == turn == 0.0:
-            raise RejectedError("the distance is 0", "give x, y or turn")
+            raise RejectedError("no distance and no turn is given", "give x, y or turn")
         await self._endings.settled()
         # A robot that was silent for a while must not set off when it wakes from that.
         await self._robot.probe()

@@ -288,9 +288,7 @@ class Connection:
     async def _keeping(self, address: Address, first: asyncio.Future[None]) -> None:
         """Connect, watch, connect again; ends when there is no use in trying."""
         pause = _FIRST_PAUSE_S
-        self._why = DeviceLostError(
-            f"{address.shown} is being searched for", "wait until it is there"
-        )
+        self._why = DeviceLostError(f"{address.shown} is not found yet", "wait until it is there")
         self._context.health(Health.CONNECTING, f"connecting to {address.shown}")
         while True:
             try:

@@ -74,7 +74,7 @@ class Recognition(Part):
             remedy = "is the language installed? does another program on the robot listen?"
             raise DriverError(
                 f"speech is not recognised: {error.what}", error.remedy or remedy
-            ) from (None)
+            ) from None
         self._context.sensor(SPEECH, "ready", "the robot tells itself when somebody speaks")
         self._polling.start(self._poll())
 

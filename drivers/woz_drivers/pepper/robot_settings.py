@@ -156,7 +156,7 @@ _TABLE = (
         choices=("solitary", "interactive", "safeguard", "disabled"),
         within=STATE_S,
     ),
-    _ability("awareness", "the robot the robot turns to people and sounds", AWARENESS),
+    _ability("awareness", "turns to people and sounds", AWARENESS),
     _life(
         "engagement",
         "how strongly awareness stays with one person",

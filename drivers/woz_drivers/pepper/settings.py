@@ -110,7 +110,9 @@ class PepperSettings(Section):
         str, Doc("SHA-256 of the expected certificate with tcps; empty: any, with a warning")
     ] = ""
     heartbeat: Annotated[
-        float, Seconds(0.1, 1.5), Doc("time without an answer after which the robot is tested")
+        float,
+        Seconds(0.1, 1.5),
+        Doc("time of silence after which the robot is asked for an answer"),
     ] = 0.5
     autonomy: Annotated[Autonomy, Doc("applied on connect")] = field(default_factory=Autonomy)
     voice: Annotated[Voice, Doc("applied on connect")] = field(default_factory=Voice)

@@ -26,7 +26,7 @@ def examine(probe: Probe) -> list[Finding]:
             Finding(
                 "warning",
                 probe.name,
-                f"it will have {len(settings.faults)} times by itself",
+                f"{len(settings.faults)} faults are planned for it",
                 "take `faults` out of the robot file to end that",
             )
         )

@@ -501,7 +501,7 @@ class SimulatedRobot(Driver):
     def _admit(self, lane: str, now: float) -> None:
         if now < self._opened + self.settings.connect_after:
             raise DeviceLostError(
-                "the simulated robot is being searched for", "wait until it is there"
+                "the simulated robot is not connected yet", "wait until it is there"
             )
         self._check_link(lane, now)
         if self._faults.holding("refuse", lane, now):

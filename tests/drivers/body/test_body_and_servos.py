@@ -138,7 +138,7 @@ async def test_servos_keep_the_last_safe_pose_when_the_body_dies(tmp_path: Path)
         await until(lambda: it.body._ticker.ended)
         await until(
             lambda: any(
-                isinstance(one, Notice) and "says nothing any more" in one.text for one in it.said
+                isinstance(one, Notice) and "sends no setpoints" in one.text for one in it.said
             )
         )
         held = {name: it.at(name) for name in it.body.settings.joints}

@@ -222,7 +222,7 @@ def test_tracking_without_a_camera_is_told(tmp_path: Path) -> None:
         assert "camera" not in it.notices()
         await it.do("mode", mode="normal")
         await it.do("mode", mode="tracking")
-        assert it.notices().count("no camera to track with") == 1
+        assert it.notices().count("tracking has no camera") == 1
 
     async def seeing(it: Stage) -> None:
         await it.do("mode", mode="tracking")

@@ -132,7 +132,7 @@ def test_every_mistake_of_a_map_file_has_its_place(tmp_path: Path) -> None:
         " turns it round",
         "m.yaml:7:25: controls.button-2.mode: a control has one function: play is set already",
         "m.yaml:9:29: controls.button-4.press: action cannot be taken back: leave press out",
-        "m.yaml:10:3: controls.buton-5: nobody knows what it sends: say cc, note, program or"
+        "m.yaml:10:3: controls.buton-5: its signal is missing: set cc, note, program or"
         " bend; did you mean 'button-5'?",
         "m.yaml:12:3: controls.b: sends cc 16, and so does 'a'",
         "m.yaml:13:14: controls.button-6.args: needs verb",
@@ -168,8 +168,8 @@ def test_mistakes_in_the_robot_file_and_files_that_are_not_there(tmp_path: Path)
         " mean 'thesis'?"
     ]
     assert problems(tmp_path, "    type: midi\n    controls: {knob-9: {control: zoom}}\n") == [
-        f"robot.yaml:{line + 1}:16: drivers.panel.controls.knob-9: nobody knows what it sends:"
-        " say cc, note, program or bend; did you mean 'knob-8'?"
+        f"robot.yaml:{line + 1}:16: drivers.panel.controls.knob-9: its signal is missing:"
+        " set cc, note, program or bend; did you mean 'knob-8'?"
     ]
     (tmp_path / "m.yaml").write_text("- knob-1\n", encoding="utf-8")
     assert problems(tmp_path, "    type: midi\n    map: m.yaml\n") == [

@@ -103,7 +103,7 @@ async def _stops(it: Babbler) -> None:
     base = Base(it.connection, SETTINGS, it.heard.context)
     for nonsense in NONSENSE:
         it.says["ALMotion.getRobotVelocity"] = nonsense
-        await _fails(base.stop(Scope.ALL), "does not say how fast")
+        await _fails(base.stop(Scope.ALL), "does not report its speed")
     it.says["ALMotion.getRobotVelocity"] = [0.0, 0, 0.001]
     assert await base.stop(Scope.DRIVE) == ("driving",)
 
@@ -112,7 +112,7 @@ async def _stops(it: Babbler) -> None:
     it.says["ALBehaviorManager.stopBehavior"] = ValueError("it is not running")
     for nonsense in NONSENSE:
         it.says["ALBehaviorManager.isBehaviorRunning"] = nonsense
-        await _fails(animations.stop(Scope.ALL), "does not say whether animations/x has ended")
+        await _fails(animations.stop(Scope.ALL), "does not report whether animations/x has ended")
     it.says["ALBehaviorManager.isBehaviorRunning"] = False
     assert await animations.stop(Scope.ALL) == ("animations",)
 
@@ -126,9 +126,9 @@ async def _verbs(it: Babbler) -> None:
     for nonsense in NONSENSE:
         it.says["ALMotion.getStiffnesses"] = [1.0, 1.0]
         it.says["ALMotion.getAngles"] = nonsense
-        await _fails(head.perform(Ordered("nudge", {"yaw": 5})), "does not say where")
+        await _fails(head.perform(Ordered("nudge", {"yaw": 5})), "does not report where")
         it.says["ALMotion.getStiffnesses"] = nonsense
-        await _fails(head.perform(Ordered("gaze", {"yaw": 5})), "does not say whether")
+        await _fails(head.perform(Ordered("gaze", {"yaw": 5})), "does not report whether")
         it.says["ALAudioPlayer.loadFile"] = nonsense
         await _fails(sounds.perform(Ordered("sound", {"file": "/a.wav"})), "under which number")
         it.says["ALMotion.getTangentialSecurityDistance"] = nonsense

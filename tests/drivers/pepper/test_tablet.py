@@ -259,8 +259,8 @@ async def test_a_page_and_a_picture_of_somewhere_else(
     ("text", "words"),
     [
         ("missing.png", r"there is no file .*shown/missing\.png or .*/missing\.png"),
-        ("shown", "does not know what 'shown' is"),
-        ("notes.txt", "does not know"),
+        ("shown", "cannot show 'shown'"),
+        ("notes.txt", "cannot show"),
         ("ftp://host/a.png", "cannot fetch"),
         ("http://", "cannot fetch"),
         ("http://[::1/a.png", "is no address"),

@@ -40,7 +40,7 @@ def said(folder: Path, verb: str, **args: Json) -> list[str]:
         ("screen", {"file": "gone.png"}, "there is no file 'gone.png'; check its name, and tablet"),
         ("screen", {"file": "folder.png"}, "there is no file 'folder.png'"),
         ("screen", {"file": "gone.mp4"}, "there is no file 'gone.mp4'"),
-        ("screen", {"file": "plan.doc"}, "does not know what 'plan.doc' is"),
+        ("screen", {"file": "plan.doc"}, "cannot show 'plan.doc'"),
         ("screen", {"file": "ftp://a/b.png"}, "cannot fetch"),
         ("sound", {"file": "gong.wav"}, "there is no file 'gong.wav'"),
         ("sound", {"file": __file__}, "is a file of this machine"),

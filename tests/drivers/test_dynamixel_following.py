@@ -132,7 +132,7 @@ async def test_a_body_that_falls_silent_leaves_the_joints_where_they_are(tmp_pat
         assert it.bus.goals(11)[-1] == raw(10.0)
         before = len(it.bus.goals(11))
         say(it, {"pan": 30.0})
-        await it.noticed("body is there")
+        await it.noticed("body is connected")
         await until(lambda: it.bus.goals(11)[-1] == raw(30.0))
         assert steps(it.bus.goals(11)[before - 1 :]) <= most(SLOW)
 

@@ -125,7 +125,7 @@ async def test_the_next_command_fails_and_only_that(it: Rig) -> None:
 
 async def test_refusals_end_by_themselves_or_by_clear(it: Rig) -> None:
     await it.do("fault", kind="refuse", seconds=100.0)
-    with pytest.raises(RejectedError, match="as asked for"):
+    with pytest.raises(RejectedError, match="simulated fault"):
         await it.do("play", move="nod")
     await it.do("fault", kind="clear")
     await it.do("play", move="nod")

@@ -145,7 +145,7 @@ async def test_nudges_add_up_from_where_the_head_is_going(it: Rig) -> None:
 
 async def test_limp_motors_refuse_to_move(it: Rig) -> None:
     await it.do("torque", on=False)
-    with pytest.raises(RejectedError, match="limp") as caught:
+    with pytest.raises(RejectedError, match="motors are off") as caught:
         await it.do("play", move="nod")
     assert "torque: on" in caught.value.remedy
     await it.do("torque", on=True)

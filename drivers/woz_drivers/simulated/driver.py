@@ -448,7 +448,7 @@ class SimulatedRobot(Driver):
             if stops != [self._stops[scope] for scope in scopes]:
                 raise DriverError("cut short by the stop")
         if failing:
-            raise DriverError(f"{job.verb} failed, because a fault is simulated", "try it again")
+            raise DriverError(f"{job.verb} failed half-way (simulated fault)", "try it again")
 
     async def _learn_room(self, job: Job) -> Mapping[str, Json]:
         """Learn the room's noise, in ticks of the simulated world."""
@@ -505,7 +505,7 @@ class SimulatedRobot(Driver):
             )
         self._check_link(lane, now)
         if self._faults.holding("refuse", lane, now):
-            raise RejectedError("refused, because a fault is simulated", "wait, or `fault: clear`")
+            raise RejectedError("refused (simulated fault)", "wait, or `fault: clear`")
 
     def _check_link(self, lane: str, now: float) -> None:
         if self._faults.holding("disconnect", lane, now):

@@ -85,7 +85,7 @@ def test_new_and_edited_moves_are_told_and_played(tmp_path: Path) -> None:
         (moves / "wave.yaml").write_text(wave(60))
         (moves / "greet.yaml").write_text(wave(-40))
         (moves / "old.yaml").unlink()
-        told = ["move 'greet' is new", "move 'wave' changed", "move 'old' is gone"]
+        told = ["move 'greet' is new", "move 'wave' changed", "move 'old' was removed"]
         assert sorted(reread(dry_run=True)) == sorted(told)
         assert 15 < await farthest() < 25, "a look changes nothing"
         assert sorted(reread(dry_run=False)) == sorted(told)

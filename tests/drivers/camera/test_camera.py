@@ -212,7 +212,7 @@ async def test_doctor_looks_into_the_first_picture(tmp_path: Path) -> None:
     (finding,) = await Camera.examine(Probe("eye", made, tmp_path))
     assert finding.level == "ok"
     assert "20 x 15 rgb24, 900 bytes each" in finding.text
-    assert "3.0% of the picture" in finding.text
+    assert "3.0% of the first picture" in finding.text
 
 
 @pytest.mark.parametrize(

@@ -161,7 +161,7 @@ async def test_a_robot_that_goes_ends_the_file_and_it_is_whole(tmp_path: Path) -
         told = await it.do("listen", on=True)
         robot.kill()
         await until(lambda: bool(it.notices))
-        assert "ends here: the robot is gone" in it.notices[0]
+        assert "ends here: the robot is disconnected" in it.notices[0]
         assert await it.do("listen", on=False) == {"file": ""}
     assert len(_sound(it, told["file"])[3]) >= 2 * 4096
 

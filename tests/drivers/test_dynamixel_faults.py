@@ -44,7 +44,7 @@ async def test_cable_pulled_in_a_move_and_put_back(tmp_path: Path) -> None:
 
         it.bus.plug()
         await it.heard.first(DriverConnected, after=1)
-        await it.noticed("their torque is off")
+        await it.noticed("torque is off")
         await it.ticks(10)
         assert not it.bus.servo(11).torque
         assert it.bus.servo(11).position == here

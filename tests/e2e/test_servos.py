@@ -162,7 +162,7 @@ def test_a_cable_pulled_in_mid_move_and_put_back(
     servos.order("plug")
     log.wait("driver.connected", 2)
     terminal.wait_for(lambda screen: "● head" in health(screen))
-    terminal.wait_text("the servos are connected again; their torque is off")
+    terminal.wait_text("servos connected; torque is off")
     limp, _ = press(terminal, log, servos, "2", "Middle")
     log.wait("command.refused", command=limp)
     after = servos.journal[plugged:]

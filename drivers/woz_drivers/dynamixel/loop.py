@@ -137,7 +137,7 @@ class ServoLoop:
         elif not first:
             self._context.notice(
                 "info",
-                "the servos are connected again; their torque is off",
+                "servos connected; torque is off",
                 "make sure that nobody is in reach, then `torque: on`",
             )
 

@@ -7,6 +7,7 @@ from msgspec.structs import replace
 from tests.console import scenes
 from tests.console.dialogs import SIZES, opened
 from tests.console.driving import Sitting, sitting
+from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core.views import ActionView, PanelView
 
@@ -92,7 +93,9 @@ async def test_what_is_kept_already_is_not_offered_at_the_end() -> None:
 
 
 async def test_nothing_typed_is_no_question() -> None:
-    async with sitting() as seat:
+    button = ActionView(name="One moment", label="One moment", key="1")
+    file = replace(scenes.welcome(), panels=[PanelView(title="Typed", actions=[button])])
+    async with sitting(file) as seat:
         await opened(seat, "LeaveDialog")
         await seat.press("down", "down", "enter")
         await seat.until(lambda: seat.feed.last(r.AskEnd) is not None)
@@ -123,3 +126,11 @@ async def test_the_finder_offers_it_any_time() -> None:
         await seat.until(lambda: "/study/talk-typed.yaml" in seat.text("StopBar"))
         assert writes(seat) == [False, True]
         assert seat.feed.last(r.AskEnd) is None
+
+
+async def test_where_somebody_else_ends_the_session_the_sentences_are_in_the_log() -> None:
+    async with sitting(typed()) as seat:
+        await seat.tell(m.SessionEnd(reason="program", sha256="0"))
+        seat.feed.cut("session ended")
+        await seat.until(lambda: type(seat.console.dialog).__name__ == "EndedDialog")
+        assert "sentences typed in it are in the log" in seat.drawn()

@@ -70,10 +70,10 @@ def files(folder: Path) -> list[str]:
 
 
 @contextlib.asynccontextmanager
-async def talking(folder: Path) -> AsyncIterator[tuple[Served, Path]]:
+async def talking(folder: Path, text: str = TALK) -> AsyncIterator[tuple[Served, Path]]:
     """A session of a file that lies there."""
     path = folder / "talk.yaml"
-    path.write_text(TALK)
+    path.write_text(text)
     read = partial(load, path, CATALOGUE)
     async with served(folder, load=read, made=read(), catalogue=CATALOGUE, read=read) as host:
         yield host, path
@@ -144,3 +144,18 @@ async def test_who_only_watches_writes_no_file(tmp_path: Path) -> None:
         watcher = await host.connect()
         await watcher.hello("watcher")
         assert not (await watcher.ask("keep-typed"))["ok"]
+
+
+async def test_a_blind_wizard_reads_her_own_words_and_none_of_the_file(tmp_path: Path) -> None:
+    blind = "conditions: [krill, plain]\ndesign: {order: fixed, blind: {krill: A, plain: B}}\n"
+    async with talking(tmp_path, TALK + blind) as (host, path):
+        wizard = await host.connect()
+        await wizard.hello("wizard")
+        await wizard.ask("verb", **typing("One moment"))
+        shown = await wizard.ask("keep-typed", dry_run=True)
+        assert "One moment" in str(shown["data"])
+        assert "krill" not in str(shown)
+        path.write_text(TALK + blind + "krills: [krill]\n")
+        refused = await wizard.ask("keep-typed")
+        assert not refused["ok"]
+        assert "krill" not in str(refused)

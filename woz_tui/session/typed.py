@@ -176,9 +176,11 @@ def _check(base: Experiment, actions: Sequence[Action], data: bytes, read: Reade
     try:
         new = read(data)
     except ExperimentError as error:
-        wrong = error.problems[0]
-        reason = f"the file would not be right with these sentences: {wrong.message}"
-        raise AskError(reason) from error
+        # Its words may quote what a wizard who is blind to the condition must not read.
+        line = error.problems[0].place.line
+        raise AskError(
+            f"with these sentences the file would have an error in line {line}"
+        ) from error
     if compare(with_typed(base, actions), new).changes:
         raise AskError("this file has no place where sentences can be added safely")
 

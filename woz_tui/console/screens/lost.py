@@ -10,6 +10,7 @@ from textual.content import Content
 from woz_tui.console.cells import Row
 from woz_tui.console.screens.choice import Choice
 from woz_tui.console.screens.dialog import ConsoleApp
+from woz_tui.console.screens.typed import has_typed
 from woz_tui.record.names import present
 
 
@@ -71,10 +72,12 @@ class EndedDialog(Choice):
 
     def lines(self) -> list[Row]:
         """Why, and where the log is."""
+        typed: Row = (("The sentences typed in it are in the log too.", "plain"),)
         return [
             ((f"It was ended: {self.picture.ended}.", "plain"),),
             (("The log is finished:", "plain"),),
             ((_log(self.picture.log), "strong"),),
+            *([typed] if has_typed(self.picture) else []),
         ]
 
     def choices(self) -> Sequence[Content]:

@@ -248,15 +248,30 @@ async def test_leaving_tells_what_the_end_would_cut_off() -> None:
         await seat.settle()
         drawn = seat.drawn()
         assert "trial 3 is running: the end makes it aborted" in drawn
-        assert "This visit: 0 of 1 answered, the end leaves it so" in drawn
-        assert "You and the robot has not been asked" in drawn
+        assert "This visit: 0 of 1 answered" in drawn
+        assert "You and the robot has not been answered" in drawn
         await seat.press("down", "down", "enter")
         assert seat.feed.last(r.AskEnd) is not None, "nothing can be asked beside what is asked"
 
 
-async def test_leaving_between_trials_warns_of_nothing() -> None:
-    async with sitting(studied.welcome(studied.trial(3))) as seat:
+async def test_leaving_between_trials_names_what_is_due_and_the_trials_left() -> None:
+    async with sitting(studied.welcome(studied.trial(3)), size=(100, 30)) as seat:
         await seat.tell(over(3))
+        await seat.press("ctrl+q")
+        await seat.settle()
+        drawn = seat.drawn()
+        assert "This visit has not been answered" in drawn
+        assert "You and the robot has not been answered" in drawn
+        assert "1 of 4 trials has not begun" in drawn
+        await seat.press("down", "down", "enter")
+        await seat.until(lambda: isinstance(seat.console.dialog, OfferDialog))
+        await seat.settle()
+        assert "This visit" in seat.drawn()
+
+
+async def test_leaving_behind_the_last_trial_and_its_questionnaires_warns_of_nothing() -> None:
+    async with sitting(studied.welcome(studied.trial(4))) as seat:
+        await seat.tell(over(4), studied.ended("quick"), studied.ended())
         await seat.press("ctrl+q")
         await seat.settle()
         assert "▲" not in seat.drawn()
@@ -313,11 +328,11 @@ def test_what_was_left_stays_due_and_what_was_answered_does_not() -> None:
 
 
 def test_another_participant_begins_anew() -> None:
-    made = study(studied.trial(1), over(1), studied.ended())
-    assert made.open_at_end() == []
+    made = study(studied.trial(1), over(1), studied.ended("quick"), studied.ended())
+    assert made.unasked() == []
     tell(made, m.SessionChanged(participant="P08", t=NOW))
     assert (made.order, made.planned, made.due, made.last) == ((), 0, [], None)
-    assert made.open_at_end() == ["robot"]
+    assert made.unasked() == ["robot"]
 
 
 def test_where_a_session_stands_in_words() -> None:

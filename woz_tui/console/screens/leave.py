@@ -8,7 +8,7 @@ from textual.content import Content
 
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.screens.choice import Choice
-from woz_tui.console.screens.trial import OfferDialog
+from woz_tui.console.screens.trial import OfferDialog, progress
 from woz_tui.console.screens.typed import KeepTypedDialog, has_typed
 from woz_tui.console.study.picture import Study
 
@@ -38,7 +38,7 @@ class LeaveDialog(Choice):
         asked: then the dialog has told of it.
         """
         study = self.picture.study
-        due = study.open_at_end() if study.asked is None else []
+        due = study.unasked() if study.asked is None else []
         if index == 1:
             self.console_app.exit("detached")
         elif index == 2 and due and self.picture.role == "wizard":
@@ -55,16 +55,15 @@ class LeaveDialog(Choice):
 
 
 def cut_off(study: Study) -> list[str]:
-    """What the end of the session would cut off, a sentence each."""
+    """What the end of the session would cut off or leave out, a sentence each."""
     found: list[str] = []
     if study.trial is not None:
         found.append(f"trial {study.trial.number} is running: the end makes it aborted")
     if study.asked is not None:
-        asked = study.asked
-        count = f"{asked.answered} of {len(asked.items)} answered"
-        found.append(f"{clean(asked.questionnaire.heading)}: {count}, the end leaves it so")
-        others = [name for name in study.open_at_end() if name != asked.name]
-        found += [f"{clean(_title(study, name))} has not been asked" for name in others]
+        found.append(f"{clean(study.asked.questionnaire.heading)}: {progress(study.asked)}")
+    found += [f"{clean(_title(study, name))} has not been answered" for name in study.unasked()]
+    if study.trial is None and study.last is not None and (left := study.trials_left):
+        found.append(f"{left} of {study.planned} trials {'has' if left == 1 else 'have'} not begun")
     return found
 
 

@@ -16,6 +16,7 @@ from woz_tui.console.figures import elapsed
 from woz_tui.console.screens.choice import Choice
 from woz_tui.console.screens.dialog import ConsoleApp, Dialog, content
 from woz_tui.console.study.picture import Study
+from woz_tui.console.study.questions import Asked
 from woz_tui.core.requests import AskQuestionnaire, AskTrial, Reply
 from woz_tui.experiment.due import OVER
 
@@ -65,7 +66,7 @@ class TrialDialog(Dialog):
             rows.append(order_row(study.order, self.picture.condition, self.glyphs.here))
         if study.asked is not None:
             asked = study.asked
-            told = f"{asked.questionnaire.heading}: {asked.answered} of {len(asked.items)} answered"
+            told = f"{asked.questionnaire.heading}: {progress(asked)}"
             rows.append(((clean(told), "wait"),))
         return [*rows, ()]
 
@@ -207,6 +208,13 @@ def stands(study: Study, now: int) -> str:
         number, outcome = study.last
         return f"trial {number}{of} is over: {outcome}"
     return f"no trial yet, {study.planned} planned" if study.planned else "no trial yet"
+
+
+def progress(asked: Asked) -> str:
+    """How far a questionnaire is that is being asked."""
+    if asked.answered == len(asked.items):
+        return "answered, not confirmed"
+    return f"{asked.answered} of {len(asked.items)} answered"
 
 
 def order_row(order: Iterable[str], present: str, here: str) -> Row:

@@ -152,13 +152,19 @@ class Study:
         """What nobody has seen to."""
         return [check for check, ticked in self.checks.items() if not ticked]
 
-    def open_at_end(self) -> list[str]:
-        """Questionnaires for the end of the session that nobody has answered or declined."""
-        return [
-            one.name
-            for one in self.questionnaires
-            if one.when == "end" and one.name not in self.over
-        ]
+    @property
+    def trials_left(self) -> int:
+        """Trials of the participant that are planned and not over; 0: nobody said how many."""
+        return max(0, self.planned - self.next + 1)
+
+    def unasked(self) -> list[str]:
+        """Questionnaires that are due or for the end of the session, that nobody has answered or
+        declined and that are not being asked.
+        """
+        at_end = [one.name for one in self.questionnaires if one.when == "end"]
+        wanted = [*self.due, *(name for name in at_end if name not in self.over)]
+        asked = self.asked.name if self.asked is not None else None
+        return [name for name in dict.fromkeys(wanted) if name != asked]
 
     def right_for(self, told: m.CueAnswered) -> tuple[str, ...]:
         """Names of the actions that would have answered a cue that was missed or answered wrongly;

@@ -202,7 +202,7 @@ async def test_a_log_without_a_command_is_refused(tmp_path: Path) -> None:
         log = written(tmp_path / "original" / LOG, [(0, START), (1, END)])
         with pytest.raises(AskError, match="no command"):
             read_plan(RerunOptions(log), it.session.experiment)
-        with pytest.raises(AskError, match="name of a log ends"):
+        with pytest.raises(AskError, match=r"must end in \.jsonl"):
             read_plan(RerunOptions(Path(__file__)), it.session.experiment)
 
 

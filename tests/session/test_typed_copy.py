@@ -185,6 +185,13 @@ def test_a_file_with_errors_or_without_a_place_is_refused(tmp_path: Path) -> Non
     assert [*tmp_path.iterdir()] == []
 
 
+def test_a_woz4u_file_has_no_place_for_them(tmp_path: Path) -> None:
+    path = EXAMPLES / "woz4u" / "config.yaml"
+    read = partial(load, path, dict(installed()))
+    with pytest.raises(AskError, match="no list of panels"):
+        copied(path, typed_in(read(None), ["One moment"]), read)
+
+
 def test_a_disk_that_takes_no_more_leaves_no_half_file(tmp_path: Path) -> None:
     path = file(tmp_path, TALK)
     read = partial(load, path, CATALOGUE)

@@ -184,7 +184,7 @@ def _base(text: str, whole: str) -> Chord:
     if name is not None:
         return Chord(name)
     if re.fullmatch(r"[fF]\d+", text):
-        raise KeyNameError(f"{quoted(whole)}: function keys are F1 to F12")
+        raise KeyNameError(f"{quoted(whole)}: function keys are F1 to F24")
     if re.fullmatch(r".[+-].", text):
         raise KeyNameError(
             f"{quoted(whole)}: no terminal can send two keys held down together;"

@@ -92,7 +92,7 @@ def test_keys_as_they_are_written(tmp_path: Path, comb: str, key: str) -> None:
         ("[a, b, c]", "3 keys one after the other are too many; at most two are possible"),
         ("{a: b}", "expected a list of keys such as [ctrl, 1], not a mapping"),
         ("[[a], {b: c}]", "expected a key, not a list"),
-        ("[f13]", "'f13': function keys are F1 to F12"),
+        ("[f25]", "'f25': function keys are F1 to F24"),
     ],
 )
 def test_a_key_that_cannot_be_had_is_another_one(tmp_path: Path, comb: str, why: str) -> None:

@@ -123,7 +123,7 @@ def test_damage_is_told_and_no_log_is_no_session(
     b = log(tmp_path / "b" / f"{STEM}.jsonl", "say", "nod")
     b.write_bytes(b.read_bytes()[:-20])
     assert main(["compare", str(a), str(b)]) == 0
-    assert "torn" in capsys.readouterr().err
+    assert "incomplete last line" in capsys.readouterr().err
     b.write_bytes(b"")
     assert main(["compare", str(a), str(b)]) == 2
     assert "this is not a session's log" in capsys.readouterr().err

@@ -206,8 +206,8 @@ async def test_a_key_turns_to_the_next_view_and_the_heading_names_it() -> None:
         for view in (*VIEWS, VIEWS[0]):
             heading = seat.text("Events").splitlines()[0]
             assert heading.startswith(" Events ──")
-            assert f"{view} · {{ filters" in heading
-            await seat.press("{")
+            assert f"{view} · | filters" in heading
+            await seat.press("|")
     async with sitting(scenes.welcome(role="watcher")) as seat:
-        await seat.press("{")
+        await seat.press("|")
         assert VIEWS[1] in seat.text("Events").splitlines()[0]

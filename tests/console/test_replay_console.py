@@ -252,7 +252,7 @@ async def test_the_stop_of_then_is_seen_and_what_is_said_too() -> None:
         await seat.pass_time(20)
         assert "STOPPED by key at 00:15" in seat.text("StopBar")
         await seat.press("escape")
-        assert "nothing moves" in seat.text("StopBar")
+        assert "the robot does not move" in seat.text("StopBar")
         await seat.press(".")
         await seat.pass_time(20)
         assert "confirmed: robot" in seat.text("StopBar")
@@ -265,7 +265,7 @@ async def test_escape_moves_nothing_says_so_and_closes_dialogs(key: str) -> None
         assert len(seat.console.screen_stack) == 2
         await seat.press(key)
         assert len(seat.console.screen_stack) == 1
-        assert "nothing moves" in seat.text("StopBar")
+        assert "the robot does not move" in seat.text("StopBar")
         assert not seat.console.picture.stop
 
 

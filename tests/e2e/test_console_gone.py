@@ -115,7 +115,7 @@ def test_a_watcher_cannot_end_the_session_and_is_told_when_it_has_ended(
     log = lab.log
     second = lab.attach("--watch")
     end_session(second)
-    second.wait_text("you are watching")
+    second.wait_text("only watches")
     end_session(terminal)
     assert terminal.wait_exit() == 0
     (end,) = log.lines("session.end")
@@ -132,7 +132,7 @@ def test_a_second_console_watches_and_a_third_takes_over(lab: Lab, terminal: Fak
     second = lab.attach()
     second.wait_text("WATCHING")
     second.send("h")
-    second.wait_text("you are watching")
+    second.wait_text("only watches")
     assert not log.lines("action.requested")
     terminal.send("h")
     log.wait("action.done", action="Hello")
@@ -144,7 +144,7 @@ def test_a_second_console_watches_and_a_third_takes_over(lab: Lab, terminal: Fak
     asked = log.wait("action.requested", 2)
     assert asked.fields["console"] == log.lines("console.attached")[-1].fields["console"]
     terminal.send("h")
-    terminal.wait_text("you are watching")
+    terminal.wait_text("only watches")
     second.send("\x1b")
     log.wait("stop.pressed")
     for each in (terminal, second, third):

@@ -48,7 +48,7 @@ def test_a_session_is_seen_again(lab: Lab) -> None:
     viewer.send("\x1b[6~")
     viewer.wait_text("STOPPED by key")
     viewer.send("\x1b")
-    viewer.wait_text("nothing moves")
+    viewer.wait_text("the robot does not move")
     viewer.send("h")
     viewer.wait_text("h is not assigned")
     viewer.send("\x1b[F")

@@ -94,7 +94,7 @@ def test_attach_without_a_session(lab: Lab) -> None:
     terminal.wait_text("no session is running")
     terminal = lab.terminal(["attach", "S99"])
     assert terminal.wait_exit() == 1
-    terminal.wait_text("no session answers at")
+    terminal.wait_text("no session is running at")
 
 
 def test_a_broken_file_is_refused_with_every_error_and_its_place(lab: Lab) -> None:

@@ -132,8 +132,8 @@ def test_a_handshake_that_the_wizard_ends_is_over_though_the_model_is_held(
         ("engagement", {"run": "step"}, "only a model on hold"),
         ("handshake", {"what": "ok"}, "no handshake to end"),
         ("social_distance", {"metres": 5.0}, "beyond the sensor's reach"),
-        ("visitor", {"code": "Unknown"}, "is no name"),
-        ("sense", {"sign": "identity", "value": "?"}, "neither letters nor digits"),
+        ("visitor", {"code": "Unknown"}, "cannot be a name"),
+        ("sense", {"sign": "identity", "value": "?"}, "no letters and no digits"),
         ("filter", {"sign": "all", "kind": "median"}, "sign: distance, kind: median"),
     ],
 )

@@ -71,7 +71,7 @@ def full_disk(limit: int = 64) -> Iterator[None]:
         (HEAD + '[{"name": "A", "labels": ["B"]}, {"name": "b"}]}', r"visitors\[1\]:.*face label"),
         (HEAD + '[{"name": "A"}, {"name": "B", "labels": ["a"]}]}', r"visitors\[1\]:.*is taken"),
         (HEAD + '[{"name": " A"}]}', r"visitors\[0\]: .*blanks too many"),
-        (HEAD + '[{"name": "Unknown"}]}', r"visitors\[0\]: .*is no name"),
+        (HEAD + '[{"name": "Unknown"}]}', r"visitors\[0\]: .*cannot be a name"),
         (HEAD + '[{"name": "A\\u202eB"}]}', r"U\+202E"),
         (HEAD + '[{"name": "A", "first_met": "02.03.2026"}]}', r"visitors\[0\]:.*02.03.2026"),
         (HEAD + '[{"name": "A", "last_met": "20260302"}]}', "not written like 2026-03-01"),

@@ -55,7 +55,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "drivers": ("", "names of all drivers"),
     "dropped": ("lines", "lines lost so far, samples not counted"),
     "dropped_samples": ("lines", "samples lost so far"),
-    "due": ("µs", "planned time, on the `t` axis"),
+    "due": ("µs", "moment, on the `t` axis, for which it is planned"),
     "duration_us": ("µs", "from the driver's start to its end"),
     "elapsed_us": ("µs", "from the stop to this line"),
     "emotion": ("", "what the face shows"),
@@ -199,7 +199,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "waiting": ("", "controls that have no effect yet: the robot's value differs"),
     "waits_since": (
         "µs",
-        "time, on the `t` axis, since which the visitor waits for an answer; absent: no"
+        "moment, on the `t` axis, since which the visitor waits for an answer; absent: no"
         " visitor waits",
     ),
     "wall": ("", "wall clock, RFC 3339 UTC"),

@@ -61,7 +61,7 @@ COMMON_VERBS: Mapping[str, str] = {
 
 #: Words that mean something else in every action: its own fields, and the session's verbs.
 RESERVED = (
-    *("key", "label", "name", "help", "locked", "when_busy", "on", "steps"),
+    *("key", "label", "name", "help", "locked", "when_busy", "on", "steps", "then"),
     *("wait", "mark", "note", "set", "lock", "unlock"),
 )
 #: Verbs of the engagement model: in an experiment that has it a driver's could not be called.

@@ -310,6 +310,13 @@ def test_the_scripts_line() -> None:
     assert "Script has ended" in ended
 
 
+def test_the_scripts_line_leaves_out_what_was_played_by_its_key() -> None:
+    picture = pictured(m.ScriptMoved(position=0, played=[1, 2, 4], t=NOW))
+    shown = text([script_row(picture, Frame(80, 1, NOW), "Space")])
+    assert "▸ Hello  → Roman glass  → Goodbye" in shown
+    assert shown.rstrip().endswith("3/6")
+
+
 def bar(picture: ConsoleState, asked_us: int | None = None, frame: Frame | None = None) -> str:
     hints = (("Esc", "stop"), ("/", "say"))
     rows = bar_rows(

@@ -247,3 +247,22 @@ def test_every_action_has_exactly_one_place_inside(
     assert all(slot.row < max(3, height) for slot in arranged.slots)
     assert all(slot.column < arranged.columns for slot in arranged.slots)
     assert arranged.columns == 1 or arranged.columns * (arranged.width + 1) - 1 <= width
+
+
+@pytest.mark.parametrize("width", range(22, 60))
+def test_a_blank_stands_before_the_time_left_and_the_word(width: int) -> None:
+    actions = [
+        ActionView(name=name, label=label, key="h", verbs=["say"], utterances=[said])
+        for name, label, said in (
+            ("Map", "Where you live now", ""),
+            ("More", "More", "Tell me more about that one, please."),
+        )
+    ]
+    picture = pictured(
+        *scenes.speaking(left=4.4, whole=9.0),
+        *scenes.played("r1", "More", NOW, 0, how="refused"),
+        shown=[PanelView(title="Talk", actions=actions)],
+    )
+    found = lines(picture, Frame(width, 6, NOW))
+    assert " 4.4 " in line_with("Where", found)
+    assert "refused" not in line_with("More", found) or " refused " in line_with("More", found)

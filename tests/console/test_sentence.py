@@ -216,3 +216,39 @@ def pressed(run: str, action: str, text: str, tells: tuple[str, ...] = ()) -> li
             seq=9001,
         ),
     ]
+
+
+def on_button(seat: Sitting, label: str) -> str:
+    return next(line for line in seat.text("Panels").splitlines() if f" {label} " in line)
+
+
+async def test_a_button_shows_what_its_run_says_and_not_what_the_next_would_say() -> None:
+    """Of an action with several wordings the next one is ready as soon as one is played."""
+    wordings = ("Please go on.", "What else?", "Tell me more.")
+    first, second, third = ({"Food": [says(text)]} for text in wordings)
+    before = guide(msgspec.structs.replace(FILLED, actions=first))
+    async with sitting(before, size=(120, 30)) as seat:
+        asked = m.ActionRequested(run="r1", action="Food", source="key", t=NOW)
+        await seat.tell(asked, m.ActionsFilled(actions=second, t=NOW))
+        assert wordings[0] in on_button(seat, "Food")  # before any command: it is held back
+        sent = m.Command(
+            command="c1",
+            run="r1",
+            action="Food",
+            verb="say",
+            args={"text": wordings[0]},
+            source="key",
+            t=NOW,
+        )
+        await seat.tell(sent, msgspec.structs.replace(asked, run="r2"))
+        assert wordings[0] in on_button(seat, "Food")
+        await seat.tell(m.ActionsFilled(actions=third, t=NOW))
+        await seat.tell(m.Done(command="c1", driver="voice", t=NOW))
+        await seat.tell(m.ActionDone(run="r1", action="Food", t=NOW))
+        assert wordings[1] in on_button(seat, "Food")  # the second waits
+        await seat.tell(m.ActionDone(run="r2", action="Food", t=NOW))
+        assert "✓" in on_button(seat, "Food")
+        assert wordings[1] in on_button(seat, "Food")
+        await seat.tell(m.Marker(t=NOW + 60_000_000))
+        assert "✓" not in on_button(seat, "Food")
+        assert wordings[2] in on_button(seat, "Food")

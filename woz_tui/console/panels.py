@@ -13,7 +13,7 @@ from woz_tui.console.columns import GUTTER, Plan, Slot, plan
 from woz_tui.console.figures import left
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.parts import Standing, State
-from woz_tui.console.sentence import quoted
+from woz_tui.console.sentence import quotation
 from woz_tui.console.state import ConsoleState
 from woz_tui.core.views import PanelView
 
@@ -94,7 +94,7 @@ def _slot(picture: ConsoleState, slot: Slot, frame: Frame, board: Board, cap: in
     key = caption(board.caps.get(slot.action.name, Cap(slot.action.key)), frame.glyphs)
     keylook = "flash" if board.pressed == slot.action.name else "key" if key else "plain"
     word = "" if _said_above(picture, panel, standing.state) else _word(standing)
-    said = quoted(picture, slot.action.name, frame.glyphs)
+    said = quotation(picture.words_on(slot.action.name, standing), frame.glyphs)
     room = frame.width - cap - 1
     texts = clean(slot.action.label), said
     body = _body(texts, standing, (word, look), room, frame.glyphs)
@@ -137,10 +137,9 @@ def _body(
     glyph = " " if standing.state is State.READY else str(getattr(glyphs, standing.state.value))
     spare = room - 2 - cell_len(label)
     timed = standing.state in (State.RUNNING, State.HELD)
-    if timed:
-        shown = f"{word} " if word else ""
-    else:
-        shown = f"{word} " if spare > cell_len(word) + 1 else ""
+    shown = f" {word} " if word else " "
+    if not (word if timed else spare > cell_len(word) + 1):
+        shown = ""
     left_over = room - 4 - cell_len(label) - cell_len(shown)
     beside = f"  {fit(said, left_over, glyphs.ellipsis)}" if said and left_over >= SAID else ""
     width = room - 2 - cell_len(shown) - cell_len(beside)

@@ -42,6 +42,11 @@ class Standing:
     share: float | None = None
     note: str = ""
 
+    @property
+    def of_run(self) -> bool:
+        """Whether it is that of a run, under way or over."""
+        return self.state not in (State.READY, State.LOCKED, State.UNREACHABLE)
+
 
 class DriverView(NamedTuple):
     """A driver's health: unknown, connecting, connected, lost or faulted; since `t`."""

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from woz_tui.console.wording import words
+from woz_tui.console.wording import said_in, words
 from woz_tui.core import messages as m
 from woz_tui.timeline.episodes import OUTCOMES, Action, Command, Episode, Moment, keep
 from woz_tui.timeline.episodes import Outcome as Word
@@ -27,13 +27,14 @@ def looks(outcome: str) -> str:
 @dataclass(frozen=True, slots=True)
 class Outcome:
     """How a run ended; `how` is done, waits (done, but it counts later), failed, refused, stopped
-    or replaced.
+    or replaced. `said`: the words of the run.
     """
 
     run: str
     how: str
     t: int
     reason: str = ""
+    said: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +72,11 @@ class Run:
 
     press: Action | Command
     commands: tuple[Command, ...]
+
+    @property
+    def id(self) -> str:
+        """That of the action's run, or of the command."""
+        return _id(self.press)
 
     @property
     def running(self) -> bool:
@@ -114,8 +120,10 @@ class Runs:
     failures: deque[Failure] = field(default_factory=lambda: deque(maxlen=FAILURES))
     seen: set[str] = field(default_factory=set)
     _refusal: Refusal | None = None
-    #: Of runs under way: what is said, and the last remedy that a command of theirs named.
-    _texts: dict[str, str] = field(default_factory=dict)
+    #: Of runs under way: what was to be said when they were asked for, what is said so far, and
+    #: the last remedy that a command of theirs named.
+    _wanted: dict[str, str] = field(default_factory=dict)
+    _said: dict[str, str] = field(default_factory=dict)
     _remedies: dict[str, str] = field(default_factory=dict)
 
     @property
@@ -154,6 +162,15 @@ class Runs:
         known = self.session.commands
         return Run(press, tuple(known[name] for name in press.commands if name in known))
 
+    def expect(self, run: str, words: str) -> None:
+        """What a run that has just been asked for is to say, as far as that is known."""
+        keep(self._wanted, run, words)
+
+    def said(self, run: str) -> str:
+        """The words of a run under way: those sent to drivers are right where the others differ."""
+        wanted, said = self._wanted.get(run, ""), self._said.get(run, "")
+        return wanted if said in wanted else said
+
     def failure_of(self, action: str) -> Failure | None:
         """The last failure of `action` if nobody has seen it and it has not worked since."""
         last = self.outcomes.get(action)
@@ -190,11 +207,13 @@ class Runs:
         return found
 
     def _action(self, ended: m.ActionEnd, outcome: str, *, waits: bool = False) -> Outcome:
-        what = self._texts.pop(ended.run, ended.action)
-        remedy = self._remedies.pop(ended.run, "")
-        found = Outcome(ended.run, looks(outcome), ended.t, ended.reason)
+        text = self.said(ended.run)
+        self._wanted.pop(ended.run, None)
+        said, remedy = self._said.pop(ended.run, ""), self._remedies.pop(ended.run, "")
+        what = f"“{said}”" if said else ended.action
+        found = Outcome(ended.run, looks(outcome), ended.t, ended.reason, text)
         if waits and outcome == Word.DONE:
-            found = Outcome(ended.run, "waits", ended.t, LATER)
+            found = Outcome(ended.run, "waits", ended.t, LATER, text)
         self.outcomes[ended.action] = found
         if outcome == Word.FAILED:
             self._fail(Failure(ended.run, ended.action, what, ended.reason, remedy, ended.t))
@@ -204,8 +223,9 @@ class Runs:
         request, ended, run = command.request, command.ended, command.request.run
         what = words(request)
         if ended is None:
-            if run and request.args.get("text"):
-                keep(self._texts, run, what)
+            said, text = self._said.get(run, ""), said_in(request)
+            if run and text not in said:  # what two robots say together is there once
+                keep(self._said, run, f"{said} {text}".strip())
             return None
         if command.outcome == Word.REFUSED:
             self._refusal = Refusal(request.action, what, ended.reason, ended.remedy)

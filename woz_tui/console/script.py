@@ -25,9 +25,9 @@ def script_row(
     skip: str = "",
     then: Sequence[tuple[str, str]] = (),
 ) -> Row:
-    """The line that `key` plays next, those after it, and how far the script is; `skip` is the key
-    that leaves the line out. What is likely to follow the last act, `then`, stands first: key and
-    label of each.
+    """The line that `key` plays next, those after it that were not played, and how many were;
+    `skip` is the key that leaves the line out. What is likely to follow the last act, `then`,
+    stands first: key and label of each.
     """
     glyphs = frame.glyphs
     if then:
@@ -42,23 +42,26 @@ def script_row(
         none = " no phase, no script" if picture.without_phase else " no script"
         return ((fit(none, frame.width), "faint"),)
     count = len(picture.script)
-    right = f" {picture.position}/{count} "
+    right = f" {len(picture.played)}/{count} "
     front: Row = ((f" {key} ", "key"), (" ", "plain"))
     room = frame.width - sum(cell_len(text) for text, _ in front) - len(right)
     if picture.position >= count:
         body: Row = (("Script has ended", "muted"),)
     else:
-        first, *later = picture.script[picture.position : picture.position + 12]
+        first = picture.script[picture.position]
+        behind = [at for at in range(picture.position + 1, count) if at not in picture.played]
         body = ((f"{glyphs.here} {clean(picture.label(first))}", "strong"),)
         if picture.halted:
             goes_on = f", {skip} goes on" if skip else ""
             again = f"{picture.halted}: {key} plays it again{goes_on}"
             body += ((f" {glyphs.warning} {again} ", "warn"),)
-        for name in later:
+        for name in (picture.script[at] for at in behind[:AHEAD]):
             body += ((f"  {glyphs.next} {clean(picture.label(name))}", "muted"),)
     return (*front, *cut(body, max(1, room), glyphs.ellipsis), (right, "muted"))
 
 
+#: Lines of the script behind the next one, at the most, in its row.
+AHEAD = 11
 #: Cells that the script needs at least behind what is likely to follow.
 THEN_ROOM = 24
 #: Lines of the script that stay above the next one where not all have room.

@@ -34,7 +34,12 @@ def does(picture: ConsoleState, action: str) -> str:
 
 def quoted(picture: ConsoleState, action: str, glyphs: Glyphs) -> str:
     """What it says, between quotation marks; empty if it says nothing, or it is kept."""
-    said = clean(picture.sentence(action))
+    return quotation(picture.sentence(action), glyphs)
+
+
+def quotation(text: str, glyphs: Glyphs) -> str:
+    """A text between quotation marks; nothing of an empty one, or one that is kept."""
+    said = clean(text)
     if not said or said == UNTOLD:
         return ""
     return f"{glyphs.opening}{glyphs.plain(said)}{glyphs.closing}"

@@ -391,6 +391,8 @@ class ConsoleState:
         match message:
             case m.End():
                 keep(self.ends, message.command, message, ENDS)
+            case m.ActionRequested(run=run, action=name) if self.session.filled is not None:
+                self.runs.expect(run, self.sentence(name))
             case m.Mistake():
                 for event in self.events:
                     event.mistake = event.mistake or event.run == message.run != ""
@@ -506,6 +508,18 @@ class ConsoleState:
             return " ".join(map(self.filled, action.utterances))
         calls = (call for step in steps if not isinstance(step, float | int) for call in step)
         return " ".join(filter(None, dict.fromkeys(map(said_in, calls))))
+
+    def words_on(self, name: str, standing: Standing) -> str:
+        """What the run of an action says of which its button tells how it stands; where it tells of
+        none, what the action would say now.
+        """
+        run, over = self.runs.of(name), self.runs.outcomes.get(name)
+        said = ""
+        if run is not None:
+            said = self.runs.said(run.id)
+        elif over is not None and standing.of_run:
+            said = over.said
+        return said or self.sentence(name)
 
     def filled(self, words: str) -> str:
         """An utterance with the variables whose values the console knows; of a robot process, or a

@@ -83,6 +83,7 @@ async def test_space_plays_the_script_of_the_phase(size: tuple[int, int]) -> Non
         await at(seat, halted, 5002)
         assert "Hello" in seat.text("StopBar")
         assert "failed" in seat.text("StopBar")
+        assert "again" not in seat.text("StopBar")  # of one that was refused nothing was said
 
 
 @SIZES

@@ -225,11 +225,11 @@ def on_button(seat: Sitting, label: str) -> str:
 async def test_a_button_shows_what_its_run_says_and_not_what_the_next_would_say() -> None:
     """Of an action with several wordings the next one is ready as soon as one is played."""
     wordings = ("Please go on.", "What else?", "Tell me more.")
-    first, second, third = ({"Food": [says(text)]} for text in wordings)
-    before = guide(msgspec.structs.replace(FILLED, actions=first))
-    async with sitting(before, size=(120, 30)) as seat:
+    first, second, third = (scenes.filled("Food", text) for text in wordings)
+    async with sitting(guide(), size=(120, 30)) as seat:
+        await seat.tell(msgspec.structs.replace(first, t=NOW))
         asked = m.ActionRequested(run="r1", action="Food", source="key", t=NOW)
-        await seat.tell(asked, m.ActionsFilled(actions=second, t=NOW))
+        await seat.tell(asked, msgspec.structs.replace(second, t=NOW))
         assert wordings[0] in on_button(seat, "Food")  # before any command: it is held back
         sent = m.Command(
             command="c1",
@@ -242,8 +242,7 @@ async def test_a_button_shows_what_its_run_says_and_not_what_the_next_would_say(
         )
         await seat.tell(sent, msgspec.structs.replace(asked, run="r2"))
         assert wordings[0] in on_button(seat, "Food")
-        await seat.tell(m.ActionsFilled(actions=third, t=NOW))
-        await seat.tell(m.Done(command="c1", driver="voice", t=NOW))
+        await seat.tell(msgspec.structs.replace(third, t=NOW))
         await seat.tell(m.ActionDone(run="r1", action="Food", t=NOW))
         assert wordings[1] in on_button(seat, "Food")  # the second waits
         await seat.tell(m.ActionDone(run="r2", action="Food", t=NOW))

@@ -11,6 +11,8 @@ from woz_tui.console.parts import State
 from woz_tui.console.state import DONE_US, ConsoleState
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
+from woz_tui.core.settings import Settings
+from woz_tui.session.plan import panels_changed
 
 NOW = scenes.NOW
 
@@ -359,6 +361,31 @@ def test_a_reload_replaces_panels_and_keeps_what_runs() -> None:
     assert picture.edition > edition
     assert (picture.title, picture.position, len(picture.panels)) == ("Guide 2", 1, 1)
     assert state(picture, "Hello") is State.RUNNING
+
+
+def test_a_reload_brings_every_setting_that_it_can_change() -> None:
+    """A setting that `Settings` gets has to be carried, or named here as one of the robot's."""
+    of_the_robot = {"joints", "outlines", "lanes", "replay"}
+    assert of_the_robot == {*Settings.__struct_fields__} - {*r.PANEL_SETTINGS}
+    settings = Settings(
+        stale_after=3.0, dead_man=9.0, participant_pattern="Q", sensors=["loudness"]
+    )
+    told = msgspec.structs.replace(scenes.welcome(), settings=settings)
+    plan = m.SessionPlan(
+        title="Guide",
+        panels=scenes.panels(),
+        script=[],
+        verbs={},
+        variables=["room"],
+        conditions=[],
+        keyboard="us",
+        drivers=[],
+        settings=settings,
+    )
+    picture = ConsoleState()
+    picture.take([told, panels_changed(plan)], 0)
+    assert picture.settings == settings
+    assert picture.variables == ("room",)
 
 
 def test_utterances_are_filled_with_what_holds_now() -> None:

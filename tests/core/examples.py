@@ -394,6 +394,10 @@ def answers() -> list[r.AnyAnswer]:
             t=60_000_000, length_us=60_000_000, rate=1.0, paused=True, ended=True, cut_us=9_000_000
         ),
         r.PanelsChanged(
+            variables=["participant"],
+            stale_after=1.5,
+            dead_man=3.0,
+            participant_pattern="P\\d\\d",
             title="Museum guide",
             panels=_PANELS,
             script=["Hello"],

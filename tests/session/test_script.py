@@ -180,6 +180,32 @@ def test_each_phase_has_its_own_script(tmp_path: Path) -> None:
     on_stage(tmp_path, scenario, LINES, phases)
 
 
+def test_how_a_line_ended_is_forgotten_when_a_phase_begins(tmp_path: Path) -> None:
+    phases = (Phase("opening", script=("Hello",)), Phase("day", script=("Welcome", "Fall")))
+
+    async def scenario(stage: Stage) -> None:
+        session = stage.session
+        session.send("say", {"text": "something long"}, "", KEY)
+        await asyncio.sleep(0.1)
+        session.cancel(session.play("Welcome", KEY))  # before it began
+        await asyncio.sleep(5)
+        assert session.state.scripts["day"].halted
+        session.phase("day", KEY)
+        assert stands(stage) == (0, [], "")
+        assert session.state.scripts["day"].halted == ""
+
+    on_stage(tmp_path, scenario, (), phases)
+
+
+def test_how_a_line_ended_is_forgotten_when_another_is_played_again() -> None:
+    script = Script(("Hello", "Welcome"))
+    for each in ("Hello", "Welcome"):
+        script.play(each)
+    script.take_back(1, "refused")
+    assert script.play("Hello") is None
+    assert (script.position, script.halted) == (1, "")
+
+
 def test_a_reload_keeps_what_was_played(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
         session = stage.session

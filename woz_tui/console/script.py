@@ -53,8 +53,8 @@ def script_row(
         body = ((f"{glyphs.here} {clean(picture.label(first))}", "strong"),)
         if picture.halted:
             goes_on = f", {skip} goes on" if skip else ""
-            again = f"{picture.halted}: {key} plays it again{goes_on}"
-            body += ((f" {glyphs.warning} {again} ", "warn"),)
+            stands = f"{picture.halted}: {key} plays it{goes_on}"
+            body += ((f" {glyphs.warning} {stands} ", "warn"),)
         for name in (picture.script[at] for at in behind[:AHEAD]):
             body += ((f"  {glyphs.next} {clean(picture.label(name))}", "muted"),)
     return (*front, *cut(body, max(1, room), glyphs.ellipsis), (right, "muted"))

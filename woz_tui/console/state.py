@@ -311,19 +311,11 @@ class ConsoleState:
         before = self.settings
         if before.engagement and not changed.engagement:
             self.engaged.forget()  # the file has no such section any more
-        self.settings = msgspec.structs.replace(
-            before,
-            values=changed.values,
-            repairs=changed.repairs,
-            profiles=changed.profiles,
-            profile=changed.profile,
-            steps=changed.steps or before.steps,
-            allows=changed.allows,
-            engagement=changed.engagement,
-            phases=changed.phases,
-            sensors=changed.sensors,
-            study=changed.study or before.study,
-        )
+        news = {name: getattr(changed, name) for name in r.PANEL_SETTINGS}
+        news = {name: value for name, value in news.items() if value is not None}
+        self.settings = msgspec.structs.replace(before, **news)
+        if changed.variables is not None:
+            self.variables = tuple(changed.variables)
         if self.settings.study.blind and not before.study.blind:
             self._go_by(self.session.messages(), Redactor(self.settings.study).message)
             self._unsay()

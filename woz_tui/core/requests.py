@@ -428,8 +428,8 @@ class PanelsChanged(
     msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="panels"
 ):
     """After a reload or a change of profile: the panels and the script as they are now, and the
-    variables' present values. `steps`, `profiles`, `profile`, `allows`, `engagement`, `phases`,
-    `sensors` and `study` as in the welcome's `settings`.
+    variables' present values. What is called as in `Settings` (`PANEL_SETTINGS`) takes the place of
+    what the welcome said there; null: as before.
     """
 
     title: str
@@ -438,8 +438,9 @@ class PanelsChanged(
     verbs: dict[str, list[str]]
     conditions: list[str]
     keyboard: str
+    variables: list[str] | None = None
     values: dict[str, str] = {}
-    steps: dict[str, float] = {}
+    steps: dict[str, float] | None = None
     repairs: list[ActionView] = []
     profiles: list[str] = []
     profile: str = ""
@@ -448,6 +449,15 @@ class PanelsChanged(
     phases: list[PhaseView] = []
     sensors: list[str] = []
     study: StudySettings | None = None
+    stale_after: float | None = None
+    dead_man: float | None = None
+    participant_pattern: str | None = None
+
+
+#: The settings that may be others after a reload.
+PANEL_SETTINGS = tuple(
+    name for name in PanelsChanged.__struct_fields__ if name in Settings.__struct_fields__
+)
 
 
 #: Lines from the host that are not messages of the session.

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from woz_tui.core import messages as m
-from woz_tui.core.requests import PROTOCOL, PanelsChanged, Welcome
+from woz_tui.core.requests import PANEL_SETTINGS, PROTOCOL, PanelsChanged, Welcome
 
 
 def welcome(plan: m.SessionPlan, *, console: str, role: str, seq: int, t: int, log: str) -> Welcome:
@@ -29,21 +31,14 @@ def welcome(plan: m.SessionPlan, *, console: str, role: str, seq: int, t: int, l
 
 def panels_changed(plan: m.SessionPlan) -> PanelsChanged:
     """What is news in a plan for a console that has had another one."""
-    settings = plan.settings
+    settings: dict[str, Any] = {name: getattr(plan.settings, name) for name in PANEL_SETTINGS}
     return PanelsChanged(
         title=plan.title,
         panels=plan.panels,
         script=plan.script,
         verbs=plan.verbs,
+        variables=plan.variables,
         conditions=plan.conditions,
         keyboard=plan.keyboard,
-        values=settings.values,
-        steps=settings.steps,
-        repairs=settings.repairs,
-        profiles=settings.profiles,
-        profile=settings.profile,
-        allows=settings.allows,
-        engagement=settings.engagement,
-        phases=settings.phases,
-        study=settings.study,
+        **settings,
     )

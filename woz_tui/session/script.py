@@ -35,11 +35,11 @@ class Script:
         """The action is played: which line that is, if any; the position goes to the next line that
         was not played.
         """
+        self.halted = ""
         line = self._line(action)
         if line is None:
             return None
         self.played.add(line)
-        self.halted = ""
         if line == self.position:
             rest = range(line + 1, len(self.lines))
             self.position = next((each for each in rest if each not in self.played), rest.stop)
@@ -191,6 +191,12 @@ class Scripts:
     def move(self, to: int) -> None:
         """Choose the next line of the script that Space plays; 0 is the first."""
         self.now.move(to)
+        self.tell()
+
+    def phase_began(self) -> None:
+        """How a line ended in another phase is no news in this one."""
+        for script in self._scripts.values():
+            script.halted = ""
         self.tell()
 
     def begin_anew(self) -> None:

@@ -399,6 +399,8 @@ class Session:
         for episode in self.state.take(message):
             if isinstance(episode, e.Action):
                 self.scripts.take(episode)
+        if isinstance(message, m.PhaseChanged):
+            self.scripts.phase_began()
         if isinstance(message, m.TrialEnded) and not self.ended:
             self.phases.end()
 

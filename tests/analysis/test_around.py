@@ -6,7 +6,7 @@ from tests.analysis.told import SECOND, Told, figures_of, in_time
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.gather import Options
 from woz_tui.core import messages as m
-from woz_tui.core.settings import Settings
+from woz_tui.core.settings import DesignView, Questionnaire, Settings, StudySettings
 from woz_tui.core.views import ActionView, PanelView
 
 
@@ -167,6 +167,24 @@ def test_the_last_answer_of_a_round_counts() -> None:
         ("done", 2, 2),
         ("left", 0, 2),
     ]
+
+
+def test_questionnaires_that_were_due_and_not_answered_are_named() -> None:
+    listed = [
+        Questionnaire(name, name.upper(), when=when)
+        for name, when in (("each", "trial"), ("last", "end"))
+    ]
+    study = StudySettings(design=DesignView(trials=2), questionnaires=listed)
+    plan = m.SessionPlan(
+        title="Guide", panels=[], script=[], verbs={}, variables=[], conditions=[],
+        keyboard="us", drivers=[], settings=Settings(study=study),
+    )  # fmt: skip
+    it = Told().add(0, plan)
+    it.add(1, m.TrialStarted(trial=1)).add(2, m.TrialEnded(trial=1, outcome="done"))
+    it.add(3, m.TrialStarted(trial=2)).add(4, m.TrialEnded(trial=2, outcome="done"))
+    answered = m.QuestionnaireEnded(questionnaire="each", reason="done", answered=0)
+    it.add(5, m.QuestionnaireStarted(questionnaire="each", title="EACH", items=[]), answered)
+    assert told(it.end(9)).unanswered == ("EACH (after trial 1)", "LAST (at the end)")
 
 
 def test_answers_whose_beginning_is_lost_are_kept() -> None:

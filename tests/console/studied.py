@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import msgspec
@@ -76,10 +77,10 @@ def typed(told: dict[str, m.Json]) -> StudySettings:
     return msgspec.convert(told, StudySettings)
 
 
-def assigned() -> m.ConditionsAssigned:
+def assigned(order: Sequence[str] = ("warm", "cold")) -> m.ConditionsAssigned:
     """Warm first."""
     return m.ConditionsAssigned(
-        participant="P07", order=["warm", "cold"], method="latin-square", row=0, t=scenes.MINUTE
+        participant="P07", order=[*order], method="latin-square", row=0, t=scenes.MINUTE
     )
 
 

@@ -189,7 +189,7 @@ async def test_the_start_is_asked_only_if_nobody_is_chosen_yet() -> None:
         await seat.type("P12")
         await seat.press("enter")
         assert "Choose a condition" in seat.drawn()
-        await seat.press("tab", "down", "enter", "tab")
+        await seat.press("tab", "down", "space", "tab")
         await seat.type("x")
         await seat.press("enter")
         assert "whole number" in seat.drawn()

@@ -41,6 +41,31 @@ async def named(seat: Sitting, code: str = "P08") -> None:
     await seat.settle()
 
 
+REFUSED = r.Reply(ref=0, ok=False, reason="'P1' is no code", hint="it must look like P01")
+
+
+async def test_enter_with_a_wrong_code_says_what_is_wrong_with_the_code() -> None:
+    first = scenes.welcome(state=[scenes.start("", "")], settings={"study": studied.told()})
+    async with sitting(first) as seat:
+        seat.feed.answers[r.AskProposal] = lambda asked, ref: msgspec.structs.replace(
+            REFUSED, ref=ref
+        )
+        await named(seat, "P1")
+        await seat.press("enter")
+        await seat.settle()
+        assert "'P1' is no code: it must look like P01" in seat.drawn()
+
+
+async def test_enter_on_a_condition_chooses_it_and_accepts() -> None:
+    async with sitting() as seat:
+        await opened(seat, "StartDialog")
+        await seat.press("tab", "down", "enter")
+        await seat.until(lambda: seat.console.dialog is None)
+        asked = seat.feed.last(r.AskSet)
+        assert isinstance(asked, r.AskSet)
+        assert asked.condition == "cold"
+
+
 def last(seat: Sitting) -> r.AskAssign:
     asked = seat.feed.last(r.AskAssign)
     assert isinstance(asked, r.AskAssign)

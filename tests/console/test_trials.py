@@ -167,6 +167,37 @@ async def test_when_all_trials_are_over_none_can_be_begun() -> None:
         assert "begin trial" not in seat.drawn()
 
 
+async def test_between_trials_the_order_points_at_the_condition_of_the_next() -> None:
+    async with sitting(studied.welcome(studied.trial(2, "warm"))) as seat:
+        await seat.press("asterisk")
+        await seat.settle()
+        assert "▸ 1. warm" in seat.drawn()
+        await seat.press("ctrl+q")
+        await seat.tell(over(2), studied.ended("quick"))
+        await seat.press("asterisk")
+        await seat.settle()
+        assert "▸ 2. cold" in seat.drawn()
+        assert "▸ 1. warm" not in seat.drawn()
+
+
+async def test_a_letter_that_does_nothing_names_those_that_do() -> None:
+    async with sitting(studied.welcome(studied.trial())) as seat:
+        await seat.press("asterisk", "z")
+        await seat.settle()
+        assert "there are: d a x p" in seat.drawn()
+        assert isinstance(seat.console.dialog, TrialDialog)
+
+
+async def test_what_is_answered_and_not_confirmed_is_called_so() -> None:
+    answer = m.QuestionnaireAnswered(
+        questionnaire="quick", item="pleasant", question="?", value=5.0, t=NOW
+    )
+    async with sitting(studied.welcome(studied.started(studied.QUICK), answer)) as seat:
+        await seat.press("asterisk")
+        await seat.settle()
+        assert "This visit: answered, not confirmed" in seat.drawn()
+
+
 async def test_no_trial_can_be_begun_while_something_is_asked() -> None:
     """The robot process would refuse it."""
     async with sitting(studied.welcome()) as seat:
@@ -337,6 +368,11 @@ def test_another_participant_begins_anew() -> None:
 
 def test_where_a_session_stands_in_words() -> None:
     assert stands(Study(), NOW) == "no trial yet"
+    single = study(
+        studied.assigned(["warm"]), studied.trial(1), over(1),
+        design={"order": "latin-square", "within": False, "trials": 1},
+    )  # fmt: skip
+    assert stands(single, NOW) == "the trial is over"
     assert stands(study(), NOW) == "no trial yet, 4 planned"
     assert (
         stands(study(studied.trial(2), over(2, "aborted")), NOW) == "trial 2 of 4 is over: aborted"

@@ -287,7 +287,8 @@ class SessionFigures:
     `parts` are by participant and condition, in the order in which they came; `whole` has all of
     them together. Both leave out what happened in trials that do not count (aborted or excluded)
     unless `all_trials`. Everything else is of the session as it was. `participants` are those who
-    took part (see `people`); `participant` names them, or all codes if nobody did.
+    took part (see `people`); `participant` names them, or all codes if nobody did. `unanswered` are
+    titles of questionnaires that were due and neither answered nor declined, and after which trial.
     """
 
     path: str
@@ -337,6 +338,7 @@ class SessionFigures:
     seed: int | None = None
     lines: int = 0
     redacted: bool = False
+    unanswered: tuple[str, ...] = ()
 
     @property
     def differences(self) -> list[Setting]:

@@ -102,6 +102,7 @@ def figures_of(
         marks=tuple(rows.marks(timeline)),
         answers=answers,
         rounds=tuple(rows.rounds(timeline)),
+        unanswered=tuple(rows.unanswered(timeline)),
         training=training_of(timeline, trained),
         panels=tuple(_panels(plan)),
         profiles=tuple(dict.fromkeys(each.label for each in timeline.of(e.Profile))),

@@ -524,6 +524,14 @@ def rounds(timeline: Timeline) -> Iterator[Round]:
         )
 
 
+def unanswered(timeline: Timeline) -> Iterator[str]:
+    """Titles of the questionnaires that were due and not answered, with the trial before them."""
+    titles = {one.name: one.heading for one in timeline.state.study.settings.questionnaires}
+    for due in timeline.unanswered:
+        after = "at the end" if due.trial < 0 else f"after trial {due.trial}"
+        yield f"{titles.get(due.questionnaire, due.questionnaire)} ({after})"
+
+
 def answers(timeline: Timeline) -> Iterator[Answer]:
     """The last answers of each round, in the order in which the items were answered first."""
     for each, number in _numbered(timeline):

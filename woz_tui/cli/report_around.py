@@ -124,13 +124,17 @@ def _training(page: Page, figures: SessionFigures) -> None:
 
 
 def _questionnaires(page: Page, figures: SessionFigures) -> None:
-    if not figures.rounds and not figures.answers:
+    if not figures.rounds and not figures.answers and not figures.unanswered:
         return
     page.head("Questionnaires")
+    for told in figures.unanswered:
+        page.say(f"{told}: due and not answered")
     for each in figures.rounds:
         items = f" of {each.items}" if each.items else ""
         ended = each.reason or "no end in the log"
         page.say(f"{each.title or each.questionnaire}: {each.answered}{items} answered, {ended}")
+    if not figures.answers:
+        return
     made = table("item", "question", "answer", "scale", left=3)
     for answer in figures.answers:
         told = "left out" if answer.skipped else answer.text

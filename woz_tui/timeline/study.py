@@ -172,6 +172,16 @@ class StudyState:
             if name not in self._had_since
         ]
 
+    def open_at_end(self) -> tuple[Due, ...]:
+        """What is due and what is for the end, and was neither answered nor declined; without any
+        participant and trial nothing is for the end.
+        """
+        due = self.due
+        begun = bool(self.participant) or self.last_started is not None
+        named = self.had.keys() | {each.questionnaire for each in due}
+        at_end = self._questionnaires("end") if begun else ()
+        return (*due, *(Due(name) for name in at_end if name not in named))
+
     def _questionnaires(self, when: str) -> Iterator[str]:
         for each in self.settings.questionnaires:
             if each.when == when:

@@ -12,8 +12,12 @@ from woz_tui.core import messages as m
 from woz_tui.timeline.context import Context, Contexts, Span
 from woz_tui.timeline.episodes import Action, Command, Episode, Moment, Trial, Utterance, keep
 from woz_tui.timeline.state import SessionState
+from woz_tui.timeline.study import Due
 
 E = TypeVar("E", bound=Episode)
+
+#: After these a questionnaire that was due is so no more, without an answer.
+_PASSES = (m.TrialStarted, m.SessionChanged, m.ConditionsAssigned)
 
 
 class Timeline:
@@ -27,6 +31,8 @@ class Timeline:
         contexts: Whose time it was.
         passed: Ids of the last passing commands, where they are no episodes.
         episodes: After `finish`: all of them by beginning and `seq`, each with its context.
+        unanswered: After `finish`: questionnaires that were due, or for the end of the session, and
+            neither answered nor declined.
     """
 
     def __init__(self, *, passing: bool = False) -> None:
@@ -34,6 +40,7 @@ class Timeline:
         self.contexts = Contexts()
         self.passed: dict[str, None] = {}
         self.episodes: tuple[Episode, ...] = ()
+        self.unanswered: tuple[Due, ...] = ()
         self._ended: list[Episode] = []
         #: Where among those an utterance is: its text comes later.
         self._spoken: dict[tuple[str, int], int] = {}
@@ -99,7 +106,10 @@ class Timeline:
         """The next message; `finish` must not have been called."""
         state, study = self.state, self.state.study
         before, first = study.context, state.begin is None
+        due = study.due if isinstance(message, _PASSES) else []
         changes = state.take(message)
+        if due:
+            self.unanswered += tuple(each for each in due if each not in study.due)
         if first and state.begin is not None:
             self.contexts.enter(state.begin, message.seq, before)
         if study.context is not before or (study.begun and not self._begun):
@@ -138,6 +148,7 @@ class Timeline:
 
     def finish(self) -> None:
         """The log is over."""
+        self.unanswered += self.state.study.open_at_end()
         found = [*self._ended, *self.state.finish()]
         found.sort(key=attrgetter("begin", "seq"))
         _add_mistakes(found)

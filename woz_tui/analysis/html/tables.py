@@ -255,6 +255,7 @@ def answers(figures: SessionFigures) -> Markup | None:
         ]
         for answer in figures.answers
     ]
+    rows += [[told, "due and not answered", *[DASH] * 6] for told in map(said, figures.unanswered)]
     return table("Questionnaires", heads, rows)
 
 

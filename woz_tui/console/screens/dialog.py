@@ -341,6 +341,11 @@ class Entry(Dialog):
         self.leave()
 
 
+def refusal(reply: Reply) -> str:
+    """Why something was not done, and what helps."""
+    return ": ".join(part for part in (reply.reason, reply.hint) if part)
+
+
 class Form(Dialog):
     """A dialog of several fields that stays open until what stands in them is accepted."""
 
@@ -349,7 +354,7 @@ class Form(Dialog):
         if reply.ok:
             self.leave()
         else:
-            self.complain(f"{reply.reason} {reply.hint}".strip())
+            self.complain(refusal(reply))
 
     def complain(self, wrong: str) -> None:
         """Say what is wrong in the field `#wrong`; nothing, if nothing is."""

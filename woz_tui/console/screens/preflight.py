@@ -17,7 +17,7 @@ from textual.widgets.option_list import Option
 from woz_tui.console.caps import Cap
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.engagement.words import signs_of, unsensed
-from woz_tui.console.screens.dialog import Report
+from woz_tui.console.screens.dialog import Report, refusal
 from woz_tui.console.state import ConsoleState
 from woz_tui.console.status import SLOW_LINE_US
 from woz_tui.core.driver import Finding
@@ -173,7 +173,7 @@ class PreflightDialog(Report):
 
     def _ticked(self, reply: Reply) -> None:
         if not reply.ok:
-            self._said = f"{reply.reason} {reply.hint}".strip()
+            self._said = refusal(reply)
             self.renew()
 
     def refreshed(self) -> None:
@@ -230,7 +230,7 @@ class PreflightDialog(Report):
         warnings = sum(level == "warning" for level, *_ in self._findings)
         unticked = len(self.picture.study.unticked())
         if not reply.ok:
-            self._said = f"{reply.reason} {reply.hint}".strip()
+            self._said = refusal(reply)
         elif errors or warnings or unticked:
             own = f", {unticked} to see to yourself" if unticked else ""
             self._said = f"{errors} to mend, {warnings} to look at{own}"

@@ -5,13 +5,16 @@ from __future__ import annotations
 import functools
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import ClassVar
 
+from textual.binding import Binding, BindingType
+from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Input, RadioButton, RadioSet, Static
 
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.glyphs import Glyphs
-from woz_tui.console.screens.dialog import Form, content, plain
+from woz_tui.console.screens.dialog import Form, content, plain, refusal
 from woz_tui.console.screens.trial import order_row
 from woz_tui.core.requests import AskAssign, AskProposal, AskSet, Reply
 from woz_tui.experiment.pattern import example
@@ -84,6 +87,20 @@ class Choice(RadioButton):
         super().watch_value()
 
 
+class Conditions(RadioSet):
+    """Space chooses; enter chooses and accepts the whole dialog, as in a field."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("enter", "accept")]
+
+    class Accepted(Message):
+        """Enter was pressed; what it chose is chosen."""
+
+    def action_accept(self) -> None:
+        """The choice is a message on its way: the acceptance goes behind it."""
+        self.action_toggle_button()
+        self.call_after_refresh(self.post_message, self.Accepted())
+
+
 class StartDialog(Form):
     """Participant, condition, trial; enter in a field accepts all.
 
@@ -97,6 +114,8 @@ class StartDialog(Form):
     def __init__(self) -> None:
         super().__init__()
         self._proposal: Proposal | None = None
+        #: Why there is none for this code; empty: nothing is wrong.
+        self._refused = ""
         self._for = ""
         #: A proposal was asked for, and enter was pressed before it came.
         self._awaited = self._accepts = False
@@ -112,7 +131,7 @@ class StartDialog(Form):
             yield field
         if picture.conditions:
             yield Static("Condition", classes="caption one")
-            with RadioSet(id="condition"):
+            with Conditions(id="condition"):
                 for condition in picture.conditions:
                     yield Choice(condition, condition == picture.condition, self.glyphs)
         yield Static("Trial (may stay empty)", classes="caption")
@@ -145,7 +164,7 @@ class StartDialog(Form):
         self._for = code
         self.complain("")
         self._propose(None)
-        self._accepts = False
+        self._accepts, self._refused = False, ""
         self._awaited = self.picture.study.designed and bool(code)
         if self._awaited:
             self.desk.ask(AskProposal(participant=code), functools.partial(self._proposed, code))
@@ -157,6 +176,8 @@ class StartDialog(Form):
         self._awaited = False
         if reply.ok:
             self._propose(proposal_of(reply.data))
+        else:
+            self._refused = refusal(reply)
         if self._accepts:
             self._accept()
 
@@ -186,8 +207,12 @@ class StartDialog(Form):
     # -- accepting ------------------------------------------------------------------------------
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
-        """Accept everything at once; what is about to be proposed is part of it."""
+        """Accept everything at once."""
         event.stop()
+        self.on_conditions_accepted()
+
+    def on_conditions_accepted(self) -> None:
+        """So does enter on a condition; what is about to be proposed is part of it."""
         if self._awaited:
             self._accepts = True
         else:
@@ -253,5 +278,5 @@ class StartDialog(Form):
 
     def _no_condition(self) -> str:
         if self.picture.conditions and self._condition() is None:
-            return "Choose a condition."
+            return self._refused or "Choose a condition."
         return ""

@@ -63,7 +63,7 @@ class TrialDialog(Dialog):
         first: Row = ((stands(study, now), "strong"),)
         rows: list[Row] = [first]
         if study.order:
-            rows.append(order_row(study.order, self.picture.condition, self.glyphs.here))
+            rows.append(order_row(study.order, _here(study), self.glyphs.here))
         if study.asked is not None:
             asked = study.asked
             told = f"{asked.questionnaire.heading}: {progress(asked)}"
@@ -92,6 +92,12 @@ class TrialDialog(Dialog):
                 event.stop()
                 self._take(step)
                 return
+        if event.is_printable and event.character:
+            event.stop()
+            letters = " ".join(step.key for step in self._steps)
+            for box in self.query(".dialog"):
+                told = f"nothing on {clean(event.character)} · there are: {letters}"
+                box.border_subtitle = self.glyphs.plain(told)
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """So does enter."""
@@ -203,11 +209,18 @@ def stands(study: Study, now: int) -> str:
     if study.trial is not None:
         return f"trial {study.trial.number}{of}, {elapsed(now - study.trial.began)}"
     if study.all_over:
-        return f"all {study.planned} trials are over"
+        return f"all {study.planned} trials are over" if study.planned > 1 else "the trial is over"
     if study.last is not None:
         number, outcome = study.last
         return f"trial {number}{of} is over: {outcome}"
     return f"no trial yet, {study.planned} planned" if study.planned else "no trial yet"
+
+
+def _here(study: Study) -> str:
+    """The condition of the trial that is running or comes next; none, if none is left."""
+    state = study.session.study
+    following = "" if study.trial is not None else state.condition_of(study.next)
+    return "" if study.all_over else following or state.condition
 
 
 def progress(asked: Asked) -> str:

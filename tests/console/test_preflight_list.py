@@ -45,9 +45,9 @@ async def test_a_newcomer_sees_what_is_ticked() -> None:
 async def test_the_verdict_counts_what_is_left_to_do() -> None:
     async with sitting(studied.welcome(), size=(160, 50)) as seat:
         await opened(seat, "PreflightDialog")
-        await seat.until(lambda: "2 to see to yourself" in seat.drawn())
+        await seat.until(lambda: "2 of your own checks" in seat.drawn())
         await seat.tell(*map(ticked, studied.CHECKS))
-        assert "to see to yourself" not in seat.drawn()
+        assert "your own checks" not in seat.drawn()
 
 
 async def test_checks_run_again_by_letter_and_nothing_is_ticked() -> None:
@@ -70,7 +70,7 @@ async def test_without_a_list_enter_checks_again() -> None:
 async def test_a_refusal_is_said() -> None:
     async with sitting(studied.welcome()) as seat:
         await opened(seat, "PreflightDialog")
-        await seat.until(lambda: "to see to yourself" in seat.drawn())
+        await seat.until(lambda: "your own checks" in seat.drawn())
         seat.feed.answers[r.AskCheck] = lambda asked, ref: r.Reply(
             ref=ref, ok=False, reason="you are watching"
         )

@@ -253,7 +253,7 @@ async def test_preflight_lists_findings_with_remedies_and_runs_again() -> None:
     async with sitting(size=(100, 40)) as seat:
         seat.feed.answers[r.AskPreflight] = lambda _, ref: r.Reply(ref=ref, ok=True, data=findings)
         await opened(seat, "PreflightDialog")
-        await seat.until(lambda: "1 to mend" in seat.drawn())
+        await seat.until(lambda: "1 error" in seat.drawn())
         drawn = seat.drawn()
         assert "line" in drawn
         assert "plain: some chords" in drawn
@@ -300,6 +300,7 @@ async def test_reload_of_a_broken_file_shows_its_errors_and_changes_nothing() ->
         )
         await opened(seat, "ReloadDialog")
         await seat.until(lambda: "guide.yaml:3:1: oh" in seat.drawn())
+        assert "applies" not in seat.drawn(), "there is nothing to apply"
         await seat.press("enter")
         assert len(seat.feed.asked) == 1
         assert seat.console.dialog is None

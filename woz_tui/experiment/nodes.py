@@ -334,6 +334,11 @@ def explained(error: yaml.YAMLError, text: str) -> tuple[int, int, str]:
     if mark is None:
         return 1, 1, said
     message = next((ours for theirs, ours in _SAID if theirs in said), said)
+    closing = text.splitlines()[mark.line : mark.line + 1]
+    found = closing[0][mark.column : mark.column + 1] if closing else ""
+    if found and found in "}]" and "',' or '" not in said:
+        message = f"one {found} too many, or the bracket that opens it is missing"
+        begun = None  # of what surrounds it, which is in order
     if "start any token" in said:
         message = _character(text, mark.line, mark.column)
     if begun is not None and begun.line < mark.line:

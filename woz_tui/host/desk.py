@@ -299,10 +299,13 @@ class Desk:
         except AskError as error:
             return _refused(client, request, error)
         except ExperimentError as error:
+            count = len(error.problems)
             reply = Reply(
                 ref=request.ref,
                 ok=False,
-                reason=f"the file has {len(error.problems)} error(s); nothing was changed",
+                reason=f"the file has {count} error{'' if count == 1 else 's'};"
+                " nothing was changed",
+                hint="woz check tells what is wrong",
                 data=[str(problem) for problem in error.problems],
             )
             places = {str(problem): str(problem.place) for problem in error.problems}

@@ -119,6 +119,7 @@ class PreflightDialog(Report):
     heading = "Preflight"
     hint = "enter checks again · arrows scroll · ctrl+q closes"
     wide = True
+    indent = 17  # under the text, behind sign and subject
     BINDINGS: ClassVar[list[BindingType]] = [Binding("enter", "check", priority=True)]
 
     def __init__(self) -> None:
@@ -133,7 +134,7 @@ class PreflightDialog(Report):
         """The human's list, then the findings."""
         self._shown = dict(self.picture.study.checks)
         if self._shown:
-            yield Static("To see to yourself", classes="caption")
+            yield Static("You check these", classes="caption")
             yield OptionList(*map(self._check, self._shown), id="checks")
         yield from super().body()
 
@@ -232,8 +233,10 @@ class PreflightDialog(Report):
         if not reply.ok:
             self._said = refusal(reply)
         elif errors or warnings or unticked:
-            own = f", {unticked} to see to yourself" if unticked else ""
-            self._said = f"{errors} to mend, {warnings} to look at{own}"
+            counts = ((errors, "error"), (warnings, "warning"))
+            told = [f"{n} {word}{'' if n == 1 else 's'}" for n, word in counts if n]
+            told += [f"{unticked} of your own checks not ticked"] if unticked else []
+            self._said = ", ".join(told)
         else:
             self._said = "everything is ready"
 
@@ -249,5 +252,5 @@ class PreflightDialog(Report):
             look = _LOOKS.get(level, "plain")
             rows.append(((f"{sign} {subject:<14} ", look), (text, "plain")))
             if remedy and level != "ok":
-                rows.append(((" " * 17, "plain"), (remedy, "run")))
+                rows.append(((" " * self.indent, "plain"), (remedy, "run")))
         return rows

@@ -15,7 +15,7 @@ class ReloadDialog(Report):
     """Asks for the differences first; enter applies them. Errors change nothing."""
 
     heading = "Read the experiment file again"
-    hint = "enter goes on · ctrl+q closes, nothing changes"
+    hint = "ctrl+q closes, nothing changes"
     wide = True
     BINDINGS: ClassVar[list[BindingType]] = [Binding("enter", "apply", priority=True)]
 
@@ -39,7 +39,9 @@ class ReloadDialog(Report):
         else:
             self._ready = True
             self._rows = [((f"{self.glyphs.info} {detail}", "plain"),) for detail in details]
-            self._rows += [(), (("enter applies this to the running session", "strong"),)]
+        does = "enter applies this to the running session" if self._ready else "enter closes"
+        for box in self.query(".dialog"):
+            box.border_subtitle = self.glyphs.plain(f"{does} · ctrl+q: nothing changes")
         self.renew()
 
     def lines(self) -> list[Row]:

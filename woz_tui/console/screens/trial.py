@@ -145,7 +145,8 @@ class OfferDialog(Choice):
         one = self.picture.study.questionnaire(self._asked)
         title = one.heading if one is not None else self._asked
         count = f"  {len(one.items)} items" if one is not None else ""
-        return [((clean(title), "strong"), (count, "muted"))]
+        back = "It covers this screen; ctrl+q brings the console back."
+        return [((clean(title), "strong"), (count, "muted")), ((back, "plain"),)]
 
     def choices(self) -> list[Content]:
         """Where to ask it."""

@@ -196,8 +196,8 @@ class Study:
             case m.TrialStarted():
                 missing = self.unticked() if self.last is None else []
                 if missing:
-                    listed = f"{len(missing)} not ticked in the preflight: {'; '.join(missing)}"
-                    self._tidings.append(Tiding(listed, "warn"))
+                    text = f"{len(missing)} not ticked in the preflight"
+                    self._tidings.append(Tiding(text, "warn", command=("preflight", "lists them")))
             case m.CueGiven():
                 self._cue = message
             case m.CueAnswered():

@@ -6,6 +6,9 @@ import msgspec
 
 from tests.console import scenes
 from tests.console.driving import sitting
+from woz_tui.console.glyphs import Frame
+from woz_tui.console.repairs import repair_row
+from woz_tui.console.state import ConsoleState
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core.views import ActionView, PanelView
@@ -100,3 +103,12 @@ async def test_an_interruption_from_the_reading_thread_reaches_the_screen() -> N
         assert not seat.console.keyboard.arrive("!")  # left to the screen, which offers it again
         await seat.press("!")
         assert seat.feed.last(r.AskAction) is not None
+
+
+def test_in_a_replay_there_are_labels_alone() -> None:
+    picture = ConsoleState()
+    replaying = r.Replaying(t=0, length_us=60_000_000, rate=1.0, paused=False)
+    picture.take([welcome(ALL), replaying], 0)
+    shown = "".join(text for text, _ in repair_row(picture, Frame(80, 1, scenes.NOW), {}))
+    assert "no key" not in shown
+    assert "repeat" in shown

@@ -89,6 +89,24 @@ async def test_a_command_of_the_console_keeps_its_name() -> None:
         assert "Food" in second
 
 
+async def test_a_word_that_is_nowhere_carries_out_no_command() -> None:
+    """`terrible` has the letters of `the robot's body`, scattered: enter would have opened it."""
+    first = guide()
+    repairs = [ActionView(name="repair interrupt", label="interrupt", verbs=["say"])]
+    settings = msgspec.structs.replace(first.settings, repairs=repairs)
+    async with sitting(msgspec.structs.replace(first, settings=settings)) as seat:
+        await opened(seat, "FindDialog")
+        for letters in ("ert", "trob", "obo", "rerup", "nte"):
+            await seat.type(letters)
+            names = [line[7:45].strip() for line in found(seat)]
+            assert not {"the robot's body", "repair: interrupt", "write a note"} & {*names}
+            await seat.press(*["backspace"] * len(letters))
+        for letters, name in (("bod", "body"), ("robot's", "body"), ("write no", "note")):
+            await seat.type(letters)
+            assert any(name in line for line in found(seat))
+            await seat.press(*["backspace"] * len(letters))
+
+
 async def test_a_repair_is_found_and_peeked_at_by_what_it_says() -> None:
     first = guide(msgspec.structs.replace(FILLED, actions={"repair yes": [says("Yes, indeed.")]}))
     view = ActionView(name="repair yes", label="yes", verbs=["say"])

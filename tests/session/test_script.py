@@ -181,13 +181,15 @@ def test_each_phase_has_its_own_script(tmp_path: Path) -> None:
 
 
 def test_how_a_line_ended_is_forgotten_when_a_phase_begins(tmp_path: Path) -> None:
-    phases = (Phase("opening", script=("Hello",)), Phase("day", script=("Welcome", "Fall")))
+    phases = (Phase("opening", script=("Welcome",)), Phase("day", script=("Hello", "Fall")))
 
     async def scenario(stage: Stage) -> None:
         session = stage.session
         session.send("say", {"text": "something long"}, "", KEY)
         await asyncio.sleep(0.1)
-        session.cancel(session.play("Welcome", KEY))  # before it began
+        run = session.play("Hello", KEY)
+        await asyncio.sleep(0.1)
+        session.cancel(run)  # before it began
         await asyncio.sleep(5)
         assert session.state.scripts["day"].halted
         session.phase("day", KEY)

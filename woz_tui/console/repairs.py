@@ -11,7 +11,7 @@ from woz_tui.core.views import ActionView
 
 
 def repair_row(picture: ConsoleState, frame: Frame, keys: Mapping[str, str]) -> Row:
-    """Each repair with its key; what is under way stands out."""
+    """Each repair with its key, in a replay alone; what is under way stands out."""
     found = [_repair(picture, frame, action, keys) for action in picture.settings.repairs]
     need = sum(map(length, found))
     apart = 3 if need + 3 * len(found) <= frame.width else 1
@@ -31,8 +31,10 @@ def _repair(
         mark, look = frame.glyphs.failed, "bad"
     else:
         mark, look = " ", "muted"
-    name: Piece = (key, "key") if key else ("no key", "faint")
-    return name, (f"{mark}{clean(action.label)}", look)
+    label: Piece = (f"{mark}{clean(action.label)}", look)
+    if picture.replay is not None:  # no key plays anything there
+        return (label,)
+    return (key, "key") if key else ("no key", "faint"), label
 
 
 class Repairs(Cells):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
@@ -44,14 +45,21 @@ def _rank(matcher: Matcher, typed: str, find: Find) -> tuple[int, float]:
     """How well it fits what is typed; 0: not at all.
 
     Whole pieces in what is said and in names come before letters of a name in their order, speech
-    before gaze and gesture; but the console's own commands keep their names.
+    before gaze and gesture; but the console's own commands keep their names. What is no action of
+    the experiment is found by beginnings of its words alone: enter must carry out no command that
+    merely has these letters somewhere.
     """
     pieces = typed.casefold().split()
+    if not find.acts:
+        for rank, text in ((5, find.name), (4, find.said), (0, find.search)):
+            if pieces and _begins_words(text, pieces):
+                return rank, 1.0 + named
+        return 0, 0.0
     named = typed.casefold() in find.name.casefold()
     said = all(piece in find.said.casefold() for piece in pieces)
     letters = matcher.match(find.name)
-    if named and (find.said or not find.acts):
-        return (6 if find.said else 5), letters
+    if named and find.said:
+        return 6, letters
     if said and find.said:
         return 4, letters
     if named:
@@ -59,6 +67,13 @@ def _rank(matcher: Matcher, typed: str, find: Find) -> tuple[int, float]:
     if letters:
         return (2 if find.said else 1), letters
     return 0, float(all(piece in find.search.casefold() for piece in pieces))
+
+
+def _begins_words(text: str, pieces: list[str]) -> bool:
+    """Whether each piece is where a word of the text begins."""
+    words = re.split(r"[\s\W_]+", text.casefold())
+    joined = text.casefold().split()
+    return all(any(word.startswith(piece) for word in (*words, *joined)) for piece in pieces)
 
 
 class FindDialog(Search[Find]):

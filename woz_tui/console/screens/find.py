@@ -51,10 +51,10 @@ def _rank(matcher: Matcher, typed: str, find: Find) -> tuple[int, float]:
     """
     pieces = typed.casefold().split()
     if not find.acts:
-        for rank, text in ((5, find.name), (4, find.said), (0, find.search)):
-            if pieces and _begins_words(text, pieces):
-                return rank, 1.0 + named
-        return 0, 0.0
+        texts = ((5, find.name), (4, find.said), (0, find.search))
+        rank = next((rank for rank, text in texts if _begins_words(text, pieces)), None)
+        whole = typed.casefold() in find.name.casefold()
+        return (0, 0.0) if rank is None else (rank, 1.0 + whole)
     named = typed.casefold() in find.name.casefold()
     said = all(piece in find.said.casefold() for piece in pieces)
     letters = matcher.match(find.name)

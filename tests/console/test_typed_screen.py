@@ -7,6 +7,7 @@ from msgspec.structs import replace
 from tests.console import scenes
 from tests.console.dialogs import SIZES, opened
 from tests.console.driving import Sitting, sitting
+from woz_tui.console.panels import arrange
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core.views import ActionView, PanelView
@@ -45,6 +46,28 @@ async def ending(seat: Sitting, dialog: str = "KeepTypedDialog") -> None:
     await seat.press("down", "down", "enter")
     await seat.until(lambda: type(seat.console.dialog).__name__ == dialog)
     await seat.settle()
+
+
+async def test_the_buttons_stay_where_they_are_when_a_sentence_is_typed() -> None:
+    """At every size, however many sentences there are; theirs are on this page or on a further."""
+    few = [PanelView(title=each.title, actions=each.actions[:4]) for each in scenes.panels()[:3]]
+    for shown in (few, scenes.panels(), scenes.many_panels(60)):
+        for width, height in [*SIZES, (90, 30), (120, 36)]:
+            for cells in ((width, height - 11), (width - 50, height - 6)):
+                before = arrange(shown, *cells, 3)
+                for count in (1, 2, 5, 40):
+                    actions = [
+                        ActionView(name=f"t{n}", label=f"Sentence {n}") for n in range(count)
+                    ]
+                    after = arrange([*shown, PanelView(title="Typed", actions=actions)], *cells, 3)
+                    own = after.slots[: len(before.slots)]
+                    assert (own, after.width) == (before.slots, before.width)
+                    added = after.slots[len(before.slots) :]
+                    assert [slot.action for slot in added if slot.action] == actions
+                    places = [(slot.page, slot.column, slot.row) for slot in after.slots]
+                    assert len({*places}) == len(places)
+                    assert all(row < cells[1] for *_, row in places)
+                    assert max(page for page, *_ in places) == after.pages - 1
 
 
 async def test_the_end_shows_what_comes_in_writes_it_and_ends() -> None:

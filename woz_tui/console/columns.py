@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rich.cells import cell_len
 
@@ -80,6 +80,31 @@ def plan(panels: Sequence[PanelView], width: int, height: int, cap: int) -> Plan
     if not candidates:  # no panels at all
         return Plan((), 1, 1, min(widest, width), 0, 0)
     return min(candidates, key=lambda candidate: candidate[0])[1]
+
+
+def behind(arranged: Plan, panel: PanelView, number: int, height: int) -> Plan:
+    """The same with one panel more, behind all others, of which none moves: in the column with the
+    most room on the last page, or else on a page of its own.
+    """
+    height, page = max(3, height), arranged.pages - 1
+    filled = dict.fromkeys(range(arranged.columns), 0)
+    for slot in arranged.slots:
+        if slot.page == page:
+            filled[slot.column] = max(filled[slot.column], slot.row + 1)
+    column = min(filled, key=lambda each: (filled[each], -each))
+    rest = height - filled[column] - 1 - len(panel.actions)
+    flow = _flow([panel], arranged.columns, height, 0, split=True)
+    if flow is None:  # never of one that may be split
+        return arranged
+    if rest >= 0:
+        row = filled[column] + (filled[column] > 0 and rest > 0)
+        moved = [replace(each, column=column, row=row + each.row) for each in flow.slots]
+    else:
+        page += 1
+        moved = flow.slots
+    slots = [replace(each, page=page + each.page, panel=number) for each in moved]
+    pages = page + (flow.pages if rest < 0 else 1)
+    return replace(arranged, slots=(*arranged.slots, *slots), pages=pages)
 
 
 def _balanced(

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from rich.cells import cell_len, set_cell_size
 
 from woz_tui.console.caps import Cap, caption
 from woz_tui.console.cells import Cells, Piece, Row, clean, cut, fit, fit_most
-from woz_tui.console.columns import GUTTER, Plan, Slot, plan
+from woz_tui.console.columns import GUTTER, Plan, Slot, behind, plan
 from woz_tui.console.figures import left
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.parts import Standing, State
 from woz_tui.console.sentence import quotation
 from woz_tui.console.state import ConsoleState
 from woz_tui.core.views import PanelView
+from woz_tui.session.typed import PANEL as TYPED
 
 #: Key caps are at least and at most this wide, with a blank at each side.
 CAP_LEAST, CAP_MOST = 3, 8
@@ -61,6 +62,17 @@ def cap_width(picture: ConsoleState, board: Board, glyphs: Glyphs) -> int:
         default=1,
     )
     return min(CAP_MOST, max(CAP_LEAST, longest + 2))
+
+
+def arrange(panels: Sequence[PanelView], width: int, height: int, cap: int) -> Plan:
+    """The best arrangement of the file's panels; the one of typed sentences comes and grows while
+    the wizard works, and nothing may move then.
+    """
+    own = panels[:-1] if panels and panels[-1].title == TYPED else panels
+    arranged = plan(own or panels, width, height, cap)
+    if own and len(own) < len(panels):
+        return behind(arranged, panels[-1], len(own), height)
+    return arranged
 
 
 def panel_rows(picture: ConsoleState, frame: Frame, arranged: Plan, board: Board) -> list[Row]:
@@ -193,7 +205,7 @@ class Panels(Cells):
         wanted = (picture.front, frame.width, frame.height, cap)
         if self._arranged is None or wanted != self._arranged_for:
             self._arranged_for = wanted
-            self._arranged = plan(picture.front, frame.width, frame.height, cap)
+            self._arranged = arrange(picture.front, frame.width, frame.height, cap)
         return self._arranged
 
     @property
@@ -209,7 +221,7 @@ class Panels(Cells):
         wanted = (picture.front, self.size.width, MOST, cap_width(picture, self.board, glyphs))
         if wanted != self._needed_for:
             self._needed_for = wanted
-            found = plan(picture.front, *wanted[1:])
+            found = arrange(picture.front, *wanted[1:])
             self._needed = 1 + max((slot.row for slot in found.slots), default=0)
         return self._needed
 

@@ -69,19 +69,13 @@ def _session(picture: ConsoleState, frame: Frame, room: int) -> list[Row]:
     time = elapsed(frame.now) if picture.welcomed else "--:--"
     title = clean(picture.title) or "woz"
     values = _values(picture, frame)
-    spare = room - len(time) - 3
+    badge = _badge(picture)
+    spare = room - len(time) - 3 - length(badge)
     if picture.study.counts:  # then who and what is worth more than the title
         spare -= sum(cell_len(value) + 3 for value in values[:3])
-        spare = max(spare, TITLE)
+        spare = max(spare, 1 if badge else TITLE)
     title = fit(title, min(cell_len(title), max(1, spare)), glyphs.ellipsis)
-    parts: list[Row] = []
-    if picture.role == "watcher":
-        word = " NOBODY PLAYS " if picture.nobody_plays else " WATCHING "
-        parts.append(((word, "alarm-soft"),))
-    elif picture.replay is not None:
-        told = picture.settings.replay
-        coder = f"CODER {told.coder}" if told and told.coder else "REPLAY"
-        parts.append(((f" {coder} ", "fill"),))
+    parts = [badge] if badge else []
     parts.append(((f" {title}  ", "strong"), (time, "plain")))
     for value in values:
         look = "warn" if value.startswith("no ") else "plain"
@@ -89,6 +83,17 @@ def _session(picture: ConsoleState, frame: Frame, room: int) -> list[Row]:
             look = "wait"
         parts.append(((f" {glyphs.middle} ", "faint"), (value, look)))
     return parts
+
+
+def _badge(picture: ConsoleState) -> Row:
+    """What this console is, if it does not play."""
+    if picture.role == "watcher":
+        return ((" NOBODY PLAYS " if picture.nobody_plays else " WATCHING ", "alarm-soft"),)
+    if picture.replay is not None:
+        told = picture.settings.replay
+        coder = f"CODER {told.coder}" if told and told.coder else "REPLAY"
+        return ((f" {coder} ", "fill"),)
+    return ()
 
 
 def _values(picture: ConsoleState, frame: Frame) -> list[str]:

@@ -73,6 +73,12 @@ def name_after(log: Path, participant: str) -> None:
         path.rename(target)
 
 
+def gets_participant(log: str) -> bool:
+    """Whether `name_after` would put a participant into this name."""
+    found = _STEM.fullmatch(Path(log).stem)
+    return found is not None and not found["participant"]
+
+
 def present(log: Path) -> Path:
     """The log as it is called now: see `name_after`."""
     start, _, rest = log.name.partition("_")

@@ -11,6 +11,7 @@ from woz_tui.console.screens.choice import Choice
 from woz_tui.console.screens.trial import OfferDialog, progress
 from woz_tui.console.screens.typed import KeepTypedDialog, has_typed
 from woz_tui.console.study.picture import Study
+from woz_tui.record.names import gets_participant
 
 
 class LeaveDialog(Choice):
@@ -23,7 +24,11 @@ class LeaveDialog(Choice):
         """Where the log is, and what would be cut off."""
         warning = self.glyphs.warning
         cut: list[Row] = [((f"{warning} {told}", "warn"),) for told in cut_off(self.picture.study)]
-        return [(("log: ", "muted"), (self.picture.log or "none", "plain")), *cut]
+        log = self.picture.log
+        rows: list[Row] = [(("log: ", "muted"), (log or "none", "plain"))]
+        if gets_participant(log):
+            rows.append((("its name gets the participant's code at the end", "muted"),))
+        return [*rows, *cut]
 
     def choices(self) -> Sequence[Content]:
         """Stay, leave it running, end it."""

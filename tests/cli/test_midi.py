@@ -70,7 +70,7 @@ def test_learn_ends_with_q_or_the_cable(tmp_path: Path, panel: MidiPanelFake) ->
     with learn(file, panel.port) as terminal:
         terminal.wait_text("[1/")
         panel.unplug()
-        terminal.wait_text("the panel is gone")
+        terminal.wait_text("the panel is disconnected")
         assert terminal.wait_exit() == 1
     assert not file.exists()
     panel.plug()

@@ -39,9 +39,11 @@ async def test_a_late_watcher_sees_it_too() -> None:
 async def test_a_watcher_sees_the_trial_with_its_time_on_a_small_screen() -> None:
     """The title makes room: who watches over several sessions needs the trial."""
     there = m.ConsoleAttached(console="console2", role="wizard", t=NOW)
-    study = {"study": {"design": {"kind": "latin-square", "within": True, "trials": 1}}}
+    study: dict[str, m.Json] = {"design": {"kind": "latin-square", "within": True, "trials": 1}}
     begun = m.TrialStarted(trial=1, t=NOW - 316 * scenes.SECOND)
-    first = scenes.welcome(state=[*scenes.healthy(), there, begun], role="watcher", settings=study)
+    first = scenes.welcome(
+        state=[*scenes.healthy(), there, begun], role="watcher", settings={"study": study}
+    )
     async with sitting(first, size=(80, 24)) as seat:
         top = seat.text("Status").splitlines()[0]
         assert "WATCHING" in top

@@ -69,11 +69,11 @@ def _session(picture: ConsoleState, frame: Frame, room: int) -> list[Row]:
     time = elapsed(frame.now) if picture.welcomed else "--:--"
     title = clean(picture.title) or "woz"
     values = _values(picture, frame)
-    badge = _badge(picture)
-    spare = room - len(time) - 3 - length(badge)
+    badge, watches = _badge(picture), picture.role == "watcher"
+    spare = room - len(time) - 3 - (length(badge) if watches else 0)
     if picture.study.counts:  # then who and what is worth more than the title
         spare -= sum(cell_len(value) + 3 for value in values[:3])
-        spare = max(spare, 1 if badge else TITLE)
+        spare = max(spare, 1 if watches else TITLE)
     title = fit(title, min(cell_len(title), max(1, spare)), glyphs.ellipsis)
     parts = [badge] if badge else []
     parts.append(((f" {title}  ", "strong"), (time, "plain")))

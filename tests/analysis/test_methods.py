@@ -47,7 +47,8 @@ def test_a_study_in_sentences(tmp_path: Path) -> None:
         "Of 5 wizard actions, 0 (0.0 %) were marked as mistakes. "
         "Of 6 cues that needed an answer, the wizard answered 5 within 10 s (83.3 %). "
         "The reaction time was 3 s in the median (95 % quantile 4.8 s, longest 5 s). "
-        "The time from the request of a wizard action to its start in the robot was 1.0 ms in the "
+        "The time from the request of a wizard action to its start in the robot, the "
+        "wait behind an earlier act included, was 1.0 ms in the "
         "median (95 % quantile 1.0 ms, longest 1.0 ms), over 5 wizard actions. "
         "No line was lost from the logs."
     )

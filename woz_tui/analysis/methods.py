@@ -281,7 +281,8 @@ def _performance(facts: Facts) -> Iterator[str]:
     yield from _reacted(facts)
     if facts.press.n:
         yield (
-            f"The time from the request of a wizard action to its start in the robot was"
+            "The time from the request of a wizard action to its start in the robot, the wait"
+            " behind an earlier act included, was"
             f" {_spread(facts.press, _fine, 'ms')}, over {some(facts.press.n, 'wizard action')}."
         )
     if facts.stops:

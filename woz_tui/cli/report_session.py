@@ -238,7 +238,7 @@ def _reaction_bars(page: Page, figures: SessionFigures) -> Block:
 def _press_bars(page: Page, part: Part) -> Block:
     if not part.press:
         return []
-    return [bold("Key to robot"), *latency_bars(part.press, page.half, page.signs)]
+    return [bold("Key to robot, waits included"), *latency_bars(part.press, page.half, page.signs)]
 
 
 def _states(part: Part) -> Block:

@@ -49,7 +49,9 @@ def test_what_is_proposed_keeps_the_options(
 ) -> None:
     assert attach.chosen(arguments(*words)) is None
     told = capsys.readouterr().err
-    assert sorted(told.splitlines()[1:]) == [f"  woz attach S0{n}{options}" for n in (1, 2)]
+    proposed = [line.partition("   # for ") for line in sorted(told.splitlines()[1:])]
+    assert [line for line, _, _ in proposed] == [f"  woz attach S0{n}{options}" for n in (1, 2)]
+    assert all(age.endswith(" min") for _, _, age in proposed), "how long it has been running"
 
 
 def test_a_session_behind_the_option_is_the_session(sessions: list[Path]) -> None:

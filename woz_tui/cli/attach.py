@@ -96,7 +96,10 @@ def _find(name: str, options: str) -> Path | None:
     if not name and len(running) == 1:
         return running[0]
     if running:
-        names = "\n".join(f"  woz attach {path.stem}{options}" for path in running)
+        names = "\n".join(
+            f"  woz attach {path.stem}{options}   # for {place.age_s(path) // 60:.0f} min"
+            for path in running
+        )
         print(f"woz: which session?\n{names}", file=sys.stderr)
     elif not name:
         print("woz: no session is running; start one with `woz run FILE`", file=sys.stderr)

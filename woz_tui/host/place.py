@@ -91,6 +91,11 @@ def running() -> list[Path]:
     return [path for _, path in sorted(living, reverse=True)]
 
 
+def age_s(path: Path) -> float:
+    """Seconds since the session at this socket began."""
+    return max(0.0, time.time() - _made(path))
+
+
 def _made(path: Path) -> float:
     """When the file was made; long ago, if it has gone meanwhile."""
     try:

@@ -333,7 +333,7 @@ async def test_a_name_that_is_taken_keeps_the_dialog_open_with_the_reason() -> N
         )
         await seat.press(*HAND, "v", "enter")
         assert isinstance(seat.console.dialog, VisitorDialog)
-        assert "v12 is somebody else take another code" in seat.drawn()
+        assert "v12 is somebody else: take another code" in seat.drawn()
 
 
 async def test_a_handshake_without_a_name_asks_for_one() -> None:

@@ -114,9 +114,11 @@ async def test_whatever_the_body_says_goals_stay_in_range_and_under_speed(tmp_pa
             names = dice.sample(["pan", "tilt", "roll", "nose"], dice.randint(0, 4))
             say(it, {n: dice.choice([*nonsense, dice.uniform(-200, 200)]) for n in names})
             await it.ticks(dice.randint(0, 2))
+        while len(it.bus.goals(11)) <= 10:  # a busy machine leaves ticks out
+            say(it, {"pan": dice.uniform(-200, 200)})
+            await it.ticks(1)
         for number, low, high in ((11, -90, 90), (12, -40, 30), (13, -45, 45)):
             goals = it.bus.goals(number)
-            assert len(goals) > 10 or number != 11
             assert all(raw(low) <= goal <= raw(high) for goal in goals)
             assert steps(goals) <= most(SPEED)
 

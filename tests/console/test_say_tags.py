@@ -78,7 +78,7 @@ async def test_the_caret_decides_and_not_the_end() -> None:
 async def test_an_unknown_tag_is_told_and_tab_leaves_it() -> None:
     async with saying(pepper.welcome()) as seat:
         await type_in(seat, "\\xyz")
-        assert "no tag that this robot tells of" in seat.drawn()
+        assert "not a tag of this robot" in seat.drawn()
         await seat.press("tab")
         assert entry(seat).value == "\\xyz"
 

@@ -140,7 +140,7 @@ async def test_the_stop_closes_it_and_its_field() -> None:
 async def test_a_session_without_such_a_robot_says_so() -> None:
     async with sitting() as seat:
         await seat.press("@", "down", "right", "enter", "tab")
-        assert "No robot of this session tells of settings." in seat.drawn()
+        assert "No robot of this session has settings to show." in seat.drawn()
 
 
 async def test_the_swatch_has_the_colour_and_its_text() -> None:

@@ -201,7 +201,7 @@ def table_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[
     names = [name for name in ORDER if name in known]
     names += sorted(name for name in known if name not in ORDER)
     if not names:
-        return [(("the body has not told its values yet", "muted"),)]
+        return [(("no values from the body yet", "muted"),)]
     lines = max(1, min(height, len(names)))
     columns = [names[start : start + lines] for start in range(0, len(names), lines)]
     titles = {name: TITLES.get(name, name.replace("_", " ")) for name in names}

@@ -78,7 +78,7 @@ def typed_value(setting: Setting, typed: str) -> Json:
     try:
         value = float(bare)
     except ValueError:
-        raise WrongValue(f"{typed!r} is no number; type {_range(setting)}.") from None
+        raise WrongValue(f"{typed!r} is not a number; type {_range(setting)}.") from None
     if not setting.low <= value <= setting.high:  # NaN is not, either
         raise WrongValue(f"{bare} is out of range; type {_range(setting)}.")
     return _whole(setting, value)

@@ -64,7 +64,7 @@ class EngagementDialog(Drawing):
         if self.picture.perception.hides("engagement"):
             return "In this experiment the engagement model is kept from you."
         if ENGAGEMENT in self.picture.verbs:
-            return "The engagement model has not said anything yet."
+            return "Nothing has come from the engagement model yet."
         return (
             "This session has no engagement model.\n"
             "An experiment gets one by a section in its file:\n"

@@ -9,7 +9,7 @@ from woz_tui.console.screens.dialog import Report
 
 KEY = 8
 #: How key caps are read; an arrow or a letter follows.
-_SIGNS = "^ is ctrl, A- alt, S- shift; * stands in for the file's own key."
+_SIGNS = "^ is ctrl, A- alt, S- shift; * is a substitute for the file's key."
 
 
 class HelpDialog(Report):

@@ -44,7 +44,7 @@ class LostDialog(Choice):
             ((f"{self.glyphs.error} {picture.lost}", "bad"),),
             (("No key reaches the robot from here until it is back, not even the stop.", "plain"),),
             (("Everything up to this moment is in the log:", "plain"),),
-            ((_log(picture.log) or "(no log was announced)", "strong"),),
+            ((_log(picture.log) or "(the log is not known)", "strong"),),
         ]
 
     def choices(self) -> Sequence[Content]:

@@ -114,8 +114,8 @@ class RobotDialog(Drawing):
     def nothing(self) -> str:
         """What stands there in a session without such a robot."""
         return (
-            "No robot of this session tells of settings.\n"
-            "A robot whose driver does is Pepper; see docs/pepper.md:\n"
+            "No robot of this session has settings to show.\n"
+            "A Pepper has; see docs/pepper.md:\n"
             "  pepper: {type: pepper, robots: [ADDRESS]}"
         )
 

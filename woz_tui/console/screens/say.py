@@ -140,7 +140,7 @@ class SayDialog(Entry):
         ]
         if len(offered) > TAGS:
             rows.append(((f"  {self.glyphs.ellipsis} {len(offered) - TAGS} more", "muted"),))
-        self._show(rows or [(("  no tag that this robot tells of", "muted"),)])
+        self._show(rows or [(("  not a tag of this robot", "muted"),)])
 
     def _show_utterances(self, typed: str) -> None:
         folded = typed.casefold().strip()

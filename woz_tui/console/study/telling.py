@@ -66,8 +66,8 @@ def _checked(told: m.PreflightChecked) -> Line | None:
     if told.source == "robot":
         return None
     if told.level == "ok":
-        return Line("done", f"Seen to: {told.check}", told.detail)
-    return Line("warning", f"Not seen to: {told.check}", told.detail)
+        return Line("done", f"Ticked: {told.check}", told.detail)
+    return Line("warning", f"Not ticked: {told.check}", told.detail)
 
 
 def _asks(told: m.QuestionnaireStarted) -> Line:

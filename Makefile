@@ -30,10 +30,10 @@ check: $(DEV)  ## lint, format, types, import rules
 	@$(BIN)/lint-imports
 
 screenshots: $(DEV)  ## draw the pictures of the documentation again
-	@$(BIN)/python docs/screenshots.py
-	@$(BIN)/python -m docs.film
-	@$(BIN)/python -m docs.report_picture
-	@$(BIN)/python -m docs.pepper_pictures
+	@$(BIN)/python -m tools.screenshots
+	@$(BIN)/python -m tools.film
+	@$(BIN)/python -m tools.report_picture
+	@$(BIN)/python -m tools.pepper_pictures
 
 bench: $(DEV)  ## measure what benchmarks/ measures
 	@for file in benchmarks/[a-z]*.py; do \

@@ -30,8 +30,8 @@ from itertools import chain, combinations
 from pathlib import Path
 
 from benchmarks.figures import machine, percentile, table, verdict
-from docs import demo_session
 from tests.console.driving import Sitting, sitting
+from tools import demo_session
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.panels import Panels
 from woz_tui.console.screens.find import FindDialog

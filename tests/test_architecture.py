@@ -15,7 +15,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 SOURCES = sorted(
     path
-    for folder in ("woz_tui", "drivers", "tests", "benchmarks", ".ci", "docs")
+    for folder in ("woz_tui", "drivers", "tests", "benchmarks", ".ci", "tools")
     for path in (ROOT / folder).rglob("*.py")
 )
 ROOMS = [

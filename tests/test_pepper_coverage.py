@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from docs import pepper_coverage as coverage
+from tools import pepper_coverage as coverage
 
 BOTH = pytest.mark.parametrize("table", coverage.TABLES)
 
@@ -21,4 +21,4 @@ def test_marks_name_rows_that_there_are(table: str) -> None:
 
 def test_the_page_is_fresh() -> None:
     written = coverage.PAGE.read_text(encoding="utf-8")
-    assert written == coverage.page(written), "run `python -m docs.pepper_coverage`"
+    assert written == coverage.page(written), "run `python -m tools.pepper_coverage`"

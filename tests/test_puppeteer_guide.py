@@ -17,9 +17,9 @@ from woz_tui.experiment.robot import load_robot
 ROOT = Path(__file__).parents[1]
 GUIDES = {
     name: (ROOT / "docs" / name).read_text(encoding="utf-8")
-    for name in ("puppeteer.md", "render.md")
+    for name in ("tutorials/puppeteer.md", "how-to/render.md")
 }
-GUIDE = GUIDES["puppeteer.md"]
+GUIDE = GUIDES["tutorials/puppeteer.md"]
 BLOCKS = re.findall(r"```yaml\n(.*?)```", GUIDE, re.DOTALL)
 COMMANDS = [
     line.partition("#")[0].partition(">")[0].strip()

@@ -1,6 +1,6 @@
 """The session in recordings/: whole, of today's demo, good for all the README does with it.
 
-After a wanted change of the demo or of the log, `python -m docs.sample_session` records it anew.
+After a wanted change of the demo or of the log, `python -m tools.sample_session` records it anew.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from docs.sample_session import DEMO, SAMPLE
+from tools.sample_session import DEMO, SAMPLE
 from woz_tui import cli
 from woz_tui.core import messages as m
 from woz_tui.experiment.decode import load
@@ -37,7 +37,7 @@ def test_it_is_a_session_of_the_present_demo() -> None:
     assert isinstance(start, m.SessionStart)
     assert start.schema == m.SCHEMA
     assert start.experiment_sha256 == load(DEMO, installed()).sha256, (
-        "record it anew: python -m docs.sample_session"
+        "record it anew: python -m tools.sample_session"
     )
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from docs import marked
-from docs import toolkit_coverage as coverage
+from tools import marked_tests as marked
+from tools import toolkit_coverage as coverage
 
 
 def test_every_statement_is_shown_by_a_test() -> None:
@@ -22,7 +22,7 @@ def test_marks_name_statements_that_there_are() -> None:
 
 def test_the_page_is_fresh() -> None:
     written = coverage.PAGE.read_text(encoding="utf-8")
-    assert written == coverage.page(), "run `python -m docs.toolkit_coverage`"
+    assert written == coverage.page(), "run `python -m tools.toolkit_coverage`"
 
 
 @pytest.mark.parametrize(

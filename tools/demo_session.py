@@ -19,6 +19,7 @@ from woz_drivers.simulated.settings import Settings
 
 from tests.drivers.body.rig import SteppedBody
 from tests.fakes.virtual_time import LoopClock, run_virtual
+from tools import EXPERIMENTS
 from woz_tui.core import messages as m
 from woz_tui.core import wire
 from woz_tui.core.clock import RealClock
@@ -31,7 +32,6 @@ from woz_tui.session.identity import AskError, Identity
 from woz_tui.session.runner import Origin
 from woz_tui.session.session import Session
 
-EXPERIMENTS = Path(__file__).parent.parent / "experiments"
 LOG = "recordings/2026-03-01T10-00-00_P07_S01.jsonl"
 KEY = Origin("key", "", "con1")
 #: How far the log lags behind in the picture; the real figure depends on the disk.

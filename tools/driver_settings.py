@@ -1,6 +1,6 @@
 """The tables of settings in the drivers' pages, out of the settings' annotations.
 
-`python -m docs.driver_settings` writes them anew.
+`python -m tools.driver_settings` writes them anew.
 """
 
 from __future__ import annotations
@@ -11,11 +11,12 @@ import typing
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from tools import ROOT
 from woz_tui.core import fields
 from woz_tui.experiment.settings import Field, fields_of, note, split
 from woz_tui.plugins import installed
 
-DRIVERS = Path(__file__).parents[1] / "drivers" / "woz_drivers"
+DRIVERS = ROOT / "drivers" / "woz_drivers"
 _TABLE = re.compile(r"^\| setting \|.*?\n(?!\|)", re.M | re.S)
 _HEAD = "| setting | default | |\n|---|---|---|\n"
 

@@ -1,6 +1,6 @@
 """Draws the states of a conversation from the table that the program runs on:
-`python -m docs.engagement_diagram` writes `images/engagement-states.svg` and the table of edges in
-`engagement.md`. A test keeps both fresh.
+`python -m tools.engagement_diagram` writes `docs/images/engagement-states.svg` and the
+table of edges in `docs/explanation/engagement.md`. A test keeps both fresh.
 """
 
 from __future__ import annotations
@@ -9,14 +9,13 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from html import escape
-from pathlib import Path
 
+from tools import DOCS, IMAGES
 from woz_tui.console.look import DARK
 from woz_tui.sensing.machine import EDGES, ENGAGED, Edge, State
 
-HERE = Path(__file__).parent
-PICTURE = HERE / "images" / "engagement-states.svg"
-PAGE = HERE / "engagement.md"
+PICTURE = IMAGES / "engagement-states.svg"
+PAGE = DOCS / "explanation" / "engagement.md"
 BEGIN, END = "<!-- edges: begin -->", "<!-- edges: end -->"
 
 WIDTH, HEIGHT = 1280, 600
@@ -150,8 +149,8 @@ def arrows() -> Iterator[Arrow]:
     for (source, target), edges in pairs.items():
         begin, end = PLACES[source], PLACES[target]
         if all(edge.unnamed for edge in edges):
-            right, way = LEAVES[source]
-            x, y = begin[0] + right, begin[1] + way * (HALF_HIGH + 2)
+            beside, way = LEAVES[source]
+            x, y = begin[0] + beside, begin[1] + way * (HALF_HIGH + 2)
             yield Arrow(tuple(edges), (x, y), (x, y + way * SHORT))
             continue
         across, down = end[0] - begin[0], end[1] - begin[1]
@@ -280,8 +279,7 @@ def svg() -> str:
 def main() -> None:
     """Write both."""
     PICTURE.write_text(svg(), encoding="utf-8")
-    if PAGE.exists():
-        PAGE.write_text(page(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+    PAGE.write_text(page(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
 
 
 if __name__ == "__main__":

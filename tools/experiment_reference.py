@@ -1,6 +1,6 @@
 """The reference page of the experiment file, out of the schema that is made from the code.
 
-`python -m docs.experiment_reference` writes `experiment-file.md` anew. Examples are what the
+`python -m tools.experiment_reference` writes `experiment-file.md` anew. Examples are what the
 experiments that come with woz-tui say, and else those in `EXAMPLES`.
 """
 
@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import yaml
 
+from tools import DOCS, EXPERIMENTS
 from woz_tui.experiment.actions import ACTION_FIELDS
 from woz_tui.experiment.effects import ENTERED
 from woz_tui.experiment.engagement import SIGNS
@@ -20,15 +20,14 @@ from woz_tui.experiment.schema import experiment_schema
 from woz_tui.experiment.verbs import WAIT, session_verbs
 from woz_tui.plugins import installed
 
-PAGE = Path(__file__).with_name("experiment-file.md")
-EXPERIMENTS = Path(__file__).parents[1] / "experiments"
+PAGE = DOCS / "reference" / "experiment-file.md"
 #: Whose examples come first: what is read most.
 FIRST = ("interview.yaml", "study.yaml", "demo.yaml", "guide.yaml")
 
 HEAD = """\
 # The experiment file
 
-*Made from the code by `python -m docs.experiment_reference`. `woz schema` gives the same to
+*Made from the code by `python -m tools.experiment_reference`. `woz schema` gives the same to
 editors.*
 
 What becomes of a small file:

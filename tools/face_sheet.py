@@ -1,4 +1,4 @@
-"""Draws every face as a sheet: `python -m docs.face_sheet` writes `docs/images/faces.svg`.
+"""Draws every face as a sheet: `python -m tools.face_sheet` writes `docs/images/faces.svg`.
 
 Rows are emotions, columns are how strong they are, where the eyes look and how far they are open;
 below are stills of the breakdown.
@@ -7,14 +7,14 @@ below are stills of the breakdown.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
+from tools import IMAGES
 from woz_tui.motion.face import FaceState, draw
 from woz_tui.motion.frames import Frame
 from woz_tui.motion.inputs import EMOTIONS
 from woz_tui.motion.shapes import FaceShape
 
-SHEET = Path(__file__).parent / "images" / "faces.svg"
+SHEET = IMAGES / "faces.svg"
 SHAPE = FaceShape()
 
 #: What differs between the columns: their heading, intensity, gaze x and y, lid.

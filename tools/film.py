@@ -1,4 +1,4 @@
-"""Draws animated pictures of the console and its robots: `python -m docs.film [folder]`.
+"""Draws animated pictures of the console and its robots: `python -m tools.film [folder]`.
 
 Sessions are played in virtual time; what the console's body pane or its whole screen would show is
 drawn six times a second from the very same cells: dots as dots, half blocks as lights, text as
@@ -19,8 +19,9 @@ from pathlib import Path
 
 from rich.segment import Segment
 
-from docs.demo_session import INTERVIEW, TALKING, WARM, Step, demo, play, space, welcome
 from tests.console.driving import sitting
+from tools import IMAGES
+from tools.demo_session import INTERVIEW, TALKING, WARM, Step, demo, play, space, welcome
 from woz_tui.console.bodies.pane import pane_rows
 from woz_tui.console.cells import Row
 from woz_tui.console.glyphs import Frame
@@ -31,7 +32,6 @@ from woz_tui.core.requests import Welcome
 from woz_tui.session.identity import Identity
 from woz_tui.session.session import Session
 
-FOLDER = Path(__file__).parent / "images"
 #: A cell in the picture's units, and what is left free around them.
 WIDE, HIGH, EDGE = 8, 16, 12
 #: Cells of the pane, as on a roomy screen.
@@ -310,7 +310,7 @@ def svg(film: Film, shown: Sequence[Sequence[Row]]) -> str:
 
 def main() -> None:
     """Draw all films, or those named after the folder."""
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else IMAGES
     folder.mkdir(parents=True, exist_ok=True)
     wanted = set(sys.argv[2:])
     for film in FILMS:

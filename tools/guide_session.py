@@ -1,7 +1,7 @@
 """The guide alone with its visitors, twice: does the same happen?
 
-`python -m docs.guide_session [minutes]` plays experiments/guide.yaml in two robot processes side by
-side, without a console, and compares the states that each log has; ten minutes if nothing is said.
+`python -m tools.guide_session [minutes]` plays experiments/guide.yaml in two robot processes side
+by side, without a console, and compares the states that each log has; ten minutes by default.
 `played` gives a session in virtual time, at once.
 """
 
@@ -18,8 +18,9 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from docs.demo_session import EXPERIMENTS, catalogue
 from tests.fakes.virtual_time import LoopClock, run_virtual
+from tools import EXPERIMENTS
+from tools.demo_session import catalogue
 from woz_tui.core import messages as m
 from woz_tui.core.clock import RealClock
 from woz_tui.experiment.decode import load

@@ -1,6 +1,6 @@
-"""What every field of a log means, and the tables of it in docs/session-log.md.
+"""What every field of a log means, and the tables of it in docs/reference/session-log.md.
 
-    python -m woz_tui.record.reference docs/session-log.md
+    python -m tools.log_reference docs/reference/session-log.md
 
 writes the tables anew; a test keeps them fresh.
 """
@@ -14,9 +14,10 @@ from typing import Any, get_args
 
 import msgspec
 
+from tools import replaced
 from woz_tui.core.messages import AnyMessage, Message
 
-BEGIN = "<!-- tables: begin (python -m woz_tui.record.reference docs/session-log.md) -->"
+BEGIN = "<!-- tables: begin (python -m tools.log_reference docs/reference/session-log.md) -->"
 END = "<!-- tables: end -->"
 
 #: Unit (empty: none) and meaning of every field, by name: one name means one thing everywhere.
@@ -263,15 +264,6 @@ def json_type(annotation: Any) -> str:
 def refreshed(page: str) -> str:
     """`page` with the tables between its two marks as they are today."""
     return replaced(page, BEGIN, END, tables())
-
-
-def replaced(page: str, begin: str, end: str, text: str) -> str:
-    """`page` with `text` between two marks. Raises `ValueError` if it lacks them."""
-    before, _, rest = page.partition(begin)
-    _, found, after = rest.partition(end)
-    if not found:
-        raise ValueError("the page has no marks for the begin and end of the tables")
-    return f"{before}{begin}\n\n{text}\n\n{end}{after}"
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOT = Path(__file__).parents[1]
+from tools import ROOT
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -39,7 +39,7 @@ def cell(files: dict[str, list[str]]) -> str:
     """A statement's tests in one cell of a table of a page in `docs`."""
     if not files:
         return "**none**"
-    return "<br>".join(f"[{Path(f).stem}](../{f}): {_words(each)}" for f, each in files.items())
+    return "<br>".join(f"[{Path(f).stem}](../../{f}): {_words(each)}" for f, each in files.items())
 
 
 def _words(tests: list[str]) -> str:

@@ -1,5 +1,6 @@
 """Which test shows which call of NAOqi and which key of a WoZ4U file, and the robot's settings: the
-tables of `docs/pepper.md`, written by `python -m docs.pepper_coverage`; a test keeps them fresh.
+tables of `docs/how-to/pepper.md`, written by `python -m tools.pepper_coverage`; a test keeps them
+fresh.
 
 Tests bear `@pytest.mark.naoqi("ALMotion.moveTo")` and `@pytest.mark.woz4u("pepper_ips")`.
 """
@@ -7,13 +8,13 @@ Tests bear `@pytest.mark.naoqi("ALMotion.moveTo")` and `@pytest.mark.woz4u("pepp
 from __future__ import annotations
 
 from collections import Counter
-from pathlib import Path
 
 from woz_drivers.pepper.robot_settings import SETTINGS, RobotSetting
 
-from docs import marked
+from tools import DOCS
+from tools import marked_tests as marked
 
-PAGE = Path(__file__).parent / "pepper.md"
+PAGE = DOCS / "how-to" / "pepper.md"
 BEGIN, END = "<!-- {}: begin -->", "<!-- {}: end -->"
 
 

@@ -1,4 +1,4 @@
-"""Draws the console with a simulated Pepper: `python -m docs.pepper_pictures [folder]`.
+"""Draws the console with a simulated Pepper: `python -m tools.pepper_pictures [folder]`.
 
 A real session, played in real time: a robot process, a robot behind NAOqi's protocol, a wizard who
 sends what keys would send. What a console is told that attaches after twenty seconds is drawn. The
@@ -19,12 +19,13 @@ from typing import Any
 
 import msgspec
 
-from docs.screenshots import FOLDER, Shot, shoot
 from tests.console.scripted import ScriptedFeed
+from tools import EXPERIMENTS, IMAGES
+from tools.screenshots import Shot, shoot
 from woz_tui.cli.launch import Launch
 from woz_tui.core.requests import Welcome
 
-EXPERIMENT = Path(__file__).parents[1] / "experiments" / "pepper.yaml"
+EXPERIMENT = EXPERIMENTS / "pepper.yaml"
 #: Seconds from the beginning, and what the wizard asks for then.
 COURSE: tuple[tuple[float, dict[str, Any]], ...] = (
     (5.0, {"kind": "script", "play": True}),  # wake up, once it is connected
@@ -82,7 +83,7 @@ def _say(client: socket.socket, request: dict[str, Any]) -> None:
 
 def main() -> None:
     """Play once, draw all."""
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else IMAGES
     folder.mkdir(parents=True, exist_ok=True)
     first = msgspec.structs.replace(told(), role="wizard", log="recordings/S01.jsonl")
     for name, width, height, keys in SHOTS:

@@ -1,6 +1,6 @@
-"""The lists of docs/export.md, written from the code.
+"""The lists of docs/how-to/export.md, written from the code.
 
-    python -m woz_tui.export.guide docs/export.md
+    python -m tools.redaction_lists docs/how-to/export.md
 
 writes them anew; a test keeps them fresh.
 """
@@ -11,8 +11,8 @@ import sys
 from collections.abc import Collection, Mapping
 from pathlib import Path
 
+from tools import replaced
 from woz_tui.export import redaction
-from woz_tui.record.reference import replaced
 
 
 def kept() -> str:
@@ -41,7 +41,7 @@ def _words(kind: str, fields: Mapping[str, Collection[str]]) -> str:
     return f"A lone word or a colour, in {kind}: " + ", ".join(names) + "."
 
 
-BEGIN = "<!-- kept: begin (python -m woz_tui.export.guide docs/export.md) -->"
+BEGIN = "<!-- kept: begin (python -m tools.redaction_lists docs/how-to/export.md) -->"
 END = "<!-- kept: end -->"
 
 

@@ -1,4 +1,4 @@
-"""Draws the picture of the HTML report: `python -m docs.report_picture [file]`.
+"""Draws the picture of the HTML report: `python -m tools.report_picture [file]`.
 
 A browser without a window opens the report of the sample session in recordings/. Needs the programs
 chromium and chromedriver.
@@ -15,14 +15,15 @@ from pathlib import Path
 
 from PIL import Image
 
-from docs.sample_session import SAMPLE
 from tests.analysis.html.browser import Page, browser
+from tools import IMAGES
+from tools.sample_session import SAMPLE
 from woz_tui.analysis.html.items import rows
 from woz_tui.analysis.html.page import write
 from woz_tui.analysis.report import Report
 from woz_tui.analysis.session import Wanted, examine
 
-FILE = Path(__file__).parent / "images" / "report.png"
+FILE = IMAGES / "report.png"
 WIDTH, HEIGHT = 1280, 960
 #: The action that is pointed at.
 SHOWN = "Welcome"

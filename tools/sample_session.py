@@ -1,6 +1,6 @@
 """A minute of the demo, played by a wizard's program, in real time: the sample in recordings/.
 
-`python -m docs.sample_session` records it anew: a real robot process with its simulated robot and
+`python -m tools.sample_session` records it anew: a real robot process with its simulated robot and
 visitor, a real socket, a real log.
 """
 
@@ -19,9 +19,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-ROOT = Path(__file__).parent.parent
+from tools import EXPERIMENTS, ROOT
+
 SAMPLE = ROOT / "recordings" / "sample.jsonl"
-DEMO = ROOT / "experiments" / "demo.yaml"
+DEMO = EXPERIMENTS / "demo.yaml"
 #: How long the robot process may take to begin, and to end, in seconds.
 BEGINS_S, ENDS_S = 20.0, 30.0
 
@@ -84,7 +85,7 @@ def record(folder: Path) -> Path:
     finally:
         if process.poll() is None:
             process.send_signal(signal.SIGTERM)
-    return folder / said["log"]
+    return folder / str(said["log"])
 
 
 def _play(path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Draws the console's pictures for the documentation: `python -m docs.screenshots [folder]`.
+"""Draws the console's pictures for the documentation: `python -m tools.screenshots [folder]`.
 
 The real app runs without a terminal. What it shows comes from the demo experiment, played in
 virtual time (`demo_session`), or from a scene where the picture needs what the demo does not have:
@@ -15,9 +15,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from docs import demo_session
 from tests.console import bodies, scenes, studied
 from tests.console.scripted import ScriptedFeed
+from tools import IMAGES, demo_session
 from woz_tui.console.app import Console
 from woz_tui.console.feed import Feed
 from woz_tui.console.glyphs import ASCII, UNICODE
@@ -34,8 +34,6 @@ from woz_tui.replay.opened import IndexedSamples
 from woz_tui.replay.player import Player, Start
 from woz_tui.replay.reel import Reel
 from woz_tui.session.session import Session
-
-FOLDER = Path(__file__).parent / "images"
 
 
 @dataclass(frozen=True)
@@ -233,7 +231,7 @@ async def shoot(shot: Shot, feed: Feed, folder: Path) -> Path:
 
 def main() -> None:
     """Draw all pictures, or those named after the folder."""
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else IMAGES
     folder.mkdir(parents=True, exist_ok=True)
     wanted = set(sys.argv[2:])
     for shot in SHOTS:

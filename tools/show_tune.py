@@ -1,4 +1,4 @@
-"""Makes the music of the show, a tune of our own: `python -m docs.show_tune [folder]`.
+"""Makes the music of the show, a tune of our own: `python -m tools.show_tune [folder]`.
 
 `tune.wav` lasts as long as a dance of the happy robot and can follow itself without a gap;
 `run-down.wav` is the same tune, played by somebody who breaks down.
@@ -11,7 +11,9 @@ import wave
 from collections.abc import Iterator
 from pathlib import Path
 
-FOLDER = Path(__file__).parents[1] / "experiments" / "media"
+from tools import EXPERIMENTS
+
+FOLDER = EXPERIMENTS / "media"
 #: Samples a second, of one byte each: it is to sound like a robot, and to be small.
 RATE = 8000
 #: Joy's tempo (2.7 beats a second) at its speed (1.2).

@@ -1,4 +1,4 @@
-"""Draws what robots show of the engagement model: `python -m docs.signal_pictures [folder]`.
+"""Draws what robots show of the engagement model: `python -m tools.signal_pictures [folder]`.
 
 Six calm pictures for a screen of 800 x 480 and a soft beep. States differ in shape and movement,
 not in colour alone, so that nobody needs to tell red from green; nothing flashes more often than
@@ -17,7 +17,9 @@ from pathlib import Path
 
 from PIL import Image, ImageDraw
 
-FOLDER = Path(__file__).parents[1] / "woz_tui" / "session" / "signals"
+from tools import ROOT
+
+FOLDER = ROOT / "woz_tui" / "session" / "signals"
 SIZE = (800, 480)
 #: Everything is drawn in a square in the middle, so many times larger than it is shown.
 SQUARE, FINE = 440, 4

@@ -1,6 +1,6 @@
-"""docs/tables.md: figures and columns, out of the code that computes them.
+"""docs/reference/tables.md: figures and columns, out of the code that computes them.
 
-    python -m woz_tui.analysis.reference docs/tables.md
+    python -m tools.tables_reference docs/reference/tables.md
 
 writes them anew; a test keeps them fresh.
 """
@@ -12,11 +12,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from tools import replaced
 from woz_tui.analysis.measures import MEASURES
 from woz_tui.analysis.tables import CONDITIONS, EVENTS, FIGURES, SAMPLES, Table, answers_wide
-from woz_tui.record.reference import replaced
 
-BEGIN = "<!-- tables: begin (python -m woz_tui.analysis.reference docs/tables.md) -->"
+BEGIN = "<!-- tables: begin (python -m tools.tables_reference docs/reference/tables.md) -->"
 END = "<!-- tables: end -->"
 #: All of them, in the order of the page.
 TABLES: tuple[Table[Any], ...] = (

@@ -1,16 +1,15 @@
-"""Which test shows which acceptance statement: `python -m docs.toolkit_coverage` writes
-`docs/toolkit-coverage.md`; a test keeps it fresh.
+"""Which test shows which acceptance statement: `python -m tools.toolkit_coverage` writes
+`docs/reference/toolkit-coverage.md`; a test keeps it fresh.
 
-Tests bear `@pytest.mark.toolkit("R2", "L4")` (`docs/marked.py`).
+Tests bear `@pytest.mark.toolkit("R2", "L4")` (`tools/marked_tests.py`).
 """
 
 from __future__ import annotations
 
-from pathlib import Path
+from tools import DOCS
+from tools import marked_tests as marked
 
-from docs import marked
-
-PAGE = Path(__file__).parent / "toolkit-coverage.md"
+PAGE = DOCS / "reference" / "toolkit-coverage.md"
 MARK = "toolkit"
 
 #: The statements, in the words of this project. They follow the requirements of a thesis about a
@@ -104,7 +103,7 @@ _HEAD = (
     "",
     "The statements follow J. Oosterkamp's thesis on a toolkit for robot puppeteers. Each row",
     "names the tests that bear the statement's name (`pytest -m toolkit` runs them all). This page",
-    "is written by `python -m docs.toolkit_coverage`.",
+    "is written by `python -m tools.toolkit_coverage`.",
     "",
     "| | statement | tests |",
     "|---|---|---|",
@@ -113,7 +112,7 @@ _HEAD = (
 
 def _cell(name: str, files: dict[str, list[str]]) -> str:
     if name in MATTERS_OF_TASTE:
-        return "a matter of taste: look at [the faces](images/faces.svg)"
+        return "a matter of taste: look at [the faces](../images/faces.svg)"
     if not files and name in FOLLOWS:
         return f"see {', '.join(FOLLOWS[name])}"
     return marked.cell(files)

@@ -1,4 +1,4 @@
-"""Where the code and docs/report.md once said different things."""
+"""Where the code and docs/reference/report.md once said different things."""
 
 from __future__ import annotations
 

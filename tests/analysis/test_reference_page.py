@@ -8,24 +8,24 @@ from pathlib import Path
 
 import pytest
 
+from tools.tables_reference import TABLES, refreshed
 from woz_tui.analysis.acts import BY_MACHINE
 from woz_tui.analysis.cues import ECHO_US, WAITING, WINDOW_US
 from woz_tui.analysis.figures import Part
 from woz_tui.analysis.measures import MEASURES
-from woz_tui.analysis.reference import TABLES, refreshed
 from woz_tui.analysis.rows import CUE_RESULTS, CUE_TYPES
 from woz_tui.analysis.tables import CONDITIONS
 from woz_tui.sensing.machine import ENGAGED
 from woz_tui.timeline.episodes import NOT_COUNTED
 
-DOCS = Path(__file__).parents[2] / "docs"
+DOCS = Path(__file__).parents[2] / "docs" / "reference"
 TEXT = (DOCS / "report.md").read_text(encoding="utf-8")
 TABLES_PAGE = (DOCS / "tables.md").read_text(encoding="utf-8")
 WORDS = " ".join(TEXT.split())
 
 
 def test_the_tables_are_fresh() -> None:
-    command = "python -m woz_tui.analysis.reference docs/tables.md"
+    command = "python -m tools.tables_reference docs/reference/tables.md"
     assert refreshed(TABLES_PAGE) == TABLES_PAGE, f"run `{command}`"
 
 

@@ -11,8 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from docs.demo_session import EXPERIMENTS, catalogue
 from tests.fakes.virtual_time import LoopClock, run_virtual
+from tools import EXPERIMENTS
+from tools.demo_session import catalogue
 from woz_tui import cli
 from woz_tui.cli.engagement_compare import MOVED, ONLY_COMPUTED, ONLY_RECORDED, SAME, paired
 from woz_tui.cli.engagement_log import recounted

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from docs.demo_session import EXPERIMENTS
+from tools import EXPERIMENTS
 from woz_tui import cli
 from woz_tui.cli.piped import PipedError, kept
 

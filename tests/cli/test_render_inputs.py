@@ -299,7 +299,7 @@ def test_the_plot_goes_through_a_pipe_without_colours(
 
 
 def test_the_document_lists_the_inputs_that_there_are(capsys: pytest.CaptureFixture[str]) -> None:
-    page = (DOCS / "render.md").read_text(encoding="utf-8")
+    page = (DOCS / "how-to" / "render.md").read_text(encoding="utf-8")
     assert inputs_command.refreshed(page) == page, "run `python -m woz_tui.cli.inputs`"
     assert main(["render", "--help-inputs"]) == 0
     assert capsys.readouterr().out.strip() in page
@@ -309,8 +309,8 @@ def test_the_document_lists_the_inputs_that_there_are(capsys: pytest.CaptureFixt
 def test_the_document_has_the_modes_as_they_are(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["modes", "--markdown"]) == 0
     said = capsys.readouterr().out
-    page = (DOCS / "modes.md").read_text(encoding="utf-8")
-    assert said == page, "run `woz modes --markdown > docs/modes.md`"
+    page = (DOCS / "reference" / "modes.md").read_text(encoding="utf-8")
+    assert said == page, "run `woz modes --markdown > docs/reference/modes.md`"
     assert main(["modes"]) == 0
     assert "joint controls" in capsys.readouterr().out
     assert len(modes.rows()) == 11

@@ -8,10 +8,9 @@ from xml.etree import ElementTree
 
 import pytest
 
-from docs import film
+from tools import IMAGES, film
 from woz_tui.console.cells import Row
 
-IMAGES = film.FOLDER
 SVG = "{http://www.w3.org/2000/svg}"
 #: What a page may load for one picture.
 LARGEST = 400_000

@@ -18,7 +18,7 @@ from woz_tui.core import wire
 from woz_tui.core.messages import ActionDone
 from woz_tui.core.requests import AskAction, Hello
 
-PROTOCOL = Path(__file__).parents[2] / "docs" / "protocol.md"
+PROTOCOL = Path(__file__).parents[2] / "docs" / "reference" / "protocol.md"
 
 FILES: dict[str, tuple[Callable[[bytes], object], list[type[msgspec.Struct]]]] = {
     "messages.jsonl": (wire.decode_message, list(values.MESSAGES)),

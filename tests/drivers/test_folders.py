@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from docs.driver_settings import DRIVERS, pages, refreshed
+from tools.driver_settings import DRIVERS, pages, refreshed
 from woz_tui.core.driver import Driver
 from woz_tui.plugins import installed
 
@@ -51,7 +51,7 @@ def test_every_page_has_the_settings_of_today(name: str) -> None:
     assert text.startswith("# ")
     assert f"Type `{name}`" in text
     assert "| setting | default | |" in text
-    assert refreshed(name, text) == text, "run `python -m docs.driver_settings`"
+    assert refreshed(name, text) == text, "run `python -m tools.driver_settings`"
 
 
 @pytest.mark.parametrize("name", sorted(pages()))

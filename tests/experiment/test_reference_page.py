@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from docs.experiment_reference import PAGE, page
+from tools.experiment_reference import PAGE, page
 from woz_tui.experiment.decode import TOP_LEVEL
 
 ROWS = [
@@ -16,7 +16,7 @@ ROWS = [
 
 def test_the_page_is_of_today() -> None:
     text = PAGE.read_text(encoding="utf-8")
-    assert page() == text, "run `python -m docs.experiment_reference`"
+    assert page() == text, "run `python -m tools.experiment_reference`"
 
 
 @pytest.mark.parametrize("key", TOP_LEVEL)

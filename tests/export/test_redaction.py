@@ -24,7 +24,7 @@ from woz_tui.export.export import FORMATS
 from woz_tui.export.redaction import KEPT_IN, PLACEHOLDER, redacted
 from woz_tui.record.verify import verify
 
-GUIDE = Path(__file__).parents[2] / "docs" / "export.md"
+GUIDE = Path(__file__).parents[2] / "docs" / "how-to" / "export.md"
 #: Whatever else is decided one day: these are never left.
 NEVER = {
     *("text", "args", "sent", "reason", "remedy", "detail", "why", "question", "title", "about"),

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from docs import face_sheet
+from tools import face_sheet
 from woz_tui.motion.face import (
     CRASH_S,
     OPEN,
@@ -285,5 +285,5 @@ def test_prepared_faces_are_those_drawn() -> None:
 
 
 def test_the_documentations_sheet_shows_these_faces() -> None:
-    drawn_again = "python -m docs.face_sheet draws it again"
+    drawn_again = "python -m tools.face_sheet draws it again"
     assert face_sheet.SHEET.read_text("utf-8") == face_sheet.sheet(), drawn_again

@@ -12,16 +12,16 @@ import pytest
 
 from tests.record.bench import STEM
 from tests.record.story import GOLDEN
+from tools.log_reference import COMMON, FIELDS, refreshed
 from woz_tui.core.messages import AnyMessage
-from woz_tui.record.reference import COMMON, FIELDS, refreshed
 
-PAGE = Path(__file__).parents[2] / "docs" / "session-log.md"
+PAGE = Path(__file__).parents[2] / "docs" / "reference" / "session-log.md"
 TEXT = PAGE.read_text(encoding="utf-8")
 EXAMPLES = [code for code in re.findall(r"```python\n(.*?)```", TEXT, re.S) if "pandas" not in code]
 
 
 def test_the_tables_are_fresh() -> None:
-    assert refreshed(TEXT) == TEXT, "run `python -m woz_tui.record.reference docs/session-log.md`"
+    assert refreshed(TEXT) == TEXT, "python -m tools.log_reference docs/reference/session-log.md"
 
 
 def test_every_field_is_explained_and_none_that_is_gone() -> None:

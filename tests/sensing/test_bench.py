@@ -1,7 +1,7 @@
 """The bench: its error model against the paper, and what it finds of the filters.
 
 Runs are few, so that the tests are quick: what they assert holds for the seeds that they name, and
-`woz engagement --bench --runs 2000` tells how surely (`docs/engagement-filters.md`).
+`woz engagement --bench --runs 2000` tells how surely (`docs/explanation/engagement-filters.md`).
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from woz_tui.experiment.engagement import EngagementSettings
 from woz_tui.sensing import joint_dwell
 from woz_tui.sensing.bench.figures import measure
 
-PAGE = Path(__file__).parents[2] / "docs" / "engagement-filters.md"
+PAGE = Path(__file__).parents[2] / "docs" / "explanation" / "engagement-filters.md"
 
 
 def test_the_pages_parameters_are_the_programs() -> None:
@@ -26,7 +26,7 @@ def test_the_pages_parameters_are_the_programs() -> None:
 
 def test_the_picture_is_drawn_by_the_program() -> None:
     """The figures on it take minutes; what stands around them must be what is drawn today."""
-    svg = (PAGE.parent / "images" / "engagement-delay.svg").read_text("utf-8")
+    svg = (PAGE.parents[1] / "images" / "engagement-delay.svg").read_text("utf-8")
     today = draw(measure(EngagementSettings(), runs=1))
     assert _around(svg) == _around(today)
     assert "2000 runs" in svg

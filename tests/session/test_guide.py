@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from docs import guide_session
+from tools import guide_session
 from woz_tui.core import messages as m
 from woz_tui.experiment.decode import load
 from woz_tui.plugins import installed

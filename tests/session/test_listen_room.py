@@ -7,9 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from docs.demo_session import EXPERIMENTS, catalogue
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from tests.session.engaged import WIZARD
+from tools import EXPERIMENTS
+from tools.demo_session import catalogue
 from woz_tui.core import messages as m
 from woz_tui.core.clock import RealClock
 from woz_tui.experiment.decode import load

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 from PIL import Image, ImageChops, ImageSequence
 
-from docs import signal_pictures
 from tests.session.rig import HERE, action, call, experiment, together
+from tools import signal_pictures
 from woz_tui.core import messages as m
 from woz_tui.core.driver import Argument, Verb
 from woz_tui.core.messages import Json

@@ -1,7 +1,7 @@
 """The figures of a session, as they are reported, drawn and exported.
 
 All times are whole microseconds on the session's axis of `t`, all durations microseconds; shares
-are 0..1. What was not measured is None or empty. `docs/report.md` defines each figure.
+are 0..1. What was not measured is None or empty. `docs/reference/report.md` defines each figure.
 """
 
 from __future__ import annotations

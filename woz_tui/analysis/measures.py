@@ -17,8 +17,8 @@ class Measure:
     """A figure that is one number.
 
     Attributes:
-        name: As in CSV, JSON and docs/tables.md; it ends in the unit where there is one, but for
-            `duration`.
+        name: As in CSV, JSON and docs/reference/tables.md; it ends in the unit where there is
+            one, but for `duration`.
         unit: `s`, `ms`, `share` (0..1), `per minute` or empty (a count).
         meaning: Its definition.
         short: The head of a column.

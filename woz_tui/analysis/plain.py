@@ -14,7 +14,7 @@ from woz_tui.analysis.series import Series
 def plain(value: Any) -> Any:
     """Any figure: rows as objects, times of many as their spread (microseconds), the rest as is.
 
-    Parts have the main figures of docs/report.md besides, under `main`.
+    Parts have the main figures of docs/reference/report.md besides, under `main`.
     """
     match value:
         case Series():

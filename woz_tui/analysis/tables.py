@@ -1,5 +1,6 @@
 """The tables of `woz report --csv` and `woz export`: the one place that says which columns there
-are and what they mean. CSV files, data dictionary, BIDS' sidecars and docs/tables.md come from it.
+are and what they mean. CSV files, data dictionary, BIDS' sidecars and docs/reference/tables.md
+come from it.
 
 Names are those of BIDS where it has some: `onset` and `duration` in seconds, `response_time`. A
 time without a unit in its name is in seconds; figures (medians, shares, sums) end in their unit.

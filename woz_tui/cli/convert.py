@@ -22,7 +22,7 @@ from woz_tui.experiment.woz4u.texts import one_line
 from woz_tui.experiment.woz4u.written import written
 
 _HEAD = """{name} of WoZ4U, as `woz convert` wrote it: the same experiment.
-docs/woz4u.md explains how each key was converted; `woz check` shows the keys of this file."""
+docs/how-to/woz4u.md explains how each key was converted; `woz check` shows this file's keys."""
 
 
 def add(parser: ArgumentParser) -> None:

@@ -110,7 +110,7 @@ def _sockets() -> list[Finding]:
         path = place.socket_path("S01")
         running = place.running()
     except OSError as error:
-        return [Finding("error", "socket", str(error), "see docs/protocol.md")]
+        return [Finding("error", "socket", str(error), "see docs/reference/protocol.md")]
     found = [_socket_folder(path.parent)]
     found += [
         Finding("info", "socket", f"a session is running at {other}: it uses its devices")

@@ -1,6 +1,6 @@
 """The inputs of `woz render`: their lines, and a description made from the verbs themselves.
 
-    python -m woz_tui.cli.inputs docs/render.md
+    python -m woz_tui.cli.inputs docs/how-to/render.md
 
 writes the table of the document anew; a test keeps it fresh.
 """
@@ -21,7 +21,7 @@ from woz_tui.motion.inputs import offered
 from woz_tui.motion.shapes import BodyShape, FaceShape
 from woz_tui.record.files import files_of
 
-BEGIN = "<!-- inputs: begin (python -m woz_tui.cli.inputs docs/render.md) -->"
+BEGIN = "<!-- inputs: begin (python -m woz_tui.cli.inputs docs/how-to/render.md) -->"
 END = "<!-- inputs: end -->"
 
 _BEGINS_LOG = re.compile(rb'\s*\{\s*"kind"\s*:\s*"(?:session\.start|segment)"')

@@ -20,7 +20,7 @@ _ITSELF = (("breathing", BREATHES), ("blinking", BLINKS))
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument(
-        "--markdown", action="store_true", help="as Markdown: the tables of docs/modes.md"
+        "--markdown", action="store_true", help="as Markdown: the tables of docs/reference/modes.md"
     )
 
 

@@ -179,7 +179,7 @@ def written(template: Template, wanted: Mapping[str, str], offer: Offer) -> str:
     return "\n".join(
         [
             f"# {template.about}",
-            "# `woz check` finds every mistake in it; docs/experiment-file.md has every key.",
+            "# `woz check` finds every mistake; docs/reference/experiment-file.md has every key.",
             "# The sentences are examples: write your own, in the language of your participants.",
             f"title: {template.title}",
             f"robot: {robot_of(wanted['robot'])}",

@@ -342,7 +342,10 @@ class Driver(Performer):
 
     @classmethod
     def outline(cls, settings: Any) -> dict[str, Json]:
-        """What a console needs to draw it and never changes (docs/protocol.md); empty: nothing."""
+        """What a console needs to draw it and never changes; empty: nothing.
+
+        `docs/reference/protocol.md` has the keys.
+        """
         return {}
 
     @classmethod

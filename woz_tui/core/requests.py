@@ -358,16 +358,16 @@ class Welcome(
     contained.
     `settings`: `stale_after` and `dead_man` in seconds, `participant_pattern`, and `joints`: joint
     -> [lowest, highest angle] in degrees, for those whose driver tells them, `outlines`: driver ->
-    what it looks like (see `docs/protocol.md`), `values`: variable -> its value at this moment,
-    `steps`: how far one press of an arrow goes (`head`, `hip`, `turn` in degrees, `drive` in m),
-    `lanes`: driver -> verb -> the lane in which it is queued, `repairs`: moves that save a
+    what it looks like (see `docs/reference/protocol.md`), `values`: variable -> its value at this
+    moment, `steps`: how far one press of an arrow goes (`head`, `hip`, `turn` in degrees, `drive`
+    in m), `lanes`: driver -> verb -> the lane in which it is queued, `repairs`: moves that save a
     dialogue, actions of their own,
     `profiles`: their names, `profile`: the one in use, or nothing, and `allows`: profile -> what it
     names (`panels`, `actions`, `controls`, `verbs`), and `hide` where the rest is not shown;
     `engagement`, in a session with that model: its `timeouts` (seconds, or null), the seconds of a
     whole `handshake` and how many `attempts` it has; `phases`: those of the file; `study`: what the
-    file says of the study, and how it stands (see `docs/protocol.md`). `boot_id`: of the robot
-    process's machine; a client with the same one may stamp its requests with `sent_us`.
+    file says of the study, and how it stands (see `docs/reference/protocol.md`). `boot_id`: of
+    the robot process's machine; a client with the same one may stamp its requests with `sent_us`.
     """
 
     protocol: int

@@ -192,8 +192,8 @@ class ReplayedLog(msgspec.Struct, frozen=True):
 
 
 class Settings(msgspec.Struct, frozen=True, kw_only=True):
-    """See `docs/protocol.md`. `outlines` are as the drivers' classes give them; `replay` is there
-    in a replay alone.
+    """See `docs/reference/protocol.md`. `outlines` are as the drivers' classes give them; `replay`
+    is there in a replay alone.
     """
 
     stale_after: float = 0.0

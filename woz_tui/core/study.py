@@ -31,8 +31,8 @@ class ExperimentFiles(
 
 
 class SessionPlan(Message, frozen=True, kw_only=True, omit_defaults=True, tag="session.plan"):
-    """What consoles are shown, as in a `welcome` (docs/protocol.md), so that a replay can show the
-    same: when the session begins and whenever it changes.
+    """What consoles are shown, as in a `welcome` (docs/reference/protocol.md), so that a replay can
+    show the same: when the session begins and whenever it changes.
     """
 
     title: str

@@ -1,1 +1,1 @@
-"""Sessions for other programs: tables, ELAN, BIDS and Praat; see docs/export.md."""
+"""Sessions for other programs: tables, ELAN, BIDS and Praat; see docs/how-to/export.md."""

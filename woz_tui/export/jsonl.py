@@ -18,10 +18,10 @@ _encoder = msgspec.json.Encoder()
 _NO_WORDS = frozenset({"kind", "seq", "t", "sensor", "value", "unit", "driver", "raw", "bad"})
 _ABOUT = """## Files
 
-For each session two files of JSON Lines, as `woz` records them (docs/session-log.md): `.jsonl` has
-what people and the program did, `.samples.jsonl` the values of the sensors. Segments were put
-together. The sums (SHA-256) in `checkpoint` and `session.end` were computed anew: they say that
-this copy is whole, and nothing of the log from which it was made."""
+For each session two files of JSON Lines, as `woz` records them (docs/reference/session-log.md):
+`.jsonl` has what people and the program did, `.samples.jsonl` the values of the sensors.
+Segments were put together. The sums (SHA-256) in `checkpoint` and `session.end` were computed
+anew: they say that this copy is whole, and nothing of the log from which it was made."""
 
 
 class JsonlExporter(Exporter):

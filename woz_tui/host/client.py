@@ -247,7 +247,12 @@ class Client(asyncio.Protocol):
             request = wire.decode_request(line)
         except wire.WireError as error:
             self.send(
-                Reply(ref=wire.ref_of(line), ok=False, reason=str(error), hint="docs/protocol.md")
+                Reply(
+                    ref=wire.ref_of(line),
+                    ok=False,
+                    reason=str(error),
+                    hint="docs/reference/protocol.md",
+                )
             )
             return
         if overtaken and isinstance(request, AskRelease):

@@ -79,7 +79,7 @@ class Pictures:
             hint = f"drivers with a camera: {', '.join(self.cameras)}" if self.cameras else ""
         elif not self.cameras:
             reason = "no driver of this session has a camera"
-            hint = "docs/camera.md explains how to add one"
+            hint = "docs/how-to/camera.md explains how to add one"
         return Reply(ref=request.ref, ok=False, reason=reason, hint=hint) if reason else None
 
     def _watch(self, client: Client, driver: str, request: AskPicture) -> None:

@@ -1,8 +1,8 @@
 """Emotions as places on Russell's circle: valence to the right, arousal upwards.
 
 The direction says which emotion, the distance from the middle how strong it is. Every direction
-belongs to one emotion, so no knob turned round the circle finds a gap;
-`docs/decisions/012-every-mood-has-one-emotion.md` says why the borders lie where they do.
+belongs to one emotion, so no knob turned round the circle finds a gap. Why the borders
+lie where they do: `docs/explanation/decisions/012-every-mood-has-one-emotion.md`.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """Who moves the joints: the pose people want, the one primary on it, the mode, and the changes.
 
-Priorities and resumption are decided here (docs/decisions/010-layers-of-motion.md has them).
+Priorities and resumption are decided here; docs/explanation/decisions/010-layers-of-motion.md has
+them.
 """
 
 from __future__ import annotations

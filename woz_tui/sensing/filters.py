@@ -1,7 +1,7 @@
 """Queues that make one steady verdict of many samples: formulas 1, 2 and 4 of the paper.
 
 U. Maniscalco, P. Storniolo, A. Messina, Int. J. of Social Robotics 14, 2022, doi
-10.1007/s12369-021-00855-w. `docs/engagement.md` has the formulas as they are read here.
+10.1007/s12369-021-00855-w. `docs/explanation/engagement.md` has the formulas as they are read here.
 """
 
 from __future__ import annotations

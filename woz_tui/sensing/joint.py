@@ -7,7 +7,7 @@ measured is wrong, and one that loses them together with both is right. The mode
 six conditions of the readings (right; the detector wrong; the gaze wrong, or a glance, in two
 phases; a stray distance; blind altogether). Thirty-six probabilities are all it remembers. Time
 passes by `joint_dwell`, a sample counts by how likely each of them would give it. Equations
-and sources stand in `docs/engagement-filters.md`.
+and sources stand in `docs/explanation/engagement-filters.md`.
 
 A sign that says nothing changes nothing: there is no evidence in silence. Samples may come at
 any rate and in any order of signs, because only elapsed time matters, not their number.

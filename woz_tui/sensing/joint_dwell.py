@@ -2,7 +2,7 @@
 
 Rates are averages of behaviour and of sensors, per second. They are rounded numbers, chosen so
 that the filter's decisions come where a person would take them, and tested with errors that have
-other numbers (`docs/engagement-filters.md` has the reasons and what doubling them does).
+other numbers. `docs/explanation/engagement-filters.md` has the reasons and what doubling them does.
 
 Four things happen independently in a step: somebody moves nearer or away, turns to the robot or
 away, comes or goes, and a reading becomes wrong or right again. Each is solved exactly for the

@@ -2,7 +2,8 @@
 
 After Fig. 9 of Maniscalco, Storniolo and Messina (Int. J. of Social Robotics 14, 2022, doi
 10.1007/s12369-021-00855-w); outcomes are named as in the program they published, letters as in
-the figure. The table is all there is: the diagram in `docs/engagement.md` is drawn from it.
+the figure. The table is all there is: the diagram in `docs/explanation/engagement.md` is drawn
+from it.
 """
 
 from __future__ import annotations

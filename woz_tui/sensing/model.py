@@ -1,7 +1,8 @@
 """The engagement model: samples and events in, states of the conversation out.
 
 A pure object. Time comes in as stamps `t` in whole microseconds, in any order; what passes is the
-model's own time, which never goes back (`passing.py`). `docs/engagement.md` tells the policies.
+model's own time, which never goes back (`passing.py`). `docs/explanation/engagement.md` tells the
+policies.
 """
 
 from __future__ import annotations

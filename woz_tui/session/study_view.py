@@ -1,4 +1,7 @@
-"""The study as consoles are told of it: `settings["study"]` of the welcome (docs/protocol.md)."""
+"""The study as consoles are told of it: `settings["study"]` of the welcome.
+
+`docs/reference/protocol.md` has the keys.
+"""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ def _unmapped(subject: str, settings: MidiSettings) -> list[Finding]:
     free = [it.name for it in controls if it.free]
     used = f"{len(controls) - len(free)} controls do something"
     if len(free) == len(controls):
-        return [Finding("warning", subject, "no control does anything", "see docs/midi.md")]
+        return [Finding("warning", subject, "no control does anything", "see docs/how-to/midi.md")]
     if not free:
         return [Finding("ok", subject, used)]
     dots = ", ..." if len(free) > _SHOWN else ""

@@ -35,7 +35,7 @@ TAKE_OVER = "take-over"
 
 
 class MidiPanel(PassiveDriver):
-    """One panel in front of one robot; see `docs/midi.md`.
+    """One panel in front of one robot; see `docs/how-to/midi.md`.
 
     The panel moves nothing by itself: what it asks for is carried out, logged and refused as if a
     key had been pressed. Pulling its cable changes nothing at the robot.

@@ -2,7 +2,7 @@
 the robot file says it, and the calls of NAOqi that read and set it.
 
 The robot file (`settings.py`), the verbs, the screen (`outline.py`), what is read back and
-compared, and the table in `docs/pepper.md` are made from here.
+compared, and the table in `docs/how-to/pepper.md` are made from here.
 """
 
 from __future__ import annotations

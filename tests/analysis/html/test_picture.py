@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[3]
 def test_the_picture_can_be_drawn(tmp_path: Path) -> None:
     drawn = tmp_path / "report.png"
     done = subprocess.run(
-        [sys.executable, "-m", "docs.report_picture", str(drawn)],
+        [sys.executable, "-m", "tools.report_picture", str(drawn)],
         cwd=ROOT,
         capture_output=True,
         text=True,

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from docs import guide_session
 from tests.console import scenes
+from tools import guide_session
 from woz_tui.console.cells import length
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.replay.timeline import replay_rows

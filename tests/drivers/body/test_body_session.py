@@ -13,9 +13,9 @@ import pytest
 from woz_drivers.simulated import SimulatedRobot
 from woz_drivers.simulated.pace import Pace
 
-from docs import show_tune
 from tests.drivers.body.rig import SteppedBody, within
 from tests.fakes.virtual_time import LoopClock, run_virtual
+from tools import show_tune
 from woz_tui.core import messages as m
 from woz_tui.core.clock import RealClock
 from woz_tui.core.driver import Ask, Driver, DriverContext
@@ -238,7 +238,7 @@ def test_the_music_of_the_show_lasts_as_long_as_the_dance(tmp_path: Path) -> Non
         assert len(written) == len(samples)
         # A machine may round another way where a wave turns over.
         assert sum(a != b for a, b in zip(written, samples, strict=True)) < 100, (
-            "run `python -m docs.show_tune`"
+            "run `python -m tools.show_tune`"
         )
 
 

@@ -32,7 +32,7 @@ def test_it_has_every_key_of_the_format() -> None:
 
 
 def test_the_page_has_a_row_for_every_key() -> None:
-    page = (FOLDER.parents[1] / "docs" / "woz4u.md").read_text(encoding="utf-8")
+    page = (FOLDER.parents[1] / "docs" / "how-to" / "woz4u.md").read_text(encoding="utf-8")
     table = page.partition("## How each key is converted")[2].partition("## ")[0]
     rows = [line.split("|")[1] for line in table.splitlines() if line.startswith("| `")]
     fields = {"title", "tooltip", "key_comb", "is_default", "is_default_img"}

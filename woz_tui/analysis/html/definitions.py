@@ -1,6 +1,6 @@
 """What each figure on the page is: shown at the figure, and in full at the end of the page.
 
-The sentences are those of the measures, as in docs/report.md and beside the CSV.
+The sentences are those of the measures, as in docs/reference/report.md and beside the CSV.
 """
 
 from __future__ import annotations

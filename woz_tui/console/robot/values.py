@@ -71,7 +71,9 @@ def typed_value(setting: Setting, typed: str) -> Json:
             which would stand on the screen.
     """
     if setting.verb == "connect" and _PASSWORD.search(typed):
-        raise WrongValue("No password here: it belongs in the environment. See docs/pepper.md.")
+        raise WrongValue(
+            "No password here: it belongs in the environment. See docs/how-to/pepper.md."
+        )
     if setting.kind != "number":
         return typed
     bare = typed.removesuffix(setting.unit).strip().replace(",", ".")

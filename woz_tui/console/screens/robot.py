@@ -115,7 +115,7 @@ class RobotDialog(Drawing):
         """What stands there in a session without such a robot."""
         return (
             "No robot of this session has settings to show.\n"
-            "A Pepper has; see docs/pepper.md:\n"
+            "A Pepper has; see docs/how-to/pepper.md:\n"
             "  pepper: {type: pepper, robots: [ADDRESS]}"
         )
 

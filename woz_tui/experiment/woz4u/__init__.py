@@ -2,7 +2,7 @@
 
 Such a file is read leniently into a tree of nodes of our own format; the decoder reads that tree
 like any other, and `woz convert` writes it as text. So both do the same, and every error has a
-place in the file that was opened. `docs/woz4u.md` says what becomes of each key.
+place in the file that was opened. `docs/how-to/woz4u.md` says what becomes of each key.
 """
 
 from __future__ import annotations

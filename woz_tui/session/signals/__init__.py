@@ -3,7 +3,7 @@
 After the table of nonverbal signals of U. Maniscalco, P. Storniolo and A. Messina (Int. J. of
 Social Robotics 14, 2022, doi 10.1007/s12369-021-00855-w). Their text gives two accounts of waiting;
 here the eyes are off in Wait and white from PersonDetected on. Pictures (800 x 480) and sound lie
-beside this file; `docs/signal_pictures.py` draws them.
+beside this file; `tools/signal_pictures.py` draws them.
 
 Every robot that offers one of the verbs `eyes`, `screen` and `sound` shows what it can.
 """

@@ -1,0 +1,81 @@
+"""The documents: whatever they point to is there."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+#: Text files that are not ours to correct: what happened, and what was drawn.
+LEFT_OUT = re.compile(r"(^recordings/.*\.jsonl|\.svg|\.png|\.wav|\.ttf|\.pem|/golden/.*)$")
+PAGE = re.compile(r"(?<![\w./-])docs/[\w./-]+\.(?:md|py|svg|png)\b")
+PROGRAM = re.compile(r"-m (tools\.\w+)")
+
+
+def tracked() -> list[str]:
+    listed = subprocess.run(
+        ["git", "ls-files", "--cached", "--others", "--exclude-standard"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if listed.returncode:
+        pytest.skip("not a git checkout")
+    return [name for name in listed.stdout.splitlines() if (ROOT / name).is_file()]
+
+
+def text(name: str) -> str:
+    return (ROOT / name).read_text(encoding="utf-8", errors="replace")
+
+
+def anchors(page: str) -> set[str]:
+    """The headings of a page as GitHub names them in links."""
+    headings = re.findall(r"^#+ (.*)$", re.sub(r"^```.*?^```", "", page, flags=re.M | re.S), re.M)
+    words = [re.sub(r"[^\w\- ]", "", heading.lower()) for heading in headings]
+    return {each.strip().replace(" ", "-") for each in words}
+
+
+def dead_links(name: str) -> Iterator[str]:
+    for link in re.findall(r"\]\(([^)\s]+)\)", text(name)):
+        if "://" in link:
+            continue
+        path, _, anchor = link.partition("#")
+        target = (ROOT / name).parent / path if path else ROOT / name
+        if not target.exists():
+            yield f"{name}: {link}"
+        elif anchor and anchor not in anchors(target.read_text(encoding="utf-8")):
+            yield f"{name}: {link}: no such heading"
+
+
+def test_every_link_leads_somewhere() -> None:
+    pages = [name for name in tracked() if name.endswith(".md")]
+    assert len(pages) > 50
+    assert [dead for name in pages for dead in dead_links(name)] == []
+
+
+def test_every_page_and_program_that_is_mentioned_exists() -> None:
+    missing = []
+    for name in tracked():
+        if LEFT_OUT.search(name):
+            continue
+        words = text(name)
+        pages = [page for page in PAGE.findall(words) if not (ROOT / page).exists()]
+        programs = [
+            program
+            for program in PROGRAM.findall(words)
+            if not (ROOT / f"{program.replace('.', '/')}.py").exists()
+        ]
+        missing += [f"{name}: {each}" for each in (*pages, *programs)]
+    assert missing == []
+
+
+def test_every_page_is_in_the_index() -> None:
+    index = text("docs/README.md")
+    pages = [path.relative_to(ROOT / "docs") for path in sorted((ROOT / "docs").rglob("*.md"))]
+    wanted = {str(page) for page in pages if "decisions" not in page.parts} - {"README.md"}
+    assert wanted - set(re.findall(r"\]\(([^)#\s]+)", index)) == set()

@@ -9,7 +9,7 @@ RUN := $(VENV)/.installed-run
 DEV := $(VENV)/.installed-dev
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: help demo test fuzz check screenshots bench constraints clean
+.PHONY: help demo test fuzz check generated screenshots bench constraints clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -28,6 +28,11 @@ check: $(DEV)  ## lint, format, types, import rules
 	@$(BIN)/ruff format --check .
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports
+
+generated: $(DEV)  ## write the pages, schemas and examples that come from the code
+	@$(BIN)/python -m tools.generated
+	@$(BIN)/python -m tests.core.examples
+	@$(BIN)/python -m tests.record.story
 
 screenshots: $(DEV)  ## draw the pictures of the documentation again
 	@$(BIN)/python -m tools.screenshots

@@ -1,15 +1,15 @@
-"""The documents: whatever they point to is there."""
+"""The documents: what they point to is there, and what comes from the code is of today."""
 
 from __future__ import annotations
 
 import re
 import subprocess
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
+from tools import ROOT, generated, replaced
+
 #: Text files that are not ours to correct: what happened, and what was drawn.
 LEFT_OUT = re.compile(r"(^recordings/.*\.jsonl|\.svg|\.png|\.wav|\.ttf|\.pem|/golden/.*)$")
 PAGE = re.compile(r"(?<![\w./-])docs/[\w./-]+\.(?:md|py|svg|png)\b")
@@ -79,3 +79,14 @@ def test_every_page_is_in_the_index() -> None:
     pages = [path.relative_to(ROOT / "docs") for path in sorted((ROOT / "docs").rglob("*.md"))]
     wanted = {str(page) for page in pages if "decisions" not in page.parts} - {"README.md"}
     assert wanted - set(re.findall(r"\]\(([^)#\s]+)", index)) == set()
+
+
+@pytest.mark.parametrize("path", generated.FILES)
+def test_what_comes_from_the_code_is_of_today(path: str) -> None:
+    written = generated.text_of(path)
+    assert generated.FILES[path](written) == written, "run `make generated`"
+
+
+def test_a_page_without_its_marks_is_refused() -> None:
+    with pytest.raises(ValueError, match="marks"):
+        replaced("no tables here", "tables", "")

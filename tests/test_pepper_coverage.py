@@ -17,8 +17,3 @@ def test_every_row_is_shown_by_a_test(table: str) -> None:
 @BOTH
 def test_marks_name_rows_that_there_are(table: str) -> None:
     assert coverage.unknown(table) == []
-
-
-def test_the_page_is_fresh() -> None:
-    written = coverage.PAGE.read_text(encoding="utf-8")
-    assert written == coverage.page(written), "run `python -m tools.pepper_coverage`"

@@ -20,11 +20,6 @@ def test_marks_name_statements_that_there_are() -> None:
     assert len(named) > 50
 
 
-def test_the_page_is_fresh() -> None:
-    written = coverage.PAGE.read_text(encoding="utf-8")
-    assert written == coverage.page(), "run `python -m tools.toolkit_coverage`"
-
-
 @pytest.mark.parametrize(
     ("text", "expected"),
     [

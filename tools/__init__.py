@@ -1,6 +1,7 @@
-"""Programs that draw the pictures of docs/ and write those pages that come from the code.
+"""Programs that write and draw what docs/ shows.
 
-Each runs by itself: `python -m tools.experiment_reference`. Tests keep the pages fresh.
+`python -m tools.generated` (`make generated`) writes every page, table and schema that comes from
+the code. The others draw pictures (`make screenshots`) or record sessions, each by its name.
 """
 
 from pathlib import Path
@@ -11,8 +12,9 @@ IMAGES = DOCS / "images"
 EXPERIMENTS = ROOT / "experiments"
 
 
-def replaced(page: str, begin: str, end: str, text: str) -> str:
-    """`page` with `text` between two marks. Raises `ValueError` if it lacks them."""
+def replaced(page: str, name: str, text: str) -> str:
+    """`page` with `text` between its marks of that name. Raises `ValueError` if it lacks them."""
+    begin, end = f"<!-- {name}: begin -->", f"<!-- {name}: end -->"
     before, _, rest = page.partition(begin)
     _, found, after = rest.partition(end)
     if not found:

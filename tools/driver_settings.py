@@ -1,18 +1,17 @@
-"""The tables of settings in the drivers' pages, out of the settings' annotations.
-
-`python -m tools.driver_settings` writes them anew.
-"""
+"""The tables of settings in the drivers' pages, out of the settings' annotations."""
 
 from __future__ import annotations
 
 import dataclasses
 import re
+import tomllib
 import typing
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from tools import ROOT
 from woz_tui.core import fields
+from woz_tui.core.driver import Driver
 from woz_tui.experiment.settings import Field, fields_of, note, split
 from woz_tui.plugins import installed
 
@@ -21,9 +20,16 @@ _TABLE = re.compile(r"^\| setting \|.*?\n(?!\|)", re.M | re.S)
 _HEAD = "| setting | default | |\n|---|---|---|\n"
 
 
+def bundled() -> dict[str, type[Driver]]:
+    """Our own drivers, whatever else is installed on this machine."""
+    catalogue = installed()
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    return {name: catalogue[name] for name in project["entry-points"]["woz_tui.drivers"]}
+
+
 def pages() -> dict[str, Path]:
     """The page of each driver, by type."""
-    return {name: DRIVERS / name.replace("-", "_") / "README.md" for name in installed()}
+    return {name: DRIVERS / name.replace("-", "_") / "README.md" for name in bundled()}
 
 
 def refreshed(name: str, text: str) -> str:
@@ -65,8 +71,3 @@ def _meaning(item: Field) -> str:
     if words is not None:
         allowed = ", ".join(filter(None, words.choices))
     return " ".join(filter(None, (item.doc, f"({allowed})" if allowed else "")))
-
-
-if __name__ == "__main__":
-    for driver, page in pages().items():
-        page.write_text(refreshed(driver, page.read_text(encoding="utf-8")), encoding="utf-8")

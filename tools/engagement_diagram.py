@@ -1,7 +1,4 @@
-"""Draws the states of a conversation from the table that the program runs on:
-`python -m tools.engagement_diagram` writes `docs/images/engagement-states.svg` and the
-table of edges in `docs/explanation/engagement.md`. A test keeps both fresh.
-"""
+"""The states of a conversation, drawn and as a table, from the table that the program runs on."""
 
 from __future__ import annotations
 
@@ -10,13 +7,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from html import escape
 
-from tools import DOCS, IMAGES
+from tools import replaced
 from woz_tui.console.look import DARK
 from woz_tui.sensing.machine import EDGES, ENGAGED, Edge, State
-
-PICTURE = IMAGES / "engagement-states.svg"
-PAGE = DOCS / "explanation" / "engagement.md"
-BEGIN, END = "<!-- edges: begin -->", "<!-- edges: end -->"
 
 WIDTH, HEIGHT = 1280, 600
 #: Where the states stand: the middles of their boxes.
@@ -117,11 +110,9 @@ def table() -> str:
     return "\n".join(lines)
 
 
-def page(text: str) -> str:
-    """The page with the table as it is now."""
-    before, _, rest = text.partition(BEGIN)
-    _, _, after = rest.partition(END)
-    return f"{before}{BEGIN}\n{table()}\n{END}{after}"
+def refreshed(page: str) -> str:
+    """`page` with the table as it is today."""
+    return replaced(page, "edges", table())
 
 
 # -- the picture ----------------------------------------------------------------------------------
@@ -274,13 +265,3 @@ def svg() -> str:
         f'<rect width="{WIDTH}" height="{HEIGHT}" rx="8" fill="{DARK.background}"/>'
         f"{lines}{states}{words}{key()}</svg>\n"
     )
-
-
-def main() -> None:
-    """Write both."""
-    PICTURE.write_text(svg(), encoding="utf-8")
-    PAGE.write_text(page(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main()

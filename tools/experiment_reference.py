@@ -1,6 +1,6 @@
 """The reference page of the experiment file, out of the schema that is made from the code.
 
-`python -m tools.experiment_reference` writes `experiment-file.md` anew. Examples are what the
+Examples are what the
 experiments that come with woz-tui say, and else those in `EXAMPLES`.
 """
 
@@ -12,23 +12,22 @@ from typing import Any
 
 import yaml
 
-from tools import DOCS, EXPERIMENTS
+from tools import EXPERIMENTS
+from tools.driver_settings import bundled
 from woz_tui.experiment.actions import ACTION_FIELDS
 from woz_tui.experiment.effects import ENTERED
 from woz_tui.experiment.engagement import SIGNS
 from woz_tui.experiment.schema import experiment_schema
 from woz_tui.experiment.verbs import WAIT, session_verbs
-from woz_tui.plugins import installed
 
-PAGE = DOCS / "reference" / "experiment-file.md"
 #: Whose examples come first: what is read most.
 FIRST = ("interview.yaml", "study.yaml", "demo.yaml", "guide.yaml")
 
 HEAD = """\
 # The experiment file
 
-*Made from the code by `python -m tools.experiment_reference`. `woz schema` gives the same to
-editors.*
+Look up here every key of an experiment file: its type, its default, an example. The page is made
+from the code (`make generated`); `woz schema` gives the same to editors.
 
 What becomes of a small file:
 
@@ -129,7 +128,7 @@ _VERB_WORDS = {"wait": 0.5, "mark": "smile", "note": "came late", "lock": "Speec
 
 def page() -> str:
     """The whole page."""
-    schema = experiment_schema(installed())
+    schema = experiment_schema(bundled())
     found = _found()
     parts = [HEAD, _section("Top level", "", schema["properties"], schema, found)]
     for name, each in schema["properties"].items():
@@ -297,7 +296,3 @@ def _verbs() -> Iterator[str]:
         argument = verb.arguments[0].name if verb.arguments else ""
         value = _VERB_WORDS.get(verb.name, f"<{argument}>")
         yield f"| `{verb.name}` | `{verb.name}: {value}` | {verb.summary} |\n"
-
-
-if __name__ == "__main__":
-    PAGE.write_text(page(), encoding="utf-8")

@@ -1,24 +1,14 @@
-"""What every field of a log means, and the tables of it in docs/reference/session-log.md.
-
-    python -m tools.log_reference docs/reference/session-log.md
-
-writes the tables anew; a test keeps them fresh.
-"""
+"""What every field of a log means, and the tables of it in docs/reference/session-log.md."""
 
 from __future__ import annotations
 
 import inspect
-import sys
-from pathlib import Path
 from typing import Any, get_args
 
 import msgspec
 
 from tools import replaced
 from woz_tui.core.messages import AnyMessage, Message
-
-BEGIN = "<!-- tables: begin (python -m tools.log_reference docs/reference/session-log.md) -->"
-END = "<!-- tables: end -->"
 
 #: Unit (empty: none) and meaning of every field, by name: one name means one thing everywhere.
 FIELDS: dict[str, tuple[str, str]] = {
@@ -262,10 +252,5 @@ def json_type(annotation: Any) -> str:
 
 
 def refreshed(page: str) -> str:
-    """`page` with the tables between its two marks as they are today."""
-    return replaced(page, BEGIN, END, tables())
-
-
-if __name__ == "__main__":
-    target = Path(sys.argv[1])
-    target.write_text(refreshed(target.read_text(encoding="utf-8")), encoding="utf-8")
+    """`page` with the tables as they are today."""
+    return replaced(page, "tables", tables())

@@ -1,6 +1,4 @@
-"""Which test shows which call of NAOqi and which key of a WoZ4U file, and the robot's settings: the
-tables of `docs/how-to/pepper.md`, written by `python -m tools.pepper_coverage`; a test keeps them
-fresh.
+"""Which test shows which call of NAOqi and which key of a WoZ4U file, and the robot's settings.
 
 Tests bear `@pytest.mark.naoqi("ALMotion.moveTo")` and `@pytest.mark.woz4u("pepper_ips")`.
 """
@@ -11,11 +9,8 @@ from collections import Counter
 
 from woz_drivers.pepper.robot_settings import SETTINGS, RobotSetting
 
-from tools import DOCS
 from tools import marked_tests as marked
-
-PAGE = DOCS / "how-to" / "pepper.md"
-BEGIN, END = "<!-- {}: begin -->", "<!-- {}: end -->"
+from tools import replaced
 
 
 def _of_settings() -> dict[str, str]:
@@ -176,16 +171,28 @@ def unknown(table: str) -> list[str]:
     return sorted({one.statement for one in marked.found(mark)} - rows.keys())
 
 
-def page(text: str) -> str:
-    """The page `text` with all tables as they are now."""
-    tables = {**{name: _table(name) for name in TABLES}, "settings": _settings()}
-    for name, table in tables.items():
-        before, begin, rest = text.partition(BEGIN.format(name))
-        _, end, after = rest.partition(END.format(name))
-        if not end:
-            raise ValueError(f"{PAGE} has no place for the table of {name}")
-        text = f"{before}{begin}\n{table}\n{end}{after}"
-    return text
+def refreshed(page: str) -> str:
+    """`page` with the table of settings as it is today."""
+    return replaced(page, "settings", _settings())
+
+
+def page() -> str:
+    """The page with the calls and the keys."""
+    return f"""\
+# Pepper: every call and every key, and which test shows it
+
+Look up here how a wizard reaches a call of NAOqi, what becomes of a key of a WoZ4U file, and which
+tests show that it works. `make generated` writes this page; `pytest -m naoqi` and `pytest -m woz4u`
+run the tests.
+
+## Every call
+
+{_table("calls")}
+
+## Every key of a WoZ4U file
+
+{_table("keys")}
+"""
 
 
 def _table(name: str) -> str:
@@ -219,7 +226,3 @@ def _values(setting: RobotSetting) -> str:
 
 def _code(text: str) -> str:
     return f"`{text}`" if text else ""
-
-
-if __name__ == "__main__":
-    PAGE.write_text(page(PAGE.read_text(encoding="utf-8")), encoding="utf-8")

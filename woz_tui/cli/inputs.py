@@ -1,9 +1,4 @@
-"""The inputs of `woz render`: their lines, and a description made from the verbs themselves.
-
-    python -m woz_tui.cli.inputs docs/how-to/render.md
-
-writes the table of the document anew; a test keeps it fresh.
-"""
+"""The inputs of `woz render`: their lines, and a description made from the verbs themselves."""
 
 from __future__ import annotations
 
@@ -20,9 +15,6 @@ from woz_tui.core.regular import open_regular
 from woz_tui.motion.inputs import offered
 from woz_tui.motion.shapes import BodyShape, FaceShape
 from woz_tui.record.files import files_of
-
-BEGIN = "<!-- inputs: begin (python -m woz_tui.cli.inputs docs/how-to/render.md) -->"
-END = "<!-- inputs: end -->"
 
 _BEGINS_LOG = re.compile(rb'\s*\{\s*"kind"\s*:\s*"(?:session\.start|segment)"')
 
@@ -87,17 +79,3 @@ def _argument(argument: Argument) -> str:
     if not argument.required:
         parts.append("optional")
     return f"`{argument.name}` ({', '.join(filter(None, parts))})"
-
-
-def refreshed(page: str) -> str:
-    """`page` with the table between its two marks as it is today."""
-    before, _, rest = page.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not end:
-        raise ValueError("the page has no marks for the begin and end of the table")
-    return f"{before}{BEGIN}\n\n{described()}\n\n{END}{after}"
-
-
-if __name__ == "__main__":
-    target = Path(sys.argv[1])
-    target.write_text(refreshed(target.read_text(encoding="utf-8")), encoding="utf-8")

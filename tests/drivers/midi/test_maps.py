@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import jsonschema
@@ -71,12 +70,8 @@ def test_the_files_to_begin_with_say_what_is_built_in(name: str) -> None:
     assert file.read_text(encoding="utf-8").endswith(written)
 
 
-def test_the_committed_schema_of_map_files_is_fresh_and_fits_them() -> None:
-    committed = json.loads((ROOT / "experiments/schema/midi.schema.json").read_text("utf-8"))
-    assert committed == json.loads(json.dumps(included_schema(MidiPanel, "map"))), (
-        "run: woz schema --midi > experiments/schema/midi.schema.json"
-    )
-    validator = jsonschema.Draft202012Validator(committed)
+def test_the_schema_of_map_files_fits_them() -> None:
+    validator = jsonschema.Draft202012Validator(included_schema(MidiPanel, "map"))
     for name in BUILT_IN:
         text = (ROOT / "experiments" / "midi" / f"{name}.yaml").read_text("utf-8")
         validator.validate(yaml.safe_load(text))

@@ -31,8 +31,8 @@ check: $(DEV)  ## lint, format, types, import rules
 
 generated: $(DEV)  ## write the pages, schemas and examples that come from the code
 	@$(BIN)/python -m tools.generated
-	@$(BIN)/python -m tests.core.examples
-	@$(BIN)/python -m tests.record.story
+	@$(BIN)/python -m tests.protocol.examples
+	@$(BIN)/python -m tests.log.story
 
 screenshots: $(DEV)  ## draw the pictures of the documentation again
 	@$(BIN)/python -m tools.screenshots

@@ -18,10 +18,10 @@ from collections import deque
 from collections.abc import Callable
 
 from benchmarks.figures import Spread, machine, table, verdict
-from woz_tui.experiment.engagement import FILTERS, SIGNS, EngagementSettings
-from woz_tui.sensing.model import Engagement
-from woz_tui.sensing.passing import SECOND
-from woz_tui.sensing.rows import Rows
+from woz_tui.config.engagement import FILTERS, SIGNS, EngagementSettings
+from woz_tui.sensing.engagement_model import Engagement
+from woz_tui.sensing.model_time import SECOND
+from woz_tui.sensing.sample_rows import Rows
 
 #: Goal at p50, in microseconds: four signs at 30 Hz take one part in a hundred of a core.
 GOAL_US = SECOND / 100 / (len(SIGNS) * 30)

@@ -32,14 +32,14 @@ from pathlib import Path
 from benchmarks.figures import machine, percentile, table, verdict
 from tests.console.driving import Sitting, sitting
 from tools import demo_session
+from woz_tui.config.loading import load
+from woz_tui.console.action_panels import Panels
 from woz_tui.console.glyphs import Frame
-from woz_tui.console.panels import Panels
 from woz_tui.console.screens.find import FindDialog
-from woz_tui.core.marks import PhaseChanged
-from woz_tui.core.requests import AskAction, Welcome
-from woz_tui.core.views import ActionView
-from woz_tui.experiment.decode import load
-from woz_tui.session.identity import Identity
+from woz_tui.protocol.panels import ActionView
+from woz_tui.protocol.requests import AskAction, Welcome
+from woz_tui.protocol.wizard_messages import PhaseChanged
+from woz_tui.session.participant_identity import Identity
 
 #: Seconds: to press a key, to know what to press.
 K, M = 0.28, 1.35

@@ -18,10 +18,10 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from woz_tui.core import messages as m
-from woz_tui.core import wire
-from woz_tui.core.clock import RealClock, timestamp
-from woz_tui.record.recorder import Recorder
+from woz_tui.log.recorder import Recorder
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.system.clock import RealClock, timestamp
 
 Append = Callable[[m.Command, bytes], None]
 
@@ -42,7 +42,7 @@ def line(number: int) -> tuple[m.Command, bytes]:
         source="key",
         key="n",
     )
-    return message, wire.encode(message)
+    return message, codec.encode(message)
 
 
 def paced(append: Append, lines: int, rate: float) -> list[float]:

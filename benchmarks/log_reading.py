@@ -29,12 +29,12 @@ from typing import BinaryIO
 import msgspec
 
 from benchmarks.figures import Spread, machine, table, verdict
-from woz_tui.core import messages as m
-from woz_tui.core import wire
-from woz_tui.record.files import files_of
-from woz_tui.record.index import LogIndex
-from woz_tui.record.log import read
-from woz_tui.record.stream import messages
+from woz_tui.log.log_files import files_of
+from woz_tui.log.log_index import LogIndex
+from woz_tui.log.log_reader import read
+from woz_tui.log.message_stream import messages
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
 
 #: Goals: an hour is open in a second, any moment of it is there in 50 ms, 100 sessions in 5 s.
 OPEN_S, SEEK_MS, SESSIONS_S = 1.0, 50.0, 5.0
@@ -58,9 +58,9 @@ class _Writer:
         self.seq = 0
 
     def say(self, t: int, message: m.AnyMessage) -> None:
-        sample = wire.is_sample(message)
+        sample = codec.is_sample(message)
         stamped = msgspec.structs.replace(message, seq=self.seq, t=t, ts="" if sample else TS)
-        (self._samples if sample else self._actions).write(wire.encode(stamped))
+        (self._samples if sample else self._actions).write(codec.encode(stamped))
         self.seq += 1
 
 

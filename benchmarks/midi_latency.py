@@ -26,15 +26,15 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from benchmarks.figures import Spread, machine, percentile, table, verdict
-from woz_tui.core import messages as m
-from woz_tui.core.clock import RealClock
-from woz_tui.core.driver import Driver, DriverContext, PassiveDriver
-from woz_tui.experiment.decode import load
+from woz_tui.config.loading import load
+from woz_tui.drivers.contract import Driver, DriverContext, PassiveDriver
+from woz_tui.drivers.plugins import installed
+from woz_tui.log.recorder import Recorder
 from woz_tui.motion.setpoints import SETPOINTS, Setpoints
-from woz_tui.plugins import installed
-from woz_tui.record.recorder import Recorder
-from woz_tui.session.identity import Identity
+from woz_tui.protocol import messages as m
+from woz_tui.session.participant_identity import Identity
 from woz_tui.session.session import Session
+from woz_tui.system.clock import RealClock
 
 GOAL_MS = 20.0
 KNOBS = ("a", "b", "c", "d")

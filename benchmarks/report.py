@@ -25,9 +25,9 @@ from pathlib import Path
 import msgspec
 
 from benchmarks.figures import machine, percentile, table, verdict
-from woz_tui.core import messages as m
-from woz_tui.core import wire
-from woz_tui.experiment.engagement import STATES
+from woz_tui.config.engagement import STATES
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
 
 #: Seconds that a hundred sessions may take.
 GOAL_S = 5.0
@@ -57,9 +57,9 @@ def write_sessions(folder: Path, count: int) -> int:
             msgspec.structs.replace(message, seq=seq, ts="2026-03-01T10:00:00.000000Z")
             for seq, message in enumerate(sorted(lines, key=lambda message: message.t))
         ]
-        (folder / f"{stem}.jsonl").write_bytes(b"".join(map(wire.encode, stamped)))
+        (folder / f"{stem}.jsonl").write_bytes(b"".join(map(codec.encode, stamped)))
         sample = m.Reading(seq=len(lines), t=1, sensor="distance", value=1.5, unit="m")
-        (folder / f"{stem}.samples.jsonl").write_bytes(wire.encode(sample) * 1000)
+        (folder / f"{stem}.samples.jsonl").write_bytes(codec.encode(sample) * 1000)
         total += len(lines)
     return total
 

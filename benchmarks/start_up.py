@@ -25,7 +25,7 @@ GOAL_CONSOLE, GOAL_ROBOT_S = 2.0, 1.5
 #: Module -> what must not come along with it.
 UNWANTED = {
     "woz_tui.console.app": ("numpy", "serial", "dynamixel_sdk", "woz_drivers"),
-    "woz_tui.host.process": ("textual", "rich", "numpy", "serial", "dynamixel_sdk"),
+    "woz_tui.host.robot_process": ("textual", "rich", "numpy", "serial", "dynamixel_sdk"),
 }
 
 

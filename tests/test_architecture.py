@@ -19,13 +19,16 @@ SOURCES = sorted(
     for path in (ROOT / folder).rglob("*.py")
 )
 ROOMS = [
-    "woz_tui.core",
-    "woz_tui.experiment",
+    "woz_tui.system",
+    "woz_tui.protocol",
+    "woz_tui.drivers",
+    "woz_tui.machine",
+    "woz_tui.config",
     "woz_tui.bus",
     "woz_tui.sensing",
     "woz_tui.motion",
     "woz_tui.testing",
-    "woz_tui.record",
+    "woz_tui.log",
     "woz_tui.timeline",
     "woz_tui.analysis",
     "woz_tui.export",
@@ -33,7 +36,6 @@ ROOMS = [
     "woz_tui.replay",
     "woz_tui.training",
     "woz_tui.host",
-    "woz_tui.bridge",
     "woz_tui.console",
     "woz_tui.cli",
     "woz_drivers",
@@ -42,16 +44,16 @@ ROOMS = [
 ]
 #: Top folders whose modules are asked for circles.
 PACKAGES = ("woz_tui", "drivers")
-VAGUE = re.compile(r"(^|_)(utils?|helpers?|manager|misc|common|stuff)(_|$)")
+VAGUE = re.compile(r"(^|_)(utils?|helpers?|misc|common|stuff)(_|$)")
 
 #: Loading the left side must not load the right side.
 UNLOADED = [
-    ("woz_tui.host.process", {"textual", "numpy", "serial", "dynamixel_sdk", "woz_drivers"}),
-    ("woz_tui.host.process", {"woz_tui.replay", "woz_tui.training", "woz_tui.analysis"}),
+    ("woz_tui.host.robot_process", {"textual", "numpy", "serial", "dynamixel_sdk", "woz_drivers"}),
+    ("woz_tui.host.robot_process", {"woz_tui.replay", "woz_tui.training", "woz_tui.analysis"}),
     ("woz_tui.host.server", {"textual", "rich", "numpy", "serial", "woz_drivers"}),
     ("woz_tui.cli", {"textual", "rich", "numpy", "serial", "msgspec", "woz_drivers"}),
     ("woz_tui.console.app", {"numpy", "serial", "dynamixel_sdk", "woz_drivers", "woz_tui.host"}),
-    ("woz_tui.plugins", {"textual", "numpy", "serial", "woz_drivers"}),
+    ("woz_tui.drivers.plugins", {"textual", "numpy", "serial", "woz_drivers"}),
 ]
 
 

@@ -12,7 +12,7 @@ import pytest
 from tools import DOCS
 from tools import engagement_diagram as diagram
 from woz_tui import cli
-from woz_tui.sensing.machine import EDGES, State
+from woz_tui.sensing.state_machine import EDGES, State
 
 
 def test_every_edge_is_told_and_nothing_else() -> None:

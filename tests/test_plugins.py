@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from woz_tui.plugins import GROUP, PluginError, installed
+from woz_tui.drivers.plugins import GROUP, PluginError, installed
 
 Package = Callable[[str, str, str], None]
 
@@ -16,7 +16,7 @@ BUNDLED = {"simulated", "dynamixel", "rangefinder", "microphone", "speech"}
 
 WHOLE = """
 from dataclasses import dataclass
-from woz_tui.core.driver import Driver
+from woz_tui.drivers.contract import Driver
 
 @dataclass(frozen=True)
 class Nothing: ...

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 import yaml
 
-from woz_tui import plugins
 from woz_tui.cli import main
-from woz_tui.experiment.decode import load
-from woz_tui.experiment.robot import load_robot
+from woz_tui.config.loading import load
+from woz_tui.config.robots import load_robot
+from woz_tui.drivers import plugins
 
 ROOT = Path(__file__).parents[1]
 GUIDES = {

@@ -11,11 +11,11 @@ import pytest
 
 from tools.sample_session import DEMO, SAMPLE
 from woz_tui import cli
-from woz_tui.core import messages as m
-from woz_tui.experiment.decode import load
-from woz_tui.plugins import installed
-from woz_tui.record.log import Damage, read
-from woz_tui.record.verify import verify
+from woz_tui.config.loading import load
+from woz_tui.drivers.plugins import installed
+from woz_tui.log.log_reader import Damage, read
+from woz_tui.log.verify import verify
+from woz_tui.protocol import messages as m
 
 #: What a reader is to find in it.
 KINDS = {

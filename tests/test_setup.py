@@ -118,7 +118,11 @@ def test_the_wheel_registers_command_and_drivers(packages: tuple[list[str], Path
 def test_the_sdist_has_what_a_packager_needs(packages: tuple[list[str], Path]) -> None:
     names = set(packages[0])
     wanted = {"pyproject.toml", "README.md", "LICENSE", "CHANGELOG.md", "Makefile"}
-    wanted |= {"constraints.txt", "docs/reference/protocol.md", "tests/core/golden/messages.jsonl"}
+    wanted |= {
+        "constraints.txt",
+        "docs/reference/protocol.md",
+        "tests/protocol/golden/messages.jsonl",
+    }
     wanted |= {f"experiments/{name}" for name in tracked("experiments", ".yaml")}
     assert wanted <= names
 

@@ -20,17 +20,17 @@ from woz_drivers.simulated.settings import Settings
 from tests.drivers.body.rig import SteppedBody
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from tools import EXPERIMENTS
-from woz_tui.core import messages as m
-from woz_tui.core import wire
-from woz_tui.core.clock import RealClock
-from woz_tui.core.driver import Driver, DriverContext
-from woz_tui.core.requests import PROTOCOL, Welcome
-from woz_tui.experiment.decode import load
-from woz_tui.host.plan import Shown, plan_of
-from woz_tui.record.recorder import Recorder
-from woz_tui.session.identity import AskError, Identity
-from woz_tui.session.runner import Origin
+from woz_tui.config.loading import load
+from woz_tui.drivers.contract import Driver, DriverContext
+from woz_tui.host.experiment_view import Shown, plan_of
+from woz_tui.log.recorder import Recorder
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.requests import PROTOCOL, Welcome
+from woz_tui.session.action_runner import Origin
+from woz_tui.session.participant_identity import AskError, Identity
 from woz_tui.session.session import Session
+from woz_tui.system.clock import RealClock
 
 LOG = "recordings/2026-03-01T10-00-00_P07_S01.jsonl"
 KEY = Origin("key", "", "con1")
@@ -211,4 +211,4 @@ def _log(session: Session) -> m.AnyMessage:
 
 
 def _raw(lines: Sequence[m.Message]) -> list[msgspec.Raw]:
-    return [msgspec.Raw(wire.encode(line).rstrip()) for line in lines]
+    return [msgspec.Raw(codec.encode(line).rstrip()) for line in lines]

@@ -10,10 +10,10 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from tools import ROOT
-from woz_tui.core import fields
-from woz_tui.core.driver import Driver
-from woz_tui.experiment.settings import Field, fields_of, note, split
-from woz_tui.plugins import installed
+from woz_tui.config.annotated_decoder import Field, fields_of, note, split
+from woz_tui.drivers import fields
+from woz_tui.drivers.contract import Driver
+from woz_tui.drivers.plugins import installed
 
 DRIVERS = ROOT / "drivers" / "woz_drivers"
 _TABLE = re.compile(r"^\| setting \|.*?\n(?!\|)", re.M | re.S)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from html import escape
 
 from tools import replaced
-from woz_tui.console.look import DARK
-from woz_tui.sensing.machine import EDGES, ENGAGED, Edge, State
+from woz_tui.console.theme import DARK
+from woz_tui.sensing.state_machine import EDGES, ENGAGED, Edge, State
 
 WIDTH, HEIGHT = 1280, 600
 #: Where the states stand: the middles of their boxes.

@@ -14,11 +14,11 @@ import yaml
 
 from tools import EXPERIMENTS
 from tools.driver_settings import bundled
-from woz_tui.experiment.actions import ACTION_FIELDS
-from woz_tui.experiment.effects import ENTERED
-from woz_tui.experiment.engagement import SIGNS
-from woz_tui.experiment.schema import experiment_schema
-from woz_tui.experiment.verbs import WAIT, session_verbs
+from woz_tui.config.actions import ACTION_FIELDS
+from woz_tui.config.engagement import SIGNS
+from woz_tui.config.engagement_effects import ENTERED
+from woz_tui.config.json_schema import experiment_schema
+from woz_tui.config.session_verbs import WAIT, session_verbs
 
 #: Whose examples come first: what is read most.
 FIRST = ("interview.yaml", "study.yaml", "demo.yaml", "guide.yaml")

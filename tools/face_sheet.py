@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from tools import IMAGES
-from woz_tui.motion.face import FaceState, draw
-from woz_tui.motion.frames import Frame
-from woz_tui.motion.inputs import EMOTIONS
-from woz_tui.motion.shapes import FaceShape
+from woz_tui.motion.body_shape import FaceShape
+from woz_tui.motion.body_verbs import EMOTIONS
+from woz_tui.motion.face_drawing import FaceState, draw
+from woz_tui.motion.light_frames import Frame
 
 SHEET = IMAGES / "faces.svg"
 SHAPE = FaceShape()

@@ -22,14 +22,14 @@ from rich.segment import Segment
 from tests.console.driving import sitting
 from tools import IMAGES
 from tools.demo_session import INTERVIEW, TALKING, WARM, Step, demo, play, space, welcome
-from woz_tui.console.bodies.pane import pane_rows
+from woz_tui.console.bodies.bodies_pane import pane_rows
 from woz_tui.console.cells import Row
+from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Frame
-from woz_tui.console.look import DARK
-from woz_tui.console.state import ConsoleState
-from woz_tui.core.messages import AnyMessage
-from woz_tui.core.requests import Welcome
-from woz_tui.session.identity import Identity
+from woz_tui.console.theme import DARK
+from woz_tui.protocol.messages import AnyMessage
+from woz_tui.protocol.requests import Welcome
+from woz_tui.session.participant_identity import Identity
 from woz_tui.session.session import Session
 
 #: A cell in the picture's units, and what is left free around them.

@@ -21,13 +21,13 @@ from pathlib import Path
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from tools import EXPERIMENTS
 from tools.demo_session import catalogue
-from woz_tui.core import messages as m
-from woz_tui.core.clock import RealClock
-from woz_tui.experiment.decode import load
-from woz_tui.record import log
-from woz_tui.record.recorder import Recorder
-from woz_tui.session.identity import Identity
+from woz_tui.config.loading import load
+from woz_tui.log import log_reader
+from woz_tui.log.recorder import Recorder
+from woz_tui.protocol import messages as m
+from woz_tui.session.participant_identity import Identity
 from woz_tui.session.session import Session
+from woz_tui.system.clock import RealClock
 
 GUIDE = EXPERIMENTS / "guide.yaml"
 MINUTES = 10.0
@@ -105,7 +105,7 @@ def _host(folder: Path) -> subprocess.Popen[bytes]:
 
 def _read(folder: Path) -> list[m.AnyMessage]:
     [first] = sorted(folder.glob("*_S01.jsonl"))
-    lines = log.read(first, places=[folder, folder / SPILL])
+    lines = log_reader.read(first, places=[folder, folder / SPILL])
     return [line.message for line in lines if line.message is not None]
 
 

@@ -8,7 +8,7 @@ from typing import Any, get_args
 import msgspec
 
 from tools import replaced
-from woz_tui.core.messages import AnyMessage, Message
+from woz_tui.protocol.messages import AnyMessage, Message
 
 #: Unit (empty: none) and meaning of every field, by name: one name means one thing everywhere.
 FIELDS: dict[str, tuple[str, str]] = {

@@ -22,8 +22,8 @@ import msgspec
 from tests.console.scripted import ScriptedFeed
 from tools import EXPERIMENTS, IMAGES
 from tools.screenshots import Shot, shoot
-from woz_tui.cli.launch import Launch
-from woz_tui.core.requests import Welcome
+from woz_tui.cli.host_start import Launch
+from woz_tui.protocol.requests import Welcome
 
 EXPERIMENT = EXPERIMENTS / "pepper.yaml"
 #: Seconds from the beginning, and what the wizard asks for then.

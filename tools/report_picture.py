@@ -18,10 +18,10 @@ from PIL import Image
 from tests.analysis.html.browser import Page, browser
 from tools import IMAGES
 from tools.sample_session import SAMPLE
-from woz_tui.analysis.html.items import rows
-from woz_tui.analysis.html.page import write
-from woz_tui.analysis.report import Report
-from woz_tui.analysis.session import Wanted, examine
+from woz_tui.analysis.html.report_page import write
+from woz_tui.analysis.html.timeline_items import rows
+from woz_tui.analysis.session_reading import Wanted, examine
+from woz_tui.analysis.session_report import Report
 
 FILE = IMAGES / "report.png"
 WIDTH, HEIGHT = 1280, 960

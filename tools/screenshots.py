@@ -19,21 +19,21 @@ from tests.console import bodies, scenes, studied
 from tests.console.scripted import ScriptedFeed
 from tools import IMAGES, demo_session
 from woz_tui.console.app import Console
-from woz_tui.console.feed import Feed
 from woz_tui.console.glyphs import ASCII, UNICODE
 from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.look import Look
-from woz_tui.console.replay.app import ReplayConsole
-from woz_tui.console.replay.commands import ReplayKeyboard
-from woz_tui.core import messages as m
-from woz_tui.core.clock import ManualClock
-from woz_tui.core.requests import AnyRequest, Welcome
-from woz_tui.host.plan import Shown, plan_for_log
-from woz_tui.record.index import LogIndex
-from woz_tui.replay.opened import IndexedSamples
+from woz_tui.console.message_feed import Feed
+from woz_tui.console.replay.replay_app import ReplayConsole
+from woz_tui.console.replay.replay_commands import ReplayKeyboard
+from woz_tui.console.theme import Look
+from woz_tui.host.experiment_view import Shown, plan_for_log
+from woz_tui.log.log_index import LogIndex
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.requests import AnyRequest, Welcome
+from woz_tui.replay.opened_log import IndexedSamples
 from woz_tui.replay.player import Player, Start
-from woz_tui.replay.reel import Reel
+from woz_tui.replay.recording import Reel
 from woz_tui.session.session import Session
+from woz_tui.system.clock import ManualClock
 
 
 @dataclass(frozen=True)

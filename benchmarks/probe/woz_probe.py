@@ -16,10 +16,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
-from woz_tui.core.driver import Argument, DriverContext, Health, Job, PassiveDriver, Scope, Verb
-from woz_tui.core.fields import Doc
-from woz_tui.core.messages import Json
+from woz_tui.drivers.contract import (
+    Argument,
+    DriverContext,
+    Health,
+    Job,
+    PassiveDriver,
+    Scope,
+    Verb,
+)
+from woz_tui.drivers.fields import Doc
 from woz_tui.motion.setpoints import SEEN, Seen
+from woz_tui.protocol.messages import Json
 
 READINGS_HZ = 30
 FRAMES_HZ = 32

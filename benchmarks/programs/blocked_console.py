@@ -12,11 +12,11 @@ import sys
 import time
 from pathlib import Path
 
-from woz_tui.cli.screen import favour_keys
+from woz_tui.cli.console_start import favour_keys
 from woz_tui.console.app import Console
+from woz_tui.console.host_connection import Link
 from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.link import Link
-from woz_tui.console.terminal import WizardDriver
+from woz_tui.console.wizard_terminal import WizardDriver
 
 BLOCKED_S = 1.0
 #: Between two blocks the loop may run so long.

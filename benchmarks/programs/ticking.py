@@ -52,9 +52,9 @@ def keep(journal: Path, step: Callable[[float], object]) -> ThreadTicker:
 
 def engine_step(experiment: Path) -> Callable[[float], object]:
     """A tick of the experiment's body, which always plays something."""
-    from woz_tui.experiment.decode import load  # noqa: PLC0415 - the bare loop needs none of it
+    from woz_tui.config.loading import load  # noqa: PLC0415 - the bare loop needs none of it
+    from woz_tui.drivers.plugins import installed  # noqa: PLC0415
     from woz_tui.motion.engine import Engine  # noqa: PLC0415
-    from woz_tui.plugins import installed  # noqa: PLC0415
 
     drivers = load(experiment, installed()).drivers
     settings = next(spec.settings for spec in drivers if isinstance(spec.settings, Settings))
@@ -69,11 +69,11 @@ def engine_step(experiment: Path) -> Callable[[float], object]:
 
 def console(socket: Path) -> None:
     """The console, until it is killed."""
-    from woz_tui.cli.screen import favour_keys  # noqa: PLC0415
+    from woz_tui.cli.console_start import favour_keys  # noqa: PLC0415
     from woz_tui.console.app import Console  # noqa: PLC0415
+    from woz_tui.console.host_connection import Link  # noqa: PLC0415
     from woz_tui.console.keyboard import Keyboard  # noqa: PLC0415
-    from woz_tui.console.link import Link  # noqa: PLC0415
-    from woz_tui.console.terminal import WizardDriver  # noqa: PLC0415
+    from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
 
     link = Link(socket)
     favour_keys()

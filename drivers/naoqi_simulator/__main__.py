@@ -2,6 +2,6 @@
 
 import sys
 
-from naoqi_simulator.process import main
+from naoqi_simulator.simulator_process import main
 
 sys.exit(main())

@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 
-from naoqi_simulator.table import Refused, Service, offers
+from naoqi_simulator.service_table import Refused, Service, offers
 from naoqi_simulator.world import World
 
 #: Seconds that a second animation waits for the body before it gives up.

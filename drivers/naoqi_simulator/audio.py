@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from naoqi_simulator.table import Refused, Service, offers
+from naoqi_simulator.service_table import Refused, Service, offers
 from naoqi_simulator.visitor import Person
 from naoqi_simulator.world import World
 

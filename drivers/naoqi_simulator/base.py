@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from naoqi_simulator.motion import Joints
-from naoqi_simulator.table import Refused, offers
+from naoqi_simulator.service_table import Refused, offers
 from naoqi_simulator.world import World
 
 #: NAOqi's own figures for MaxVelXY (m/s) and MaxVelTheta (rad/s) on Pepper, when nothing is set.

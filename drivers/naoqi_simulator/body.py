@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from naoqi_simulator.joints import BREATHING, JOINTS, POSTURES, clip
-from naoqi_simulator.passing import Time
+from naoqi_simulator.robot_time import Time
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ import asyncio
 from dataclasses import dataclass
 from typing import Any
 
-from naoqi_simulator.table import Refused, Service, offers
+from naoqi_simulator.service_table import Refused, Service, offers
 from naoqi_simulator.visitor import HALF_ACROSS, HALF_UPRIGHT, Person
 from naoqi_simulator.world import World
 

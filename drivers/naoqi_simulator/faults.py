@@ -14,8 +14,8 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from naoqi_simulator.passing import Time
-from naoqi_simulator.table import Method, Refused, Service
+from naoqi_simulator.robot_time import Time
+from naoqi_simulator.service_table import Method, Refused, Service
 
 #: Faults that last until they are cleared, or for some seconds; `NAME:DETAIL` where one is needed.
 LASTING = ("invalid-signature", "slow", "refuse", "says-no", "deaf", "moody")

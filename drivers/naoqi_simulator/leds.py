@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from typing import Any
 
-from naoqi_simulator.table import Refused, Service, offers
+from naoqi_simulator.service_table import Refused, Service, offers
 from naoqi_simulator.world import World
 
 _EYES = tuple(f"{side}FaceLed{number}" for side in ("Right", "Left") for number in range(1, 9))

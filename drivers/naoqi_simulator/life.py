@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from naoqi_simulator.base import Motion
-from naoqi_simulator.table import Refused, Service, offers
+from naoqi_simulator.service_table import Refused, Service, offers
 from naoqi_simulator.world import World
 
 STATES = ("solitary", "interactive", "safeguard", "disabled")

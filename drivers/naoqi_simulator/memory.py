@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, ClassVar
 
-from naoqi_simulator.table import Refused, Service, offers
+from naoqi_simulator.service_table import Refused, Service, offers
 from naoqi_simulator.world import World, flat
 
 

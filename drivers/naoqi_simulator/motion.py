@@ -6,7 +6,7 @@ import asyncio
 from typing import Any
 
 from naoqi_simulator.joints import BREATHING, JOINTS, SET_STIFF, expand
-from naoqi_simulator.table import Refused, Service, offers
+from naoqi_simulator.service_table import Refused, Service, offers
 from naoqi_simulator.world import World, flat
 
 #: Seconds that waking up and resting take.

@@ -16,12 +16,12 @@ from naoqi_simulator.memory import Memory
 from naoqi_simulator.posture import Postures
 from naoqi_simulator.recognition import SpeechRecognition
 from naoqi_simulator.senses import Senses
+from naoqi_simulator.service_table import Service
 from naoqi_simulator.sounds import AudioPlayer, AudioRecorder, Disk
 from naoqi_simulator.speech import AnimatedSpeech, TextToSpeech, Voice
-from naoqi_simulator.standin import Knobs, StandIn
 from naoqi_simulator.system import Battery, System
-from naoqi_simulator.table import Service
 from naoqi_simulator.tablet import Tablet
+from naoqi_simulator.test_service import Knobs, StandIn
 from naoqi_simulator.world import World
 
 #: Seconds of the robot between two looks at what has changed.

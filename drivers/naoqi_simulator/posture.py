@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from naoqi_simulator.joints import POSTURES
-from naoqi_simulator.table import Refused, Service, offers
+from naoqi_simulator.service_table import Refused, Service, offers
 from naoqi_simulator.world import World
 
 

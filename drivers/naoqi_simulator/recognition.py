@@ -7,7 +7,7 @@ import re
 from typing import Any
 
 from naoqi_simulator.senses import Extractor
-from naoqi_simulator.table import Refused, offers
+from naoqi_simulator.service_table import Refused, offers
 from naoqi_simulator.visitor import Person, reply, speaking_s
 from naoqi_simulator.world import World
 

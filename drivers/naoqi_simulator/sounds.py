@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from naoqi_simulator.audio import block
-from naoqi_simulator.table import Refused, Service, offers
+from naoqi_simulator.service_table import Refused, Service, offers
 from naoqi_simulator.web import fetch
 from naoqi_simulator.world import World, flat
 

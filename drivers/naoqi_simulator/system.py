@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from naoqi_simulator.table import Service, offers
+from naoqi_simulator.service_table import Service, offers
 from naoqi_simulator.world import World
 
 #: Percent that the battery loses in an hour awake: from 100 to 0 in the 12 hours the maker names.

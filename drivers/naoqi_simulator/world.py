@@ -10,8 +10,8 @@ from typing import Any, Protocol
 
 from naoqi_simulator.body import Body
 from naoqi_simulator.faults import Desk, Faults
-from naoqi_simulator.passing import Going, Time
-from naoqi_simulator.store import Store
+from naoqi_simulator.memory_store import Store
+from naoqi_simulator.robot_time import Going, Time
 from naoqi_simulator.visitor import Person, Visitors
 
 

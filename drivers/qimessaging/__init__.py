@@ -15,7 +15,7 @@ from qimessaging.errors import (
     ServiceLost,
     TimedOut,
 )
-from qimessaging.hosting import Hosted, Method, Property, Signal
+from qimessaging.hosted_objects import Hosted, Method, Property, Signal
 from qimessaging.registering import Registration
 from qimessaging.remote import RemoteObject
 from qimessaging.server import Server

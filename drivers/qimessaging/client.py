@@ -8,6 +8,7 @@ import ssl
 from collections.abc import Callable
 from typing import Any, Final, Self
 
+from qimessaging.authentication import WayIn
 from qimessaging.connection import Connection
 from qimessaging.directory import MACHINE
 from qimessaging.endpoints import (
@@ -26,9 +27,8 @@ from qimessaging.errors import (
     ServiceLost,
     TimedOut,
 )
-from qimessaging.handshake import WayIn
-from qimessaging.host import Host
-from qimessaging.hosting import Hosted
+from qimessaging.hosted_objects import Hosted
+from qimessaging.object_host import Host
 from qimessaging.registering import Listener, Registration, describe, register
 from qimessaging.remote import RemoteObject, Unsubscribe
 

@@ -14,7 +14,7 @@ from typing import Any, Final
 from qimessaging.connection import Connection
 from qimessaging.endpoints import DIRECTORY, Endpoint, ServiceInfo
 from qimessaging.errors import Refused
-from qimessaging.hosting import Hosted, Method, Signal
+from qimessaging.hosted_objects import Hosted, Method, Signal
 
 #: The directory's own number; services have higher ones.
 NUMBER: Final = 1

@@ -16,7 +16,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import Final
 
-from qimessaging import handshake
+from qimessaging import authentication
 from qimessaging.connection import CAPABILITIES, Connection
 from qimessaging.decoding import decode
 from qimessaging.directory import MACHINE
@@ -24,8 +24,8 @@ from qimessaging.encoding import encode
 from qimessaging.endpoints import Endpoint, ServiceInfo
 from qimessaging.errors import ConnectionLost, ProtocolError, QiError, Refused
 from qimessaging.frames import LONGEST, Frame, Kind
-from qimessaging.host import Host
-from qimessaging.hosting import Hosted
+from qimessaging.hosted_objects import Hosted
+from qimessaging.object_host import Host
 from qimessaging.remote import RemoteObject
 from qimessaging.signature import parse_members
 
@@ -162,7 +162,7 @@ class Listener:
                 self._turn_away(connection, frame, "Expected authentication")
 
     def _greet(self, connection: Connection, frame: Frame) -> None:
-        if frame.kind != Kind.CALL or frame.action != handshake.AUTHENTICATE:
+        if frame.kind != Kind.CALL or frame.action != authentication.AUTHENTICATE:
             self._turn_away(connection, frame, "Expected authentication")
             return
         try:
@@ -172,7 +172,7 @@ class Listener:
             return
         connection.learn(said)
         if connection not in self._entered and self._authenticator is not None:
-            user, token = said.get(handshake.USER, ""), said.get(handshake.TOKEN, "")
+            user, token = said.get(authentication.USER, ""), said.get(authentication.TOKEN, "")
             if not self._authenticator(str(user), str(token)):
                 self._turn_away(connection, frame, "Authentication failed: wrong name or token")
                 return
@@ -188,5 +188,7 @@ class Listener:
 def _welcome() -> bytes:
     """Return our capabilities and that the login is done; the state is an `I`, as libqi's."""
     parts = [encode("s", name) + encode("m", value) for name, value in CAPABILITIES.items()]
-    parts.append(encode("s", handshake.STATE) + encode("s", "I") + encode("I", handshake.DONE))
+    parts.append(
+        encode("s", authentication.STATE) + encode("s", "I") + encode("I", authentication.DONE)
+    )
     return encode("I", len(parts)) + b"".join(parts)

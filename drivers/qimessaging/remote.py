@@ -9,12 +9,12 @@ from collections.abc import Awaitable, Callable
 from typing import Any, Final
 
 from qimessaging import metaobject
+from qimessaging.authentication import error_text
 from qimessaging.connection import Connection
 from qimessaging.decoding import Decoder
 from qimessaging.encoding import encode
 from qimessaging.errors import Cancelled, ProtocolError, Refused, RemoteError
 from qimessaging.frames import DYNAMIC_PAYLOAD, Frame, Kind
-from qimessaging.handshake import error_text
 from qimessaging.metaobject import MetaMethod, MetaObject, MetaSignal
 from qimessaging.signature import Type, parse, parse_members
 

@@ -25,8 +25,8 @@ from qimessaging.directory import Directory
 from qimessaging.endpoints import Endpoint
 from qimessaging.errors import Refused
 from qimessaging.frames import LONGEST
-from qimessaging.host import Host
-from qimessaging.hosting import Hosted, Member, Method, Property, Signal
+from qimessaging.hosted_objects import Hosted, Member, Method, Property, Signal
+from qimessaging.object_host import Host
 from qimessaging.registering import Authenticator, Listener
 from qimessaging.remote import WITHIN, RemoteObject
 

@@ -7,10 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from woz_drivers import child
-from woz_drivers.child import Child
-from woz_tui.core.clock import Clock
-from woz_tui.core.driver import DriverError
+from woz_drivers import child_process
+from woz_drivers.child_process import Child
+from woz_tui.drivers.contract import DriverError
+from woz_tui.system.clock import Clock
 
 #: Pauses before a dead command is started again, in seconds: doubled each time up to the limit,
 #: back to the first after it has run well for a while.
@@ -114,7 +114,7 @@ class ByteStream:
         self._held = False
         self._bytes = 0
         self._started_us = self._heard_us = self._clock.now_us()
-        running = await child.start(command.words, command.folder, on_output=self._heard)
+        running = await child_process.start(command.words, command.folder, on_output=self._heard)
         self._child = running
         try:
             stuck = await self._until_end(running)

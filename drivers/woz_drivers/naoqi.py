@@ -2,7 +2,7 @@
 
 import sys
 
-from naoqi_simulator.process import main
+from naoqi_simulator.simulator_process import main
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import serial
 
-from woz_tui.core.driver import DeviceLostError
+from woz_tui.drivers.contract import DeviceLostError
 
 #: A missing or occupied port is tried again this often, in seconds.
 POLL_S = 0.5

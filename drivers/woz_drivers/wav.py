@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from woz_drivers import sound
+from woz_drivers import pcm_audio
 
 _PCM, _FLOAT, _EXTENSIBLE = 0x0001, 0x0003, 0xFFFE
 _NAMES: Mapping[tuple[int, int], str] = {
@@ -40,18 +40,18 @@ class Wav:
     @property
     def seconds(self) -> float:
         """How long it plays."""
-        return len(self.data) / (self.rate * self.channels * sound.FORMATS[self.format].width)
+        return len(self.data) / (self.rate * self.channels * pcm_audio.FORMATS[self.format].width)
 
     def at(self, volume: float) -> Wav:
         """The same at `volume`, 0 to 1."""
-        samples = sound.decode(self.data, self.format, self.channels)
-        data = sound.encode((samples * volume).astype(np.float32), self.format)
+        samples = pcm_audio.decode(self.data, self.format, self.channels)
+        data = pcm_audio.encode((samples * volume).astype(np.float32), self.format)
         return Wav(self.format, self.rate, self.channels, data)
 
     def to_bytes(self) -> bytes:
         """A whole file with a plain header and true lengths."""
-        width = sound.FORMATS[self.format].width
-        tag = _FLOAT if sound.FORMATS[self.format].floating else _PCM
+        width = pcm_audio.FORMATS[self.format].width
+        tag = _FLOAT if pcm_audio.FORMATS[self.format].floating else _PCM
         frame = width * self.channels
         shape = struct.pack(
             "<HHIIHH", tag, self.channels, self.rate, self.rate * frame, frame, 8 * width
@@ -77,7 +77,7 @@ def parse(content: bytes) -> Wav:
             if shape is None:
                 raise NoWav("its sound comes before its format")
             format_, rate, channels = shape
-            frame = sound.FORMATS[format_].width * channels
+            frame = pcm_audio.FORMATS[format_].width * channels
             return Wav(format_, rate, channels, body[: len(body) // frame * frame])
         position += 8 + size + size % 2
     raise NoWav("it holds no sound")

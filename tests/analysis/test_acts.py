@@ -6,7 +6,7 @@ import msgspec
 
 from tests.analysis.told import SECOND, Told, figures_of, in_time, seconds
 from woz_tui.analysis.figures import Outcomes, SessionFigures
-from woz_tui.core import messages as m
+from woz_tui.protocol import messages as m
 
 
 def told(it: Told) -> SessionFigures:

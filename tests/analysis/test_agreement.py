@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.analysis.told import SECOND, Told, in_time
-from woz_tui.analysis.agreement import Agreement, agreements, binned, stretches
-from woz_tui.core import messages as m
-from woz_tui.record.coding import Code
+from woz_tui.analysis.coder_agreement import Agreement, agreements, binned, stretches
+from woz_tui.log.coding_file import Code
+from woz_tui.protocol import messages as m
 from woz_tui.timeline.timeline import timeline_of
 
 #: J. L. Fleiss, B. Levin, M. C. Paik, Statistical Methods for Rates and Proportions, 3rd edition,

@@ -13,19 +13,19 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tests.analysis.told import STEM, drawn, figures_of
-from tests.core.examples import messages as examples
-from woz_tui.analysis import plain
+from tests.protocol.examples import messages as examples
+from woz_tui.analysis import figures_json
+from woz_tui.analysis.csv_package import table_files
+from woz_tui.analysis.event_rows import CUE_RESULTS
+from woz_tui.analysis.figure_counting import Options
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.gather import Options
-from woz_tui.analysis.html.page import render
-from woz_tui.analysis.methods import paragraphs
-from woz_tui.analysis.report import Report
-from woz_tui.analysis.rows import CUE_RESULTS
-from woz_tui.analysis.session import NoSessionError, Wanted, examine
-from woz_tui.analysis.study import Studies
-from woz_tui.analysis.tidy import table_files
-from woz_tui.core import messages as m
-from woz_tui.core import wire
+from woz_tui.analysis.html.report_page import render
+from woz_tui.analysis.methods_section import paragraphs
+from woz_tui.analysis.session_reading import NoSessionError, Wanted, examine
+from woz_tui.analysis.session_report import Report
+from woz_tui.analysis.study_figures import Studies
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
 
 #: Messages of every kind, at any time, in any order.
 ANY = st.lists(
@@ -85,7 +85,7 @@ def timed(course: list[tuple[m.AnyMessage, int]]) -> list[m.AnyMessage]:
 
 def used(figures: SessionFigures, report: Report) -> None:
     """All that is made of figures."""
-    json.dumps(plain.session(figures), allow_nan=False)
+    json.dumps(figures_json.session(figures), allow_nan=False)
     studies = Studies()
     studies.add(figures)
     for facts in studies.found.values():
@@ -150,7 +150,7 @@ def test_leaving_trials_out_only_takes_away(course: list[tuple[m.AnyMessage, int
     assert some.whole.us <= every.whole.us
     left_out = [trial for trial in every.trials if not trial.counted]
     if not left_out:
-        assert plain.plain(some.whole) == plain.plain(every.whole)
+        assert figures_json.plain(some.whole) == figures_json.plain(every.whole)
 
 
 @settings(max_examples=30, deadline=None)
@@ -165,7 +165,7 @@ def test_what_tells_nothing_changes_nothing(
         if rnd.random() < 0.3:
             more.append(m.ClockTie(seq=message.seq, t=message.t, wall="x"))
             more.append(m.FaceShown(t=message.t, width=1, rows="", emotion="", intensity=0.0))
-    assert plain.session(figures_of(more)) == plain.session(figures_of(messages))
+    assert figures_json.session(figures_of(more)) == figures_json.session(figures_of(messages))
 
 
 @settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -173,7 +173,7 @@ def test_what_tells_nothing_changes_nothing(
 def test_a_damaged_log_raises_nothing_and_tells_so(
     course: list[tuple[m.AnyMessage, int]], wounds: list[tuple[int, str]]
 ) -> None:
-    data = bytearray(b"".join(map(wire.encode, timed(course))))
+    data = bytearray(b"".join(map(codec.encode, timed(course))))
     for where, wound in wounds:
         if not data:
             break

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from tests.analysis.told import SECOND, Told, figures_of, in_time
+from woz_tui.analysis.figure_counting import Options
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.gather import Options
-from woz_tui.core import messages as m
-from woz_tui.core.settings import DesignView, Questionnaire, Settings, StudySettings
-from woz_tui.core.views import ActionView, PanelView
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.panels import ActionView, PanelView
+from woz_tui.protocol.welcome import DesignView, Questionnaire, Settings, StudySettings
 
 
 def told(it: Told, *, all_trials: bool = False) -> SessionFigures:

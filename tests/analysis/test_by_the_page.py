@@ -9,12 +9,12 @@ from typing import Any
 import pytest
 
 from tests.analysis.told import SECOND, STEM, Told, figures_of, in_time, seconds
+from woz_tui.analysis.figure_counting import Options
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.gather import Options
-from woz_tui.analysis.session import examine
-from woz_tui.analysis.sources import sessions_in
-from woz_tui.analysis.wholeness import NO_BEGINNING
-from woz_tui.core import messages as m
+from woz_tui.analysis.log_integrity import NO_BEGINNING
+from woz_tui.analysis.session_reading import examine
+from woz_tui.analysis.session_sources import sessions_in
+from woz_tui.protocol import messages as m
 
 SETTINGS = m.EngagementAdopted(settings={"start": "run"})
 

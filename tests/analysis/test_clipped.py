@@ -12,13 +12,13 @@ import pytest
 
 from tests.analysis.told import SECOND, Told, figures_of, in_time
 from tests.export.out import exported
+from woz_tui.analysis.csv_package import table_files
+from woz_tui.analysis.figure_counting import Options
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.gather import Options
-from woz_tui.analysis.groups import Grouped
-from woz_tui.analysis.methods import paragraphs
-from woz_tui.analysis.study import Studies
-from woz_tui.analysis.tidy import table_files
-from woz_tui.core import messages as m
+from woz_tui.analysis.methods_section import paragraphs
+from woz_tui.analysis.participant_groups import Grouped
+from woz_tui.analysis.study_figures import Studies
+from woz_tui.protocol import messages as m
 
 ON = m.EngagementAdopted(settings={"start": "run"})
 

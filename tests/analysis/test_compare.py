@@ -10,9 +10,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from woz_tui.analysis.alignment import align, rising
-from woz_tui.analysis.compare import BY_COMMANDS, BY_NAMES, Pair, compare, facts, shifts_of
-from woz_tui.analysis.played import Act, Played, played
-from woz_tui.core import messages as m
+from woz_tui.analysis.played_actions import Act, Played, played
+from woz_tui.analysis.session_comparison import (
+    BY_COMMANDS,
+    BY_NAMES,
+    Pair,
+    compare,
+    facts,
+    shifts_of,
+)
+from woz_tui.protocol import messages as m
 
 NAMES = st.sampled_from(["Hello", "Nod", "Map", "Bye"])
 SEQUENCES = st.lists(NAMES, max_size=25)

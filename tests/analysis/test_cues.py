@@ -5,11 +5,11 @@ from __future__ import annotations
 from msgspec.structs import replace
 
 from tests.analysis.told import SECOND, Told, figures_of, in_time, seconds
-from tests.core.examples import messages as examples
+from tests.protocol.examples import messages as examples
+from woz_tui.analysis.figure_counting import Options
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.gather import Options
-from woz_tui.core import messages as m
-from woz_tui.core.views import ActionView, PanelView
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.panels import ActionView, PanelView
 
 
 def told(it: Told, options: Options | None = None) -> SessionFigures:

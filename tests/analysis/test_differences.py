@@ -11,14 +11,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.analysis.told import SECOND, Told, drawn, figures_of, in_time
-from woz_tui.analysis.differences import by_trial
+from woz_tui.analysis.csv_package import table_files
+from woz_tui.analysis.figure_counting import Options
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.gather import Options
 from woz_tui.analysis.measures import measured
-from woz_tui.analysis.session import examine
-from woz_tui.analysis.tidy import table_files
-from woz_tui.core import messages as m
-from woz_tui.core.messages import Json
+from woz_tui.analysis.session_reading import examine
+from woz_tui.analysis.setting_differences import by_trial
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
 
 LOST = m.DriverLost(driver="pepper", detail="no answer")
 BACK = m.DriverConnected(driver="pepper")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tests.analysis.told import SECOND, Told, figures_of, in_time, seconds
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.core import messages as m
+from woz_tui.protocol import messages as m
 
 SETTINGS = m.EngagementAdopted(settings={"start": "run"})
 

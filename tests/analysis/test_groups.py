@@ -10,15 +10,15 @@ from pathlib import Path
 import pytest
 
 from tests.analysis.told import SECOND, Told, figures_of, in_time, study
-from woz_tui.analysis import plain
+from woz_tui.analysis import figures_json
+from woz_tui.analysis.csv_package import table_files
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.groups import Grouped, Row, totals
 from woz_tui.analysis.measures import MEASURES
-from woz_tui.analysis.session import examine
+from woz_tui.analysis.participant_groups import Grouped, Row, totals
+from woz_tui.analysis.session_reading import examine
 from woz_tui.analysis.tables import rounded
-from woz_tui.analysis.tidy import table_files
-from woz_tui.core import messages as m
-from woz_tui.core.cleaning import cell
+from woz_tui.protocol import messages as m
+from woz_tui.system.text_cleaning import cell
 
 
 def sessions(folder: Path) -> list[SessionFigures]:
@@ -123,11 +123,11 @@ def test_scales_have_means_over_participants() -> None:
 
 def test_figures_can_be_said_in_json(tmp_path: Path) -> None:
     figures = sessions(tmp_path)[0]
-    told = json.loads(json.dumps(plain.session(figures), allow_nan=False))
+    told = json.loads(json.dumps(figures_json.session(figures), allow_nan=False))
     assert told["whole"]["main"]["reaction_median_s"] == 2.0
     assert told["whole"]["press"]["n"] == 2
     assert told["cues"][0]["reaction_us"] == SECOND
-    [experiment] = json.loads(json.dumps(plain.grouped(grouped(tmp_path)), allow_nan=False))
+    [experiment] = json.loads(json.dumps(figures_json.grouped(grouped(tmp_path)), allow_nan=False))
     assert experiment["conditions"][0]["values"]["wizard_actions"]["mean"] == 1.0
 
 

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.analysis.told import SECOND, Told, drawn, in_time
-from woz_tui.analysis.lanes import PLACES, Curves, Lane, in_words
-from woz_tui.core import messages as m
+from woz_tui.analysis.timeline_lanes import PLACES, Curves, Lane, in_words
+from woz_tui.protocol import messages as m
 
 
 def lanes(it: Told) -> dict[str, Lane]:

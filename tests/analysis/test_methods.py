@@ -6,14 +6,14 @@ import re
 from pathlib import Path
 
 from tests.analysis.told import SECOND, Told, figures_of, in_time, study
+from woz_tui.analysis.english_lists import listed, some, times
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.grammar import listed, some, times
-from woz_tui.analysis.methods import paragraphs
-from woz_tui.analysis.session import examine
-from woz_tui.analysis.study import Facts, Studies
-from woz_tui.core import messages as m
-from woz_tui.core.settings import Settings
-from woz_tui.core.views import ActionView, PanelView
+from woz_tui.analysis.methods_section import paragraphs
+from woz_tui.analysis.session_reading import examine
+from woz_tui.analysis.study_figures import Facts, Studies
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.panels import ActionView, PanelView
+from woz_tui.protocol.welcome import Settings
 
 
 def facts(*sessions: SessionFigures) -> Facts:

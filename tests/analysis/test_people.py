@@ -9,17 +9,17 @@ from pathlib import Path
 import pytest
 
 from tests.analysis.told import SECOND, STEM, Told, figures_of, in_time
-from woz_tui.analysis import plain
+from woz_tui.analysis import figures_json
+from woz_tui.analysis.csv_package import table_files
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.groups import Grouped
-from woz_tui.analysis.html.page import render
-from woz_tui.analysis.methods import paragraphs
-from woz_tui.analysis.session import Wanted, examine
-from woz_tui.analysis.study import Facts, Studies
-from woz_tui.analysis.tidy import table_files
-from woz_tui.cli.report_many import show
-from woz_tui.cli.report_page import page
-from woz_tui.core import messages as m
+from woz_tui.analysis.html.report_page import render
+from woz_tui.analysis.methods_section import paragraphs
+from woz_tui.analysis.participant_groups import Grouped
+from woz_tui.analysis.session_reading import Wanted, examine
+from woz_tui.analysis.study_figures import Facts, Studies
+from woz_tui.cli.report_layout import page
+from woz_tui.cli.report_sessions import show
+from woz_tui.protocol import messages as m
 
 MARKER = m.Marker(text="x", source="key")
 
@@ -81,7 +81,7 @@ def test_totals_are_of_those_who_took_part() -> None:
     assert (acts.n, acts.mean, acts.sd) == (1, 2.0, None)
     assert (length.n, length.mean) == (1, 60.0)
     assert warm.values["cues_missed"].mean == 0
-    [told_so] = plain.grouped(found)[0]["conditions"]
+    [told_so] = figures_json.grouped(found)[0]["conditions"]
     assert (told_so["participants"], told_so["values"]["wizard_actions"]["n"]) == (1, 1)
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from tests.analysis.test_clipped import ON, tables, told
 from tests.analysis.told import SECOND, Told, drawn, figures_of, in_time
-from woz_tui.core import messages as m
+from woz_tui.protocol import messages as m
 
 
 def talk() -> Told:

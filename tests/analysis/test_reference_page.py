@@ -7,13 +7,13 @@ from dataclasses import fields
 from pathlib import Path
 
 from tools.tables_reference import TABLES
-from woz_tui.analysis.acts import BY_MACHINE
-from woz_tui.analysis.cues import ECHO_US, WAITING, WINDOW_US
+from woz_tui.analysis.cue_responses import ECHO_US, WAITING, WINDOW_US
+from woz_tui.analysis.event_rows import CUE_RESULTS, CUE_TYPES
 from woz_tui.analysis.figures import Part
+from woz_tui.analysis.manual_actions import BY_MACHINE
 from woz_tui.analysis.measures import MEASURES
-from woz_tui.analysis.rows import CUE_RESULTS, CUE_TYPES
 from woz_tui.analysis.tables import CONDITIONS
-from woz_tui.sensing.machine import ENGAGED
+from woz_tui.sensing.state_machine import ENGAGED
 from woz_tui.timeline.episodes import NOT_COUNTED
 
 DOCS = Path(__file__).parents[2] / "docs" / "reference"

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.analysis.series import Series, mean_and_sd, quantile
-from woz_tui.timeline.state import LONGEST
+from woz_tui.analysis.durations import Series, mean_and_sd, quantile
+from woz_tui.timeline.session_state import LONGEST
 
 TIMES = st.lists(st.integers(0, 10**9), min_size=2, max_size=60)
 

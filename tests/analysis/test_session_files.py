@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 
 from tests.analysis.told import SECOND, STEM, Told
-from woz_tui.analysis.session import NoSessionError, Wanted, examine
-from woz_tui.analysis.sources import sessions_in
-from woz_tui.core import messages as m
-from woz_tui.core import wire
-from woz_tui.record.files import NO_END
+from woz_tui.analysis.session_reading import NoSessionError, Wanted, examine
+from woz_tui.analysis.session_sources import sessions_in
+from woz_tui.log.log_files import NO_END
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
 
-GOLDEN = Path(__file__).parents[1] / "record" / "golden"
+GOLDEN = Path(__file__).parents[1] / "log" / "golden"
 
 
 def short() -> Told:
@@ -62,7 +62,7 @@ def test_a_second_segment_is_part_of_it_and_tells_why(tmp_path: Path) -> None:
         dropped_samples=9,
     )  # fmt: skip
     second = tmp_path / f"{STEM}.2.jsonl"
-    second.write_bytes(wire.encode(segment) + b"".join(lines[6:]))
+    second.write_bytes(codec.encode(segment) + b"".join(lines[6:]))
     for path in (first, second):
         figures = examine(path, places=[]).figures
         assert figures.whole.actions == 3
@@ -106,7 +106,7 @@ def test_what_is_no_log_is_named(tmp_path: Path) -> None:
 def test_curves_come_from_samples(tmp_path: Path) -> None:
     path = short().written(tmp_path)
     sample = m.Reading(seq=99, t=2_000_000, sensor="loudness", value=0.5)
-    (tmp_path / f"{STEM}.samples.jsonl").write_bytes(wire.encode(sample))
+    (tmp_path / f"{STEM}.samples.jsonl").write_bytes(codec.encode(sample))
     timeline = examine(path, wanted=Wanted(curves=True), places=[]).timeline
     assert timeline is not None
     assert [(curve.sensor, curve.values[-1]) for curve in timeline.curves] == [("loudness", 0.5)]
@@ -161,7 +161,7 @@ def test_a_segment_elsewhere_belongs_to_its_session(tmp_path: Path) -> None:
     spill = tmp_path / "spill"
     spill.mkdir()
     alone = spill / f"{STEM}.2.jsonl"
-    alone.write_bytes(wire.encode(m.Segment(log=STEM, session="S01", number=2)))
+    alone.write_bytes(codec.encode(m.Segment(log=STEM, session="S01", number=2)))
     assert sessions_in([str(spill), str(one)]) == ([one], [])
     assert sessions_in([str(spill)]) == ([alone], [])
 
@@ -169,7 +169,7 @@ def test_a_segment_elsewhere_belongs_to_its_session(tmp_path: Path) -> None:
 def test_a_sample_behind_the_last_action_is_no_time_of_the_session(tmp_path: Path) -> None:
     path = Told().act(1).end(9).written(tmp_path)
     late = m.Reading(seq=99, t=20 * SECOND, sensor="distance", value=1.0)
-    path.with_suffix(".samples.jsonl").write_bytes(wire.encode(late))
+    path.with_suffix(".samples.jsonl").write_bytes(codec.encode(late))
     drawn = examine(path, wanted=Wanted(timeline=True, curves=True))
     assert drawn.figures.duration_us == examine(path).figures.duration_us == 9 * SECOND
     assert drawn.timeline is not None

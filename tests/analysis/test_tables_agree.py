@@ -16,19 +16,19 @@ from hypothesis import given, settings
 from tests.analysis.told import figures_of
 from tests.timeline.courses import SECOND, damaged, recordings, start, timed
 from woz_tui.analysis import tables
+from woz_tui.analysis.figure_counting import Options
 from woz_tui.analysis.figures import ENDS, Part, SessionFigures
-from woz_tui.analysis.gather import Options
-from woz_tui.analysis.html import items
-from woz_tui.analysis.lanes import drawing_of
-from woz_tui.analysis.people import condition_in_words
-from woz_tui.core import messages as m
-from woz_tui.core import wire
-from woz_tui.experiment.verbs import PERFORMERS
-from woz_tui.export.course import Session
-from woz_tui.export.extract import Extractor
+from woz_tui.analysis.html import timeline_items
+from woz_tui.analysis.participants import condition_in_words
+from woz_tui.analysis.timeline_lanes import drawing_of
+from woz_tui.config.session_verbs import PERFORMERS
+from woz_tui.export.event_extraction import Extractor
+from woz_tui.export.event_model import Session
 from woz_tui.export.tiers import Span, tiers_of
-from woz_tui.record.log import Line
-from woz_tui.sensing.machine import ENGAGED
+from woz_tui.log.log_reader import Line
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.sensing.state_machine import ENGAGED
 from woz_tui.timeline.timeline import timeline_of
 
 Row = dict[str, Any]
@@ -49,7 +49,7 @@ class Tables:
 
     rows: dict[str, list[Row]]
     tiers: dict[str, list[Span]]
-    lanes: dict[str, list[items.Item]]
+    lanes: dict[str, list[timeline_items.Item]]
     figures: SessionFigures
     end: int
 
@@ -69,7 +69,7 @@ class Tables:
 
 def tables_of(lines: Sequence[m.AnyMessage]) -> Tables:
     """Each table, with empty cells as empty texts."""
-    messages = [line for line in lines if not wire.is_sample(line)]
+    messages = [line for line in lines if not codec.is_sample(line)]
     figures = figures_of(messages, Options(all_trials=True))
     session, timeline = exported(messages), timeline_of(messages)
     return Tables(
@@ -87,7 +87,7 @@ def tables_of(lines: Sequence[m.AnyMessage]) -> Tables:
             )
         },
         tiers={tier.name: tier.spans for tier in tiers_of(session)},
-        lanes={row.title: list(row.items) for row in items.rows(drawing_of(timeline))},
+        lanes={row.title: list(row.items) for row in timeline_items.rows(drawing_of(timeline))},
         figures=figures,
         end=timeline.end,
     )
@@ -107,8 +107,8 @@ def exported(messages: Iterable[m.AnyMessage]) -> Session:
     """As exports see it."""
     extractor = Extractor(Session(name="x", log=Path("x")), Path("nowhere"))
     for message in messages:
-        raw = wire.encode(message)
-        fields = wire.decode_unknown(raw)
+        raw = codec.encode(message)
+        fields = codec.decode_unknown(raw)
         kind = str(fields["kind"])
         extractor.take(message, Line(message.seq, message.t, "", kind, fields, raw, message))
     extractor.finish()

@@ -8,10 +8,10 @@ from typing import Any, Self
 
 import msgspec
 
-from woz_tui.analysis import gather, lanes
+from woz_tui.analysis import figure_counting, timeline_lanes
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.core import messages as m
-from woz_tui.core import wire
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
 from woz_tui.timeline.timeline import timeline_of
 
 SECOND = 1_000_000
@@ -19,15 +19,15 @@ STEM = "2026-03-01T10-00-00_P07_S01"
 
 
 def figures_of(
-    messages: Iterable[m.AnyMessage], options: gather.Options = gather.DEFAULTS
+    messages: Iterable[m.AnyMessage], options: figure_counting.Options = figure_counting.DEFAULTS
 ) -> SessionFigures:
     """The figures of messages in the order of a log."""
-    return gather.figures_of(timeline_of(messages), options)
+    return figure_counting.figures_of(timeline_of(messages), options)
 
 
-def drawn(messages: Iterable[m.AnyMessage]) -> lanes.Drawing:
+def drawn(messages: Iterable[m.AnyMessage]) -> timeline_lanes.Drawing:
     """What is drawn of messages in the order of a log."""
-    return lanes.drawing_of(timeline_of(messages))
+    return timeline_lanes.drawing_of(timeline_of(messages))
 
 
 class Told:
@@ -145,7 +145,7 @@ class Told:
     def lines(self) -> list[bytes]:
         """As in a log."""
         return [
-            wire.encode(message) for message in sorted(self.messages, key=lambda each: each.seq)
+            codec.encode(message) for message in sorted(self.messages, key=lambda each: each.seq)
         ]
 
     def written(self, folder: Path, stem: str = STEM) -> Path:

@@ -8,10 +8,18 @@ from dataclasses import dataclass, field
 
 from tests.fakes.virtual_time import LoopClock
 from woz_tui.bus.bus import Bus
-from woz_tui.core import messages as m
-from woz_tui.core.driver import Argument, DriverError, Job, RejectedError, Scope, StopReport, Verb
-from woz_tui.core.hub import Hub
-from woz_tui.core.messages import Command, Json
+from woz_tui.bus.hub import Hub
+from woz_tui.drivers.contract import (
+    Argument,
+    DriverError,
+    Job,
+    RejectedError,
+    Scope,
+    StopReport,
+    Verb,
+)
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Command, Json
 
 BEHAVIOUR = (
     Argument("does", "text", "done, fail, reject, crash, exit, cancel, deaf"),

@@ -10,9 +10,9 @@ from tests.bus.rig import VERBS, Rig, Scripted
 from tests.fakes.virtual_time import run_virtual
 from woz_tui.bus.bus import Bus
 from woz_tui.bus.lane import BRIEF_CAPACITY
-from woz_tui.core import messages as m
-from woz_tui.core.driver import Argument, DeviceLostError, DriverError, Job, StopReport, Verb
-from woz_tui.core.messages import Command, Json
+from woz_tui.drivers.contract import Argument, DeviceLostError, DriverError, Job, StopReport, Verb
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Command, Json
 
 
 def in_rig(scenario: Callable[[Rig], Awaitable[None]], capacity: int = 16) -> Rig:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from tests.bus.rig import Rig
 from tests.fakes.virtual_time import run_virtual
-from woz_tui.core import messages as m
+from woz_tui.protocol import messages as m
 
 SEND = st.tuples(
     st.just("send"),

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from tests.experiment.catalogue import CATALOGUE
-from tests.experiment.reading import ROBOT, panel
+from tests.config.catalogue import CATALOGUE
+from tests.config.reading import ROBOT, panel
 from woz_tui.cli import check
 
 GOOD = panel(

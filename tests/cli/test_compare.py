@@ -12,7 +12,7 @@ from tests.replay.again import recorded, run_again, written
 from tests.replay.test_plan import END, command, dispatched, done
 from tests.replay.test_rerun import tour
 from woz_tui.cli import main
-from woz_tui.core import messages as m
+from woz_tui.protocol import messages as m
 
 STEM = "2026-03-01T10-00-00_P07_S07"
 

@@ -11,10 +11,10 @@ from typing import Any
 
 import pytest
 
-from tests.experiment.woz4u.reading import CATALOGUE, does, essence, settings
+from tests.config.woz4u.reading import CATALOGUE, does, essence, settings
 from woz_tui.cli import convert, main
-from woz_tui.experiment.decode import load
-from woz_tui.experiment.shape import Experiment
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.loading import load
 
 TEXT = """pepper_ips: [10.0.0.5]
 camera_save_dir: faces

@@ -8,8 +8,8 @@ import re
 import pytest
 
 from woz_tui.cli import demo
-from woz_tui.experiment.decode import load
-from woz_tui.plugins import installed
+from woz_tui.config.loading import load
+from woz_tui.drivers.plugins import installed
 
 
 @pytest.mark.parametrize("robot", demo.DEMOS)

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from tests.experiment.catalogue import CATALOGUE
-from tests.experiment.reading import HEAD, HELLO, panel
+from tests.config.catalogue import CATALOGUE
+from tests.config.reading import HEAD, HELLO, panel
 from tests.session.studied import had, log
 from woz_tui.cli import check, design
 
@@ -138,7 +138,7 @@ def test_how_many_participants_there_can_be(
     assert "is not a whole number from 1 to 1000" in capsys.readouterr().err
 
 
-STUDY = (Path(__file__).parents[1] / "experiment" / "good" / "study.yaml").read_text()
+STUDY = (Path(__file__).parents[1] / "config" / "good" / "study.yaml").read_text()
 
 
 def checked(folder: Path, text: str, *options: str) -> int:

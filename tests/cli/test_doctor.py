@@ -31,7 +31,7 @@ BROKEN = GOOD.replace("say:", "sai:").replace("title: Greeting", "titel: Greetin
 #: A driver as a stranger would package it, whose checks do not work.
 STRANGER = """\
 from dataclasses import dataclass
-from woz_tui.core.driver import PassiveDriver
+from woz_tui.drivers.contract import PassiveDriver
 
 
 @dataclass(frozen=True)

@@ -11,10 +11,10 @@ import pytest
 
 from woz_tui import cli
 from woz_tui.cli.engagement_again import Above, Again
-from woz_tui.core import messages as m
-from woz_tui.core import wire
-from woz_tui.experiment.engagement import EngagementSettings
-from woz_tui.experiment.engagement_plain import plain
+from woz_tui.config.engagement import EngagementSettings
+from woz_tui.config.engagement_json import plain
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
 
 SECOND = 1_000_000
 QUICK = EngagementSettings(samples=1)
@@ -119,14 +119,14 @@ def log(tmp_path: Path) -> Path:
         told(9 * SECOND, EngagementSettings(farthest=4.0)),
     ]
     path = tmp_path / "2026-03-01T10-00-00_P01_S01.jsonl"
-    path.write_bytes(b"".join(map(wire.encode, _numbered(lines))))
+    path.write_bytes(b"".join(map(codec.encode, _numbered(lines))))
     return path
 
 
 def _numbered(lines: Sequence[m.AnyMessage]) -> Iterator[m.AnyMessage]:
     for number, line in enumerate(lines):
-        yield wire.decode_message(
-            json.dumps({**json.loads(wire.encode(line)), "seq": number}).encode()
+        yield codec.decode_message(
+            json.dumps({**json.loads(codec.encode(line)), "seq": number}).encode()
         )
 
 

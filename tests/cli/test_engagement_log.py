@@ -17,18 +17,18 @@ from tools.demo_session import catalogue
 from woz_tui import cli
 from woz_tui.cli.engagement_compare import MOVED, ONLY_COMPUTED, ONLY_RECORDED, SAME, paired
 from woz_tui.cli.engagement_log import recounted
-from woz_tui.core import messages as m
-from woz_tui.core.clock import RealClock
-from woz_tui.experiment.decode import load
-from woz_tui.experiment.engagement import EngagementSettings
-from woz_tui.experiment.shape import Experiment
-from woz_tui.plugins import installed
-from woz_tui.record.log import Damage
-from woz_tui.record.recorder import Recorder
-from woz_tui.sensing.model import Change
-from woz_tui.session.identity import AskError, Identity
-from woz_tui.session.runner import Origin
+from woz_tui.config.engagement import EngagementSettings
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.loading import load
+from woz_tui.drivers.plugins import installed
+from woz_tui.log.log_reader import Damage
+from woz_tui.log.recorder import Recorder
+from woz_tui.protocol import messages as m
+from woz_tui.sensing.engagement_model import Change
+from woz_tui.session.action_runner import Origin
+from woz_tui.session.participant_identity import AskError, Identity
 from woz_tui.session.session import Session
+from woz_tui.system.clock import RealClock
 
 GUIDE = EXPERIMENTS / "guide.yaml"
 SECONDS = 240.0

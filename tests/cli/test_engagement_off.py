@@ -16,11 +16,11 @@ from woz_tui import cli
 from woz_tui.cli.engagement_compare import engaged_share
 from woz_tui.cli.engagement_log import recounted
 from woz_tui.cli.engagement_off import Recorded
-from woz_tui.core import messages as m
-from woz_tui.experiment.engagement import EngagementSettings
-from woz_tui.experiment.engagement_plain import plain
-from woz_tui.record.log import Damage
-from woz_tui.sensing.model import Change
+from woz_tui.config.engagement import EngagementSettings
+from woz_tui.config.engagement_json import plain
+from woz_tui.log.log_reader import Damage
+from woz_tui.protocol import messages as m
+from woz_tui.sensing.engagement_model import Change
 
 Timed = tuple[float, m.AnyMessage]
 ADOPTED = m.EngagementAdopted(settings=plain(EngagementSettings()))

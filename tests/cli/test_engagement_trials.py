@@ -10,9 +10,9 @@ import pytest
 
 from woz_tui import cli
 from woz_tui.cli.engagement_trials import Delay, medians, trials
-from woz_tui.core import messages as m
-from woz_tui.core import wire
-from woz_tui.experiment.engagement import EngagementSettings
+from woz_tui.config.engagement import EngagementSettings
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
 
 SECOND = 1_000_000
 PERIOD = SECOND // 3
@@ -110,15 +110,15 @@ def log(tmp_path: Path) -> Path:
     marks = {5.0: "steady", 30.0: "now", 45.9: "now"}
     lines = session(60, marks, lambda number, seconds: HERE if seconds < 45.95 else (0, 0, 4.0, ""))
     path = tmp_path / "2026-03-01T10-00-00_P01_S01.jsonl"
-    stamped = [wire.encode(line) for line in numbered(lines)]
+    stamped = [codec.encode(line) for line in numbered(lines)]
     path.write_bytes(b"".join(stamped))
     return path
 
 
 def numbered(lines: list[m.AnyMessage]) -> Iterator[m.AnyMessage]:
     for number, line in enumerate(lines):
-        fields = {**json.loads(wire.encode(line)), "seq": number + 1}
-        yield wire.decode_message(json.dumps(fields).encode())
+        fields = {**json.loads(codec.encode(line)), "seq": number + 1}
+        yield codec.decode_message(json.dumps(fields).encode())
 
 
 def test_the_command_prints_both_tables(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -163,7 +163,7 @@ def test_a_log_without_markers_says_what_to_do(
 ) -> None:
     path = tmp_path / "2026-03-01T10-00-00_P01_S01.jsonl"
     lines = numbered(session(2, {}, lambda number, seconds: HERE))
-    path.write_bytes(b"".join(map(wire.encode, lines)))
+    path.write_bytes(b"".join(map(codec.encode, lines)))
     assert cli.main(["engagement", str(path), "--trials"]) == 0
     assert "put markers called 'steady' and 'now'" in capsys.readouterr().out
 

@@ -15,12 +15,12 @@ import pytest
 
 from tests.analysis.told import Told
 from tests.cli.test_report import session
-from tests.core import examples
 from tests.export.logs import Timed, visit
 from tests.fakes.hostile import HOSTILE, MARKUP, OBEYED, hostile
+from tests.protocol import examples
 from woz_tui.cli import main
-from woz_tui.core import messages as m
-from woz_tui.core import wire
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
 
 EXPERIMENT = """
 title: "T H"
@@ -44,7 +44,7 @@ panels:
 
 def written(folder: Path, messages: Iterable[m.AnyMessage], stem: str) -> Path:
     path = folder / f"{stem}.jsonl"
-    lines = [json.loads(wire.encode(message)) for message in messages]
+    lines = [json.loads(codec.encode(message)) for message in messages]
     for number, line in enumerate(lines):
         line["seq"] = number
     path.write_text(
@@ -58,7 +58,7 @@ def timed(course: Iterable[Timed]) -> list[m.AnyMessage]:
     return [
         msgspec.structs.replace(message, t=round(seconds * 1_000_000))
         for seconds, message in course
-        if not wire.is_sample(message)
+        if not codec.is_sample(message)
     ]
 
 

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from woz_tui import plugins
 from woz_tui.cli import new
 from woz_tui.cli.new_templates import TEMPLATES
-from woz_tui.experiment.decode import load
-from woz_tui.experiment.shape import Experiment
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.loading import load
+from woz_tui.drivers import plugins
 
 
 def made(path: Path, *options: str, ask: Callable[[str], str] | None = None) -> int:

@@ -13,7 +13,7 @@ import pytest
 
 from tools import EXPERIMENTS
 from woz_tui import cli
-from woz_tui.cli.piped import PipedError, kept
+from woz_tui.cli.log_from_stdin import PipedError, kept
 
 LOG = EXPERIMENTS.parent / "recordings" / "sample.jsonl"
 SAMPLES = LOG.with_name("sample.samples.jsonl")

@@ -12,11 +12,11 @@ import pytest
 from tests.fakes.terminal import FakeTerminal
 from tests.motion.heads import EYEPI, FIVE
 from woz_tui.cli import main
-from woz_tui.cli.live_take import Keys, Live, split
+from woz_tui.cli.keyboard_take import Keys, Live, split
+from woz_tui.motion.body_shape import BodyShape
 from woz_tui.motion.keyframes import KeyframeMove, Layer
-from woz_tui.motion.movefile import read_move
+from woz_tui.motion.move_files import read_move
 from woz_tui.motion.puppeteer import Puppeteer
-from woz_tui.motion.shapes import BodyShape
 
 ROOT = Path(__file__).parents[2]
 ROBOTS = ROOT / "experiments" / "robots"

@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from woz_tui import plugins
 from woz_tui.cli import main, render
+from woz_tui.drivers import plugins
 
 HERE = Path(__file__).parents[2]
 EYEPI = HERE / "experiments/robots/eyepi.yaml"

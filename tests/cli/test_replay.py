@@ -11,14 +11,14 @@ import pytest
 from tests.replay.logs import SECOND, START, story
 from tests.replay.test_opened import written
 from woz_tui.cli import main, replay
-from woz_tui.core import messages as m
-from woz_tui.core.requests import Welcome
-from woz_tui.experiment.decode import load
-from woz_tui.plugins import installed
-from woz_tui.replay.feed import ReplayFeed
-from woz_tui.replay.opened import opened
-from woz_tui.replay.places import PlaceError
-from woz_tui.session.beginning import experiment_files
+from woz_tui.config.loading import load
+from woz_tui.drivers.plugins import installed
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.requests import Welcome
+from woz_tui.replay.opened_log import opened
+from woz_tui.replay.replay_feed import ReplayFeed
+from woz_tui.replay.seek import PlaceError
+from woz_tui.session.session_start import experiment_files
 
 GUIDE = """\
 title: Guide

@@ -15,13 +15,13 @@ from tests.replay.again import written
 from tests.replay.test_plan import END, LOG, Timed, command, dispatched, done
 from woz_tui.cli import main
 from woz_tui.cli.rerun_headless import Progress
-from woz_tui.core import messages as m
-from woz_tui.experiment.decode import load
-from woz_tui.host.plan import Shown, plan_of
-from woz_tui.plugins import installed
-from woz_tui.replay.origin import _places
-from woz_tui.session.beginning import experiment_files
+from woz_tui.config.loading import load
+from woz_tui.drivers.plugins import installed
+from woz_tui.host.experiment_view import Shown, plan_of
+from woz_tui.protocol import messages as m
+from woz_tui.replay.experiment_origin import _places
 from woz_tui.session.redactor import Redactor
+from woz_tui.session.session_start import experiment_files
 
 EXPERIMENT = """\
 title: Small
@@ -89,7 +89,7 @@ def told(
     capsys: pytest.CaptureFixture[str],
 ) -> str:
     """All that is printed, without the name of the test's own folder."""
-    monkeypatch.setattr("woz_tui.cli.screen.refusal", lambda: "")
+    monkeypatch.setattr("woz_tui.cli.console_start.refusal", lambda: "")
     assert main(["replay", str(path), *words]) == 1
     return "".join(capsys.readouterr()).replace(str(path.parent), "")
 

@@ -14,7 +14,7 @@ import pytest
 
 from tests.analysis.told import Told, in_time, study
 from woz_tui.cli import main
-from woz_tui.core import messages as m
+from woz_tui.protocol import messages as m
 
 GOLDEN = Path(__file__).parent / "golden"
 PLACES = {"XDG_STATE_HOME": "/nonexistent", "TMPDIR": "/nonexistent"}

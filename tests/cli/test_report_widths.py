@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 
 from tests.analysis.told import SECOND, Told, figures_of, in_time, study
-from woz_tui.analysis.groups import Grouped
-from woz_tui.analysis.report import Report
-from woz_tui.analysis.session import examine
-from woz_tui.cli import report_many, report_session
-from woz_tui.cli.report_page import page
-from woz_tui.core import messages as m
+from woz_tui.analysis.participant_groups import Grouped
+from woz_tui.analysis.session_reading import examine
+from woz_tui.analysis.session_report import Report
+from woz_tui.cli import report_session, report_sessions
+from woz_tui.cli.report_layout import page
+from woz_tui.protocol import messages as m
 
 WORD = re.compile(r"[^\W\d_]{2,}")
 CONDITIONS = ("empathic", "neutral", "matter-of-fact")
@@ -64,7 +64,7 @@ def printed(width: int, what: Report | Grouped) -> str:
     stream = io.StringIO()
     paper = page(stream, width)
     if isinstance(what, Grouped):
-        report_many.show(paper, what)
+        report_sessions.show(paper, what)
     else:
         report_session.show(paper, what, 99)
     return stream.getvalue()

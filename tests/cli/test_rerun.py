@@ -14,9 +14,9 @@ from tests.replay.test_plan import END, LOG, Timed, command, dispatched, done
 from woz_tui.cli import main
 from woz_tui.cli.rerun_headless import Progress
 from woz_tui.cli.rerun_table import clock
-from woz_tui.core import messages as m
-from woz_tui.experiment.decode import load
-from woz_tui.plugins import installed
+from woz_tui.config.loading import load
+from woz_tui.drivers.plugins import installed
+from woz_tui.protocol import messages as m
 
 pytestmark = pytest.mark.real_clock
 

@@ -10,10 +10,10 @@ from typing import Any
 import pytest
 from woz_drivers.body import Body
 
-from woz_tui import plugins
 from woz_tui.cli import schema
-from woz_tui.core.driver import Verb
-from woz_tui.experiment.schema import experiment_schema
+from woz_tui.config.json_schema import experiment_schema
+from woz_tui.drivers import plugins
+from woz_tui.drivers.contract import Verb
 
 
 @pytest.mark.parametrize(

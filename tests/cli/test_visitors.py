@@ -14,7 +14,7 @@ import pytest
 
 from tests.fakes.terminal import FakeTerminal
 from woz_tui.cli import main
-from woz_tui.sensing.people import Visitors
+from woz_tui.sensing.visitor_store import Visitors
 
 ROOT = Path(__file__).parents[2]
 DAY = date(2026, 3, 2)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import msgspec
 
 from tests.console import scenes
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.motion.frames import Frame
+from woz_tui.motion.light_frames import Frame
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
 
 NOW = scenes.NOW
 LIGHTS = (24, 16)

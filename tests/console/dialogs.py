@@ -6,7 +6,7 @@ from textual.widgets import Input
 
 from tests.console import scenes
 from tests.console.driving import Sitting
-from woz_tui.core import requests as r
+from woz_tui.protocol import requests as r
 
 NOW = scenes.NOW
 SIZES = [(80, 24), (160, 50), (60, 20)]

@@ -16,9 +16,9 @@ from tests.console import scenes
 from tests.console.scripted import ScriptedFeed
 from woz_tui.console.app import Console
 from woz_tui.console.cells import Cells
-from woz_tui.console.feed import Incoming
 from woz_tui.console.keyboard import Keyboard
-from woz_tui.core.clock import ManualClock
+from woz_tui.console.message_feed import Incoming
+from woz_tui.system.clock import ManualClock
 
 #: Seconds after which a condition counts as never coming true.
 PATIENCE = 40.0

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from tests.console import scenes
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
 
 NOW, SECOND = scenes.NOW, scenes.SECOND
 TRAIL = ["Wait", "PersonDetected", "EngagedWithUnknown", "Handshake", "EngagedWithKnown"]

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import msgspec
 
 from tests.console.scripted import raw
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core.settings import Settings
-from woz_tui.core.views import ActionView, PanelView
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.panels import ActionView, PanelView
+from woz_tui.protocol.welcome import Settings
 
 Ended = m.ActionDone | m.ActionFailed | m.ActionStopped | m.ActionRefused
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import msgspec
 
-from woz_tui.console.feed import Incoming, OnLost, OnMessages
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core import wire
+from woz_tui.console.message_feed import Incoming, OnLost, OnMessages
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
 from woz_tui.session.redactor import Redactor
 
 Answer = Callable[[r.AnyRequest, int], r.Reply]
@@ -26,11 +26,11 @@ def seen(welcome: r.Welcome, redactor: Redactor | None = None) -> r.Welcome:
     def lines(raw: Iterable[msgspec.Raw]) -> list[msgspec.Raw]:
         found = []
         for line in raw:
-            message = wire.decode_message(bytes(line))
+            message = codec.decode_message(bytes(line))
             redactor.take(message)
             shown = redactor.message(message)
             if shown is not None:
-                found.append(msgspec.Raw(wire.encode(shown).rstrip()))
+                found.append(msgspec.Raw(codec.encode(shown).rstrip()))
         return found
 
     return msgspec.structs.replace(
@@ -66,7 +66,7 @@ class ScriptedFeed:
 
     def ask(self, request: r.AnyRequest) -> int:
         ref = len(self.asked) + 1
-        sent = wire.decode_request(wire.encode(msgspec.structs.replace(request, ref=ref)))
+        sent = codec.decode_request(codec.encode(msgspec.structs.replace(request, ref=ref)))
         self.asked.append(sent)
         answer = self.answers.get(type(request))
         self.deliver(answer(sent, ref) if answer is not None else r.Reply(ref=ref, ok=True))
@@ -96,7 +96,7 @@ class ScriptedFeed:
     def deliver(self, *messages: Incoming) -> None:
         """Hand a batch over from another thread, as a link does."""
         batch = [
-            wire.decode_incoming(wire.encode(message))
+            codec.decode_incoming(codec.encode(message))
             if isinstance(message, msgspec.Struct)
             else message
             for message in map(self._seen, messages)
@@ -120,4 +120,4 @@ class ScriptedFeed:
 
 def raw(messages: Iterable[m.Message]) -> list[msgspec.Raw]:
     """Messages as a welcome carries them."""
-    return [msgspec.Raw(wire.encode(message).rstrip()) for message in messages]
+    return [msgspec.Raw(codec.encode(message).rstrip()) for message in messages]

@@ -16,15 +16,15 @@ from textual.app import App, ComposeResult
 from textual.screen import ModalScreen
 from textual.widgets import Input, Static
 
+from woz_tui.config.keys import Terminal
 from woz_tui.console.commands import COMMANDS
-from woz_tui.console.endings import refusal
-from woz_tui.console.feed import Incoming
+from woz_tui.console.host_connection import Link
 from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.link import Link
-from woz_tui.console.terminal import WizardDriver
-from woz_tui.core.messages import Marker
-from woz_tui.core.requests import AskNote, Welcome
-from woz_tui.experiment.keys import Terminal
+from woz_tui.console.leaving import refusal
+from woz_tui.console.message_feed import Incoming
+from woz_tui.console.wizard_terminal import WizardDriver
+from woz_tui.protocol.messages import Marker
+from woz_tui.protocol.requests import AskNote, Welcome
 
 
 class Say(ModalScreen[None]):

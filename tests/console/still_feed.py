@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from woz_tui.console.feed import OnLost, OnMessages
-from woz_tui.core.requests import AnyRequest
+from woz_tui.console.message_feed import OnLost, OnMessages
+from woz_tui.protocol.requests import AnyRequest
 
 
 class StillFeed:

@@ -8,9 +8,9 @@ from typing import Any
 import msgspec
 
 from tests.console import scenes
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core.settings import StudySettings
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.welcome import StudySettings
 
 NOW, SECOND = scenes.NOW, scenes.SECOND
 LABELS = {"warm": "Lemon", "cold": "Orange"}

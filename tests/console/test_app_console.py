@@ -10,14 +10,14 @@ from textual import events
 
 from tests.console import scenes
 from tests.console.driving import sitting
+from woz_tui.config.keys.console_keys import BUILTIN
+from woz_tui.config.keys.terminals import KITTY
 from woz_tui.console.glyphs import ASCII
-from woz_tui.console.look import Look
 from woz_tui.console.screen_app import BEAT
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core.views import ActionView, PanelView
-from woz_tui.experiment.builtins import BUILTIN
-from woz_tui.experiment.terminals import KITTY
+from woz_tui.console.theme import Look
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.panels import ActionView, PanelView
 
 NOW = scenes.NOW
 

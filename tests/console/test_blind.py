@@ -11,11 +11,11 @@ from tests.console import studied
 from tests.console.dialogs import OPENERS, opened
 from tests.console.driving import Sitting, sitting
 from tests.console.scripted import Answer, seen
-from woz_tui.console.state import ConsoleState
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core.settings import StudySettings
-from woz_tui.core.views import ActionView, PanelView
+from woz_tui.console.console_state import ConsoleState
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.panels import ActionView, PanelView
+from woz_tui.protocol.welcome import StudySettings
 from woz_tui.session.redactor import Redactor, marked
 
 NOW = studied.NOW

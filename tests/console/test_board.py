@@ -7,12 +7,12 @@ from hypothesis import strategies as st
 
 from tests.console import bodies
 from tests.console.driving import sitting
-from woz_tui.console.bodies.board import Board, board_rows
-from woz_tui.console.bodies.outlines import PanelOutline, outlines_of
+from woz_tui.console.bodies.body_outlines import PanelOutline, outlines_of
+from woz_tui.console.bodies.midi_board import Board, board_rows
 from woz_tui.console.cells import Row, length
+from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
-from woz_tui.console.state import ConsoleState
-from woz_tui.core import messages as m
+from woz_tui.protocol import messages as m
 
 SMALL = Frame(76, 18, bodies.NOW)
 

@@ -13,13 +13,13 @@ from hypothesis import strategies as st
 
 from tests.console import bodies, scenes
 from tests.console.driving import Sitting, sitting
-from woz_tui.console.bodies.pane import pane_rows
+from woz_tui.console.bodies.bodies_pane import pane_rows
 from woz_tui.console.cells import Row, length
+from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
-from woz_tui.console.look import Look
-from woz_tui.console.state import ConsoleState
-from woz_tui.core import messages as m
-from woz_tui.core.settings import Settings
+from woz_tui.console.theme import Look
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.welcome import Settings
 
 NOW = bodies.NOW
 ROOMY, NARROW = (160, 50), (80, 24)

@@ -7,17 +7,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.console import bodies
-from woz_tui.console.bodies import views
-from woz_tui.console.bodies.dots import Dots
-from woz_tui.console.bodies.lights import brightness_look, frame_of, light_rows, size
-from woz_tui.console.bodies.outlines import BodyOutline, outlines_of
-from woz_tui.console.bodies.views import ABOVE, LAYERS, SIDE, Pose, draw, sights
+from woz_tui.console.bodies import link_views
+from woz_tui.console.bodies.body_outlines import BodyOutline, outlines_of
+from woz_tui.console.bodies.dot_canvas import Dots
+from woz_tui.console.bodies.face_lights import brightness_look, frame_of, light_rows, size
+from woz_tui.console.bodies.link_views import ABOVE, LAYERS, SIDE, Pose, draw, sights
 from woz_tui.console.cells import Row, length
 from woz_tui.console.glyphs import ASCII, UNICODE
-from woz_tui.core.messages import Json
-from woz_tui.motion.frames import Frame as Lights
-from woz_tui.motion.frames import blank
 from woz_tui.motion.kinematics import Chain
+from woz_tui.motion.light_frames import Frame as Lights
+from woz_tui.motion.light_frames import blank
+from woz_tui.protocol.messages import Json
 
 SIZES = {SIDE: (28, 10), ABOVE: (20, 10)}
 FLAT = {SIDE: lambda point: (point[0], point[2]), ABOVE: lambda point: (-point[1], point[0])}
@@ -207,7 +207,7 @@ def test_where_the_eyes_look_is_marked() -> None:
     gaze = draw(body, Pose(level, None), sight, SIZES[SIDE]).dots("gaze")
     assert {y for _, y in gaze} == {eyes[1]}
     assert min(x for x, _ in gaze) == eyes[0]
-    assert max(x for x, _ in gaze) >= eyes[0] + views.GAZE - views.SPARSE
+    assert max(x for x, _ in gaze) >= eyes[0] + link_views.GAZE - link_views.SPARSE
 
 
 def test_views_in_ascii() -> None:

@@ -8,12 +8,12 @@ from textual.widgets import OptionList
 from tests.console import scenes
 from tests.console.dialogs import busy, opened
 from tests.console.driving import Sitting, sitting
+from woz_tui.config.keys.console_keys import BUILTIN
 from woz_tui.console.commands import COMMANDS, by_key
-from woz_tui.console.replay import commands as replay
+from woz_tui.console.replay import replay_commands as replay
 from woz_tui.console.screens.dialog import Command
-from woz_tui.core import requests as r
-from woz_tui.experiment.builtins import BUILTIN
-from woz_tui.host.desk import WATCHER_MAY
+from woz_tui.host.request_handlers import WATCHER_MAY
+from woz_tui.protocol import requests as r
 
 
 def test_each_key_of_the_console_belongs_to_one_command() -> None:

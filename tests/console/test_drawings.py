@@ -10,8 +10,8 @@ from tests.console.driving import Sitting, sitting
 from woz_tui.console.screens.body import BodyDialog
 from woz_tui.console.screens.drawing import Drawing
 from woz_tui.console.screens.knobs import KnobsDialog
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
 
 
 def command(name: str, verb: str = "play", **more: str) -> m.Command:

@@ -6,7 +6,7 @@ from typing import IO
 
 import pytest
 
-from woz_tui.console.endings import refusal
+from woz_tui.console.leaving import refusal
 
 
 class Tty(io.StringIO):

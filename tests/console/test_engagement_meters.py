@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 
 from tests.console import engaged, scenes
 from woz_tui.console.cells import Row, length
-from woz_tui.console.engagement.bars import distance_bar, queue_bar
-from woz_tui.console.engagement.words import LONG_US, SLOW_US, standing
+from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.engagement.engagement_text import LONG_US, SLOW_US, standing
+from woz_tui.console.engagement.sign_bars import distance_bar, queue_bar
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
 from woz_tui.console.meters import meter_rows
-from woz_tui.console.state import ConsoleState
-from woz_tui.core import messages as m
+from woz_tui.protocol import messages as m
 
 NOW, SECOND = scenes.NOW, scenes.SECOND
 LOW, MIDDLE, HIGH = Frame(39, 6, NOW), Frame(50, 11, NOW), Frame(50, 30, NOW)

@@ -8,21 +8,21 @@ from textual.events import Key
 
 from tests.console import engaged, scenes
 from tests.console.driving import Sitting, sitting
+from woz_tui.config.engagement import STATES
+from woz_tui.config.session_verbs import ENGAGEMENT, ENGAGEMENT_VERBS
 from woz_tui.console.cells import Row, length
-from woz_tui.console.engagement.diagram import HEIGHT, LINES, PLACES, WIDTH, diagram, line_of
-from woz_tui.console.engagement.hand import KEYS, ORDERS
-from woz_tui.console.engagement.whole import whole_rows
+from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.engagement.full_engagement import whole_rows
+from woz_tui.console.engagement.state_diagram import HEIGHT, LINES, PLACES, WIDTH, diagram, line_of
+from woz_tui.console.engagement.wizard_overrides import KEYS, ORDERS
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
-from woz_tui.console.look import Look
 from woz_tui.console.screens.engagement import EngagementDialog
-from woz_tui.console.screens.orders import ForceDialog, IdentityDialog, VisitorDialog
-from woz_tui.console.state import ConsoleState
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core.settings import ModelLimits
-from woz_tui.experiment.engagement import STATES
-from woz_tui.experiment.verbs import ENGAGEMENT, ENGAGEMENT_VERBS
-from woz_tui.sensing.machine import EDGES, State
+from woz_tui.console.screens.engagement_questions import ForceDialog, IdentityDialog, VisitorDialog
+from woz_tui.console.theme import Look
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.welcome import ModelLimits
+from woz_tui.sensing.state_machine import EDGES, State
 
 NOW = scenes.NOW
 WHOLE = Frame(96, 28, NOW)

@@ -10,18 +10,18 @@ from hypothesis import strategies as st
 from tests.console import engaged, scenes
 from tests.console.dialogs import opened
 from tests.console.driving import sitting
+from woz_tui.config.engagement import STATES
+from woz_tui.config.session_verbs import ENGAGEMENT_VERBS
 from woz_tui.console.cells import length
-from woz_tui.console.engagement.orders import is_order, order_words
-from woz_tui.console.engagement.words import SENTENCES, SHORT, path, sentence, short
-from woz_tui.console.events import event_row
+from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.engagement.engagement_text import SENTENCES, SHORT, path, sentence, short
+from woz_tui.console.engagement.override_sentences import is_order, order_words
+from woz_tui.console.event_list import event_row
+from woz_tui.console.event_sentences import Event
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame
 from woz_tui.console.screens.preflight import sign_findings
-from woz_tui.console.sentences import Event
-from woz_tui.console.state import ConsoleState
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.experiment.engagement import STATES
-from woz_tui.experiment.verbs import ENGAGEMENT_VERBS
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
 
 NOW = scenes.NOW
 

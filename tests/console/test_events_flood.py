@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from tests.console import scenes
 from tests.console.driving import Sitting, sitting
-from woz_tui.console.events import BURST_ROWS, ROWS_S
+from woz_tui.console.event_list import BURST_ROWS, ROWS_S
 from woz_tui.console.screen_app import BEAT
-from woz_tui.core import messages as m
+from woz_tui.protocol import messages as m
 
 SIZE = (160, 50)
 

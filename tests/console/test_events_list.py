@@ -2,14 +2,23 @@ from __future__ import annotations
 
 from tests.console import scenes
 from tests.console.driving import sitting
-from woz_tui.console.columns import plan
-from woz_tui.console.events import ACTS, ALL, FAULTS, MACHINE, VIEWS, chosen, event_row, event_rows
+from woz_tui.console.action_panels import Board, panel_rows
+from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.event_list import (
+    ACTS,
+    ALL,
+    FAULTS,
+    MACHINE,
+    VIEWS,
+    chosen,
+    event_row,
+    event_rows,
+)
 from woz_tui.console.glyphs import Frame
-from woz_tui.console.panels import Board, panel_rows
-from woz_tui.console.parts import State
-from woz_tui.console.state import ConsoleState
-from woz_tui.core import messages as m
-from woz_tui.core.views import ActionView, PanelView
+from woz_tui.console.panel_columns import plan
+from woz_tui.console.view_models import State
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.panels import ActionView, PanelView
 
 NOW = scenes.NOW
 

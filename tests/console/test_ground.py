@@ -16,10 +16,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.console.driving import sitting
-from woz_tui.console.ground import QUESTION, Ground, ask_ground
-from woz_tui.console.look import look_for, remember, remembered
-from woz_tui.console.scanner import Scanner
-from woz_tui.console.tokens import Key, Reply, Stop, Token
+from woz_tui.console.background_colour import QUESTION, Ground, ask_ground
+from woz_tui.console.byte_scanner import Scanner
+from woz_tui.console.input_tokens import Key, Reply, Stop, Token
+from woz_tui.console.theme import look_for, remember, remembered
 
 WHITE = b"\x1b]11;rgb:ffff/ffff/ffff\x1b\\"
 BLACK = b"\x1b]11;rgb:00/00/00\x07"

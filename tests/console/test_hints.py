@@ -8,12 +8,12 @@ import pytest
 from tests.console import scenes
 from tests.console.driving import sitting
 from tests.console.robot import pepper
+from woz_tui.console.bottom_rows import Bar, News, bar_rows
 from woz_tui.console.cells import length
 from woz_tui.console.commands import COMMANDS, by_key, hints
+from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Frame
-from woz_tui.console.state import ConsoleState
-from woz_tui.console.stopbar import Bar, News, bar_rows
-from woz_tui.core import requests as r
+from woz_tui.protocol import requests as r
 
 
 def named(first: r.Welcome) -> list[str]:

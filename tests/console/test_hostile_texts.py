@@ -15,18 +15,18 @@ from tests.console.driving import sitting
 from tests.console.robot import pepper
 from tests.fakes.hostile import HOSTILE, MARKUP, OBEYED, WORDS, hostile
 from woz_tui.console.screens.robot import ValueDialog
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core import wire
-from woz_tui.core.robots import RobotOutline, Setting
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.robot_outline import RobotOutline, Setting
 
 #: What else is no text but chosen from a list, or a pattern.
 _CHOSEN = WORDS | {"keyboard", "key", "role", "when", "order", "health", "participant_pattern"}
 
 
 def made_hostile(welcome: r.Welcome) -> r.Welcome:
-    found = wire.decode_incoming(
-        json.dumps(hostile(json.loads(wire.encode(welcome)), _CHOSEN)).encode()
+    found = codec.decode_incoming(
+        json.dumps(hostile(json.loads(codec.encode(welcome)), _CHOSEN)).encode()
     )
     assert isinstance(found, r.Welcome)
     return found

@@ -6,9 +6,7 @@ import pytest
 from textual._xterm_parser import XTermParser
 from textual.events import Key as KeyEvent
 
-from woz_tui.console.scanner import Scanner
-from woz_tui.console.tokens import Key, Stop, Token
-from woz_tui.experiment.keys import (
+from woz_tui.config.keys import (
     TERMINALS,
     Terminal,
     Verdict,
@@ -17,7 +15,9 @@ from woz_tui.experiment.keys import (
     normal,
     reach,
 )
-from woz_tui.experiment.terminals import folded
+from woz_tui.config.keys.terminals import folded
+from woz_tui.console.byte_scanner import Scanner
+from woz_tui.console.input_tokens import Key, Stop, Token
 
 CHARACTERS = [chr(code) for code in range(0x21, 0x7F)]
 NAMED = [

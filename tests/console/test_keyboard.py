@@ -7,8 +7,7 @@ import pytest
 from tests.console.still_feed import StillFeed
 from woz_tui.console.commands import COMMANDS, by_key
 from woz_tui.console.keyboard import SEQUENCE_S, Keyboard, Steps
-from woz_tui.core.clock import ManualClock
-from woz_tui.core.requests import (
+from woz_tui.protocol.requests import (
     AskAction,
     AskMarker,
     AskMistake,
@@ -17,6 +16,7 @@ from woz_tui.core.requests import (
     AskStop,
     AskVerb,
 )
+from woz_tui.system.clock import ManualClock
 
 OWN = {key.chord: command for command in COMMANDS for key in command.keys}
 TABLE = {"h": "Hello", "f1": "Happy", "c r": "Circle", "c s": "Square", "x": "Exit", "r": "Red"}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tests.console import scenes
 from tests.console.test_state import begun
-from woz_tui.core import messages as m
+from woz_tui.protocol import messages as m
 
 NOW = scenes.NOW
 

@@ -5,8 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.console.still_feed import StillFeed
-from woz_tui.console.line import DEAD_S, EVERY_S, PAUSE_S, STALE_S, Line
-from woz_tui.core.clock import ManualClock
+from woz_tui.console.terminal_line import DEAD_S, EVERY_S, PAUSE_S, STALE_S, Line
+from woz_tui.system.clock import ManualClock
 
 
 class Rig:

@@ -7,11 +7,10 @@ from pathlib import Path
 import pytest
 
 from tests.fakes.host import WAIT_S, FakeHost, stops
-from woz_tui.console.feed import Incoming
-from woz_tui.console.link import WAITING_LIMIT, Link
-from woz_tui.core.clock import ManualClock, boot_id
-from woz_tui.core.messages import Marker, Notice, SessionEnd
-from woz_tui.core.requests import (
+from woz_tui.console.host_connection import WAITING_LIMIT, Link
+from woz_tui.console.message_feed import Incoming
+from woz_tui.protocol.messages import Marker, Notice, SessionEnd
+from woz_tui.protocol.requests import (
     AskAction,
     AskEnd,
     AskMarker,
@@ -23,6 +22,7 @@ from woz_tui.core.requests import (
     Reply,
     Welcome,
 )
+from woz_tui.system.clock import ManualClock, boot_id
 
 
 class Ears:

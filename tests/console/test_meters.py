@@ -7,17 +7,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.console import engaged, scenes
+from woz_tui.console.bottom_rows import Bar, News, bar_rows
 from woz_tui.console.cells import Row, length
-from woz_tui.console.events import chosen, event_rows
-from woz_tui.console.figures import decibels, elapsed, left, seconds
+from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.event_list import chosen, event_rows
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame
 from woz_tui.console.meters import meter_rows
-from woz_tui.console.script import script_row
-from woz_tui.console.state import ConsoleState
-from woz_tui.console.status import Line, status_rows
-from woz_tui.console.stopbar import Bar, News, bar_rows
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
+from woz_tui.console.number_text import decibels, elapsed, left, seconds
+from woz_tui.console.script_row import script_row
+from woz_tui.console.status_rows import Line, status_rows
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
 from woz_tui.sensing.proxemics import zone
 
 NOW = scenes.NOW

@@ -11,15 +11,15 @@ from rich.color import Color, ColorSystem
 from textual.theme import Theme
 
 from tests.console import scenes
-from woz_tui.console.caps import Cap, caption
+from woz_tui.console.action_panels import Board, cap_width, panel_rows
 from woz_tui.console.cells import Row, cut, fit, length, spread
-from woz_tui.console.columns import plan
+from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame, glyphs_for
-from woz_tui.console.look import DARK, LIGHT, look_for
-from woz_tui.console.panels import Board, cap_width, panel_rows
-from woz_tui.console.state import ConsoleState
-from woz_tui.core import messages as m
-from woz_tui.core.views import ActionView, PanelView
+from woz_tui.console.key_caps import Cap, caption
+from woz_tui.console.panel_columns import plan
+from woz_tui.console.theme import DARK, LIGHT, look_for
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.panels import ActionView, PanelView
 
 NOW = scenes.NOW
 FRAME = Frame(80, 13, NOW)

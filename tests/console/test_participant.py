@@ -14,13 +14,13 @@ from textual.pilot import Pilot
 from tests.console import scenes, studied
 from tests.console.driving import PATIENCE
 from tests.console.scripted import ScriptedFeed
-from woz_tui.console.feed import Incoming
 from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.participant import Participant
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core.clock import ManualClock
-from woz_tui.core.settings import QuestionnaireWords
+from woz_tui.console.message_feed import Incoming
+from woz_tui.console.participant_app import Participant
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.welcome import QuestionnaireWords
+from woz_tui.system.clock import ManualClock
 
 #: Keys that play, mark, open, suspend or leave on a wizard's console.
 WIZARDS = ["h", "f1", "space", "full_stop", "slash", "colon", "backspace", "up", "ctrl+t"]

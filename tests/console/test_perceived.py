@@ -11,10 +11,10 @@ from tests.console import bodies, engaged, scenes, studied
 from tests.console.dialogs import OPENERS, opened
 from tests.console.driving import Sitting, sitting
 from tests.console.scripted import seen
-from woz_tui.console.state import ConsoleState
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core.settings import Restricted, StudySettings
+from woz_tui.console.console_state import ConsoleState
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.welcome import Restricted, StudySettings
 from woz_tui.session.redactor import Perception, Redactor, dots, kind_of
 
 NOW, SECOND = scenes.NOW, scenes.SECOND

@@ -13,9 +13,9 @@ from tests.console.driving import Sitting, sitting
 from tests.console.still_feed import StillFeed
 from woz_tui.console.commands import COMMANDS, by_key
 from woz_tui.console.keyboard import HELD_US, Keyboard
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core.clock import ManualClock
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.system.clock import ManualClock
 
 NOW = scenes.NOW
 SIZES = pytest.mark.parametrize("size", [(80, 24), (160, 50)])

@@ -8,9 +8,9 @@ from tests.console import scenes, studied
 from tests.console.dialogs import opened
 from tests.console.driving import sitting
 from woz_tui.console.glyphs import ASCII
-from woz_tui.console.look import Look
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
+from woz_tui.console.theme import Look
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
 
 NOW, SECOND = studied.NOW, studied.SECOND
 

@@ -6,13 +6,13 @@ import pytest
 from tests.console import scenes
 from tests.console.dialogs import opened
 from tests.console.driving import Sitting, sitting
+from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
-from woz_tui.console.profiles import Profiles
-from woz_tui.console.state import ConsoleState
-from woz_tui.console.status import Line, status_rows
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core.settings import Allowance
+from woz_tui.console.profile_view import Profiles
+from woz_tui.console.status_rows import Line, status_rows
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.welcome import Allowance
 
 pytestmark = pytest.mark.toolkit("U3")
 

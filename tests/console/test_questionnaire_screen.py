@@ -9,13 +9,13 @@ from textual.widgets import TextArea
 from tests.console import scenes, studied
 from tests.console.driving import Sitting, sitting
 from woz_tui.console.glyphs import ASCII
-from woz_tui.console.look import Look
 from woz_tui.console.screens.questionnaire import QuestionnaireDialog
-from woz_tui.console.study.questions import items_of
-from woz_tui.console.study.sheet import Sheet
-from woz_tui.core import requests as r
-from woz_tui.core.messages import Json
-from woz_tui.core.settings import ENGLISH
+from woz_tui.console.study.questionnaire_widget import Sheet
+from woz_tui.console.study.questionnaires import items_of
+from woz_tui.console.theme import Look
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.messages import Json
+from woz_tui.protocol.welcome import ENGLISH
 
 SIZES = [(80, 24), (160, 50), (60, 20)]
 

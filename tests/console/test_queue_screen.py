@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from tests.console import scenes
 from tests.console.driving import sitting
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
 
 NOW = scenes.NOW
 

@@ -6,13 +6,13 @@ import msgspec
 
 from tests.console import scenes
 from tests.console.driving import sitting
+from woz_tui.config.repairs import LABELS
+from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Frame
-from woz_tui.console.repairs import repair_row
-from woz_tui.console.state import ConsoleState
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core.views import ActionView, PanelView
-from woz_tui.experiment.repairs import LABELS
+from woz_tui.console.repair_row import repair_row
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.panels import ActionView, PanelView
 
 ALL = [ActionView(name=name, label=label, verbs=["say"]) for name, label in LABELS.items()]
 FEW = [each for each in ALL if each.name in ("repair repeat", "repair interrupt")]

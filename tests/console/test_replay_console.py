@@ -18,16 +18,16 @@ from tests.console.driving import screen_text
 from tests.console.scripted import ScriptedFeed
 from tests.replay.logs import SECOND, START, reel_of, story
 from woz_tui.console.cells import Cells
-from woz_tui.console.feed import OnLost, OnMessages
 from woz_tui.console.glyphs import ASCII, UNICODE
-from woz_tui.console.look import Look
-from woz_tui.console.replay.app import ReplayConsole
-from woz_tui.console.replay.commands import ReplayKeyboard
-from woz_tui.core import requests as r
-from woz_tui.core.clock import ManualClock
-from woz_tui.record.coding import Coding
+from woz_tui.console.message_feed import OnLost, OnMessages
+from woz_tui.console.replay.replay_app import ReplayConsole
+from woz_tui.console.replay.replay_commands import ReplayKeyboard
+from woz_tui.console.theme import Look
+from woz_tui.log.coding_file import Coding
+from woz_tui.protocol import requests as r
 from woz_tui.replay.player import Player, Start
-from woz_tui.replay.reel import Reel
+from woz_tui.replay.recording import Reel
+from woz_tui.system.clock import ManualClock
 
 
 class StillReplay(ScriptedFeed):

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 from tests.console import studied
 from woz_tui.console.keyboard import HELD_US
-from woz_tui.console.study.questions import Answer, Asked, items_of
-from woz_tui.console.study.round import SETTLING_US, Page, Round
-from woz_tui.core.requests import AskAnswer, AskQuestionnaire
-from woz_tui.core.settings import ENGLISH, Item, Questionnaire
+from woz_tui.console.study.questionnaire_run import SETTLING_US, Page, Round
+from woz_tui.console.study.questionnaires import Answer, Asked, items_of
+from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire
+from woz_tui.protocol.welcome import ENGLISH, Item, Questionnaire
 
 KEYS = ["enter", "tab", "up", "down", "left", "right", "backspace", "home", "end", "pageup"]
 KEYS += ["pagedown", "ctrl+d", "y", "n", "space", "x", "-", *"0123456789"]

@@ -11,7 +11,7 @@ from textual.widgets import Input
 from tests.console.driving import Sitting, sitting
 from tests.console.robot import pepper
 from tests.console.robot.screen import type_in
-from woz_tui.core import requests as r
+from woz_tui.protocol import requests as r
 
 
 @asynccontextmanager

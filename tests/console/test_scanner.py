@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.console.scanner import LONE_ESC_S, PASTE_LIMIT, Scanner
-from woz_tui.console.tokens import Key, Paste, Raw, Reply, Stop, Token
-from woz_tui.experiment.terminals import PLAIN, TMUX, folded
+from woz_tui.config.keys.terminals import PLAIN, TMUX, folded
+from woz_tui.console.byte_scanner import LONE_ESC_S, PASTE_LIMIT, Scanner
+from woz_tui.console.input_tokens import Key, Paste, Raw, Reply, Stop, Token
 
 PRESSES = {
     b"a": "a",

@@ -19,17 +19,17 @@ from tests.console.dialogs import (
     stops,
 )
 from tests.console.driving import sitting
+from woz_tui.config.keys.terminals import KITTY
 from woz_tui.console.glyphs import ASCII
-from woz_tui.console.look import Look
 from woz_tui.console.screens.dialog import Dialog
 from woz_tui.console.screens.drivers import DriversDialog
 from woz_tui.console.screens.help import HelpDialog
 from woz_tui.console.screens.preflight import kind_finding, line_finding
 from woz_tui.console.screens.start import wrong_trial
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core.driver import Finding
-from woz_tui.experiment.terminals import KITTY
+from woz_tui.console.theme import Look
+from woz_tui.drivers.contract import Finding
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
 
 
 @pytest.mark.parametrize("size", SIZES)

@@ -9,9 +9,9 @@ from textual.widgets import OptionList
 from tests.console import scenes
 from tests.console.dialogs import busy, entry, opened
 from tests.console.driving import sitting
+from woz_tui.config.keys.console_keys import BUILTIN
 from woz_tui.console.screens.say import complete
-from woz_tui.core import requests as r
-from woz_tui.experiment.builtins import BUILTIN
+from woz_tui.protocol import requests as r
 
 # -- say ---------------------------------------------------------------------------------------
 

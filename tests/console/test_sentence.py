@@ -10,10 +10,10 @@ from tests.console import scenes
 from tests.console.dialogs import opened
 from tests.console.driving import Sitting, sitting
 from tests.console.scripted import raw
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core.settings import Settings, StudySettings
-from woz_tui.core.views import ActionView, PanelView
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.panels import ActionView, PanelView
+from woz_tui.protocol.welcome import Settings, StudySettings
 from woz_tui.session.variables import UNTOLD
 
 NOW = scenes.NOW

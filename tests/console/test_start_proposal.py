@@ -11,8 +11,8 @@ from tests.console.dialogs import opened
 from tests.console.driving import Sitting, sitting
 from woz_tui.console.screens.lost import LostDialog
 from woz_tui.console.screens.start import StartDialog, proposal_of
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
 
 WHY = "row 2 of 2: least used so far (2 participants)"
 DATA: dict[str, m.Json] = {

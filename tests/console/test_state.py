@@ -6,13 +6,13 @@ import pytest
 from tests.console import scenes
 from tests.console.scripted import raw
 from tests.replay.logs import stamped
-from woz_tui.console.feed import Incoming
-from woz_tui.console.parts import State
-from woz_tui.console.state import DONE_US, ConsoleState
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core.settings import Settings
-from woz_tui.session.plan import panels_changed
+from woz_tui.console.console_state import DONE_US, ConsoleState
+from woz_tui.console.message_feed import Incoming
+from woz_tui.console.view_models import State
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.welcome import Settings
+from woz_tui.session.session_plan import panels_changed
 
 NOW = scenes.NOW
 

@@ -10,13 +10,13 @@ from hypothesis import strategies as st
 
 from tests.console import scenes
 from tests.console.test_state import begun
-from tests.core.values import of
-from woz_tui.console.feed import Incoming
-from woz_tui.console.state import ConsoleState
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core.settings import Settings
-from woz_tui.core.views import PanelView
+from tests.protocol.values import of
+from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.message_feed import Incoming
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.panels import PanelView
+from woz_tui.protocol.welcome import Settings
 
 names = st.sampled_from(["a1", "a2", "Hello", "Map", "voice", "face", "distance", "", "Speech"])
 times = st.integers(-1, 1 << 48)

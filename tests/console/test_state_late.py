@@ -15,11 +15,11 @@ from tests.console.studied import assigned, ended, started, told
 from tests.replay.logs import seen_by_wizard, stamped
 from tests.timeline.courses import damaged, plan, recordings, start
 from tests.timeline.courses import stamped as stamped_again
-from woz_tui.console.state import ConsoleState
-from woz_tui.core import messages as m
-from woz_tui.session.plan import welcome
-from woz_tui.session.recent import Recent
-from woz_tui.timeline.state import SessionState
+from woz_tui.console.console_state import ConsoleState
+from woz_tui.protocol import messages as m
+from woz_tui.session.recent_lines import Recent
+from woz_tui.session.session_plan import welcome
+from woz_tui.timeline.session_state import SessionState
 
 SECOND = 1_000_000
 

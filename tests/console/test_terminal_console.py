@@ -11,14 +11,14 @@ import pytest
 
 from tests.fakes.host import FakeHost
 from tests.fakes.terminal import FakeTerminal
-from woz_tui.core.requests import AskAction, AskScript, AskStop, AskVerb
+from woz_tui.protocol.requests import AskAction, AskScript, AskStop, AskVerb
 
 pytestmark = pytest.mark.real_clock
 
 START = """
 import sys
 from pathlib import Path
-from woz_tui.cli.screen import ScreenOptions, open_console
+from woz_tui.cli.console_start import ScreenOptions, open_console
 sys.exit(open_console(ScreenOptions(Path(sys.argv[1])))[1])
 """
 

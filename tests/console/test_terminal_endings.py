@@ -16,8 +16,8 @@ import pytest
 
 from tests.fakes.host import FakeHost
 from tests.fakes.terminal import ROOT, WAIT_S, FakeTerminal
-from woz_tui.core.messages import Marker
-from woz_tui.core.requests import AskAction, AskNote, AskStop, Beat
+from woz_tui.protocol.messages import Marker
+from woz_tui.protocol.requests import AskAction, AskNote, AskStop, Beat
 
 pytestmark = pytest.mark.real_clock
 

@@ -12,8 +12,8 @@ import pytest
 from tests.fakes.host import FakeHost, stops
 from tests.fakes.terminal import FakeTerminal
 from woz_tui.console.cells import pasted
-from woz_tui.core.messages import Marker
-from woz_tui.core.requests import AskAction, AskMarker, AskNote, AskStop
+from woz_tui.protocol.messages import Marker
+from woz_tui.protocol.requests import AskAction, AskMarker, AskNote, AskStop
 
 pytestmark = pytest.mark.real_clock
 

@@ -13,7 +13,7 @@ import pytest
 
 from tests.fakes.host import FakeHost
 from tests.fakes.terminal import FakeTerminal
-from woz_tui.core.requests import AskAction, AskStop
+from woz_tui.protocol.requests import AskAction, AskStop
 
 pytestmark = [pytest.mark.tmux, pytest.mark.real_clock]
 

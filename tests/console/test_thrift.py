@@ -15,7 +15,7 @@ from textual.strip import Strip
 from tests.console import bodies
 from tests.console.driving import sitting
 from woz_tui.console.cells import Cells, Row, differences, length
-from woz_tui.console.thrift import tight
+from woz_tui.console.partial_update import tight
 
 WIDTH, HEIGHT = 24, 3
 _MOVE = re.compile(r"\x1b\[(?P<line>\d+);(?P<column>\d+)H|\x1b\[[\d;]*m|(?P<text>[^\x1b]+)")

@@ -12,8 +12,8 @@ from textual.screen import Screen
 from tests.console import engaged, scenes
 from tests.console.driving import Sitting, sitting
 from tests.console.test_thrift import shown
-from woz_tui.console.thrift import tight
-from woz_tui.core import messages as m
+from woz_tui.console.partial_update import tight
+from woz_tui.protocol import messages as m
 
 NOW, SECOND = scenes.NOW, scenes.SECOND
 

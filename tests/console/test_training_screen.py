@@ -7,8 +7,8 @@ import pytest
 from tests.console import scenes
 from tests.console.driving import sitting
 from woz_tui.console.screens.training import BeginDialog, ScoreDialog
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
 
 NOW = scenes.NOW
 WAITS = m.TrainingChanged(state="waits", planned=20, t=NOW)

@@ -8,9 +8,9 @@ from tests.console import scenes, studied
 from tests.console.driving import sitting
 from woz_tui.console.screens.questionnaire import QuestionnaireDialog
 from woz_tui.console.screens.trial import OfferDialog, TrialDialog, stands
-from woz_tui.console.study.picture import Study
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
+from woz_tui.console.study.study_view import Study
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
 
 NOW, SECOND = studied.NOW, studied.SECOND
 

@@ -7,10 +7,10 @@ from msgspec.structs import replace
 from tests.console import scenes
 from tests.console.dialogs import SIZES, opened
 from tests.console.driving import Sitting, sitting
-from woz_tui.console.panels import arrange
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core.views import ActionView, PanelView
+from woz_tui.console.action_panels import arrange
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.panels import ActionView, PanelView
 
 DIFF = ["--- talk.yaml", "+++ talk-typed.yaml", "@@ -9,0 +10,3 @@", '+      - {say: "One moment"}']
 

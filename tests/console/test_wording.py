@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from woz_tui.console.wording import words
-from woz_tui.core import messages as m
+from woz_tui.console.command_text import words
+from woz_tui.protocol import messages as m
 
 
 @pytest.mark.parametrize(

@@ -8,13 +8,13 @@ from contextlib import AsyncExitStack, asynccontextmanager
 from pathlib import Path
 from typing import Any
 
-from woz_drivers import room
+from woz_drivers import room_threshold
 from woz_drivers.microphone.driver import Microphone
 from woz_drivers.microphone.settings import MicrophoneSettings
 
 from tests.drivers.heard import Heard, Ordered, until
-from woz_tui.core.clock import Clock
-from woz_tui.core.messages import Json
+from woz_tui.protocol.messages import Json
+from woz_tui.system.clock import Clock
 
 
 class Ears:
@@ -46,7 +46,7 @@ async def learning(
     microphone: Microphone, seconds: float
 ) -> tuple[Ordered, asyncio.Future[Mapping[str, Json]]]:
     """It has begun to listen to the room."""
-    job = Ordered(room.NAME, {"seconds": seconds})
+    job = Ordered(room_threshold.NAME, {"seconds": seconds})
     performing = asyncio.ensure_future(microphone.perform(job))
     await until(lambda: bool(job.announced))
     return job, performing

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
 
-from woz_tui.core.clock import Clock, RealClock
-from woz_tui.core.hub import Hub
-from woz_tui.core.messages import AnyMessage, Json, Message, Reading, SensorChanged
+from woz_tui.bus.hub import Hub
+from woz_tui.protocol.messages import AnyMessage, Json, Message, Reading, SensorChanged
 from woz_tui.session.driver_context import SessionDriverContext
+from woz_tui.system.clock import Clock, RealClock
 
 #: Far longer than anything takes; only a failure waits for it.
 PATIENCE_S = 40.0

@@ -14,8 +14,8 @@ from woz_drivers.dynamixel.port import ServoPort
 
 from tests.drivers.heard import Heard, Ordered, until
 from tests.fakes.servos import ServoBus
-from woz_tui.core.arguments import checked
-from woz_tui.core.messages import DriverConnected, DriverFaulted, DriverHealth, Json, Notice
+from woz_tui.drivers.argument_check import checked
+from woz_tui.protocol.messages import DriverConnected, DriverFaulted, DriverHealth, Json, Notice
 
 #: On a crowded test machine an answer may take far longer than on any wire.
 PATIENT_MS = 1000.0

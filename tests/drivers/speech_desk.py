@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import psutil
-from woz_drivers.guard import guard
+from woz_drivers.orphan_guard import guard
 from woz_drivers.speech.driver import Speech
 from woz_drivers.speech.settings import SpeechSettings
 from woz_drivers.wav import Wav
@@ -17,7 +17,7 @@ from woz_drivers.wav import Wav
 from tests.drivers.heard import Heard, Ordered
 from tests.fakes import sound as fake
 from tests.fakes.sound import RATE, square, told
-from woz_tui.core.messages import DriverConnected
+from woz_tui.protocol.messages import DriverConnected
 
 SCRIPT = (sys.executable, "-S", fake.__file__)
 

@@ -11,8 +11,8 @@ from woz_drivers.byte_stream import ByteStream, Command, Listener
 
 from tests.drivers.heard import until
 from tests.fakes.piped_command import PipedCommand
-from woz_tui.core.clock import ManualClock
-from woz_tui.core.driver import DriverError
+from woz_tui.drivers.contract import DriverError
+from woz_tui.system.clock import ManualClock
 
 #: Bytes that make a beginning.
 LEAST = 8

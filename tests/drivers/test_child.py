@@ -9,12 +9,12 @@ from pathlib import Path
 
 import psutil
 import pytest
-from woz_drivers import child, programs
-from woz_drivers.programs import ProgramMissing
+from woz_drivers import child_process, command_lines
+from woz_drivers.command_lines import ProgramMissing
 
 from tests.drivers.heard import PATIENCE_S, until
 from tests.fakes.offspring import offspring
-from woz_tui.core.driver import DriverError
+from woz_tui.drivers.contract import DriverError
 
 
 def alive(pid: int) -> bool:
@@ -28,7 +28,7 @@ def alive(pid: int) -> bool:
 async def test_output_stdin_status_and_last_words(tmp_path: Path) -> None:
     output = bytearray()
     script = "cat; echo first >&2; printf 'progress\\rlast words \\n\\n' >&2; exit 3"
-    running = await child.start(
+    running = await child_process.start(
         ("sh", "-c", script), tmp_path, on_output=output.extend, text="hällo\n"
     )
     assert await running.wait() == 3
@@ -40,7 +40,7 @@ async def test_output_stdin_status_and_last_words(tmp_path: Path) -> None:
 
 async def test_everything_it_started_dies_with_it(tmp_path: Path) -> None:
     said = bytearray()
-    running = await child.start(
+    running = await child_process.start(
         ("sh", "-c", "sleep 1000 & echo $!; wait"), tmp_path, on_output=said.extend
     )
     await until(lambda: said.endswith(b"\n"))
@@ -52,7 +52,7 @@ async def test_everything_it_started_dies_with_it(tmp_path: Path) -> None:
 
 async def test_waiting_ends_though_a_grandchild_keeps_the_pipes(tmp_path: Path) -> None:
     said = bytearray()
-    running = await child.start(
+    running = await child_process.start(
         ("sh", "-c", "sleep 1000 & echo $!"), tmp_path, on_output=said.extend
     )
     assert await running.wait() == 0
@@ -64,11 +64,11 @@ async def test_waiting_ends_though_a_grandchild_keeps_the_pipes(tmp_path: Path) 
 async def test_nothing_outlives_a_killed_robot_process(tmp_path: Path, command: str) -> None:
     robot = (
         "import asyncio, pathlib, sys\n"
-        "from woz_drivers import child\n"
+        "from woz_drivers import child_process\n"
         "async def main():\n"
-        "    gone = await child.start(('true',), pathlib.Path())\n"
+        "    gone = await child_process.start(('true',), pathlib.Path())\n"
         "    await gone.gone()\n"
-        "    await child.start(('sh', '-c', sys.argv[1]), pathlib.Path())\n"
+        "    await child_process.start(('sh', '-c', sys.argv[1]), pathlib.Path())\n"
         "    print('started', flush=True)\n"
         "    await asyncio.sleep(1000)\n"
         "asyncio.run(main())\n"
@@ -102,11 +102,11 @@ async def test_it_runs_in_the_folder_of_the_experiment(tmp_path: Path) -> None:
     script = tmp_path / "say.sh"
     script.write_text("#!/bin/sh\npwd\n")
     with pytest.raises(ProgramMissing, match="not executable") as raised:
-        await child.start(("./say.sh",), tmp_path)
+        await child_process.start(("./say.sh",), tmp_path)
     assert raised.value.remedy.startswith("chmod +x")
     script.chmod(0o700)
     said = bytearray()
-    running = await child.start(("./say.sh",), tmp_path, on_output=said.extend)
+    running = await child_process.start(("./say.sh",), tmp_path, on_output=said.extend)
     await running.wait()
     await running.gone()
     assert said.decode().strip() == str(tmp_path)
@@ -120,7 +120,7 @@ async def test_held_output_waits(tmp_path: Path) -> None:
         said.extend(data)
         go.set()
 
-    running = await child.start(("cat", "/dev/zero"), tmp_path, on_output=take)
+    running = await child_process.start(("cat", "/dev/zero"), tmp_path, on_output=take)
     try:
         await go.wait()
         running.hold(True)
@@ -138,9 +138,9 @@ async def test_held_output_waits(tmp_path: Path) -> None:
 
 async def test_what_the_system_refuses_is_a_driver_error(tmp_path: Path) -> None:
     with pytest.raises(DriverError, match="cannot be started"):
-        await child.start(("echo", "x" * 3_000_000), tmp_path)
+        await child_process.start(("echo", "x" * 3_000_000), tmp_path)
     with pytest.raises(DriverError, match="cannot be started"):
-        await child.start(("echo", "a\0b"), tmp_path)
+        await child_process.start(("echo", "a\0b"), tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -158,28 +158,34 @@ def test_missing_programs_name_their_package(
 ) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(ProgramMissing, match=f"{program} is not installed") as raised:
-        programs.find(program, tmp_path)
+        command_lines.find(program, tmp_path)
     assert raised.value.remedy == remedy
 
 
 def test_a_missing_path_is_named(tmp_path: Path) -> None:
     with pytest.raises(ProgramMissing, match="does not exist"):
-        programs.find("bin/say", tmp_path)
+        command_lines.find("bin/say", tmp_path)
 
 
 def test_commands_are_split_like_a_shell_would_and_run_by_none() -> None:
-    assert programs.split("play 'a b' $HOME ; rm", "play") == ("play", "a b", "$HOME", ";", "rm")
-    assert programs.split(["a b", "c"], "play") == ("a b", "c")
+    assert command_lines.split("play 'a b' $HOME ; rm", "play") == (
+        "play",
+        "a b",
+        "$HOME",
+        ";",
+        "rm",
+    )
+    assert command_lines.split(["a b", "c"], "play") == ("a b", "c")
     with pytest.raises(DriverError, match="closing quotation"):
-        programs.split("play 'a", "play")
+        command_lines.split("play 'a", "play")
     with pytest.raises(DriverError, match="play is empty"):
-        programs.split("  ", "play")
+        command_lines.split("  ", "play")
 
 
 def test_placeholders_are_filled_once_and_checked() -> None:
     words = ("say", "--text={text}", "{text}", "{wav}", '{"json": 1}')
-    filled = programs.fill(words, {"text": "-rf {wav}", "wav": "/x"})
+    filled = command_lines.fill(words, {"text": "-rf {wav}", "wav": "/x"})
     assert filled == ("say", "--text=-rf {wav}", " -rf {wav}", "/x", '{"json": 1}')
-    assert programs.placeholders(words, ("text", "wav"), "speak") == {"text", "wav"}
+    assert command_lines.placeholders(words, ("text", "wav"), "speak") == {"text", "wav"}
     with pytest.raises(DriverError, match=r"speak has \{txt\}"):
-        programs.placeholders(("{txt}",), ("text",), "speak")
+        command_lines.placeholders(("{txt}",), ("text",), "speak")

@@ -25,7 +25,7 @@ from tests.drivers.servo_stand import head
 from tests.fakes.led_face import PluggedFace
 from tests.fakes.rangefinder import PluggedSensor
 from tests.fakes.servos import ServoBus
-from woz_tui.plugins import installed
+from woz_tui.drivers.plugins import installed
 from woz_tui.testing import Device, DriverTests, PlainJob, check
 
 NOWHERE = "/dev/no-such-port"

@@ -18,16 +18,16 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from woz_drivers.dynamixel import Joint
 from woz_drivers.dynamixel.chain import Chain, Move
-from woz_drivers.dynamixel.motion import Keyframe
 from woz_drivers.dynamixel.port import ServoPort
+from woz_drivers.dynamixel.setpoint_planning import Keyframe
 from woz_drivers.dynamixel.wire import Wire
 
 from tests.drivers.heard import PATIENCE_S, Heard, until
 from tests.drivers.servo_stand import PATIENT_MS, head, stand
 from tests.fakes.servo_motor import OVERLOAD
 from tests.fakes.servos import ServoBus
-from woz_tui.core.driver import DriverError, RejectedError
-from woz_tui.core.messages import Notice
+from woz_tui.drivers.contract import DriverError, RejectedError
+from woz_tui.protocol.messages import Notice
 
 SPEED = 60.0
 #: Speed limits are rounded up to one count of their register, positions to one count a tick.

@@ -12,7 +12,7 @@ from tests.drivers.heard import Heard
 from tests.drivers.servo_stand import HEAD, head
 from tests.fakes.servo_motor import OVERLOAD
 from tests.fakes.servos import ServoBus
-from woz_tui.core.driver import Finding, Probe
+from woz_tui.drivers.contract import Finding, Probe
 
 pytestmark = pytest.mark.real_clock
 

@@ -15,8 +15,8 @@ from tests.drivers.servo_stand import HEAD, SILENT_MS, head, stand
 from tests.fakes.servo_codec import PING
 from tests.fakes.servo_motor import OVERLOAD
 from tests.fakes.servos import ServoBus
-from woz_tui.core.driver import DeviceLostError, DriverError, RejectedError, Scope
-from woz_tui.core.messages import DriverConnected, DriverFaulted, DriverLost, Notice
+from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError, Scope
+from woz_tui.protocol.messages import DriverConnected, DriverFaulted, DriverLost, Notice
 
 pytestmark = pytest.mark.real_clock
 

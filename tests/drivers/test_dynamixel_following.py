@@ -17,9 +17,9 @@ from woz_drivers.dynamixel import DynamixelServos, Joint, Settings
 from tests.drivers.heard import Ordered, until
 from tests.drivers.servo_stand import Stand, head, stand
 from tests.fakes.servos import ServoBus
-from woz_tui.core.driver import DeviceLostError, RejectedError, Scope
-from woz_tui.core.messages import DriverConnected, DriverLost
+from woz_tui.drivers.contract import DeviceLostError, RejectedError, Scope
 from woz_tui.motion.setpoints import PRESENT, SETPOINTS, Present, Setpoints
+from woz_tui.protocol.messages import DriverConnected, DriverLost
 
 pytestmark = pytest.mark.real_clock
 

@@ -8,9 +8,9 @@ import math
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from woz_drivers.dynamixel import tables
-from woz_drivers.dynamixel.motion import Follow, Keyframe, plan, segment, shortest
+from woz_drivers.dynamixel import control_tables
 from woz_drivers.dynamixel.servo import calibrate
+from woz_drivers.dynamixel.setpoint_planning import Follow, Keyframe, plan, segment, shortest
 from woz_drivers.dynamixel.settings import Joint
 
 from woz_tui.motion.safety import Limits, guard
@@ -161,13 +161,13 @@ def test_following_keeps_the_limits_and_arrives(
 
 @patient
 @given(
-    st.sampled_from(tables.MODELS),
+    st.sampled_from(control_tables.MODELS),
     st.floats(-400, 400),
     st.sampled_from([1, -1]),
     st.floats(0.25, 8),
 )
 def test_what_is_written_lies_within_the_servo(
-    model: tables.Model, degrees: float, direction: int, gear: float
+    model: control_tables.Model, degrees: float, direction: int, gear: float
 ) -> None:
     joint = Joint(id=1, min=-90, max=90, direction=direction, gear=gear)
     calibration = calibrate(joint, model, (10, model.steps - 20))
@@ -179,13 +179,13 @@ def test_what_is_written_lies_within_the_servo(
 
 
 def test_calibration_refuses_what_is_no_number() -> None:
-    calibration = calibrate(Joint(id=1, min=-9, max=9), tables.MODELS[0], (0, 4095))
+    calibration = calibrate(Joint(id=1, min=-9, max=9), control_tables.MODELS[0], (0, 4095))
     with pytest.raises(ValueError, match="nan"):
         calibration.raw(math.nan)
 
 
 def test_gear_and_direction() -> None:
-    model = tables.by_name("XL330-M288")
+    model = control_tables.by_name("XL330-M288")
     assert model is not None
     joint = Joint(id=1, min=-40, max=40, zero=1000, direction=-1, gear=2.0)
     calibration = calibrate(joint, model, (0, 4095))

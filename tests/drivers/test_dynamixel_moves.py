@@ -13,9 +13,9 @@ from woz_drivers.dynamixel import Joint
 from tests.drivers.heard import Ordered, until
 from tests.drivers.servo_stand import stand
 from tests.fakes.servos import ServoBus
-from woz_tui.core.arguments import ArgumentError
-from woz_tui.core.driver import DeviceLostError, DriverError, RejectedError, Scope
-from woz_tui.core.messages import Json
+from woz_tui.drivers.argument_check import ArgumentError
+from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError, Scope
+from woz_tui.protocol.messages import Json
 
 GOAL, TORQUE, WATCHDOG, PROFILE_VELOCITY = 116, 64, 98, 112
 #: Counts in a tick of 20 ms at 300 deg/s, and one for rounding, times the two ticks a late one may

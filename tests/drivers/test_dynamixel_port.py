@@ -12,7 +12,7 @@ from serial.serialutil import Timeout
 from woz_drivers.dynamixel import port as module
 from woz_drivers.dynamixel.port import ServoPort
 
-from woz_tui.core.driver import DeviceLostError
+from woz_tui.drivers.contract import DeviceLostError
 
 
 @pytest.fixture

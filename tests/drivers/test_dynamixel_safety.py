@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 from woz_drivers.dynamixel.chain import Move
-from woz_drivers.dynamixel.motion import Keyframe
+from woz_drivers.dynamixel.setpoint_planning import Keyframe
 
 from tests.drivers.heard import until
 from tests.drivers.servo_stand import SILENT_MS, stand
 from tests.fakes.servos import ServoBus
-from woz_tui.core.driver import DriverError, Scope
-from woz_tui.core.messages import DriverFaulted
+from woz_tui.drivers.contract import DriverError, Scope
+from woz_tui.protocol.messages import DriverFaulted
 
 pytestmark = pytest.mark.real_clock
 

@@ -11,11 +11,11 @@ import pytest
 from woz_drivers.dynamixel import DynamixelServos, Joint, Settings, verbs
 
 from tests.drivers.servo_stand import HEAD
-from woz_tui.core.arguments import ArgumentError, checked
-from woz_tui.core.driver import KINDS
-from woz_tui.core.messages import Json
-from woz_tui.experiment.decode import load
-from woz_tui.experiment.shape import Experiment, ExperimentError, Together
+from woz_tui.config.experiment import Experiment, ExperimentError, Together
+from woz_tui.config.loading import load
+from woz_tui.drivers.argument_check import ArgumentError, checked
+from woz_tui.drivers.contract import KINDS
+from woz_tui.protocol.messages import Json
 
 GOOD = Settings(port="/dev/ttyUSB0", joints=dict(HEAD))
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from types import ModuleType, SimpleNamespace
 
 from tests.fakes.virtual_time import run_virtual
-from woz_tui.core.driver import Scope
+from woz_tui.drivers.contract import Scope
 from woz_tui.testing import RecordingContext
 
 MOOD = Path(__file__).parents[2] / "drivers/example/woz_driver_lamp/mood.py"

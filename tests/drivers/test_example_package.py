@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from woz_tui.testing.contract import COMMON_VERBS
+from woz_tui.testing.contract_checks import COMMON_VERBS
 
 DRIVERS = Path(__file__).parents[2] / "drivers"
 EXAMPLE = DRIVERS / "example"
@@ -19,8 +19,8 @@ README = DRIVERS / "README.md"
 LOAD = """
 import sys
 from pathlib import Path
-from woz_tui.experiment.decode import load
-from woz_tui.plugins import installed
+from woz_tui.config.loading import load
+from woz_tui.drivers.plugins import installed
 
 catalogue = installed()
 lamp = catalogue["lamp"]

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from tools.driver_settings import DRIVERS, pages
-from woz_tui.core.driver import Driver
-from woz_tui.plugins import installed
+from woz_tui.drivers.contract import Driver
+from woz_tui.drivers.plugins import installed
 
 ROOT = Path(__file__).parents[2]
 

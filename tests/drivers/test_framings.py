@@ -7,7 +7,7 @@ import itertools
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.rangefinder.framings import FRAMINGS, MAX_LINE, Decoder, Measurement
+from woz_drivers.rangefinder.protocols import FRAMINGS, MAX_LINE, Decoder, Measurement
 
 from tests.fakes.rangefinder import a02, maxbotix, tfmini
 

@@ -12,18 +12,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.led_face import LedFace, LedFaceSettings, doctor
-from woz_drivers.led_face.pictures import PATTERNS, asleep, mounted
+from woz_drivers.led_face.light_pictures import PATTERNS, asleep, mounted
 from woz_drivers.led_face.wire import HERE, Packet
 
 from tests.drivers.heard import Heard, Ordered, until
 from tests.fakes.led_face import Board, PluggedFace
-from woz_tui.core.clock import ManualClock
-from woz_tui.core.driver import DeviceLostError, Driver, Finding, Probe, RejectedError, Scope
-from woz_tui.core.messages import DriverConnected, DriverFaulted, DriverLost, Notice
-from woz_tui.motion.face import FaceState, draw
-from woz_tui.motion.frames import Frame
+from woz_tui.drivers.contract import DeviceLostError, Driver, Finding, Probe, RejectedError, Scope
+from woz_tui.motion.body_shape import FaceShape
+from woz_tui.motion.face_drawing import FaceState, draw
+from woz_tui.motion.light_frames import Frame
 from woz_tui.motion.setpoints import FACE, Lit
-from woz_tui.motion.shapes import FaceShape
+from woz_tui.protocol.messages import DriverConnected, DriverFaulted, DriverLost, Notice
+from woz_tui.system.clock import ManualClock
 
 pytestmark = pytest.mark.cpp
 

@@ -29,10 +29,10 @@ from woz_drivers.led_face.wire import (
 from tests.fakes import led_face
 from tests.fakes.led_chips import Ht1632, Max7219Chain
 from tests.fakes.led_face import Board
-from woz_tui.motion.face import FaceState, draw
-from woz_tui.motion.frames import Frame
-from woz_tui.motion.inputs import EMOTIONS
-from woz_tui.motion.shapes import FaceShape
+from woz_tui.motion.body_shape import FaceShape
+from woz_tui.motion.body_verbs import EMOTIONS
+from woz_tui.motion.face_drawing import FaceState, draw
+from woz_tui.motion.light_frames import Frame
 
 pytestmark = pytest.mark.cpp
 

@@ -11,13 +11,13 @@ from woz_drivers.led_face import LedFace, LedFaceSettings
 
 from tests.drivers.heard import Ordered, until
 from tests.fakes.led_face import PluggedFace
-from woz_tui.core.clock import RealClock
-from woz_tui.core.feeds import Feeds
-from woz_tui.core.hub import Hub
-from woz_tui.core.messages import AnyMessage, FaceShown
-from woz_tui.motion.inputs import EMOTIONS
-from woz_tui.motion.shapes import FaceShape, JointShape, Personality
+from woz_tui.bus.hub import Hub
+from woz_tui.drivers.feeds import Feeds
+from woz_tui.motion.body_shape import FaceShape, JointShape, Personality
+from woz_tui.motion.body_verbs import EMOTIONS
+from woz_tui.protocol.messages import AnyMessage, FaceShown
 from woz_tui.session.driver_context import SessionDriverContext
+from woz_tui.system.clock import RealClock
 
 
 @pytest.mark.cpp

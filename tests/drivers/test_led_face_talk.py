@@ -7,7 +7,7 @@ import itertools
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from woz_drivers.led_face.talk import (
+from woz_drivers.led_face.conversation import (
     ANSWER_US,
     HELLO_US,
     MISSES,
@@ -20,7 +20,7 @@ from woz_drivers.led_face.talk import (
 from woz_drivers.led_face.wire import FRAME, HELLO, HERE, SHOWN, WRONG, Packet, Reader
 
 from tests.fakes.led_face import Board
-from woz_tui.motion.frames import Frame, blank
+from woz_tui.motion.light_frames import Frame, blank
 
 pytestmark = pytest.mark.cpp
 

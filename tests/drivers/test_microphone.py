@@ -10,19 +10,26 @@ from typing import Any
 import numpy as np
 import psutil
 import pytest
-from woz_drivers import sound
-from woz_drivers.guard import guard
+from woz_drivers import pcm_audio
 from woz_drivers.microphone.driver import Microphone
 from woz_drivers.microphone.settings import MicrophoneSettings
+from woz_drivers.orphan_guard import guard
 
 from tests.drivers.ears import ears, learning
 from tests.drivers.heard import Heard, Ordered, until
 from tests.fakes.offspring import offspring
 from tests.fakes.piped_command import PipedCommand
 from tests.fakes.sound import RATE, square
-from woz_tui.core.clock import ManualClock, RealClock
-from woz_tui.core.driver import DeviceLostError, DriverError, Finding, Probe, RejectedError, Scope
-from woz_tui.core.messages import DriverConnected, DriverLost, Notice
+from woz_tui.drivers.contract import (
+    DeviceLostError,
+    DriverError,
+    Finding,
+    Probe,
+    RejectedError,
+    Scope,
+)
+from woz_tui.protocol.messages import DriverConnected, DriverLost, Notice
+from woz_tui.system.clock import ManualClock, RealClock
 
 Begin = Callable[..., Any]
 
@@ -83,7 +90,7 @@ async def test_one_channel_of_two_in_24_bits(begin: Begin, pipe: PipedCommand) -
     _, heard = await begin(pipe.command, format="S24_3LE", channels=2, channel=2)
     await until(pipe.connected)
     stereo = np.tile(np.array([[0.9, 0.3]], np.float32), (RATE // 10, 1))
-    pipe.send(sound.encode(stereo, "S24_3LE"))
+    pipe.send(pcm_audio.encode(stereo, "S24_3LE"))
     await heard.until(lambda: len(heard.values("loudness")) == 1)
     assert heard.values("loudness") == pytest.approx([0.3], rel=1e-3)
 

@@ -12,15 +12,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from woz_drivers import sound
+from woz_drivers import pcm_audio
 from woz_drivers.microphone.driver import Microphone
 
 from tests.drivers.ears import ears
 from tests.drivers.heard import PATIENCE_S, Heard, until
 from tests.fakes.piped_command import PipedCommand
 from tests.fakes.sound import RATE, square
-from woz_tui.core.clock import ManualClock
-from woz_tui.core.messages import Notice, SensorChanged, SpeechEnded, SpeechStarted
+from woz_tui.protocol.messages import Notice, SensorChanged, SpeechEnded, SpeechStarted
+from woz_tui.system.clock import ManualClock
 
 Begin = Callable[..., Any]
 
@@ -115,7 +115,7 @@ async def test_of_several_channels_the_one_that_counts_is_kept(
 ) -> None:
     _, heard = await begin(pipe, segments=True, format="S24_3LE", channels=2, channel=2)
     levels = np.repeat(np.array([0.0, 0.5, 0.0], np.float32), [320 * 5, 320 * 5, 320 * 6])
-    pipe.send(sound.encode(np.stack([np.full_like(levels, 0.9), levels], axis=1), "S24_3LE"))
+    pipe.send(pcm_audio.encode(np.stack([np.full_like(levels, 0.9), levels], axis=1), "S24_3LE"))
     ended = await heard.first(SpeechEnded)
     assert (
         np.frombuffer(kept(heard, ended), "<i2").tolist()

@@ -16,9 +16,9 @@ from woz_drivers.rangefinder.distance_filter import DistanceFilter, Gates
 
 from tests.drivers.heard import Heard, Ordered, until
 from tests.fakes.rangefinder import PluggedSensor, a02, maxbotix, tfmini
-from woz_tui.core.clock import ManualClock
-from woz_tui.core.driver import Driver, Probe, RejectedError, Scope
-from woz_tui.core.messages import DriverConnected, DriverLost, Reading
+from woz_tui.drivers.contract import Driver, Probe, RejectedError, Scope
+from woz_tui.protocol.messages import DriverConnected, DriverLost, Reading
+from woz_tui.system.clock import ManualClock
 
 GATES = Gates(nearest=0.02, farthest=10.0, floor=None, ceiling=None, jump=0.5, confirm=3, median=3)
 

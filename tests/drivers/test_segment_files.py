@@ -10,7 +10,7 @@ from woz_drivers.microphone.segment_files import SegmentFiles
 from woz_drivers.microphone.transcriber import Heard, Transcriber
 
 from tests.drivers.heard import until
-from woz_tui.core.messages import SpeechText
+from woz_tui.protocol.messages import SpeechText
 from woz_tui.testing import RecordingContext
 
 

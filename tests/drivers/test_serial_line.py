@@ -16,7 +16,7 @@ from woz_drivers.serial_line import SerialLine, Trouble, explain, present_ports,
 
 from tests.drivers.heard import PATIENCE_S, until
 from tests.fakes.rangefinder import PluggedSensor
-from woz_tui.core.driver import DeviceLostError
+from woz_tui.drivers.contract import DeviceLostError
 
 
 class Watched:

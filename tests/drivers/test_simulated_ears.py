@@ -6,7 +6,7 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-from woz_drivers import room
+from woz_drivers import room_threshold
 from woz_drivers.microphone.driver import Microphone
 from woz_drivers.simulated import Settings
 from woz_drivers.simulated.senses import ROOM_NOISE, ROOM_SPREAD, THRESHOLD
@@ -14,8 +14,8 @@ from woz_drivers.simulated.verbs import offered
 from woz_drivers.simulated.visitor import Visitor
 
 from tests.fakes.simulated_rig import Rig, rig
-from woz_tui.core.driver import DeviceLostError, DriverError, RejectedError, Scope
-from woz_tui.core.messages import Json, Reading, SpeechEnded, SpeechStarted
+from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError, Scope
+from woz_tui.protocol.messages import Json, Reading, SpeechEnded, SpeechStarted
 
 VISITED = Settings(visitor=True, seed=7)
 #: What a microphone's answer holds, and the simulated one's.
@@ -33,7 +33,7 @@ def levels(it: Rig) -> list[Reading]:
 
 
 def thresholds(it: Rig) -> list[float | None]:
-    return [reading.value for reading in it.context.of(room.THRESHOLD)]
+    return [reading.value for reading in it.context.of(room_threshold.THRESHOLD)]
 
 
 def number(sent: Json) -> float:
@@ -43,15 +43,17 @@ def number(sent: Json) -> float:
 
 def test_it_is_the_microphones_verb() -> None:
     assert [verb for verb in offered(VISITED) if verb.lane == "listen"] == [*Microphone.verbs(None)]
-    assert room.NAME not in {verb.name for verb in offered(Settings())}
-    assert room.NAME in {verb.name for verb in offered(Settings(visitor=True, voice_only=True))}
+    assert room_threshold.NAME not in {verb.name for verb in offered(Settings())}
+    assert room_threshold.NAME in {
+        verb.name for verb in offered(Settings(visitor=True, voice_only=True))
+    }
 
 
 async def test_a_quiet_room_is_learnt_from_its_own_loudness(it: Rig) -> None:
     """Two seconds are twenty ticks: just those that were published meanwhile count."""
     await it.pace.advance(0.25)
     before = len(levels(it))
-    sent = await it.do(room.NAME, seconds=2.0)
+    sent = await it.do(room_threshold.NAME, seconds=2.0)
     heard = [number(reading.value) for reading in levels(it)[before : before + 20]]
     assert sent.keys() == TOLD
     assert (sent["was"], sent["seconds"], sent["k"]) == (THRESHOLD, 2.0, 5.0)
@@ -68,12 +70,12 @@ async def test_the_same_seed_teaches_the_same(tmp_path: Path) -> None:
     for speed, early in ((1.0, 0.31), (1.0, 0.39), (4.0, 0.39 / 4)):
         async with rig(tmp_path, Settings(visitor=True, seed=7, speed=speed)) as it:
             await it.pace.advance(early)
-            found.append((await it.do(room.NAME, seconds=1.5))["threshold"])
+            found.append((await it.do(room_threshold.NAME, seconds=1.5))["threshold"])
     assert found[0] == found[1] == found[2]
 
 
 async def test_ten_seconds_are_usual(it: Rig) -> None:
-    sent = it.begin(room.NAME)
+    sent = it.begin(room_threshold.NAME)
     await it.pace.advance(10.3)
     assert sent.done()
     assert (await sent)["seconds"] == 10.0
@@ -82,7 +84,7 @@ async def test_ten_seconds_are_usual(it: Rig) -> None:
 async def test_whoever_speaks_meanwhile_is_told_to_be_quiet(it: Rig) -> None:
     while not it.context.told:
         await it.pace.advance(0.1)
-    sent = await it.do(room.NAME, seconds=3.0)
+    sent = await it.do(room_threshold.NAME, seconds=3.0)
     level, text, remedy = it.context.notices[-1]
     assert (level, "not quiet" in text) == ("warning", True)
     assert "once more" in remedy
@@ -93,7 +95,7 @@ async def test_what_was_learnt_decides_what_is_speech(it: Rig) -> None:
     """Learnt from a voice the threshold lies above every voice; learnt anew it is as it was."""
     while not it.context.told:
         await it.pace.advance(0.1)
-    await it.do(room.NAME, seconds=3.0)
+    await it.do(room_threshold.NAME, seconds=3.0)
     await it.pace.advance(60.0)
     assert [type(one) for one in it.context.told[:2]] == [SpeechStarted, SpeechEnded]
     few = sum(isinstance(one, SpeechStarted) for one in it.context.told)
@@ -114,18 +116,18 @@ def test_visits_do_not_hang_on_what_is_taken_for_speech() -> None:
 async def test_a_muted_microphone_teaches_nothing(it: Rig) -> None:
     await it.do("fault", kind="silent", part="loudness", seconds=30.0)
     with pytest.raises(DeviceLostError, match="delivers no sound"):
-        await it.do(room.NAME, seconds=1.0)
+        await it.do(room_threshold.NAME, seconds=1.0)
     assert thresholds(it) == [THRESHOLD]
 
 
 async def test_samples_that_are_no_numbers_do_not_count(it: Rig) -> None:
     await it.do("fault", kind="nan", part="loudness", seconds=0.5)
     with pytest.raises(DeviceLostError, match="delivers no sound"):
-        await it.do(room.NAME, seconds=1.0)
+        await it.do(room_threshold.NAME, seconds=1.0)
 
 
 async def test_a_cable_pulled_meanwhile_ends_it(it: Rig) -> None:
-    learning = it.begin(room.NAME, seconds=5.0)
+    learning = it.begin(room_threshold.NAME, seconds=5.0)
     await it.pace.advance(1.0)
     await it.do("fault", kind="disconnect", seconds=3.0)
     await it.pace.advance(0.2)
@@ -135,16 +137,16 @@ async def test_a_cable_pulled_meanwhile_ends_it(it: Rig) -> None:
 
 
 async def test_the_stop_ends_it_and_it_can_be_done_again(it: Rig) -> None:
-    learning = it.begin(room.NAME, seconds=5.0)
+    learning = it.begin(room_threshold.NAME, seconds=5.0)
     await it.pace.advance(1.0)
     await it.robot.stop(Scope.ALL)
     await it.pace.advance(0.2)
     with pytest.raises(DriverError, match="stop"):
         await learning
-    assert (await it.do(room.NAME, seconds=0.5))["seconds"] == 0.5
+    assert (await it.do(room_threshold.NAME, seconds=0.5))["seconds"] == 0.5
 
 
 async def test_without_a_visitor_there_is_no_microphone(tmp_path: Path) -> None:
     async with rig(tmp_path) as alone:
         with pytest.raises(RejectedError, match="cannot listen_room"):
-            await alone.do(room.NAME)
+            await alone.do(room_threshold.NAME)

@@ -10,8 +10,15 @@ import pytest
 from woz_drivers.simulated import ScheduledFault, Settings, SimulatedRobot
 
 from tests.fakes.simulated_rig import Rig, rig
-from woz_tui.core.driver import DeviceLostError, DriverError, Health, Probe, RejectedError, Scope
-from woz_tui.core.messages import Json
+from woz_tui.drivers.contract import (
+    DeviceLostError,
+    DriverError,
+    Health,
+    Probe,
+    RejectedError,
+    Scope,
+)
+from woz_tui.protocol.messages import Json
 from woz_tui.testing import PlainJob
 
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from woz_drivers.simulated import ScheduledFault, Settings, SimulatedJoint
 
-from woz_tui.experiment.decode import load
-from woz_tui.experiment.shape import ExperimentError
-from woz_tui.plugins import installed
+from woz_tui.config.experiment import ExperimentError
+from woz_tui.config.loading import load
+from woz_tui.drivers.plugins import installed
 
 FILE = """\
 title: Rehearsal

@@ -16,8 +16,8 @@ from woz_drivers.simulated.speech import utterance
 from woz_drivers.simulated.verbs import MOVES
 
 from tests.fakes.simulated_rig import Rig, rig
-from woz_tui.core.driver import RejectedError
-from woz_tui.core.messages import Json
+from woz_tui.drivers.contract import RejectedError
+from woz_tui.protocol.messages import Json
 from woz_tui.testing import PlainJob, RecordingContext
 
 

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.simulated.sight import HEIGHT, WIDTH, Person, Sight, drawn
+from woz_drivers.simulated.simulated_camera import HEIGHT, WIDTH, Person, Sight, drawn
 
 from tests.drivers.heard import Heard
-from woz_tui.core.clock import ManualClock
-from woz_tui.core.pictures import PICTURE, WATCHED, Picture, Watched
+from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, Picture, Watched
+from woz_tui.system.clock import ManualClock
 
 
 def coat(person: Person | None) -> np.ndarray[tuple[int, ...], np.dtype[np.intp]]:

@@ -12,14 +12,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from woz_drivers.simulated import Settings
 from woz_drivers.simulated import visitor as words
-from woz_drivers.simulated.hearing import HANG_OVER, PRE_ROLL, UNDERSTOOD_AFTER, Hearing, Speech
 from woz_drivers.simulated.senses import THRESHOLD, TICK
+from woz_drivers.simulated.simulated_microphone import (
+    HANG_OVER,
+    PRE_ROLL,
+    UNDERSTOOD_AFTER,
+    Hearing,
+    Speech,
+)
 from woz_drivers.simulated.verbs import offered, sensors
 from woz_drivers.simulated.visitor import PEOPLE, STRANGERS, Phase, Visitor
 
 from tests.fakes.simulated_rig import Rig, rig
-from woz_tui.core.driver import SPEECH, DriverError, RejectedError
-from woz_tui.core.messages import SpeechEnded, SpeechStarted, SpeechText
+from woz_tui.drivers.contract import SPEECH, DriverError, RejectedError
+from woz_tui.protocol.messages import SpeechEnded, SpeechStarted, SpeechText
 
 VISITED = Settings(visitor=True, seed=7)
 LOUD, QUIET = 0.1, 0.01

@@ -12,10 +12,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
-from woz_drivers import sound
-from woz_drivers.microphone.speaking import BLOCK_S, Ear, Speaking
-from woz_drivers.room import learn
-from woz_drivers.sound import FORMATS, Samples
+from woz_drivers import pcm_audio
+from woz_drivers.microphone.speech_detection import BLOCK_S, Ear, Speaking
+from woz_drivers.pcm_audio import FORMATS, Samples
+from woz_drivers.room_threshold import learn
 from woz_drivers.wav import NoWav, Wav, parse
 
 NAMES = st.sampled_from(sorted(FORMATS))
@@ -40,39 +40,39 @@ SAMPLES = arrays.arrays(
     ],
 )
 def test_every_format(name: str, data: bytes, expected: list[float]) -> None:
-    assert sound.decode(data, name, 1)[:, 0].tolist() == pytest.approx(expected)
+    assert pcm_audio.decode(data, name, 1)[:, 0].tolist() == pytest.approx(expected)
 
 
 @given(SAMPLES, NAMES)
 def test_what_is_encoded_is_decoded(samples: Samples, name: str) -> None:
-    again = sound.decode(sound.encode(samples, name), name, samples.shape[1])
+    again = pcm_audio.decode(pcm_audio.encode(samples, name), name, samples.shape[1])
     assert again.shape == samples.shape
     assert np.abs(again - samples).max(initial=0) <= 2.0 ** -(min(FORMATS[name].bits, 23) - 1)
 
 
 @given(st.binary(max_size=200), NAMES, st.integers(1, 4))
 def test_any_bytes_have_a_level(data: bytes, name: str, channels: int) -> None:
-    samples = sound.decode(data, name, channels)
+    samples = pcm_audio.decode(data, name, channels)
     assert samples.shape[1] == channels
-    assert 0.0 <= sound.rms(sound.one_channel(samples, 0)) <= 1.0
+    assert 0.0 <= pcm_audio.rms(pcm_audio.one_channel(samples, 0)) <= 1.0
 
 
 @given(arrays.arrays(np.float32, st.integers(1, 400), elements=st.floats(-1, 1, width=32)))
 def test_level_is_the_root_of_the_mean_square(samples: Samples) -> None:
     exact = math.sqrt(math.fsum(float(x) ** 2 for x in samples) / len(samples))
-    assert sound.rms(samples) == pytest.approx(exact, rel=1e-4, abs=1e-9)
+    assert pcm_audio.rms(samples) == pytest.approx(exact, rel=1e-4, abs=1e-9)
 
 
 def test_channels_are_chosen_or_mixed() -> None:
     samples = np.array([[0.5, -0.5], [1.0, 0.0]], np.float32)
-    assert sound.one_channel(samples, 2).tolist() == [-0.5, 0.0]
-    assert sound.one_channel(samples, 0).tolist() == [0.0, 0.5]
+    assert pcm_audio.one_channel(samples, 2).tolist() == [-0.5, 0.0]
+    assert pcm_audio.one_channel(samples, 0).tolist() == [0.0, 0.5]
 
 
 def test_decibels() -> None:
-    assert sound.decibels(1.0) == 0
-    assert sound.decibels(0.1) == pytest.approx(-20)
-    assert sound.decibels(0.0) == -120
+    assert pcm_audio.decibels(1.0) == 0
+    assert pcm_audio.decibels(0.1) == pytest.approx(-20)
+    assert pcm_audio.decibels(0.0) == -120
 
 
 @given(st.binary(max_size=300), st.integers(1, 50), st.lists(st.integers(0, 300), max_size=10))
@@ -80,7 +80,7 @@ def test_blocks_do_not_depend_on_how_the_stream_is_split(
     data: bytes, size: int, cuts: list[int]
 ) -> None:
     got: list[bytes] = []
-    blocks = sound.Blocks(size, got.append)
+    blocks = pcm_audio.Blocks(size, got.append)
     edges = [0, *sorted(min(cut, len(data)) for cut in cuts), len(data)]
     for start, end in zip(edges, edges[1:], strict=False):  # noqa: RUF007 - reads better here
         blocks.feed(data[start:end])
@@ -133,7 +133,7 @@ def test_a_room_is_learned() -> None:
 
 @given(SAMPLES, st.sampled_from(["U8", "S16_LE", "S24_3LE", "S32_LE", "FLOAT_LE"]))
 def test_a_wav_file_is_read_as_it_was_written(samples: Samples, name: str) -> None:
-    one = Wav(name, 22050, samples.shape[1], sound.encode(samples, name))
+    one = Wav(name, 22050, samples.shape[1], pcm_audio.encode(samples, name))
     assert parse(one.to_bytes()) == one
 
 

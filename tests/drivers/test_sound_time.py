@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.microphone.segments import BLOCK_US, SoundTime
+from woz_drivers.microphone.speech_segments import BLOCK_US, SoundTime
 
 
 @given(st.lists(st.integers(0, 400_000), min_size=1, max_size=40), st.integers(0, 10**12))

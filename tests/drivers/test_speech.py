@@ -11,15 +11,15 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.sound import decode, rms
+from woz_drivers.pcm_audio import decode, rms
 from woz_drivers.speech.driver import Speech
-from woz_drivers.speech.voice import file_names, spoken
+from woz_drivers.speech.synthesis import file_names, spoken
 from woz_drivers.wav import parse
 
 from tests.drivers.heard import Ordered, until
 from tests.drivers.speech_desk import Desk, desk_in, say
-from woz_tui.core.driver import DriverError, RejectedError
-from woz_tui.core.messages import Notice
+from woz_tui.drivers.contract import DriverError, RejectedError
+from woz_tui.protocol.messages import Notice
 
 
 @pytest.fixture

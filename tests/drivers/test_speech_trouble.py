@@ -16,8 +16,8 @@ from woz_drivers.speech.settings import SpeechSettings
 
 from tests.drivers.heard import Ordered, until
 from tests.drivers.speech_desk import Desk, desk_in, say
-from woz_tui.core.driver import DeviceLostError, DriverError, Probe, RejectedError, Scope
-from woz_tui.core.messages import DriverConnected, DriverFaulted, DriverLost
+from woz_tui.drivers.contract import DeviceLostError, DriverError, Probe, RejectedError, Scope
+from woz_tui.protocol.messages import DriverConnected, DriverFaulted, DriverLost
 
 
 @pytest.fixture

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from woz_drivers.dynamixel import tables
-from woz_drivers.dynamixel.tables import Register
+from woz_drivers.dynamixel import control_tables
+from woz_drivers.dynamixel.control_tables import Register
 
 from tests.fakes.servo_motor import KINDS
 
@@ -67,8 +67,10 @@ NUMBERS = {
 }
 
 
-@pytest.mark.parametrize(("table", "published"), [(tables.X_SERIES, X), (tables.PROTOCOL_1, OLD)])
-def test_addresses(table: tables.Table, published: dict[str, tuple[int, int]]) -> None:
+@pytest.mark.parametrize(
+    ("table", "published"), [(control_tables.X_SERIES, X), (control_tables.PROTOCOL_1, OLD)]
+)
+def test_addresses(table: control_tables.Table, published: dict[str, tuple[int, int]]) -> None:
     for name, (address, size) in published.items():
         register = getattr(table, name)
         assert (register.address, register.size) == (address, size), name
@@ -77,29 +79,29 @@ def test_addresses(table: tables.Table, published: dict[str, tuple[int, int]]) -
 
 
 def test_model_numbers() -> None:
-    assert {model.name: model.number for model in tables.MODELS} == NUMBERS
+    assert {model.name: model.number for model in control_tables.MODELS} == NUMBERS
 
 
 def test_models_are_found_by_number_and_by_name() -> None:
-    for model in tables.MODELS:
-        assert tables.by_number(model.table.protocol, model.number) is model
-        assert tables.by_name(model.name.lower()) is model
-    assert tables.by_name("XL330-M288-T") is tables.by_number(2, 1200)
-    assert tables.by_number(1, 1200) is None
-    assert tables.by_name("XL330") is None
+    for model in control_tables.MODELS:
+        assert control_tables.by_number(model.table.protocol, model.number) is model
+        assert control_tables.by_name(model.name.lower()) is model
+    assert control_tables.by_name("XL330-M288-T") is control_tables.by_number(2, 1200)
+    assert control_tables.by_number(1, 1200) is None
+    assert control_tables.by_name("XL330") is None
 
 
 def test_the_emulator_agrees() -> None:
     for name, (protocol, number, counts, travel) in KINDS.items():
-        model = tables.by_name(name)
+        model = control_tables.by_name(name)
         assert model is not None
         assert (model.table.protocol, model.number) == (protocol, number)
         assert (model.steps, model.travel) == (counts, travel)
 
 
 def test_units() -> None:
-    xl330 = tables.by_name("XL330-M288")
-    ax12 = tables.by_name("AX-12A")
+    xl330 = control_tables.by_name("XL330-M288")
+    ax12 = control_tables.by_name("AX-12A")
     assert xl330 is not None and ax12 is not None
     assert xl330.degrees_per_step == pytest.approx(0.088, abs=1e-3)  # 0.088 deg a pulse
     assert xl330.speed_unit == pytest.approx(0.229 * 6)  # 0.229 rev/min a count
@@ -108,20 +110,20 @@ def test_units() -> None:
 
 
 def test_blocks_cover_what_is_cut_out_of_them() -> None:
-    assert tables.X_SERIES.status_block() == Register(64, 35)
-    assert tables.X_SERIES.sensor_block() == Register(126, 21)
-    assert tables.PROTOCOL_1.status_block() == Register(24, 14)
-    assert tables.PROTOCOL_1.sensor_block() == Register(40, 4)
+    assert control_tables.X_SERIES.status_block() == Register(64, 35)
+    assert control_tables.X_SERIES.sensor_block() == Register(126, 21)
+    assert control_tables.PROTOCOL_1.status_block() == Register(24, 14)
+    assert control_tables.PROTOCOL_1.sensor_block() == Register(40, 4)
 
 
 def test_alarms_have_names() -> None:
-    assert tables.alarms(tables.X_SERIES, 0x25) == [
+    assert control_tables.alarms(control_tables.X_SERIES, 0x25) == [
         "input voltage out of range",
         "overheated",
         "overload",
     ]
     # Bits that speak of the packet, not of the hardware, are no alarm.
-    assert tables.alarms(tables.PROTOCOL_1, 0x5A) == []
+    assert control_tables.alarms(control_tables.PROTOCOL_1, 0x5A) == []
 
 
 @settings(deadline=None)

@@ -18,9 +18,9 @@ from tests.drivers.heard import Heard, until
 from tests.fakes.offspring import offspring
 from tests.fakes.piped_command import PipedCommand
 from tests.fakes.sound import square
-from woz_tui.core.clock import RealClock
-from woz_tui.core.driver import Finding, Probe
-from woz_tui.core.messages import Notice, SpeechEnded, SpeechText
+from woz_tui.drivers.contract import Finding, Probe
+from woz_tui.protocol.messages import Notice, SpeechEnded, SpeechText
+from woz_tui.system.clock import RealClock
 
 Begin = Callable[..., Any]
 

@@ -23,9 +23,9 @@ from typing import Any
 import psutil
 
 from tests.fakes.terminal import ROOT, WAIT_S, FakeTerminal
-from woz_tui.host.place import answers
-from woz_tui.record import log
-from woz_tui.record.lines import decode
+from woz_tui.host.socket_place import answers
+from woz_tui.log import log_reader
+from woz_tui.log.line_reader import decode
 
 #: Between two looks at a file or a process, in seconds.
 LOOK_S = 0.02
@@ -180,10 +180,10 @@ class Log:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._read: list[log.Line] = []
+        self._read: list[log_reader.Line] = []
         self._bytes = 0
 
-    def lines(self, kind: str = "", **fields: object) -> list[log.Line]:
+    def lines(self, kind: str = "", **fields: object) -> list[log_reader.Line]:
         """All lines, or those of one kind whose fields have these values."""
         self._read_on()
         return [
@@ -203,7 +203,7 @@ class Log:
         found = (decode(raw) for raw in whole.splitlines())
         self._read += [line for line in found if line is not None and line.seq >= 0]
 
-    def wait(self, kind: str, count: int = 1, **fields: object) -> log.Line:
+    def wait(self, kind: str, count: int = 1, **fields: object) -> log_reader.Line:
         """The `count`th line of this kind, as soon as it is there."""
         what = f"line {count} of {kind} {fields}"
         try:
@@ -212,18 +212,18 @@ class Log:
             tail = "\n".join(line.raw.decode() for line in self.lines()[-25:])
             raise AssertionError(f"{error}; the log ends with\n{tail}") from None
         line = found[count - 1]
-        assert isinstance(line, log.Line)
+        assert isinstance(line, log_reader.Line)
         return line
 
-    def end_of(self, line: log.Line) -> int:
+    def end_of(self, line: log_reader.Line) -> int:
         """Bytes of the file up to and including `line`."""
         data = self.path.read_bytes()
         return data.index(line.raw) + len(line.raw) + 1
 
-    def whole(self) -> tuple[list[log.Line], log.Damage]:
+    def whole(self) -> tuple[list[log_reader.Line], log_reader.Damage]:
         """Every line of every file of the session, and what was wrong with them."""
-        damage = log.Damage()
-        return list(log.read(self.path, damage)), damage
+        damage = log_reader.Damage()
+        return list(log_reader.read(self.path, damage)), damage
 
 
 def _logs(folder: Path) -> list[Path]:

@@ -8,7 +8,7 @@ import pytest
 
 from tests.e2e import scenes
 from tests.e2e.lab import Lab, end_session, until
-from woz_tui.record import log
+from woz_tui.log import log_reader
 
 pytestmark = pytest.mark.real_clock
 
@@ -19,12 +19,12 @@ def test_full_disk(lab: Lab) -> None:
     spill = lab.folder / "spill"
     terminal = lab.run(lab.file("guide.yaml", scenes.guide()), "--spill", str(spill), columns=120)
     first = lab.log.path
-    damage = log.Damage()
+    damage = log_reader.Damage()
 
-    def everything() -> list[log.Line]:
+    def everything() -> list[log_reader.Line]:
         nonlocal damage
-        damage = log.Damage()
-        return list(log.read(first, damage, places=[spill]))
+        damage = log_reader.Damage()
+        return list(log_reader.read(first, damage, places=[spill]))
 
     def told(kind: str, count: int = 1) -> None:
         until(lambda: sum(line.kind == kind for line in everything()) >= count, f"{count} {kind}")
@@ -59,4 +59,4 @@ def test_full_disk(lab: Lab) -> None:
     played = [line.fields["action"] for line in lines if line.kind == "action.requested"]
     assert played == ["Hello", "Nod", "Hello", "Hello"]
     (last, *_) = sorted(spill.glob("*.jsonl"))
-    assert [line.raw for line in log.read(last)] == [line.raw for line in lines]
+    assert [line.raw for line in log_reader.read(last)] == [line.raw for line in lines]

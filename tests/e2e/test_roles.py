@@ -15,8 +15,8 @@ import pytest
 
 from tests.e2e.lab import Lab, until
 from tests.e2e.program import Program
-from woz_tui.record import log
-from woz_tui.replay.reel import Reel
+from woz_tui.log import log_reader
+from woz_tui.replay.recording import Reel
 
 pytestmark = pytest.mark.real_clock
 
@@ -229,6 +229,6 @@ def test_every_byte_for_every_role(lab: Lab) -> None:
     # The log has everything, and a replay as the wizard has what the wizard had.
     raw = lab.log.path.read_bytes().decode().casefold()
     assert not {*WRITTEN, "zanzibar", "turnip"} - set(found(raw, CONDITION + WRITTEN))
-    lines = [line for line in log.read(lab.log.path) if line.message is not None]
+    lines = [line for line in log_reader.read(lab.log.path) if line.message is not None]
     assert not found(repr(Reel(lines).lines).casefold(), CONDITION + WRITTEN)
     assert "turnip" in repr(Reel(lines, reveal=True).lines).casefold()

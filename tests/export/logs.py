@@ -11,11 +11,11 @@ from pathlib import Path
 import msgspec
 from hypothesis import strategies as st
 
-from woz_tui.core import messages as m
-from woz_tui.core import wire
-from woz_tui.core.clock import timestamp
-from woz_tui.export.course import Session
-from woz_tui.export.sources import found, read
+from woz_tui.export.event_model import Session
+from woz_tui.export.log_sources import found, read
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.system.clock import timestamp
 
 SHA = "0123456789abcdef" * 4
 BEGIN = datetime(2026, 3, 1, 10, tzinfo=UTC)
@@ -50,14 +50,14 @@ def write(folder: Path, course: Iterable[Timed], stem: str = STEM, *, ended: boo
         t = round(seconds * 1_000_000)
         ts = (
             ""
-            if wire.is_sample(message)
+            if codec.is_sample(message)
             else timestamp(BEGIN + timedelta(seconds=min(seconds, 1e9)))
         )
-        line = wire.encode(msgspec.structs.replace(message, seq=seq, t=t, ts=ts))
-        (others if wire.is_sample(message) else actions).extend(line)
+        line = codec.encode(msgspec.structs.replace(message, seq=seq, t=t, ts=ts))
+        (others if codec.is_sample(message) else actions).extend(line)
     if ended:
         end = m.SessionEnd(reason="wizard", sha256=hashlib.sha256(actions).hexdigest())
-        actions += wire.encode(msgspec.structs.replace(end, seq=seq + 1, t=t))
+        actions += codec.encode(msgspec.structs.replace(end, seq=seq + 1, t=t))
     log.write_bytes(actions)
     samples.write_bytes(others)
     return log

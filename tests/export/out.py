@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from tests.export.logs import Timed, write
-from woz_tui.export.export import export
+from woz_tui.export.export_run import export
 from woz_tui.export.exporter import Options, Told
 
 

@@ -11,8 +11,8 @@ from typing import Any
 import msgspec
 from msgspec import inspect
 
-from woz_tui.core import messages as m
-from woz_tui.core import wire
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
 
 KINDS: list[type[m.Message]] = [
     kind
@@ -123,7 +123,7 @@ def write(folder: Path, secrets: Secrets) -> Path:
     """The log; each line but the strange ones is one that this version understands."""
     lines = [secrets.line(kind, number) for number, kind in enumerate(KINDS)]
     for line in lines:
-        wire.decode_message(json.dumps(line).encode())
+        codec.decode_message(json.dumps(line).encode())
     lines += strange_lines(secrets, len(lines))
     folder.mkdir()
     log = folder / "2026-03-01T10-00-00_P07_S01.jsonl"

@@ -19,8 +19,8 @@ from hypothesis import HealthCheck, given, settings
 
 from tests.export.logs import Timed, courses, start, visit, write
 from tests.export.out import course_to, exported
-from woz_tui.core import messages as m
 from woz_tui.export import bids
+from woz_tui.protocol import messages as m
 
 VALIDATOR = resources.files("bids_validator_deno") / "bids-validator.js"
 #: What nobody but the researcher can know; the README's readers are told to add it.

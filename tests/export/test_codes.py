@@ -15,9 +15,9 @@ from tests.export.test_eaf import read_back as read_eaf
 from tests.export.test_textgrid import filled
 from tests.export.test_textgrid import read_back as read_grid
 from woz_tui.cli import main
-from woz_tui.core import messages as m
-from woz_tui.record.coding import Coding, coding_path
-from woz_tui.record.index import LogIndex
+from woz_tui.log.coding_file import Coding, coding_path
+from woz_tui.log.log_index import LogIndex
+from woz_tui.protocol import messages as m
 
 CODES = {
     "K1": ((2.0, "gaze: robot"), (5.0, "gaze: away"), (3.0, "smiles"), (9.0, "gaze: robot")),

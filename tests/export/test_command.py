@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from tests.export.logs import STEM, visit, write
-from tests.record.story import GOLDEN
+from tests.log.story import GOLDEN
 from woz_tui.cli import main
-from woz_tui.export.export import FORMATS
+from woz_tui.export.export_run import FORMATS
 
 
 def test_it_says_what_it_did_and_what_was_wrong(

@@ -13,8 +13,8 @@ from hypothesis import HealthCheck, given, settings
 
 from tests.export.logs import STEM, Timed, courses, session_of, start, visit, write
 from tests.export.out import course_to, exported
-from woz_tui.core import messages as m
-from woz_tui.core.cleaning import visible
+from woz_tui.protocol import messages as m
+from woz_tui.system.text_cleaning import visible
 
 Rows = list[dict[str, str]]
 

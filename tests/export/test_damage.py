@@ -16,10 +16,10 @@ from tests.export.test_csv import check_dictionary, read_back
 from tests.export.test_eaf import checked, properties
 from tests.export.test_textgrid import check_cover
 from tests.export.test_textgrid import read_back as read_grid
-from tests.record.story import GOLDEN
-from woz_tui.core import messages as m
-from woz_tui.export.export import FORMATS
-from woz_tui.export.sources import ExportError, found, read
+from tests.log.story import GOLDEN
+from woz_tui.export.export_run import FORMATS
+from woz_tui.export.log_sources import ExportError, found, read
+from woz_tui.protocol import messages as m
 
 TOLD = "1 damaged line(s) left out"
 

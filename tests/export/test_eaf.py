@@ -18,10 +18,10 @@ from hypothesis import HealthCheck, given, settings
 
 from tests.export.logs import STEM, Timed, courses, session_of, speak, start, visit, write
 from tests.export.out import course_to, exported
-from woz_tui.core import messages as m
-from woz_tui.core.cleaning import one_line, visible
 from woz_tui.export.eaf import SHORTEST_MS, in_milliseconds
 from woz_tui.export.tiers import tiers_of
+from woz_tui.protocol import messages as m
+from woz_tui.system.text_cleaning import one_line, visible
 
 SCHEMAS = sorted((Path(__file__).parent / "schemas").glob("*.xsd"))
 Read = dict[str, list[tuple[int, int, str]]]

@@ -14,9 +14,9 @@ import pytest
 
 from tests.export.logs import visit, write
 from tests.export.out import exported
-from woz_tui.export.export import FORMATS
-from woz_tui.export.folder import README, SIGN, new_folder
-from woz_tui.export.sources import ExportError
+from woz_tui.export.export_run import FORMATS
+from woz_tui.export.log_sources import ExportError
+from woz_tui.export.whole_folder import README, SIGN, new_folder
 
 
 def test_a_folder_that_is_not_empty_is_left_alone(tmp_path: Path) -> None:

@@ -12,17 +12,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from tests.core.examples import messages as examples
 from tests.export import secrets as told_secrets
 from tests.export.logs import STEM, Timed, session_of, speak, start, visit, write
 from tests.export.out import exported
 from tests.export.secrets import Secrets
 from tests.export.test_csv import read_back
-from woz_tui.core import messages as m
-from woz_tui.core.envelope import Json
-from woz_tui.export.export import FORMATS
+from tests.protocol.examples import messages as examples
+from woz_tui.export.export_run import FORMATS
 from woz_tui.export.redaction import KEPT_IN, PLACEHOLDER, redacted
-from woz_tui.record.verify import verify
+from woz_tui.log.verify import verify
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.envelope import Json
 
 GUIDE = Path(__file__).parents[2] / "docs" / "how-to" / "export.md"
 #: Whatever else is decided one day: these are never left.

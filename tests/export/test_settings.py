@@ -15,10 +15,10 @@ from tests.export.test_csv import Rows, check_dictionary, plain, read_back
 from tests.export.test_eaf import read_back as read_eaf
 from tests.export.test_textgrid import check_cover, filled
 from tests.export.test_textgrid import read_back as read_grid
-from woz_tui.analysis.session import examine
-from woz_tui.core import messages as m
-from woz_tui.core.messages import Json
+from woz_tui.analysis.session_reading import examine
 from woz_tui.export.redaction import PLACEHOLDER, redacted
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
 
 BLINKS = "blinking darkens the eyes"
 

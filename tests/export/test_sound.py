@@ -6,9 +6,9 @@ import wave
 from pathlib import Path
 
 from tests.export.logs import speak
-from woz_tui.export.course import Clip, Session
-from woz_tui.export.folder import new_folder
-from woz_tui.export.sound import write_sound
+from woz_tui.export.event_model import Clip, Session
+from woz_tui.export.visitor_sound import write_sound
+from woz_tui.export.whole_folder import new_folder
 
 S = 1_000_000
 

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.export.logs import WORDS
-from woz_tui.core.cleaning import guarded, one_line, seconds, visible
-from woz_tui.export.text import letters
+from woz_tui.export.safe_names import letters
+from woz_tui.system.text_cleaning import guarded, one_line, seconds, visible
 
 _ANY = st.one_of(WORDS, st.text(st.characters(), max_size=10))
 

@@ -15,9 +15,9 @@ from praatio.data_classes.textgrid import Textgrid
 
 from tests.export.logs import STEM, Timed, courses, session_of, speak, start, visit, write
 from tests.export.out import course_to, exported
-from woz_tui.core import messages as m
-from woz_tui.core.cleaning import one_line
 from woz_tui.export.textgrid import for_praat
+from woz_tui.protocol import messages as m
+from woz_tui.system.text_cleaning import one_line
 
 
 def read_back(path: Path) -> Textgrid:

@@ -10,8 +10,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tests.export.logs import Timed, courses, session_of, start, visit
-from woz_tui.core import messages as m
 from woz_tui.export.tiers import Span, Tier, apart, tiers_of, unique_names
+from woz_tui.protocol import messages as m
 
 SPANS = st.lists(
     st.builds(

@@ -17,8 +17,9 @@ from typing import TypeVar
 
 import msgspec
 
-from woz_tui.core import wire
-from woz_tui.core.requests import (
+from woz_tui.protocol import codec
+from woz_tui.protocol.panels import ActionView, PanelView
+from woz_tui.protocol.requests import (
     PROTOCOL,
     AnyRequest,
     AskStop,
@@ -29,7 +30,6 @@ from woz_tui.core.requests import (
     Request,
     Welcome,
 )
-from woz_tui.core.views import ActionView, PanelView
 
 R = TypeVar("R", bound=Request)
 WAIT_S = 40.0
@@ -125,7 +125,7 @@ class FakeHost:
 
     def say(self, *messages: msgspec.Struct) -> None:
         """Send messages to everybody."""
-        self.say_bytes(b"".join(map(wire.encode, messages)))
+        self.say_bytes(b"".join(map(codec.encode, messages)))
 
     def say_bytes(self, data: bytes) -> None:
         """Send `data` to everybody."""
@@ -184,7 +184,7 @@ class FakeHost:
             lines = (rest + data).split(b"\n")
             rest = lines.pop()
             for line in lines:
-                self._hear(number, connection, wire.decode_request(line))
+                self._hear(number, connection, codec.decode_request(line))
         with self._changed:
             del self._connections[number]
             self.closed.append(number)
@@ -201,7 +201,7 @@ class FakeHost:
         if isinstance(request, Hello):
             answer = self._welcome()
         with contextlib.suppress(OSError):
-            connection.sendall(wire.encode(answer))
+            connection.sendall(codec.encode(answer))
 
     def _welcome(self) -> Welcome:
         actions = [ActionView(name=name, label=name, key=key) for key, name in self._keys.items()]

@@ -10,7 +10,7 @@ import tempfile
 from pathlib import Path
 
 from tests.fakes.rangefinder import PluggedSensor
-from woz_tui.motion.frames import Frame
+from woz_tui.motion.light_frames import Frame
 
 ROOT = Path(__file__).parents[2]
 SKETCH = ROOT / "drivers" / "firmware" / "led_face"

@@ -9,7 +9,7 @@ import math
 
 from woz_drivers.simulated.pace import Pace
 
-from woz_tui.core.clock import ManualClock
+from woz_tui.system.clock import ManualClock
 
 #: Turns of the event loop after which everything that can run has run.
 TURNS = 12

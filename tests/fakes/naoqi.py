@@ -15,10 +15,10 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from typing import Any, NamedTuple
 
-from naoqi_simulator.passing import PacedTime, Time
 from naoqi_simulator.pepper import Pepper
-from naoqi_simulator.process import carry_out, start
-from naoqi_simulator.table import Refused
+from naoqi_simulator.robot_time import PacedTime, Time
+from naoqi_simulator.service_table import Refused
+from naoqi_simulator.simulator_process import carry_out, start
 from naoqi_simulator.world import Options, World
 
 from tests.fakes import libqi

@@ -12,8 +12,8 @@ from collections.abc import Callable, Coroutine, Mapping, Sequence
 from typing import Any
 
 from naoqi_simulator.faults import Desk
-from naoqi_simulator.process import main
-from naoqi_simulator.table import Method, Refused, Service, methods_of
+from naoqi_simulator.service_table import Method, Refused, Service, methods_of
+from naoqi_simulator.simulator_process import main
 from naoqi_simulator.world import Clients
 
 

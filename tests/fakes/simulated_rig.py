@@ -11,10 +11,10 @@ from pathlib import Path
 from woz_drivers.simulated import Settings, SimulatedRobot
 
 from tests.fakes.manual_pace import ManualPace
-from woz_tui.core.arguments import ArgumentError, checked
-from woz_tui.core.clock import ManualClock
-from woz_tui.core.driver import Health, RejectedError
-from woz_tui.core.messages import Json
+from woz_tui.drivers.argument_check import ArgumentError, checked
+from woz_tui.drivers.contract import Health, RejectedError
+from woz_tui.protocol.messages import Json
+from woz_tui.system.clock import ManualClock
 from woz_tui.testing import PlainJob, RecordingContext
 
 

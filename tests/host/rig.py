@@ -11,17 +11,17 @@ from pathlib import Path
 from typing import Any
 
 from tests.session.rig import Puppet, experiment
-from woz_tui.core import messages as m
-from woz_tui.core.clock import RealClock
-from woz_tui.core.driver import Driver
-from woz_tui.experiment.shape import Experiment, SessionSettings
-from woz_tui.host.desk import Desk
-from woz_tui.host.place import bind
+from woz_tui.config.experiment import Experiment, SessionSettings
+from woz_tui.drivers.contract import Driver
+from woz_tui.host.request_handlers import Desk
 from woz_tui.host.server import Host
-from woz_tui.record.recorder import Recorder
-from woz_tui.session.identity import Identity
+from woz_tui.host.socket_place import bind
+from woz_tui.log.recorder import Recorder
+from woz_tui.protocol import messages as m
+from woz_tui.session.participant_identity import Identity
 from woz_tui.session.session import Session
-from woz_tui.session.typed import Reader
+from woz_tui.session.typed_actions import Reader
+from woz_tui.system.clock import RealClock
 
 WAIT_S = 40.0
 

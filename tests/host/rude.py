@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from woz_tui.core.driver import Argument, DriverContext, Health, Job, PassiveDriver, Verb
-from woz_tui.core.fields import Doc
-from woz_tui.core.messages import Json
+from woz_tui.drivers.contract import Argument, DriverContext, Health, Job, PassiveDriver, Verb
+from woz_tui.drivers.fields import Doc
+from woz_tui.protocol.messages import Json
 
 EXPERIMENT = """\
 title: Rude

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from tests.host.rig import Peer, Served, served
-from woz_tui.experiment.shape import Experiment
-from woz_tui.host.place import PlaceError, answers, bind, folder, inode
-from woz_tui.plugins import PluginError
+from woz_tui.config.experiment import Experiment
+from woz_tui.drivers.plugins import PluginError
+from woz_tui.host.socket_place import PlaceError, answers, bind, folder, inode
 
 
 async def back(host: Served, peer: Peer) -> None:

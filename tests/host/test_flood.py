@@ -11,9 +11,9 @@ import pytest
 
 from tests.host.rig import WAIT_S, Peer, Served, served
 from tests.session.rig import experiment
-from woz_tui.core import messages as m
-from woz_tui.experiment.shape import Experiment
-from woz_tui.host import client, desk
+from woz_tui.config.experiment import Experiment
+from woz_tui.host import client_connection, request_handlers
+from woz_tui.protocol import messages as m
 
 FLOOD = b'{"kind":"action","ref":1,"action":"Hello"}\n' * 3000
 
@@ -70,10 +70,10 @@ async def test_a_closed_connection_to_somebody_frozen_does_not_linger(tmp_path: 
         peer = await host.connect()
         await peer.hello(stream="nothing")
         deaf(peer)
-        for client in host.host._clients:
+        for client_connection in host.host._clients:
             for _ in range(1000):
-                client.send(m.Note(text="x" * 1000))
-            client.close("silent")
+                client_connection.send(m.Note(text="x" * 1000))
+            client_connection.close("silent")
         await lost(host, "silent")
 
 
@@ -191,7 +191,7 @@ async def test_one_turn_has_few_requests_however_many_ask(tmp_path: Path) -> Non
         while marked < 1000:
             await asyncio.sleep(0)
             now = len([line for line in host.lines if isinstance(line, m.Marker)])
-            assert now - marked <= client.REQUESTS_A_TURN
+            assert now - marked <= client_connection.REQUESTS_A_TURN
             marked = now
 
 
@@ -234,10 +234,10 @@ async def test_reloads_of_one_client_that_wait_are_one_reading(tmp_path: Path) -
         peer.writer.write(b'{"kind":"reload","ref":1}\n')
         await asyncio.to_thread(file.reading.wait, WAIT_S)
         peer.writer.write(b"".join(b'{"kind":"reload","ref":%d}\n' % ref for ref in range(2, 1000)))
-        replies = [await peer.kind("reply") for _ in range(998 - desk.SLOW_WAITING)]
+        replies = [await peer.kind("reply") for _ in range(998 - request_handlers.SLOW_WAITING)]
         assert not any(reply["ok"] for reply in replies)
         file.finish(2)
-        replies = [await peer.kind("reply") for _ in range(desk.SLOW_WAITING + 1)]
+        replies = [await peer.kind("reply") for _ in range(request_handlers.SLOW_WAITING + 1)]
         assert [reply["ref"] for reply in replies if reply["ok"]] == [*range(1, 18)]
         assert file.times == 2
 
@@ -287,7 +287,7 @@ async def test_a_stop_counts_whose_sender_left_before_it_was_read(tmp_path: Path
 async def test_who_is_closed_and_then_reads_leaves_no_error(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(client, "LINGER_S", 0.2)
+    monkeypatch.setattr(client_connection, "LINGER_S", 0.2)
     loop, errors = asyncio.get_running_loop(), list[str]()
     loop.set_exception_handler(lambda _, context: errors.append(str(context)))
     async with served(tmp_path) as host:
@@ -298,7 +298,7 @@ async def test_who_is_closed_and_then_reads_leaves_no_error(
             host.host._clients[0].send(m.Note(text="x" * 1000))
         host.host._clients[0].close("silent")
         lingered = loop.create_future()
-        loop.call_later(client.LINGER_S, lingered.set_result, None)
+        loop.call_later(client_connection.LINGER_S, lingered.set_result, None)
         peer.writer.transport.resume_reading()  # type: ignore[attr-defined]
         assert len(await peer.reader.read(-1)) > 1_000_000
         await lost(host, "silent")

@@ -9,11 +9,11 @@ import pytest
 
 from tests.host.rig import Peer, served
 from tests.session.rig import Puppet
-from woz_tui.core import messages as m
-from woz_tui.core.messages import Json
-from woz_tui.experiment.shape import SessionSettings
-from woz_tui.host.place import PlaceError, bind
-from woz_tui.host.views import joint_limits
+from woz_tui.config.experiment import SessionSettings
+from woz_tui.host.panel_views import joint_limits
+from woz_tui.host.socket_place import PlaceError, bind
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
 
 
 async def test_hello_gives_the_whole_picture_and_then_the_stream(tmp_path: Path) -> None:

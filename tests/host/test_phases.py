@@ -9,8 +9,8 @@ from pathlib import Path
 
 from tests.host.rig import Served, served
 from tests.session.rig import experiment
-from woz_tui.core import messages as m
-from woz_tui.experiment.shape import Phase
+from woz_tui.config.experiment import Phase
+from woz_tui.protocol import messages as m
 
 PHASES = (
     Phase("opening", "Opening", ("Speech",), script=("Hello",), planned=60.0),

@@ -14,10 +14,10 @@ from PIL import Image
 
 from tests.console.camera.filmed import Pixels, room
 from tests.console.camera.sixel_reader import read_sixel
-from woz_tui.core.pictures import Picture
-from woz_tui.host.palette import quantised
-from woz_tui.host.scaling import drawn, fitting, png, scaled
+from woz_tui.host.colour_palette import quantised
+from woz_tui.host.picture_scaling import drawn, fitting, png, scaled
 from woz_tui.host.sixel import sixels
+from woz_tui.protocol.camera_pictures import Picture
 
 sides = st.integers(1, 25)
 pictures = hnp.arrays(np.uint8, st.tuples(sides, sides, st.just(3)), elements=st.integers(0, 255))

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from tests.host.rig import WAIT_S, Peer, Served, served
-from woz_tui.core.pictures import PICTURE, WATCHED, Picture, Watched
+from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, Picture, Watched
 
 RED, BLUE = (200, 10, 10), (10, 10, 200)
 
@@ -120,7 +120,7 @@ async def test_the_camera_hears_what_all_who_watch_want(host: Served) -> None:
 async def test_who_watches_no_longer_wants_nothing(
     host: Served, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("woz_tui.host.pictures.WATCHED_S", 0.02)
+    monkeypatch.setattr("woz_tui.host.picture_service.WATCHED_S", 0.02)
     give(host)
     one, other = await host.connect(), await host.connect()
     await one.hello("wizard")

@@ -8,9 +8,9 @@ import pytest
 
 from tests.host.rig import served
 from tests.session.rig import experiment
-from woz_tui.core import messages as m
-from woz_tui.core import wire
-from woz_tui.experiment.shape import Profile
+from woz_tui.config.experiment import Profile
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
 
 
 async def test_the_log_says_what_a_console_is_welcomed_with(tmp_path: Path) -> None:
@@ -18,7 +18,7 @@ async def test_the_log_says_what_a_console_is_welcomed_with(tmp_path: Path) -> N
         peer = await host.connect()
         welcome = await peer.hello()
         (plan,) = (line for line in host.lines if isinstance(line, m.SessionPlan))
-        told = msgspec.json.decode(wire.encode(plan))
+        told = msgspec.json.decode(codec.encode(plan))
         own = {"kind", "seq", "t", "ts", "settings"}
         assert {name: value for name, value in told.items() if name not in own}.items() <= (
             welcome.items()
@@ -31,7 +31,7 @@ async def test_nobody_who_takes_part_is_in_it(tmp_path: Path) -> None:
     async with served(tmp_path) as host:
         (plan,) = (line for line in host.lines if isinstance(line, m.SessionPlan))
         assert plan.settings.values == {"place": "museum"}
-        assert "P07" not in wire.encode(plan).decode()
+        assert "P07" not in codec.encode(plan).decode()
 
 
 async def test_no_home_folder_is_in_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -41,7 +41,7 @@ async def test_no_home_folder_is_in_it(tmp_path: Path, monkeypatch: pytest.Monke
         welcome = await (await host.connect()).hello()
         (plan,) = (line for line in host.lines if isinstance(line, m.SessionPlan))
         assert plan.settings.values == {"place": "~/museum.png"}
-        assert "jane" not in wire.encode(plan).decode()
+        assert "jane" not in codec.encode(plan).decode()
         assert welcome["settings"]["values"]["place"] == "/home/jane/museum.png"
 
 

@@ -18,9 +18,9 @@ import pytest
 
 from tests.fakes.terminal import ROOT
 from tests.host.rude import installed
-from woz_tui.cli.launch import Launch
-from woz_tui.host.place import answers
-from woz_tui.record.names import present, session_code
+from woz_tui.cli.host_start import Launch
+from woz_tui.host.socket_place import answers
+from woz_tui.log.file_names import present, session_code
 
 pytestmark = pytest.mark.real_clock
 
@@ -28,8 +28,8 @@ WAIT_S = 60.0
 #: `woz`, with less patience at the end of a session.
 WOZ = """
 from woz_tui.cli import main
-from woz_tui.host import process
-process.CLOSE_LIMIT_S, process.EXIT_LIMIT_S = 3.0, 1.0
+from woz_tui.host import robot_process
+robot_process.CLOSE_LIMIT_S, robot_process.EXIT_LIMIT_S = 3.0, 1.0
 raise SystemExit(main())
 """
 #: Starts a program without standard input, output and error.

@@ -12,13 +12,13 @@ import pytest
 from tests.host.rig import WAIT_S, Peer, Served, served
 from tests.replay.again import written
 from tests.replay.test_plan import END, LOG, START, command, dispatched, done
-from woz_tui.core import messages as m
-from woz_tui.experiment.decode import load
-from woz_tui.experiment.shape import SessionSettings
-from woz_tui.host import rerun as host_rerun
-from woz_tui.host.rerun import Rerun, RerunOptions, read_plan, without_model
-from woz_tui.plugins import installed
-from woz_tui.session.identity import AskError
+from woz_tui.config.experiment import SessionSettings
+from woz_tui.config.loading import load
+from woz_tui.drivers.plugins import installed
+from woz_tui.host import rerun_session as host_rerun
+from woz_tui.host.rerun_session import Rerun, RerunOptions, read_plan, without_model
+from woz_tui.protocol import messages as m
+from woz_tui.session.participant_identity import AskError
 
 
 def log_of(tmp_path: Path, *verbs: str, every: float = 0.2) -> Path:

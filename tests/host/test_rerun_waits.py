@@ -11,9 +11,9 @@ from tests.host.rig import Served, served
 from tests.replay.again import written
 from tests.replay.test_plan import END, LOG, START, command, dispatched, done
 from tests.session.rig import experiment
-from woz_tui.core import messages as m
-from woz_tui.host import rerun as host_rerun
-from woz_tui.host.rerun import Rerun, RerunOptions, read_plan
+from woz_tui.host import rerun_session as host_rerun
+from woz_tui.host.rerun_session import Rerun, RerunOptions, read_plan
+from woz_tui.protocol import messages as m
 
 
 def log_of(tmp_path: Path, driver: str, count: int = 1) -> Path:

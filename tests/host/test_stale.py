@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from tests.host.rig import Peer, Served, served
-from woz_tui.core import messages as m
-from woz_tui.core.clock import RealClock, boot_id
+from woz_tui.protocol import messages as m
+from woz_tui.system.clock import RealClock, boot_id
 
 S = 1_000_000
 

@@ -12,8 +12,8 @@ import pytest
 
 from tests.host.rig import Peer, Served, served
 from tests.session.studied import had, log, studied
-from woz_tui.core import messages as m
-from woz_tui.experiment.shape import SessionSettings
+from woz_tui.config.experiment import SessionSettings
+from woz_tui.protocol import messages as m
 
 TITLE = "Made by hand"
 

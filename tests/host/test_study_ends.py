@@ -10,8 +10,8 @@ import pytest
 
 from tests.host.rig import Served
 from tests.host.test_study import hosted, wizard
-from woz_tui.core import messages as m
-from woz_tui.experiment.shape import SessionSettings
+from woz_tui.config.experiment import SessionSettings
+from woz_tui.protocol import messages as m
 
 
 def test_a_participant_who_comes_and_goes_does_not_keep_the_session(tmp_path: Path) -> None:

@@ -9,14 +9,14 @@ from pathlib import Path
 import pytest
 
 from tests.host.rig import Served, served
-from woz_tui.core import messages as m
-from woz_tui.experiment.decode import load
-from woz_tui.experiment.shape import Phase
-from woz_tui.host import training
-from woz_tui.host.training import NOBODY, TrainingSession, in_training, without_participant
-from woz_tui.plugins import installed
-from woz_tui.session.identity import Identity
-from woz_tui.training.plan import PlannedCue
+from woz_tui.config.experiment import Phase
+from woz_tui.config.loading import load
+from woz_tui.drivers.plugins import installed
+from woz_tui.host import training_session
+from woz_tui.host.training_session import NOBODY, TrainingSession, in_training, without_participant
+from woz_tui.protocol import messages as m
+from woz_tui.session.participant_identity import Identity
+from woz_tui.training.cue_plan import PlannedCue
 
 STUDY = Path(__file__).parents[2] / "experiments" / "study.yaml"
 APPROACH = PlannedCue("approach", "", ("Hello",), 30_000_000, 1_000)
@@ -25,7 +25,7 @@ APPROACH = PlannedCue("approach", "", ("Hello",), 30_000_000, 1_000)
 @pytest.fixture(autouse=True)
 def soon(monkeypatch: pytest.MonkeyPatch) -> None:
     """The first cue comes at once."""
-    monkeypatch.setattr(training, "WARNING_S", 0.01)
+    monkeypatch.setattr(training_session, "WARNING_S", 0.01)
 
 
 def states(it: Served) -> list[tuple[str, int]]:
@@ -74,7 +74,7 @@ async def test_another_wizard_goes_on_with_it(tmp_path: Path) -> None:
 async def test_a_session_that_ends_before_it_begins_gives_no_cue(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(training, "WARNING_S", 1.0)
+    monkeypatch.setattr(training_session, "WARNING_S", 1.0)
     async with served(tmp_path) as it:
         session = TrainingSession(it.host, (APPROACH,))
         wizard = await it.connect()

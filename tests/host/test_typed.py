@@ -8,10 +8,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from tests.experiment.catalogue import CATALOGUE
+from tests.config.catalogue import CATALOGUE
 from tests.host.rig import Served, served
-from woz_tui.core.messages import Notice
-from woz_tui.experiment.decode import load
+from woz_tui.config.loading import load
+from woz_tui.protocol.messages import Notice
 
 
 def typing(text: str) -> dict[str, Any]:

@@ -6,14 +6,14 @@ import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from woz_tui.core.messages import Json
-from woz_tui.motion.builtin import BUILT_IN
+from woz_tui.motion.body_shape import BodyShape, FaceShape, JointShape, Personality
+from woz_tui.motion.builtin_moves import BUILT_IN
 from woz_tui.motion.engine import Engine
+from woz_tui.motion.engine_io import Answer, Tick
 from woz_tui.motion.modes import Hand
 from woz_tui.motion.move import Move
 from woz_tui.motion.personality import RANGES
-from woz_tui.motion.shapes import BodyShape, FaceShape, JointShape, Personality
-from woz_tui.motion.ticks import Answer, Tick
+from woz_tui.protocol.messages import Json
 
 #: No breath and no blink: what is left is what people wanted.
 CALM = Personality(breathing=0.0, blink_rate=0.0)

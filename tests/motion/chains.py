@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from hypothesis import strategies as st
 
-from woz_tui.motion.shapes import AXES, BodyShape, JointShape
+from woz_tui.motion.body_shape import AXES, BodyShape, JointShape
 
 Matrix = npt.NDArray[np.float64]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from woz_tui.motion.shapes import BodyShape, FaceShape, JointShape
+from woz_tui.motion.body_shape import BodyShape, FaceShape, JointShape
 
 EYEPI = BodyShape(
     joints={

@@ -8,12 +8,12 @@ from collections.abc import Callable
 from typing import Any
 
 from tests.motion.bodies import reach
-from woz_tui.motion.builtin import BUILT_IN
-from woz_tui.motion.inputs import CONTROLS, EMOTIONS, KINDS
+from woz_tui.motion.body_shape import BodyShape
+from woz_tui.motion.body_verbs import CONTROLS, EMOTIONS, KINDS
+from woz_tui.motion.builtin_moves import BUILT_IN
 from woz_tui.motion.modes import Hand, Mode
 from woz_tui.motion.personality import NAMES
 from woz_tui.motion.setpoints import Seen
-from woz_tui.motion.shapes import BodyShape
 
 ABSURD: list[Any] = [
     *(math.nan, math.inf, -math.inf, 1e300, -1e300, 10**400, -1, 0, 5e-324, 1e-9),

@@ -19,10 +19,10 @@ import psutil
 from tests.motion.bodies import BODIES
 from tests.motion.hostile import Hostile
 from tests.motion.watch import Watch
-from woz_tui.core.driver import RejectedError
-from woz_tui.motion.builtin import BUILT_IN
+from woz_tui.drivers.contract import RejectedError
+from woz_tui.motion.builtin_moves import BUILT_IN
 from woz_tui.motion.engine import Engine
-from woz_tui.motion.ticks import Tick
+from woz_tui.motion.engine_io import Tick
 
 DT = 0.02
 #: Inputs a tick: two a second.

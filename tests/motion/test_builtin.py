@@ -8,10 +8,10 @@ from collections.abc import Callable
 
 import pytest
 
-from woz_tui.motion.builtin import BUILT_IN, DEMO, DEMO_SCENES
-from woz_tui.motion.inputs import EMOTIONS
+from woz_tui.motion.body_shape import ROLES, Personality
+from woz_tui.motion.body_verbs import EMOTIONS
+from woz_tui.motion.builtin_moves import BUILT_IN, DEMO, DEMO_SCENES
 from woz_tui.motion.move import Move
-from woz_tui.motion.shapes import ROLES, Personality
 
 TEMPO = Personality().tempo
 #: EyePi's limits (deg/s) by the role that its joints play.

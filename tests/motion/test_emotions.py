@@ -8,9 +8,9 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from woz_tui.core.driver import RejectedError
+from woz_tui.drivers.contract import RejectedError
+from woz_tui.motion.body_verbs import EMOTIONS
 from woz_tui.motion.emotions import DIRECTIONS, SECTORS, emotion_at, of_affect, to_affect
-from woz_tui.motion.inputs import EMOTIONS
 
 UNIT = st.floats(-1, 1)
 #: A share that does not take a mood below what a float can hold.

@@ -7,10 +7,10 @@ import math
 import pytest
 
 from tests.motion.bodies import NODDER, STILL, Rig
-from woz_tui.core.driver import RejectedError
+from woz_tui.drivers.contract import RejectedError
+from woz_tui.motion.body_verbs import EMOTIONS
 from woz_tui.motion.emotions import to_affect
-from woz_tui.motion.face import CRASH_S
-from woz_tui.motion.inputs import EMOTIONS
+from woz_tui.motion.face_drawing import CRASH_S
 
 
 @pytest.mark.toolkit("F5")

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from tests.motion.bodies import BODIES, EYEPI, Rig
 from tests.motion.hostile import ABSURD, ARGUMENTS, VERBS, Hostile
 from tests.motion.watch import Watch
-from woz_tui.core.driver import RejectedError
-from woz_tui.motion.builtin import BUILT_IN
+from woz_tui.drivers.contract import RejectedError
+from woz_tui.motion.builtin_moves import BUILT_IN
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.modes import Hand, Mode
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from tests.motion.bodies import BODIES, DT, FIVE, NODDER, STILL, Rig, moves_safely
-from woz_tui.motion.builtin import BUILT_IN
+from woz_tui.motion.body_shape import BodyShape
+from woz_tui.motion.builtin_moves import BUILT_IN
 from woz_tui.motion.engine import Engine
-from woz_tui.motion.shapes import BodyShape
 
 
 @pytest.mark.toolkit("R1", "L1")

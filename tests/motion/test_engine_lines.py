@@ -10,10 +10,10 @@ from dataclasses import replace
 import pytest
 
 from tests.motion.bodies import CALM, DT, EYEPI, FIVE, STILL, Rig, moves_safely
-from woz_tui.core.driver import RejectedError
-from woz_tui.core.messages import Json
+from woz_tui.drivers.contract import RejectedError
+from woz_tui.motion.body_shape import BodyShape
 from woz_tui.motion.kinematics import Chain
-from woz_tui.motion.shapes import BodyShape
+from woz_tui.protocol.messages import Json
 
 RAD = math.degrees(1e-6)
 

@@ -10,13 +10,13 @@ from collections.abc import Callable
 import pytest
 
 from tests.motion.bodies import DT, EYEPI, STILL, Rig, column, moves_safely, reach
-from woz_tui.core.driver import RejectedError
-from woz_tui.core.messages import Json
-from woz_tui.motion.builtin import BUILT_IN
-from woz_tui.motion.inputs import CONTROL_KINDS, CONTROLS, EMOTIONS, KINDS
+from woz_tui.drivers.contract import RejectedError
+from woz_tui.motion.body_verbs import CONTROL_KINDS, CONTROLS, EMOTIONS, KINDS
+from woz_tui.motion.builtin_moves import BUILT_IN
+from woz_tui.motion.engine_io import Tick
 from woz_tui.motion.modes import TABLE, Hand, Kind, Mode, counts
 from woz_tui.motion.personality import NAMES
-from woz_tui.motion.ticks import Tick
+from woz_tui.protocol.messages import Json
 
 Input = tuple[str, dict[str, Json]]
 OTHERS = [mode for mode in Mode if mode is not Mode.NORMAL]

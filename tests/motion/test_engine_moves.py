@@ -8,13 +8,13 @@ from dataclasses import replace
 import pytest
 
 from tests.motion.bodies import DT, EYEPI, FIVE, STILL, Rig, column, moves_safely
-from woz_tui.core.driver import RejectedError
-from woz_tui.core.messages import Json
-from woz_tui.motion.builtin import BUILT_IN
+from woz_tui.drivers.contract import RejectedError
+from woz_tui.motion.body_shape import BodyShape
+from woz_tui.motion.builtin_moves import BUILT_IN
+from woz_tui.motion.engine_io import Tick
 from woz_tui.motion.modes import Mode
 from woz_tui.motion.move import Cue, FaceWish, Posture
-from woz_tui.motion.shapes import BodyShape
-from woz_tui.motion.ticks import Tick
+from woz_tui.protocol.messages import Json
 
 
 class Lifted:

@@ -9,14 +9,14 @@ from dataclasses import asdict
 import pytest
 
 from tests.motion.bodies import DT, EYEPI, STILL, Rig, column, moves_safely, reach
-from woz_tui.core.driver import RejectedError
-from woz_tui.core.messages import Json
-from woz_tui.motion.builtin import BUILT_IN
-from woz_tui.motion.controls import TRAITS
+from woz_tui.drivers.contract import RejectedError
+from woz_tui.motion.body_verbs import CONTROLS
+from woz_tui.motion.builtin_moves import BUILT_IN
 from woz_tui.motion.easing import followed
 from woz_tui.motion.engine import Engine
-from woz_tui.motion.inputs import CONTROLS
+from woz_tui.motion.knobs import TRAITS
 from woz_tui.motion.personality import GLIDES, NAMES
+from woz_tui.protocol.messages import Json
 
 #: Each trait that a body can be seen by, from one end to the other.
 TURNS: list[tuple[dict[str, Json], dict[str, Json]]] = [

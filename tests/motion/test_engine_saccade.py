@@ -8,13 +8,13 @@ from dataclasses import replace
 import pytest
 
 from tests.motion.bodies import CALM, DT, EYEPI, FIVE, STILL, Rig, moves_safely
-from woz_tui.core.messages import Json
-from woz_tui.motion.frames import Frame
+from woz_tui.motion.body_shape import BodyShape
+from woz_tui.motion.engine_io import Tick
 from woz_tui.motion.kinematics import Chain
+from woz_tui.motion.light_frames import Frame
 from woz_tui.motion.modes import Mode
-from woz_tui.motion.primaries import SPAN, direction
-from woz_tui.motion.shapes import BodyShape
-from woz_tui.motion.ticks import Tick
+from woz_tui.motion.pose_sources import SPAN, direction
+from woz_tui.protocol.messages import Json
 
 #: Degrees that the eyes turn for one light sideways: they go three lights for 15 degrees.
 DEGREES_A_LIGHT = 5.0

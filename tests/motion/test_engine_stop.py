@@ -10,10 +10,10 @@ from typing import Any
 import pytest
 
 from tests.motion.bodies import DT, EYEPI, STILL, Rig, column, moves_safely
-from woz_tui.core.driver import RejectedError
-from woz_tui.core.messages import Json
+from woz_tui.drivers.contract import RejectedError
 from woz_tui.motion import engine as engines
 from woz_tui.motion.modes import Mode
+from woz_tui.protocol.messages import Json
 
 
 @pytest.mark.parametrize("mode", Mode)

@@ -11,7 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tools import face_sheet
-from woz_tui.motion.face import (
+from woz_tui.motion.body_shape import FaceShape
+from woz_tui.motion.body_verbs import EMOTIONS
+from woz_tui.motion.face_drawing import (
     CRASH_S,
     OPEN,
     STEPS,
@@ -22,9 +24,7 @@ from woz_tui.motion.face import (
     prepare,
     squeezed,
 )
-from woz_tui.motion.frames import Frame, blank
-from woz_tui.motion.inputs import EMOTIONS
-from woz_tui.motion.shapes import FaceShape
+from woz_tui.motion.light_frames import Frame, blank
 
 USUAL = FaceShape()
 MOODS = tuple(emotion for emotion in EMOTIONS if emotion not in ("neutral", "crash"))

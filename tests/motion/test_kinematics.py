@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.motion.chains import bodies, by_matrices, eyepi, missed_deg
+from woz_tui.motion.body_shape import BodyShape, FaceShape
 from woz_tui.motion.kinematics import Chain, outline
-from woz_tui.motion.shapes import BodyShape, FaceShape
 
 SHAPE = eyepi()
 CHAIN = Chain(SHAPE)

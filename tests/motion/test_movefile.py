@@ -12,8 +12,8 @@ import yaml
 from tests.motion.heads import EYEPI, FIVE, HEADS
 from woz_tui.motion.keyframes import KeyFrame, KeyframeMove, Layer, Samples
 from woz_tui.motion.move import Cue
-from woz_tui.motion.movefile import MAIN, MoveFileError, read_folder, read_move, read_moves
-from woz_tui.motion.moveschema import move_schema
+from woz_tui.motion.move_files import MAIN, MoveFileError, read_folder, read_move, read_moves
+from woz_tui.motion.move_schema import move_schema
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "experiments" / "moves"

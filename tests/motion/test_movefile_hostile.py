@@ -12,9 +12,9 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from tests.motion.heads import EYEPI
-from woz_tui.motion.inputs import EMOTIONS
-from woz_tui.motion.movefile import FRAME, LAYER, TOP_LEVEL, read_folder
-from woz_tui.motion.shapes import ROLES
+from woz_tui.motion.body_shape import ROLES
+from woz_tui.motion.body_verbs import EMOTIONS
+from woz_tui.motion.move_files import FRAME, LAYER, TOP_LEVEL, read_folder
 
 scalars: st.SearchStrategy[Any] = st.one_of(
     st.none(),

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from woz_tui.experiment.decode import load
-from woz_tui.experiment.shape import Experiment, ExperimentError
-from woz_tui.plugins import installed
+from woz_tui.config.experiment import Experiment, ExperimentError
+from woz_tui.config.loading import load
+from woz_tui.drivers.plugins import installed
 
 EXPERIMENT = """
 title: moves

@@ -13,11 +13,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.motion.heads import EYEPI, FIVE
-from woz_tui.core.messages import Json
+from woz_tui.motion.body_shape import Personality
 from woz_tui.motion.engine import Engine
+from woz_tui.motion.engine_io import Tick
 from woz_tui.motion.keyframes import KeyFrame, KeyframeMove, Layer, Samples
-from woz_tui.motion.movefile import MAIN, read_move
-from woz_tui.motion.movewriter import WriteError, save, written
+from woz_tui.motion.move_files import MAIN, read_move
+from woz_tui.motion.move_writer import WriteError, save, written
 from woz_tui.motion.puppeteer import (
     Looks,
     Puppeteer,
@@ -29,8 +30,7 @@ from woz_tui.motion.puppeteer import (
     trimmed,
     without,
 )
-from woz_tui.motion.shapes import Personality
-from woz_tui.motion.ticks import Tick
+from woz_tui.protocol.messages import Json
 
 STILL = replace(EYEPI, personality=Personality(breathing=0, blink_rate=0), crossfade=0.0)
 DT = 0.02

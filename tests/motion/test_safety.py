@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.motion.chains import bodies, eyepi
+from woz_tui.motion.body_shape import BodyShape, JointShape
 from woz_tui.motion.safety import LONGEST_S, Limits, Safety, guard
-from woz_tui.motion.shapes import BodyShape, JointShape
 
 #: Rounding of a double, as an angle.
 EPS = 1e-6

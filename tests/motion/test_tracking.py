@@ -12,11 +12,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.motion.chains import eyepi, only
+from woz_tui.motion.body_shape import BodyShape, JointShape, Tracking
 from woz_tui.motion.kinematics import Chain
-from woz_tui.motion.primaries import Tracked, Tracker
+from woz_tui.motion.pose_sources import Tracked, Tracker
 from woz_tui.motion.safety import Safety
 from woz_tui.motion.setpoints import Seen
-from woz_tui.motion.shapes import BodyShape, JointShape, Tracking
 
 DT = 0.02
 WIDTH, HEIGHT = 20, 15

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from woz_tui.motion.shapes import BodyShape
-from woz_tui.motion.ticks import Tick
+from woz_tui.motion.body_shape import BodyShape
+from woz_tui.motion.engine_io import Tick
 
 
 class Watch:

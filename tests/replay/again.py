@@ -11,15 +11,15 @@ import msgspec
 
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import Stage
-from woz_tui.analysis.played import Played, played
-from woz_tui.core import messages as m
-from woz_tui.core import wire
-from woz_tui.experiment.shape import Call, Place
-from woz_tui.record.log import read
-from woz_tui.replay.fitting import fitted
-from woz_tui.replay.plan import REPLAY, Plan, plan_of
-from woz_tui.replay.rerun import Player
-from woz_tui.session.runner import Origin
+from woz_tui.analysis.played_actions import Played, played
+from woz_tui.config.experiment import Call, Place
+from woz_tui.log.log_reader import read
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.replay.rerun_plan import REPLAY, Plan, plan_of
+from woz_tui.replay.rerun_player import Player
+from woz_tui.replay.robot_compatibility import fitted
+from woz_tui.session.action_runner import Origin
 
 KEY = Origin("key", "h", "con1")
 HAND = Origin("key", "h", "con9")
@@ -115,5 +115,5 @@ def written(path: Path, messages: Iterable[tuple[float, m.AnyMessage]]) -> Path:
             stamped = msgspec.structs.replace(
                 message, seq=seq, t=round(seconds * 1_000_000), ts="2026-03-01T10:00:00.000000Z"
             )
-            file.write(wire.encode(stamped))
+            file.write(codec.encode(stamped))
     return path

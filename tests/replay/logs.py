@@ -8,17 +8,17 @@ from typing import Any
 
 import msgspec
 
-from woz_tui.console.parts import SensorView
-from woz_tui.console.sentences import Event
-from woz_tui.console.state import ConsoleState
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core import wire
-from woz_tui.core.clock import timestamp
-from woz_tui.core.settings import Settings
-from woz_tui.core.views import ActionView, PanelView
+from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.event_sentences import Event
+from woz_tui.console.view_models import SensorView
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.panels import ActionView, PanelView
+from woz_tui.protocol.welcome import Settings
 from woz_tui.replay.player import Incoming, Player, Start
-from woz_tui.replay.reel import Reel
+from woz_tui.replay.recording import Reel
+from woz_tui.system.clock import timestamp
 
 SECOND = 1_000_000
 BEGAN = datetime(2026, 3, 1, 10, 0, tzinfo=UTC)
@@ -80,7 +80,7 @@ def stamped(timed: Iterable[tuple[float, m.AnyMessage]]) -> list[m.AnyMessage]:
             message,
             seq=seq,
             t=round(at * SECOND),
-            ts="" if wire.is_sample(message) else timestamp(BEGAN + timedelta(seconds=at)),
+            ts="" if codec.is_sample(message) else timestamp(BEGAN + timedelta(seconds=at)),
         )
         for seq, (at, message) in enumerate(timed)
     ]
@@ -107,8 +107,8 @@ def _name(sample: m.AnyMessage) -> str:
 
 def reel_of(messages: Sequence[m.AnyMessage]) -> Reel:
     """A reel of messages, samples apart from the rest."""
-    lines = [message for message in messages if not wire.is_sample(message)]
-    samples = [message for message in messages if wire.is_sample(message)]
+    lines = [message for message in messages if not codec.is_sample(message)]
+    samples = [message for message in messages if codec.is_sample(message)]
     return Reel(lines, KeptSamples(samples, max((each.t for each in messages), default=0)), PLAN)
 
 
@@ -194,7 +194,7 @@ class Viewer:
         self.heard += told
         # As over a socket: what a console gets is what the wire's codec makes of it.
         decoded = [
-            wire.decode_incoming(wire.encode(each)) if isinstance(each, msgspec.Struct) else each
+            codec.decode_incoming(codec.encode(each)) if isinstance(each, msgspec.Struct) else each
             for each in told
         ]
         self.picture.take(decoded, self.now)
@@ -204,7 +204,7 @@ class Viewer:
         found = [
             str(each.__struct_config__.tag)
             for each in self.heard
-            if isinstance(each, m.Message) and not wire.is_sample(each)
+            if isinstance(each, m.Message) and not codec.is_sample(each)
         ]
         self.heard = []
         return found

@@ -11,13 +11,13 @@ import msgspec
 import pytest
 
 from tests.replay.logs import PLAN, SECOND, START, Viewer, reel_of, stamped, story
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core import wire
-from woz_tui.record.coding import Coding, CodingError, coding_path, read_codings
-from woz_tui.record.names import FileName
+from woz_tui.log.coding_file import Coding, CodingError, coding_path, read_codings
+from woz_tui.log.file_names import FileName
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
 from woz_tui.replay.player import UNCODED, Start
-from woz_tui.replay.reel import Reel
+from woz_tui.replay.recording import Reel
 
 LOG = "2026-03-01T10-00-00_P07_S01.jsonl"
 
@@ -197,7 +197,7 @@ def test_a_coder_is_told_no_condition_although_the_wizard_knew_it(tmp_path: Path
         it.go(3)
         it.go(4)
         parts = [
-            wire.encode(each) if isinstance(each, msgspec.Struct) else repr(each).encode()
+            codec.encode(each) if isinstance(each, msgspec.Struct) else repr(each).encode()
             for each in it.heard
         ]
         return b"".join(parts).decode()

@@ -9,14 +9,14 @@ from contextlib import contextmanager
 import pytest
 
 from tests.replay.logs import KeptSamples, reel_of, story
-from woz_tui.console.feed import Feed, Incoming
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core import wire
-from woz_tui.core.clock import ManualClock
-from woz_tui.replay.feed import ReplayFeed
+from woz_tui.console.message_feed import Feed, Incoming
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
 from woz_tui.replay.player import Player, Start
-from woz_tui.replay.reel import Reel
+from woz_tui.replay.recording import Reel
+from woz_tui.replay.replay_feed import ReplayFeed
+from woz_tui.system.clock import ManualClock
 
 PATIENCE = 40.0
 
@@ -108,7 +108,7 @@ def test_a_failure_is_told_and_the_keys_still_answer() -> None:
         def between(self, after_us: int, until_us: int) -> Iterable[m.AnyMessage]:
             raise OSError("the disk does not exist any more")
 
-    lines = [each for each in story() if not wire.is_sample(each)]
+    lines = [each for each in story() if not codec.is_sample(each)]
     feed = ReplayFeed(Player(Reel(lines, Broken([], lines[-1].t))), clock := ManualClock())
     ear = Ear()
     feed.start(ear, pytest.fail)

@@ -7,10 +7,11 @@ from pathlib import Path
 import pytest
 
 from tests.replay.logs import SECOND, Viewer, distance, story
-from woz_tui.core import messages as m
-from woz_tui.core import wire
-from woz_tui.record.index import LogIndex
-from woz_tui.replay.opened import (
+from woz_tui.log.log_index import LogIndex
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.replay.experiment_origin import origin_of
+from woz_tui.replay.opened_log import (
     IndexedSamples,
     LogError,
     chosen,
@@ -18,11 +19,10 @@ from woz_tui.replay.opened import (
     notes_of,
     opened,
 )
-from woz_tui.replay.origin import origin_of
-from woz_tui.replay.reel import Reel
+from woz_tui.replay.recording import Reel
 
 STEM = "2026-03-01T10-00-00_P07_S01"
-GOLDEN = Path(__file__).parent.parent / "record" / "golden"
+GOLDEN = Path(__file__).parent.parent / "log" / "golden"
 
 
 def written(folder: Path, messages: list[m.AnyMessage] | None = None) -> Path:
@@ -30,10 +30,10 @@ def written(folder: Path, messages: list[m.AnyMessage] | None = None) -> Path:
     path = folder / f"{STEM}.jsonl"
     lines, samples = b"", b""
     for message in story() if messages is None else messages:
-        if wire.is_sample(message):
-            samples += wire.encode(message)
+        if codec.is_sample(message):
+            samples += codec.encode(message)
         else:
-            lines += wire.encode(message)
+            lines += codec.encode(message)
     path.write_bytes(lines)
     path.with_name(f"{STEM}.samples.jsonl").write_bytes(samples)
     return path

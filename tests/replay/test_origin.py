@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from woz_tui.core import messages as m
-from woz_tui.experiment.shape import ExperimentError
-from woz_tui.plugins import installed
-from woz_tui.replay.origin import Origin, OriginError, differences, find
+from woz_tui.config.experiment import ExperimentError
+from woz_tui.drivers.plugins import installed
+from woz_tui.protocol import messages as m
+from woz_tui.replay.experiment_origin import Origin, OriginError, differences, find
 
 TEXT = """\
 title: Small
@@ -30,7 +30,7 @@ def experiment(folder: Path, said: str = "Hello.", robot: str = "simulated") -> 
 
 
 def origin(path: Path, files: dict[str, str] | None = None) -> Origin:
-    from woz_tui.experiment.decode import load  # noqa: PLC0415
+    from woz_tui.config.loading import load  # noqa: PLC0415
 
     made = load(path, installed())
     kept = m.ExperimentFiles(experiment_sha256=made.sha256, files=files) if files else None

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from tests.replay.again import recorded, written
 from tests.replay.test_rerun import tour
 from tests.session.rig import Puppet, experiment
-from woz_tui.core import messages as m
-from woz_tui.replay.fitting import UNFIT, fitted, unfit
-from woz_tui.replay.plan import Plan, plan_of
+from woz_tui.protocol import messages as m
+from woz_tui.replay.rerun_plan import Plan, plan_of
+from woz_tui.replay.robot_compatibility import UNFIT, fitted, unfit
 
 START = m.SessionStart(
     session="S07",

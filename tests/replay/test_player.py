@@ -3,10 +3,10 @@ from __future__ import annotations
 import pytest
 
 from tests.replay.logs import SECOND, START, Viewer, distance, reel_of, stamped, story
-from woz_tui.console.parts import State
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core.views import ActionView, PanelView
+from woz_tui.console.view_models import State
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.replay.player import REFUSED, UNCODED, UNMOVED, Start
 
 

@@ -19,16 +19,16 @@ from tests.replay.logs import (
     stamped,
     story,
 )
-from woz_tui.core import messages as m
-from woz_tui.core import wire
-from woz_tui.core.settings import ModelLimits, Restricted, Settings
-from woz_tui.record.log import Line
-from woz_tui.replay.marks import Cuts, steady
+from woz_tui.log.log_reader import Line
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.welcome import ModelLimits, Restricted, Settings
+from woz_tui.replay.bookmarks import Cuts, steady
+from woz_tui.replay.legacy_plan import plan_from
 from woz_tui.replay.player import Start
-from woz_tui.replay.reel import Reel
-from woz_tui.replay.told import plan_from
-from woz_tui.session.recent import Recent
-from woz_tui.timeline.state import SessionState
+from woz_tui.replay.recording import Reel
+from woz_tui.session.recent_lines import Recent
+from woz_tui.timeline.session_state import SessionState
 
 Timed = tuple[float, m.AnyMessage]
 
@@ -134,8 +134,8 @@ def test_what_is_kept_on_the_way_changes_nothing(
 def test_unknown_kinds_are_handed_on_and_disturb_nothing() -> None:
     messages = story()
     raw = b'{"kind":"weather.changed","seq":9000,"t":30000000,"ts":"x","sky":"blue"}'
-    strange = Line(9000, 30 * SECOND, "x", "weather.changed", wire.decode_unknown(raw), raw)
-    lines = [each for each in messages if not wire.is_sample(each)]
+    strange = Line(9000, 30 * SECOND, "x", "weather.changed", codec.decode_unknown(raw), raw)
+    lines = [each for each in messages if not codec.is_sample(each)]
     at = next(n for n, line in enumerate(lines) if line.t > 30 * SECOND)
     reel = Reel([*lines[:at], strange, *lines[at:]], plan=PLAN)
     it = Viewer(reel)
@@ -293,8 +293,8 @@ def test_what_was_kept_from_the_wizard_is_kept_from_the_viewer_unless_told(revea
             (4, m.Marker()),
         ]
     )
-    lines = [each for each in messages if not wire.is_sample(each)]
-    samples = [each for each in messages if wire.is_sample(each)]
+    lines = [each for each in messages if not codec.is_sample(each)]
+    samples = [each for each in messages if codec.is_sample(each)]
     reel = Reel(lines, KeptSamples(samples, 4 * SECOND), reveal=reveal)
     it = Viewer(reel)
     it.wait(4)

@@ -21,10 +21,10 @@ from tests.replay.again import (
     run_again,
 )
 from tests.session.rig import Stage
-from woz_tui.analysis.compare import BY_COMMANDS, compare
-from woz_tui.core import messages as m
-from woz_tui.experiment.shape import Call
-from woz_tui.replay.plan import plan_of
+from woz_tui.analysis.session_comparison import BY_COMMANDS, compare
+from woz_tui.config.experiment import Call
+from woz_tui.protocol import messages as m
+from woz_tui.replay.rerun_plan import plan_of
 
 
 async def tour(stage: Stage) -> None:

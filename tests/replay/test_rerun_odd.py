@@ -10,9 +10,9 @@ from tests.replay.again import KEY, over, player_of, recorded, run_again, writte
 from tests.replay.test_plan import END, START, command, dispatched, done
 from tests.replay.test_rerun import tour
 from tests.session.rig import Stage
-from woz_tui.core import messages as m
-from woz_tui.replay.plan import plan_of
-from woz_tui.replay.rerun import Player
+from woz_tui.protocol import messages as m
+from woz_tui.replay.rerun_plan import plan_of
+from woz_tui.replay.rerun_player import Player
 
 
 def test_what_was_left_out_because_it_was_late_is_not_cut_short(tmp_path: Path) -> None:

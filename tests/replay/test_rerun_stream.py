@@ -12,18 +12,18 @@ from woz_drivers.simulated.pace import Pace
 
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from tests.replay.again import KEY, NOWHERE
-from woz_tui.core import messages as m
-from woz_tui.core.clock import RealClock
-from woz_tui.core.driver import Driver, DriverContext
-from woz_tui.experiment.decode import load
-from woz_tui.experiment.shape import Call
-from woz_tui.plugins import installed
-from woz_tui.record.recorder import Recorder
-from woz_tui.replay.plan import REPLAY, plan_of
-from woz_tui.replay.rerun import Player
-from woz_tui.session.identity import Identity
-from woz_tui.session.runner import Origin
+from woz_tui.config.experiment import Call
+from woz_tui.config.loading import load
+from woz_tui.drivers.contract import Driver, DriverContext
+from woz_tui.drivers.plugins import installed
+from woz_tui.log.recorder import Recorder
+from woz_tui.protocol import messages as m
+from woz_tui.replay.rerun_plan import REPLAY, plan_of
+from woz_tui.replay.rerun_player import Player
+from woz_tui.session.action_runner import Origin
+from woz_tui.session.participant_identity import Identity
 from woz_tui.session.session import Session
+from woz_tui.system.clock import RealClock
 
 EXPERIMENT = """\
 title: Body

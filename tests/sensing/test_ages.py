@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.sensing.visiting import GONE, PERIOD, WITH, Visit
-from woz_tui.experiment.engagement import FILTERS, START_UPS, SignSettings
-from woz_tui.sensing.machine import State
-from woz_tui.sensing.passing import LONGEST_PAUSE, SECOND, Passing, microseconds
+from woz_tui.config.engagement import FILTERS, START_UPS, SignSettings
+from woz_tui.sensing.model_time import LONGEST_PAUSE, SECOND, Passing, microseconds
+from woz_tui.sensing.state_machine import State
 
 signs = pytest.mark.parametrize("sign", ["presence", "gaze", "distance"])
 

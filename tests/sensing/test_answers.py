@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.sensing.answers import LONGEST, Answer, Answers
-from woz_tui.sensing.phrases import LANGUAGES
+from woz_tui.sensing.answer_parsing import LONGEST, Answer, Answers
+from woz_tui.sensing.name_phrases import LANGUAGES
 
 ANSWERS = Answers(("yes", "yeah", "right", "ok"), ("no", "nope", "wrong"))
 

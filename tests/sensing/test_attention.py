@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.experiment.engagement import MODES, AttentionSettings
+from woz_tui.config.engagement import MODES, AttentionSettings
 from woz_tui.sensing.attention import Attention, Look, Order, Return, Stay, Stimulus, Switch, where
 
 SECOND = 1_000_000

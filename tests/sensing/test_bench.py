@@ -16,9 +16,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.experiment.engagement import EngagementSettings, JointSettings, SignSettings
-from woz_tui.sensing.bench.candidates import Candidate, field_of, joint, queues
-from woz_tui.sensing.bench.errors import (
+from woz_tui.config.engagement import EngagementSettings, JointSettings, SignSettings
+from woz_tui.sensing.bench.bench_figures import SOON, STABLE, Goal, measure, plain
+from woz_tui.sensing.bench.bench_scenes import CALM, SCENES, STAYING, Take, played
+from woz_tui.sensing.bench.bench_trials import World, delays, steady, takes, windows
+from woz_tui.sensing.bench.filter_candidates import Candidate, field_of, joint, queues
+from woz_tui.sensing.bench.sensor_errors import (
     TABLE_1,
     VISIBLE,
     WINDOWS,
@@ -28,10 +31,7 @@ from woz_tui.sensing.bench.errors import (
     interval,
     likelihood,
 )
-from woz_tui.sensing.bench.figures import SOON, STABLE, Goal, measure, plain
-from woz_tui.sensing.bench.scenes import CALM, SCENES, STAYING, Take, played
-from woz_tui.sensing.bench.trials import World, delays, steady, takes, windows
-from woz_tui.sensing.model import Engagement
+from woz_tui.sensing.engagement_model import Engagement
 
 NEAR = 1.3
 SEED = 40

@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.sensing.visiting import GONE, WITH, Visit, nobody_greets
-from woz_tui.experiment.engagement import OUTCOMES, STATES, STOPPED, HandshakeSettings, Timeouts
-from woz_tui.sensing import machine
-from woz_tui.sensing.machine import EDGES, Event, State, View, edge_to, edges_from, taken
-from woz_tui.sensing.model import Change
+from woz_tui.config.engagement import OUTCOMES, STATES, STOPPED, HandshakeSettings, Timeouts
+from woz_tui.sensing import state_machine
+from woz_tui.sensing.engagement_model import Change
+from woz_tui.sensing.state_machine import EDGES, Event, State, View, edge_to, edges_from, taken
 
 #: The table of the paper and of the published listing: from, to, outcome.
 PAPER = {
@@ -65,7 +65,7 @@ def test_the_table_has_the_papers_edges_and_says_which_it_adds() -> None:
     edges = {(edge.source.value, edge.target.value, edge.outcome) for edge in EDGES}
     assert edges == PAPER | BEYOND
     assert {state.value for state in State} == {*STATES, STOPPED}
-    assert set(machine.OUTCOMES) == set(OUTCOMES)
+    assert set(state_machine.OUTCOMES) == set(OUTCOMES)
 
 
 def test_each_letter_of_the_figure_stands_for_one_change_of_state() -> None:

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.sensing.endpoint import Ended, Endpointer, Started
+from woz_tui.sensing.speech_endpoint import Ended, Endpointer, Started
 
 QUIET, EDGE, LOUD = 0.0, 0.1, 0.2
 _LEVELS = st.sampled_from([QUIET, EDGE, LOUD, math.nan, math.inf, None])

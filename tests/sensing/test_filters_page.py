@@ -6,9 +6,9 @@ import re
 from pathlib import Path
 
 from woz_tui.cli.engagement_bench import draw
-from woz_tui.experiment.engagement import EngagementSettings
+from woz_tui.config.engagement import EngagementSettings
 from woz_tui.sensing import joint_dwell
-from woz_tui.sensing.bench.figures import measure
+from woz_tui.sensing.bench.bench_figures import measure
 
 PAGE = Path(__file__).parents[2] / "docs" / "explanation" / "engagement-filters.md"
 

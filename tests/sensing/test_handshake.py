@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.experiment.engagement import HandshakeSettings
-from woz_tui.experiment.visitor_names import key_of, name_of
-from woz_tui.sensing.handshake import Done, Failed, Handshake, Learn, Order, Say, Stage
+from woz_tui.config.engagement import HandshakeSettings
+from woz_tui.config.visitor_names import key_of, name_of
+from woz_tui.sensing.name_handshake import Done, Failed, Handshake, Learn, Order, Say, Stage
 
 SECOND = 1_000_000
 SETTINGS = HandshakeSettings(

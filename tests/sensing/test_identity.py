@@ -9,7 +9,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from woz_tui.sensing.filters import IdentityFifo, least
-from woz_tui.sensing.samples import UNKNOWN
+from woz_tui.sensing.sample_values import UNKNOWN
 
 names = st.lists(st.sampled_from(["Anna", "Bert", "Carl", UNKNOWN]), max_size=80)
 thresholds = st.integers(0, 100).map(lambda number: number / 100)

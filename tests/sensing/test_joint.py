@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.sensing.joint import Joint
 from woz_tui.sensing.joint_dwell import CONDITIONS, WORLDS, Dwell, passed
+from woz_tui.sensing.joint_filter import Joint
 
 SIGNS = ("presence", "gaze", "distance", "identity")
 PERIOD = 333_333

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.sensing.test_joint import ENGAGED, NOBODY, Robot
-from woz_tui.sensing.joint import MOST, Names
-from woz_tui.sensing.samples import UNKNOWN
+from woz_tui.sensing.joint_filter import MOST, Names
+from woz_tui.sensing.sample_values import UNKNOWN
 
 PERIOD = 333_333
 

@@ -11,15 +11,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.sensing.visiting import GONE, PERIOD, WITH, Visit, nobody_greets
-from woz_tui.core import wire
-from woz_tui.experiment.engagement import (
+from woz_tui.config.engagement import (
     EngagementSettings,
     SignSettings,
     Timeouts,
 )
+from woz_tui.protocol import codec
+from woz_tui.sensing.engagement_model import Engagement
 from woz_tui.sensing.filters import least
-from woz_tui.sensing.machine import Event, State
-from woz_tui.sensing.model import Engagement
+from woz_tui.sensing.state_machine import Event, State
 
 signs = pytest.mark.parametrize("sign", ["presence", "gaze", "distance"])
 
@@ -347,7 +347,7 @@ def test_what_is_shown_goes_through_the_wire() -> None:
     visit = Visit(quick=False)
     visit.see(12, **WITH, identity="Anna")
     shown = visit.model.shown()
-    assert wire.decode_incoming(wire.encode(shown)) == shown
+    assert codec.decode_incoming(codec.encode(shown)) == shown
     assert shown.trail == ["Wait", "PersonDetected", "EngagedWithKnown"]
     assert shown.engaged
 

@@ -7,16 +7,16 @@ from dataclasses import replace
 import pytest
 
 from tests.sensing.test_stream import PLAIN, SECOND, Log, session_start
-from woz_tui.core import messages as m
-from woz_tui.experiment.engagement import (
+from woz_tui.config.engagement import (
     AttentionSettings,
     EngagementSettings,
     JointSettings,
     Timeouts,
 )
-from woz_tui.sensing import orders
-from woz_tui.sensing.model import Engagement
-from woz_tui.sensing.stream import Follower
+from woz_tui.protocol import messages as m
+from woz_tui.sensing import engagement_commands
+from woz_tui.sensing.engagement_model import Engagement
+from woz_tui.sensing.engagement_stream import Follower
 
 KNOWN = "EngagedWithKnown"
 
@@ -141,16 +141,16 @@ def test_what_makes_no_sense_now_is_said_before_it_is_done(
     verb: str, args: dict[str, m.Json], sentence: str
 ) -> None:
     with pytest.raises(ValueError, match=sentence):
-        orders.understood(Engagement(EngagementSettings()), verb, args)
+        engagement_commands.understood(Engagement(EngagementSettings()), verb, args)
 
 
 def test_a_step_that_leads_nowhere_is_refused() -> None:
     model = Engagement(EngagementSettings())
     model.run = "hold"
     with pytest.raises(ValueError, match="no way out of Wait is open now"):
-        orders.understood(model, "engagement", {"run": "step"})
+        engagement_commands.understood(model, "engagement", {"run": "step"})
     model.override("presence", True)
-    assert orders.understood(model, "engagement", {"run": "step"}) == {"run": "step"}
+    assert engagement_commands.understood(model, "engagement", {"run": "step"}) == {"run": "step"}
 
 
 def test_all_signs_are_given_back_the_name_too() -> None:

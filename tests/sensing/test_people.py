@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.experiment.visitor_names import key_of
-from woz_tui.sensing import visitors as changes
-from woz_tui.sensing.people import RefusedError, Visitor, Visitors, store_at
+from woz_tui.config.visitor_names import key_of
+from woz_tui.sensing import visitor_records as changes
+from woz_tui.sensing.visitor_store import RefusedError, Visitor, Visitors, store_at
 
 MONDAY = date(2026, 3, 2)
 FRIDAY = date(2026, 3, 6)

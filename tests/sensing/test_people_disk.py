@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from woz_tui.sensing.people import (
+from woz_tui.sensing.visitor_store import (
     RefusedError,
     UnreadableError,
     UnsavedError,

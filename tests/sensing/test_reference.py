@@ -10,8 +10,8 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.experiment.engagement import EngagementSettings, Timeouts
-from woz_tui.sensing.rows import Rows
+from woz_tui.config.engagement import EngagementSettings, Timeouts
+from woz_tui.sensing.sample_rows import Rows
 
 UNKNOWN = "Unknown"
 

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from tests.sensing.test_edges import BEYOND, PAPER
 from tests.sensing.visiting import GONE
-from woz_tui.experiment.engagement import (
+from woz_tui.config.engagement import (
     FILTERS,
     START_UPS,
     EngagementSettings,
@@ -23,8 +23,8 @@ from woz_tui.experiment.engagement import (
     SoundSettings,
     Timeouts,
 )
-from woz_tui.sensing.machine import Event, State
-from woz_tui.sensing.rows import Row, Rows
+from woz_tui.sensing.sample_rows import Row, Rows
+from woz_tui.sensing.state_machine import Event, State
 
 ALL: dict[str, Any] = {"presence": 1, "gaze": 1, "distance": 0.9}
 QUICK = EngagementSettings(samples=1)

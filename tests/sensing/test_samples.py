@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.sensing import samples
+from woz_tui.sensing import sample_values
 from woz_tui.sensing.proxemics import phase, zone
-from woz_tui.sensing.samples import UNKNOWN
+from woz_tui.sensing.sample_values import UNKNOWN
 
 #: Whatever a line of JSON, or a driver, may hold.
 JUNK: tuple[object, ...] = (
@@ -24,15 +24,15 @@ anything = st.sampled_from(JUNK) | st.floats() | st.integers() | st.text() | st.
 
 @given(anything)
 def test_no_value_raises_and_no_verdict_is_nan(value: object) -> None:
-    assert samples.presence(value) in (True, False, None)
-    assert samples.gaze(value) in (True, False, None)
-    metres = samples.metres(value, 5.0)
+    assert sample_values.presence(value) in (True, False, None)
+    assert sample_values.gaze(value) in (True, False, None)
+    metres = sample_values.metres(value, 5.0)
     assert metres is None or 0.0 < metres <= 5.0 or metres == math.inf
-    name = samples.name(value)
+    name = sample_values.name(value)
     assert name is None or 0 < len(name) <= 64
-    level = samples.level(value, 0.1)
+    level = sample_values.level(value, 0.1)
     assert level is None or 0.0 <= level <= 1.0
-    assert samples.absent(value) in (True, False)
+    assert sample_values.absent(value) in (True, False)
 
 
 NO_FLAG: list[Any] = [
@@ -51,7 +51,7 @@ NO_FLAG: list[Any] = [
 )
 def test_any_number_above_zero_is_somebody(value: object, meant: bool | None) -> None:
     """A recogniser may count faces, or say how sure it is."""
-    assert samples.presence(value) is meant
+    assert sample_values.presence(value) is meant
 
 
 @pytest.mark.parametrize(
@@ -63,7 +63,7 @@ def test_any_number_above_zero_is_somebody(value: object, meant: bool | None) ->
 )
 def test_gaze_is_a_share_or_a_count(value: object, meant: bool | None) -> None:
     """How surely somebody looks, from 0 to 1; or how many do."""
-    assert samples.gaze(value) is meant
+    assert sample_values.gaze(value) is meant
 
 
 @pytest.mark.parametrize(
@@ -77,7 +77,7 @@ def test_gaze_is_a_share_or_a_count(value: object, meant: bool | None) -> None:
 )
 def test_distance(value: object, meant: float | None) -> None:
     """Beyond the reach is far; nothing and less is no measurement; the sonar's floor is near."""
-    assert samples.metres(value, 5.0) == meant
+    assert sample_values.metres(value, 5.0) == meant
 
 
 @pytest.mark.parametrize(
@@ -91,7 +91,7 @@ def test_distance(value: object, meant: float | None) -> None:
     ],
 )  # fmt: skip
 def test_identity(value: object, text: str, meant: str | None) -> None:
-    assert samples.name(value, text) == meant
+    assert sample_values.name(value, text) == meant
 
 
 @pytest.mark.parametrize(
@@ -104,12 +104,12 @@ def test_identity(value: object, text: str, meant: str | None) -> None:
 )
 def test_loudness(value: object, threshold: float, meant: float | None) -> None:
     """NaN is a quiet chunk, None is none; above full scale only on a scale without full scale."""
-    assert samples.level(value, threshold) == meant
+    assert sample_values.level(value, threshold) == meant
 
 
 def test_nothing_is_told_from_rubbish() -> None:
-    assert all(map(samples.absent, (None, math.nan, "NaN")))
-    assert not any(map(samples.absent, (0, "x", [], True, math.inf, "Infinity")))
+    assert all(map(sample_values.absent, (None, math.nan, "NaN")))
+    assert not any(map(sample_values.absent, (0, "x", [], True, math.inf, "Infinity")))
 
 
 ZONES: list[Any] = [

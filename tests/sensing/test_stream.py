@@ -10,8 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from woz_tui.core import messages as m
-from woz_tui.experiment.engagement import (
+from woz_tui.config.engagement import (
     MODES,
     OUTCOMES,
     RUNS,
@@ -22,9 +21,10 @@ from woz_tui.experiment.engagement import (
     SignSettings,
     SoundSettings,
 )
-from woz_tui.experiment.verbs import ENGAGEMENT_VERBS
-from woz_tui.sensing.model import Change
-from woz_tui.sensing.stream import Follower
+from woz_tui.config.session_verbs import ENGAGEMENT_VERBS
+from woz_tui.protocol import messages as m
+from woz_tui.sensing.engagement_model import Change
+from woz_tui.sensing.engagement_stream import Follower
 
 SECOND = 1_000_000
 PLAIN = EngagementSettings(handshake=HandshakeSettings(by="nobody"))

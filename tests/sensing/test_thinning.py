@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.sensing.visiting import WITH, Visit
-from woz_tui.experiment.engagement import EngagementSettings, JointSettings, SignSettings
-from woz_tui.sensing.model import Engagement
-from woz_tui.sensing.passing import SECOND
+from woz_tui.config.engagement import EngagementSettings, JointSettings, SignSettings
+from woz_tui.sensing.engagement_model import Engagement
+from woz_tui.sensing.model_time import SECOND
 from woz_tui.sensing.signs import Thinning
 
 SAMPLES: dict[str, Any] = {**WITH, "identity": "Anna"}

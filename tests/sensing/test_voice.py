@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.sensing.visiting import PERIOD, WITH, Visit
-from woz_tui.experiment.engagement import SoundSettings
-from woz_tui.sensing.machine import Event, State
-from woz_tui.sensing.passing import SECOND
-from woz_tui.sensing.voice import PUBLISHED_THRESHOLD, Voice
+from woz_tui.config.engagement import SoundSettings
+from woz_tui.sensing.loudness_speech import PUBLISHED_THRESHOLD, Voice
+from woz_tui.sensing.model_time import SECOND
+from woz_tui.sensing.state_machine import Event, State
 
 
 def heard(voice: Voice, *values: object, period: int = PERIOD) -> list[Event | None]:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from woz_tui.experiment.engagement import EngagementSettings, HandshakeSettings
-from woz_tui.sensing.machine import Event, State
-from woz_tui.sensing.model import Change, Engagement
-from woz_tui.sensing.passing import SECOND
+from woz_tui.config.engagement import EngagementSettings, HandshakeSettings
+from woz_tui.sensing.engagement_model import Change, Engagement
+from woz_tui.sensing.model_time import SECOND
+from woz_tui.sensing.state_machine import Event, State
 
 #: One period at 3 Hz, in microseconds.
 PERIOD = SECOND // 3

@@ -9,7 +9,7 @@ import sys
 from datetime import date
 from pathlib import Path
 
-from woz_tui.sensing.people import Visitors
+from woz_tui.sensing.visitor_store import Visitors
 
 
 def write(file: Path, prefix: str, count: int) -> None:

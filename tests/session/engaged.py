@@ -10,17 +10,17 @@ from typing import Any
 
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from tests.session.rig import HERE, Puppet, action, call, experiment, together
-from woz_tui.core import messages as m
-from woz_tui.core.clock import RealClock
-from woz_tui.core.driver import Argument, Driver, DriverError, Job, Verb
-from woz_tui.core.fields import Range
-from woz_tui.core.messages import Json
-from woz_tui.experiment.engagement import EngagementSettings
-from woz_tui.experiment.shape import Action, DriverSpec, Engagement, Experiment, Panel
-from woz_tui.record.recorder import Recorder
-from woz_tui.session.identity import Identity
-from woz_tui.session.runner import Origin
+from woz_tui.config.engagement import EngagementSettings
+from woz_tui.config.experiment import Action, DriverSpec, Engagement, Experiment, Panel
+from woz_tui.drivers.contract import Argument, Driver, DriverError, Job, Verb
+from woz_tui.drivers.fields import Range
+from woz_tui.log.recorder import Recorder
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
+from woz_tui.session.action_runner import Origin
+from woz_tui.session.participant_identity import Identity
 from woz_tui.session.session import Session
+from woz_tui.system.clock import RealClock
 
 WIZARD = Origin("key", "k", "con1")
 SENSORS = ("presence", "gaze", "distance", "identity", "loudness", "direction")

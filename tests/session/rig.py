@@ -9,21 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.fakes.virtual_time import LoopClock
-from woz_tui.core import messages as m
-from woz_tui.core.clock import RealClock
-from woz_tui.core.driver import (
-    Argument,
-    Driver,
-    DriverContext,
-    DriverError,
-    Health,
-    Job,
-    Scope,
-    Verb,
-)
-from woz_tui.core.fields import Range
-from woz_tui.core.messages import Json
-from woz_tui.experiment.shape import (
+from woz_tui.config.experiment import (
     Action,
     Call,
     DriverSpec,
@@ -35,9 +21,23 @@ from woz_tui.experiment.shape import (
     Together,
     Wait,
 )
-from woz_tui.record.recorder import Recorder
-from woz_tui.session.identity import Identity
+from woz_tui.drivers.contract import (
+    Argument,
+    Driver,
+    DriverContext,
+    DriverError,
+    Health,
+    Job,
+    Scope,
+    Verb,
+)
+from woz_tui.drivers.fields import Range
+from woz_tui.log.recorder import Recorder
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
+from woz_tui.session.participant_identity import Identity
 from woz_tui.session.session import Session
+from woz_tui.system.clock import RealClock
 
 HERE = Place("made.yaml", 1, 1)
 

@@ -11,11 +11,8 @@ import msgspec
 
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import Stage, action, call, experiment, together
-from woz_tui.core import messages as m
-from woz_tui.core import wire
-from woz_tui.core.settings import Settings
-from woz_tui.experiment.shape import Experiment
-from woz_tui.experiment.study import (
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.study import (
     Design,
     Item,
     Perception,
@@ -23,7 +20,10 @@ from woz_tui.experiment.study import (
     Shaping,
     Study,
 )
-from woz_tui.session.identity import Identity
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.welcome import Settings
+from woz_tui.session.participant_identity import Identity
 
 ITEMS = (
     Item("pleasant", "How pleasant was it?", 1, 5, ("not at all", "very")),
@@ -109,7 +109,7 @@ def log(
         msgspec.structs.replace(line, seq=number, t=number * 1000)
         for number, line in enumerate([start, *plan, *lines])
     ]
-    path.write_bytes(b"".join(map(wire.encode, written)))
+    path.write_bytes(b"".join(map(codec.encode, written)))
     return path
 
 

@@ -13,10 +13,10 @@ from pathlib import Path
 import pytest
 
 from tests.session.engaged import PLAIN, Room, guided, in_room
-from woz_tui.core import messages as m
-from woz_tui.sensing.people import Visitors
-from woz_tui.session.acquaintances import Acquaintances
-from woz_tui.session.clerk import Job
+from woz_tui.protocol import messages as m
+from woz_tui.sensing.visitor_store import Visitors
+from woz_tui.session.known_visitors import Acquaintances
+from woz_tui.session.visitor_store_worker import Job
 
 TODAY = date(2026, 3, 2)
 

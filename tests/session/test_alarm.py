@@ -6,8 +6,8 @@ import asyncio
 from collections.abc import Awaitable, Callable
 
 from tests.fakes.virtual_time import LoopClock, run_virtual
-from woz_tui.core.hub import Hub
-from woz_tui.session.alarm import Alarm
+from woz_tui.bus.hub import Hub
+from woz_tui.session.wake_up import Alarm
 
 SECOND = 1_000_000
 

@@ -12,10 +12,10 @@ import pytest
 
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from tests.session.rig import Puppet, Stage
-from woz_tui.core import messages as m
-from woz_tui.core.driver import Ask
-from woz_tui.core.feeds import Feeds
-from woz_tui.core.shown import FaceShown
+from woz_tui.drivers.contract import Ask
+from woz_tui.drivers.feeds import Feeds
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.body_messages import FaceShown
 
 
 class Breather(Puppet):

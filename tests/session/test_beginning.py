@@ -5,14 +5,14 @@ from pathlib import Path
 
 import pytest
 
-from woz_tui.core import messages as m
-from woz_tui.core import wire
-from woz_tui.core.clock import RealClock
-from woz_tui.core.hub import Hub
-from woz_tui.experiment.decode import load
-from woz_tui.experiment.shape import Experiment
-from woz_tui.plugins import installed
-from woz_tui.session.beginning import (
+from woz_tui.bus.hub import Hub
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.loading import load
+from woz_tui.drivers.plugins import installed
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.session.participant_identity import Identity
+from woz_tui.session.session_start import (
     FILES_BYTES,
     begin,
     experiment_files,
@@ -20,7 +20,7 @@ from woz_tui.session.beginning import (
     reloaded,
     without_home,
 )
-from woz_tui.session.identity import Identity
+from woz_tui.system.clock import RealClock
 
 ROBOT = "name: robot\ndrivers:\n  robot: {type: simulated}\n"
 
@@ -52,7 +52,7 @@ def test_what_is_too_large_is_named_instead(tmp_path: Path) -> None:
     kept = experiment_files(experiment(tmp_path, more="#" + "é" * (FILES_BYTES // 5) + "\n"))
     assert kept.left_out == ["guide.yaml"]
     assert list(kept.files) == ["robots/one.yaml"]
-    assert len(wire.encode(kept)) < wire.MAX_LINE // 2
+    assert len(codec.encode(kept)) < codec.MAX_LINE // 2
 
 
 def test_files_that_fit_one_by_one_but_not_together_are_not_all_kept(tmp_path: Path) -> None:
@@ -64,7 +64,7 @@ def test_files_that_fit_one_by_one_but_not_together_are_not_all_kept(tmp_path: P
 
 def test_no_line_is_longer_than_one_may_be(tmp_path: Path) -> None:
     kept = experiment_files(experiment(tmp_path, more="#" + "\\" * 900_000 + "\n"))
-    assert len(wire.encode(kept)) < wire.MAX_LINE
+    assert len(codec.encode(kept)) < codec.MAX_LINE
 
 
 def test_the_home_folder_is_in_no_name_and_no_text(
@@ -75,7 +75,7 @@ def test_the_home_folder_is_in_no_name_and_no_text(
     monkeypatch.setenv("HOME", str(home))
     read = experiment(home / "lab", more=f"variables: {{photo: {home}/photo.png}}\n")
     kept = experiment_files(read)
-    assert "jane" not in wire.encode(kept).decode()
+    assert "jane" not in codec.encode(kept).decode()
     assert "photo: ~/photo.png" in kept.files["guide.yaml"]
 
     shared = tmp_path / "srv"

@@ -12,12 +12,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tests.session.studied import had, log
-from woz_tui.core import messages as m
-from woz_tui.core import wire
-from woz_tui.core.settings import Settings
-from woz_tui.session import earlier
-from woz_tui.session.earlier import Earlier, Found
-from woz_tui.session.proposal import Past
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.welcome import Settings
+from woz_tui.session import earlier_sessions
+from woz_tui.session.condition_proposal import Past
+from woz_tui.session.earlier_sessions import Earlier, Found
 
 ORDER = ("warm", "cold")
 
@@ -95,11 +95,11 @@ def test_a_session_that_went_on_in_a_second_folder_is_read_to_its_end(tmp_path: 
     lines = path.read_bytes().splitlines(keepends=True)
     second = spill / f"{stem}.2.jsonl"
     left = m.Segment(log=stem, session="S01", number=1, next_file=str(second))
-    path.write_bytes(b"".join([*lines[:6], wire.encode(left)]))
+    path.write_bytes(b"".join([*lines[:6], codec.encode(left)]))
     assert read(folder).unreadable == (second.name,)
     spill.mkdir()
     begun = m.Segment(log=stem, session="S01", number=2, previous=str(path))
-    second.write_bytes(b"".join([wire.encode(begun), *lines[6:]]))
+    second.write_bytes(b"".join([codec.encode(begun), *lines[6:]]))
     found = read(folder)
     assert (found.logs, found.past[0].over, found.unreadable) == (1, 2, ())
 
@@ -153,9 +153,9 @@ def test_lines_are_found_across_the_pieces_that_are_read(
 ) -> None:
     log(tmp_path, "2026-03-01T10-00-00_S01", had("P01", ORDER, "dd"), title="T")
     whole = read(tmp_path)
-    monkeypatch.setattr(earlier, "CHUNK", size)
+    monkeypatch.setattr(earlier_sessions, "CHUNK", size)
     assert read(tmp_path) == whole
-    monkeypatch.setattr(earlier, "LONGEST", 0)
+    monkeypatch.setattr(earlier_sessions, "LONGEST", 0)
     assert read(tmp_path).logs <= 1
 
 
@@ -184,7 +184,7 @@ def test_of_what_was_shown_only_the_title_is_kept(tmp_path: Path) -> None:
         keyboard="us", drivers=[], settings=Settings(values={"a": "b" * 9000}),
     )  # fmt: skip
     path = tmp_path / "2026-03-02T10-00-00_S02.jsonl"
-    path.write_bytes(wire.encode(msgspec.structs.replace(plan, seq=0, t=0)))
+    path.write_bytes(codec.encode(msgspec.structs.replace(plan, seq=0, t=0)))
     logs = Earlier(tmp_path)
     assert logs.read("T", "made.yaml").logs == 2
     assert len(pickle.dumps(logs)) < 4000

@@ -10,15 +10,15 @@ import msgspec
 import pytest
 
 from tests.session.engaged import PLAIN, WIZARD, Guide, Room, guided, in_room
-from woz_tui.core import messages as m
-from woz_tui.core.driver import Ask
-from woz_tui.experiment.engagement import (
+from woz_tui.config.engagement import (
     EngagementSettings,
     SignSettings,
     Timeouts,
 )
-from woz_tui.sensing.stream import Follower
-from woz_tui.session.identity import AskError
+from woz_tui.drivers.contract import Ask
+from woz_tui.protocol import messages as m
+from woz_tui.sensing.engagement_stream import Follower
+from woz_tui.session.participant_identity import AskError
 
 KNOWN_STATE = "EngagedWithKnown"
 

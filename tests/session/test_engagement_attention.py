@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from tests.session.engaged import PLAIN, WIZARD, Room, guided, in_room
-from woz_tui.core import messages as m
-from woz_tui.core.messages import Json
-from woz_tui.experiment.engagement import AttentionSettings
+from woz_tui.config.engagement import AttentionSettings
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
 
 LOUD, QUIET = 0.5, 0.01
 AHEAD: dict[str, Json] = {"yaw": 0.0, "pitch": 0.0}

@@ -11,12 +11,12 @@ import pytest
 
 from tests.session.engaged import PLAIN, WIZARD, Guide, Room, effect, guided, in_room
 from tests.session.rig import call, together
-from woz_tui.core import messages as m
-from woz_tui.core.driver import DriverError, Health, Job
-from woz_tui.core.messages import Json
-from woz_tui.experiment.engagement import STATES, EngagementSettings
-from woz_tui.experiment.shape import Choice, Profile, Wait
-from woz_tui.session.signals import SIGNALS
+from woz_tui.config.engagement import STATES, EngagementSettings
+from woz_tui.config.experiment import Choice, Profile, Wait
+from woz_tui.drivers.contract import DriverError, Health, Job
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
+from woz_tui.session.state_signals import SIGNALS
 
 KNOWN = "EngagedWithKnown"
 SHOWING = EngagementSettings()

@@ -16,16 +16,16 @@ from tests.fakes.piped_command import PipedCommand
 from tests.fakes.sound import square
 from tests.session.engaged import WIZARD, Guide
 from woz_tui.cli.engagement_log import recounted
-from woz_tui.core import messages as m
-from woz_tui.core.clock import RealClock
-from woz_tui.core.driver import Driver, DriverContext, Job
-from woz_tui.core.messages import Json
-from woz_tui.experiment.decode import load
-from woz_tui.experiment.shape import Experiment
-from woz_tui.record import log
-from woz_tui.record.recorder import Recorder
-from woz_tui.session.identity import Identity
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.loading import load
+from woz_tui.drivers.contract import Driver, DriverContext, Job
+from woz_tui.log import log_reader
+from woz_tui.log.recorder import Recorder
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
+from woz_tui.session.participant_identity import Identity
 from woz_tui.session.session import Session
+from woz_tui.system.clock import RealClock
 
 STEM = "2026-03-01T10-00-00_P07_S01"
 FILE = """
@@ -134,7 +134,7 @@ async def test_a_conversation_by_keys_and_ears(tmp_path: Path) -> None:
         await play(evening)
     finally:
         await evening.session.close("enough", rest=False)
-    written = [line.message for line in log.read(evening.log)]
+    written = [line.message for line in log_reader.read(evening.log)]
 
     def of(kind: type[Any]) -> list[Any]:
         return [line for line in written if isinstance(line, kind)]
@@ -164,7 +164,7 @@ async def test_a_conversation_by_keys_and_ears(tmp_path: Path) -> None:
     assert said.args == {"text": "Behind you, V7."}
 
     assert evening.experiment.engagement is not None
-    again = recounted(evening.log, evening.experiment.engagement.settings, log.Damage())
+    again = recounted(evening.log, evening.experiment.engagement.settings, log_reader.Damage())
     assert len(again.computed) == len(changes)
     for computed, recorded in zip(again.computed, again.recorded, strict=True):
         assert replace(computed, t=recorded.t) == recorded, "the log tells it all once more"

@@ -17,10 +17,10 @@ from tests.fakes.virtual_time import run_virtual
 from tests.sensing.test_stream import MESSAGES
 from tests.session.engaged import WIZARD, Room, effect, guided, in_room
 from tests.session.rig import call, together
-from woz_tui.core import messages as m
-from woz_tui.experiment.engagement import EngagementSettings, HandshakeSettings
-from woz_tui.experiment.verbs import ENGAGEMENT_VERBS
-from woz_tui.session.identity import AskError
+from woz_tui.config.engagement import EngagementSettings, HandshakeSettings
+from woz_tui.config.session_verbs import ENGAGEMENT_VERBS
+from woz_tui.protocol import messages as m
+from woz_tui.session.participant_identity import AskError
 
 STEPS = st.lists(st.tuples(MESSAGES, st.floats(0, 3)), max_size=30)
 ASKING = EngagementSettings(handshake=HandshakeSettings(by="robot"))

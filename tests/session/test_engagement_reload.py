@@ -10,11 +10,11 @@ import pytest
 
 from tests.session.engaged import PLAIN, Room, effect, guided, in_room
 from tests.session.rig import call, together
-from woz_tui.core import messages as m
-from woz_tui.core.driver import SPEECH, Health
-from woz_tui.core.messages import Json
-from woz_tui.experiment.engagement import EngagementSettings, Timeouts
-from woz_tui.experiment.shape import Experiment, Wait
+from woz_tui.config.engagement import EngagementSettings, Timeouts
+from woz_tui.config.experiment import Experiment, Wait
+from woz_tui.drivers.contract import SPEECH, Health
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
 
 SHOWING = EngagementSettings()
 

@@ -12,15 +12,15 @@ import pytest
 from tests.fakes.virtual_time import run_virtual
 from tests.session.engaged import PLAIN, Guide, Room, effect, guided, in_room
 from tests.session.rig import call, together
-from woz_tui.core import messages as m
-from woz_tui.core.driver import Health, Job
-from woz_tui.core.messages import Json
-from woz_tui.experiment.engagement import (
+from woz_tui.config.engagement import (
     AttentionSettings,
     EngagementSettings,
     HandshakeSettings,
     Timeouts,
 )
+from woz_tui.drivers.contract import Health, Job
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
 
 EVERYTHING = EngagementSettings(
     handshake=HandshakeSettings(by="robot", seconds=60.0, silence=2.0),

@@ -10,9 +10,9 @@ from datetime import date
 from pathlib import Path
 
 from tests.session.engaged import PLAIN, Room, guided, in_room
-from woz_tui.core import messages as m
-from woz_tui.experiment.engagement import HandshakeSettings
-from woz_tui.sensing.people import Visitors
+from woz_tui.config.engagement import HandshakeSettings
+from woz_tui.protocol import messages as m
+from woz_tui.sensing.visitor_store import Visitors
 
 KNOWN = "EngagedWithKnown"
 ASKING = replace(PLAIN, handshake=HandshakeSettings(by="robot", seconds=40.0, silence=4.0))

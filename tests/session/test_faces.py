@@ -10,10 +10,10 @@ from typing import Any
 
 from tests.fakes.virtual_time import run_virtual
 from tests.session.engaged import Guide, Room, guided
-from woz_tui.core import messages as m
-from woz_tui.core.driver import LEARN_FACE, Argument, DriverError, Job, Verb
-from woz_tui.core.messages import Json
-from woz_tui.experiment.shape import DriverSpec
+from woz_tui.config.experiment import DriverSpec
+from woz_tui.drivers.contract import LEARN_FACE, Argument, DriverError, Job, Verb
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
 
 
 class Camera(Guide):

@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 
 from tools import guide_session
-from woz_tui.core import messages as m
-from woz_tui.experiment.decode import load
-from woz_tui.plugins import installed
-from woz_tui.sensing.machine import EDGES
-from woz_tui.sensing.stream import Follower
+from woz_tui.config.loading import load
+from woz_tui.drivers.plugins import installed
+from woz_tui.protocol import messages as m
+from woz_tui.sensing.engagement_stream import Follower
+from woz_tui.sensing.state_machine import EDGES
 from woz_tui.session.session import Session
 
 TEN_MINUTES = 600.0

@@ -12,12 +12,12 @@ import pytest
 
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import Puppet, Stage
-from woz_tui.core import messages as m
-from woz_tui.core import wire
-from woz_tui.core.driver import Scope
-from woz_tui.experiment.shape import Experiment
-from woz_tui.session.identity import AskError
-from woz_tui.session.runner import Origin
+from woz_tui.config.experiment import Experiment
+from woz_tui.drivers.contract import Scope
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.session.action_runner import Origin
+from woz_tui.session.participant_identity import AskError
 
 KEY = Origin("key", "h", "con1")
 
@@ -92,7 +92,7 @@ def test_one_bad_driver_harms_no_other(tmp_path: Path, how: str, where: str) -> 
     assert (bad in confirmed.unreached) == (where == "open")
     told = [line for line in stage.lines if isinstance(line, m.Notice | m.DriverFaulted)]
     assert len(told) == (where != "stop")
-    assert all(bad.encode() in wire.encode(line) for line in told)
+    assert all(bad.encode() in codec.encode(line) for line in told)
 
 
 def test_drivers_that_hang_when_opened_hang_together(tmp_path: Path) -> None:

@@ -11,12 +11,12 @@ from tests.fakes.virtual_time import LoopClock, run_virtual
 from tests.session.engaged import WIZARD
 from tools import EXPERIMENTS
 from tools.demo_session import catalogue
-from woz_tui.core import messages as m
-from woz_tui.core.clock import RealClock
-from woz_tui.experiment.decode import load
-from woz_tui.record.recorder import Recorder
-from woz_tui.session.identity import Identity
+from woz_tui.config.loading import load
+from woz_tui.log.recorder import Recorder
+from woz_tui.protocol import messages as m
+from woz_tui.session.participant_identity import Identity
 from woz_tui.session.session import Session
+from woz_tui.system.clock import RealClock
 
 
 async def rehearsed(path: Path, folder: Path) -> list[m.AnyMessage]:

@@ -14,14 +14,14 @@ import pytest
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import Stage
 from tests.session.studied import STUDY, studied
-from woz_tui.analysis.gather import Options
-from woz_tui.analysis.session import examine
-from woz_tui.core import messages as m
-from woz_tui.core.requests import AskAnswer
-from woz_tui.experiment.study import Shaping
-from woz_tui.record.verify import verify
-from woz_tui.session.identity import AskError, Identity
-from woz_tui.session.runner import Origin
+from woz_tui.analysis.figure_counting import Options
+from woz_tui.analysis.session_reading import examine
+from woz_tui.config.study import Shaping
+from woz_tui.log.verify import verify
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.requests import AskAnswer
+from woz_tui.session.action_runner import Origin
+from woz_tui.session.participant_identity import AskError, Identity
 
 HALF_AN_HOUR = 1800.0
 KEY = Origin("key", "h", "con1")

@@ -9,18 +9,18 @@ from pathlib import Path
 
 import pytest
 
-from tests.experiment.reading import errors, panel, read
+from tests.config.reading import errors, panel, read
 from tests.fakes.virtual_time import run_virtual
 from tests.host.rig import served
 from tests.session.rig import HERE, Stage, experiment
 from tests.session.test_asking import Ear, from_a_thread
-from woz_tui.core import messages as m
-from woz_tui.core.driver import Ask
-from woz_tui.experiment.reload import compare
-from woz_tui.experiment.shape import Experiment, Panel, Steps
-from woz_tui.host.views import panel_views
-from woz_tui.session.identity import AskError
-from woz_tui.session.runner import Origin
+from woz_tui.config.experiment import Experiment, Panel, Steps
+from woz_tui.config.reload_changes import compare
+from woz_tui.drivers.contract import Ask
+from woz_tui.host.panel_views import panel_views
+from woz_tui.protocol import messages as m
+from woz_tui.session.action_runner import Origin
+from woz_tui.session.participant_identity import AskError
 
 LOCKED = "the panel 'Movement' is locked, and with it 'drive'"
 ARROW = Origin("key", "alt+up", "con1")

@@ -11,11 +11,11 @@ import pytest
 
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import Stage, experiment
-from woz_tui.core import messages as m
-from woz_tui.experiment.shape import Experiment, Phase
-from woz_tui.experiment.study import Design, Study
-from woz_tui.session.identity import AskError
-from woz_tui.session.runner import Origin
+from woz_tui.config.experiment import Experiment, Phase
+from woz_tui.config.study import Design, Study
+from woz_tui.protocol import messages as m
+from woz_tui.session.action_runner import Origin
+from woz_tui.session.participant_identity import AskError
 from woz_tui.session.session import Session
 
 KEY = Origin("key", ")", "con1")

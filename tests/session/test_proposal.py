@@ -8,9 +8,9 @@ from dataclasses import replace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from woz_tui.experiment.orders import block_size, rows
-from woz_tui.experiment.study import Design
-from woz_tui.session.proposal import Past, Proposal, propose
+from woz_tui.config.counterbalancing import block_size, rows
+from woz_tui.config.study import Design
+from woz_tui.session.condition_proposal import Past, Proposal, propose
 
 CONDITIONS = ("a", "b", "c", "d")
 DESIGNS = st.builds(

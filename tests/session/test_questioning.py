@@ -8,11 +8,11 @@ import pytest
 
 from tests.session.rig import Stage
 from tests.session.studied import on_stage, said
-from woz_tui.core import messages as m
-from woz_tui.core.requests import AskAnswer
-from woz_tui.session.identity import AskError
-from woz_tui.session.questioning import LONGEST
-from woz_tui.timeline.study import Due
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.requests import AskAnswer
+from woz_tui.session.participant_identity import AskError
+from woz_tui.session.questionnaire_control import LONGEST
+from woz_tui.timeline.study_history import Due
 
 ROUND = (m.QuestionnaireStarted, m.QuestionnaireAnswered, m.QuestionnaireEnded)
 

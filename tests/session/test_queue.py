@@ -9,8 +9,8 @@ import pytest
 
 from tests.session.rig import Stage
 from tests.session.test_superseding import ACTIONS, KEY, ends, pressed, scene, spoken
-from woz_tui.core import messages as m
-from woz_tui.session.identity import AskError
+from woz_tui.protocol import messages as m
+from woz_tui.session.participant_identity import AskError
 
 
 def test_a_line_of_the_script_that_a_full_queue_refuses_is_not_passed(tmp_path: Path) -> None:

@@ -12,12 +12,12 @@ import pytest
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import HERE, Stage
 from tests.session.test_wording import HM, KEY, made
-from woz_tui.core import messages as m
-from woz_tui.experiment.repairs import INTERRUPT, LABELS, PANEL, REPEAT, REWORD
-from woz_tui.experiment.shape import Action, Profile
-from woz_tui.session.identity import AskError, Identity
+from woz_tui.config.experiment import Action, Profile
+from woz_tui.config.repairs import INTERRUPT, LABELS, PANEL, REPEAT, REWORD
+from woz_tui.protocol import messages as m
+from woz_tui.session.participant_identity import AskError, Identity
 from woz_tui.session.redactor import Redactor
-from woz_tui.session.study_view import study_settings
+from woz_tui.session.study_settings import study_settings
 
 NAMES = (REPEAT, REWORD, INTERRUPT)
 MOVES = tuple(Action(name, LABELS[name], "", PANEL, (), HERE) for name in NAMES)

@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import Stage, experiment
-from woz_tui.core import messages as m
-from woz_tui.experiment.shape import Phase
-from woz_tui.session.identity import AskError
-from woz_tui.session.runner import Origin
-from woz_tui.session.script import Script
+from woz_tui.config.experiment import Phase
+from woz_tui.protocol import messages as m
+from woz_tui.session.action_runner import Origin
+from woz_tui.session.participant_identity import AskError
+from woz_tui.session.script_control import Script
 
 KEY, SPACE = Origin("key", "h", "con1"), Origin("script", "space", "con1")
 LINES = ("Hello", "Fall", "Welcome", "Map")

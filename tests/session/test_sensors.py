@@ -4,9 +4,9 @@ from pathlib import Path
 
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import HERE, Nothing, Stage
-from woz_tui.core import messages as m
-from woz_tui.experiment.sensors import published_names
-from woz_tui.experiment.shape import DriverSpec
+from woz_tui.config.experiment import DriverSpec
+from woz_tui.config.sensor_names import published_names
+from woz_tui.protocol import messages as m
 
 
 def spec(name: str, *sensors: str) -> DriverSpec:

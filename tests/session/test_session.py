@@ -10,13 +10,13 @@ import pytest
 
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import Puppet, Stage
-from woz_tui.core import messages as m
-from woz_tui.core.driver import DeviceLostError, Finding, Job, Scope
-from woz_tui.experiment import template
-from woz_tui.experiment.shape import Place, Problem
-from woz_tui.session.identity import AskError, Identity, check_participant
+from woz_tui.config import utterance_template
+from woz_tui.config.experiment import Place, Problem
+from woz_tui.drivers.contract import DeviceLostError, Finding, Job, Scope
+from woz_tui.protocol import messages as m
+from woz_tui.session.action_runner import Origin
+from woz_tui.session.participant_identity import AskError, Identity, check_participant
 from woz_tui.session.preflight import preflight
-from woz_tui.session.runner import Origin
 
 KEY = Origin("key", "h", "con1")
 #: What `re` compares with sixteen letters for hours.
@@ -440,7 +440,7 @@ def test_mistakes_name_what_was_played(tmp_path: Path) -> None:
 
 
 def test_the_session_fills_in_just_the_variables_that_files_may_use() -> None:
-    assert set(Identity().values()) == set(template.BUILT_IN)
+    assert set(Identity().values()) == set(utterance_template.BUILT_IN)
 
 
 # -- patterns of codes -----------------------------------------------------------------------------

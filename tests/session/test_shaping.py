@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from tests.session.rig import Stage
-from woz_tui.core import messages as m
-from woz_tui.core.driver import Ask, Verb
-from woz_tui.core.hub import Hub
-from woz_tui.session.runner import Origin
-from woz_tui.session.shaping import Shaper, may_wait
+from woz_tui.bus.hub import Hub
+from woz_tui.drivers.contract import Ask, Verb
+from woz_tui.protocol import messages as m
+from woz_tui.session.action_runner import Origin
+from woz_tui.session.response_delay import Shaper, may_wait
 
 KEY = Origin("key", "h")
 SECOND = 1_000_000

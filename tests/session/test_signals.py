@@ -14,12 +14,12 @@ from PIL import Image, ImageChops, ImageSequence
 
 from tests.session.rig import HERE, action, call, experiment, together
 from tools import signal_pictures
-from woz_tui.core import messages as m
-from woz_tui.core.driver import Argument, Verb
-from woz_tui.core.messages import Json
-from woz_tui.experiment.engagement import STATES, EngagementSettings
-from woz_tui.experiment.shape import DriverSpec, Engagement, Experiment
-from woz_tui.session.signals import FOLDER, NEARLY, SIGNALS, Signals, default_signals, nearly
+from woz_tui.config.engagement import STATES, EngagementSettings
+from woz_tui.config.experiment import DriverSpec, Engagement, Experiment
+from woz_tui.drivers.contract import Argument, Verb
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
+from woz_tui.session.state_signals import FOLDER, NEARLY, SIGNALS, Signals, default_signals, nearly
 
 FILE = Argument("file", "file", required=True)
 EYES = Verb("eyes", "", (Argument("color", "text", required=True), Argument("animation", "choice")))

@@ -12,15 +12,15 @@ from tests.drivers.heard import until
 from tests.fakes.piped_command import PipedCommand
 from tests.fakes.sound import square
 from tests.session.rig import HERE
-from woz_tui.core import messages as m
-from woz_tui.core.clock import RealClock
-from woz_tui.core.driver import SPEECH
-from woz_tui.experiment.shape import DriverSpec, Experiment
-from woz_tui.record import log
-from woz_tui.record.recorder import Recorder
-from woz_tui.session.identity import Identity
+from woz_tui.config.experiment import DriverSpec, Experiment
+from woz_tui.drivers.contract import SPEECH
+from woz_tui.log import log_reader
+from woz_tui.log.recorder import Recorder
+from woz_tui.protocol import messages as m
+from woz_tui.session.participant_identity import Identity
 from woz_tui.session.preflight import preflight
 from woz_tui.session.session import Session
+from woz_tui.system.clock import RealClock
 
 
 def experiment(folder: Path, command: tuple[str, ...]) -> Experiment:
@@ -62,7 +62,7 @@ async def test_the_log_names_the_file_beside_it(tmp_path: Path) -> None:
     assert SPEECH not in {finding.subject for finding in await preflight(session)}
     await session.close("enough", rest=False)
 
-    written = [line.message for line in log.read(recorder.path)]
+    written = [line.message for line in log_reader.read(recorder.path)]
     (started,) = [one for one in written if isinstance(one, m.SpeechStarted)]
     (ended,) = [one for one in written if isinstance(one, m.SpeechEnded)]
     (text,) = [one for one in written if isinstance(one, m.SpeechText)]

@@ -10,13 +10,13 @@ import pytest
 
 from tests.session.rig import Stage
 from tests.session.studied import STUDY, had, log, on_stage, said, studied
-from woz_tui.core import messages as m
-from woz_tui.core.settings import Check
-from woz_tui.experiment.study import Perception, Study
-from woz_tui.session.identity import AskError, Identity
+from woz_tui.config.study import Perception, Study
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.welcome import Check
+from woz_tui.session.action_runner import Origin
+from woz_tui.session.participant_identity import AskError, Identity
 from woz_tui.session.preflight import preflight
-from woz_tui.session.runner import Origin
-from woz_tui.session.study_view import study_snapshot
+from woz_tui.session.study_settings import study_snapshot
 
 KEY = Origin("key", "h", "con1")
 TRIALS = (m.ConditionsAssigned, m.TrialStarted, m.TrialEnded, m.BreakStarted, m.BreakEnded)

@@ -9,10 +9,10 @@ import pytest
 
 from tests.session.rig import Stage
 from tests.session.studied import STUDY, on_stage, said
-from woz_tui.core import messages as m
-from woz_tui.experiment.study import Design
-from woz_tui.session.identity import AskError
-from woz_tui.timeline.study import Due
+from woz_tui.config.study import Design
+from woz_tui.protocol import messages as m
+from woz_tui.session.participant_identity import AskError
+from woz_tui.timeline.study_history import Due
 
 
 def assigned(stage: Stage, participant: str = "P01") -> None:

@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 
 from tests.session.rig import Stage
 from tests.session.studied import on_stage
-from woz_tui.core import messages as m
-from woz_tui.core.requests import AskAnswer
-from woz_tui.session.identity import AskError
-from woz_tui.session.study_view import study_snapshot
-from woz_tui.timeline.state import SessionState
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.requests import AskAnswer
+from woz_tui.session.participant_identity import AskError
+from woz_tui.session.study_settings import study_snapshot
+from woz_tui.timeline.session_state import SessionState
 
 WHATS = ("begin", "done", "done", "begin", "aborted", "excluded", "break", "resume")
 NAMES = ("each", "ux", "last", "whenever")

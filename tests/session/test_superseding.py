@@ -12,12 +12,12 @@ import pytest
 
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import Puppet, Stage, action, call, experiment, together
-from woz_tui.core import messages as m
-from woz_tui.core.driver import Argument, Job, Verb
-from woz_tui.core.messages import Json
-from woz_tui.experiment.shape import Action, Panel, Wait
-from woz_tui.session.identity import AskError
-from woz_tui.session.runner import Origin
+from woz_tui.config.experiment import Action, Panel, Wait
+from woz_tui.drivers.contract import Argument, Job, Verb
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
+from woz_tui.session.action_runner import Origin
+from woz_tui.session.participant_identity import AskError
 from woz_tui.timeline.episodes import Action as Played
 from woz_tui.timeline.episodes import Outcome
 from woz_tui.timeline.timeline import Timeline

@@ -11,15 +11,15 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tests.experiment.catalogue import CATALOGUE
-from tests.experiment.reading import HEAD, panel
-from woz_tui.core.driver import Driver
-from woz_tui.experiment.decode import load
-from woz_tui.experiment.reload import compare
-from woz_tui.experiment.shape import Action, Experiment, ExperimentError
-from woz_tui.plugins import installed
-from woz_tui.session.identity import AskError
-from woz_tui.session.typed import Copied, added, copied, with_typed, written
+from tests.config.catalogue import CATALOGUE
+from tests.config.reading import HEAD, panel
+from woz_tui.config.experiment import Action, Experiment, ExperimentError
+from woz_tui.config.loading import load
+from woz_tui.config.reload_changes import compare
+from woz_tui.drivers.contract import Driver
+from woz_tui.drivers.plugins import installed
+from woz_tui.session.participant_identity import AskError
+from woz_tui.session.typed_actions import Copied, added, copied, with_typed, written
 
 EXAMPLES = Path(__file__).parents[2] / "experiments"
 TALK = panel("{key: h, label: Hello, say: Hello!}  # first", '{key: "1", label: Bye, say: Bye!}')

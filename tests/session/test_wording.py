@@ -14,15 +14,15 @@ from msgspec import structs
 
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import Stage, action, call, experiment, together
-from woz_tui.core import messages as m
-from woz_tui.experiment.shape import Call, Choice, Experiment
-from woz_tui.experiment.study import Design, Study
-from woz_tui.replay.plan import plan_of
-from woz_tui.session.identity import AskError, Identity
+from woz_tui.config.experiment import Call, Choice, Experiment
+from woz_tui.config.study import Design, Study
+from woz_tui.protocol import messages as m
+from woz_tui.replay.rerun_plan import plan_of
+from woz_tui.session.action_runner import Origin
+from woz_tui.session.action_texts import variant
+from woz_tui.session.participant_identity import AskError, Identity
 from woz_tui.session.redactor import Redactor
-from woz_tui.session.runner import Origin
-from woz_tui.session.study_view import study_settings
-from woz_tui.session.wording import variant
+from woz_tui.session.study_settings import study_settings
 
 KEY = Origin("key", "h", "con1")
 HM = ("Hm.", "Let me think.", "Well, well.")

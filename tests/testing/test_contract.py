@@ -10,7 +10,9 @@ from typing import Any, ClassVar
 
 import pytest
 
-from woz_tui.core.driver import (
+from woz_tui.config.actions import ACTION_FIELDS
+from woz_tui.config.session_verbs import ENGAGEMENT_VERBS, WAIT, session_verbs
+from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
     Driver,
@@ -23,12 +25,10 @@ from woz_tui.core.driver import (
     Verb,
     Written,
 )
-from woz_tui.core.fields import Range
-from woz_tui.core.messages import Json
-from woz_tui.experiment.actions import ACTION_FIELDS
-from woz_tui.experiment.verbs import ENGAGEMENT_VERBS, WAIT, session_verbs
-from woz_tui.testing import Device, DriverTests, PlainJob, check, contract
-from woz_tui.testing.contract import MODEL_VERBS, RESERVED
+from woz_tui.drivers.fields import Range
+from woz_tui.protocol.messages import Json
+from woz_tui.testing import Device, DriverTests, PlainJob, check, contract_checks
+from woz_tui.testing.contract_checks import MODEL_VERBS, RESERVED
 
 
 @dataclass(frozen=True)
@@ -395,7 +395,7 @@ def test_what_only_a_device_shows_is_found(
     class Broken(TestSpinner):
         driver = broken
 
-    monkeypatch.setattr(contract, "NOTICE_S", 0.5)
+    monkeypatch.setattr(contract_checks, "NOTICE_S", 0.5)
     with pytest.raises(AssertionError, match=complaint):
         Broken().test_stop_and_cancel_end_a_command()
         Broken().test_notices_a_lost_device()

@@ -9,10 +9,10 @@ from typing import Any
 import msgspec
 from hypothesis import strategies as st
 
-from tests.core.examples import messages as examples
-from woz_tui.core import messages as m
-from woz_tui.core.settings import Settings, StudySettings
-from woz_tui.experiment.engagement import STATES
+from tests.protocol.examples import messages as examples
+from woz_tui.config.engagement import STATES
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.welcome import Settings, StudySettings
 
 SECOND = 1_000_000
 #: `settings.study` of what consoles are shown.

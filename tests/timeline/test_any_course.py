@@ -16,16 +16,16 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from tests.timeline.courses import damaged, recordings, stamped, start
-from woz_tui.core import messages as m
-from woz_tui.record.log import read
-from woz_tui.timeline.context import Context
+from woz_tui.log.log_reader import read
+from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import MOST, Action, Command, Utterance
-from woz_tui.timeline.state import CASES, SessionState
+from woz_tui.timeline.session_state import CASES, SessionState
 from woz_tui.timeline.timeline import Timeline, timeline_of
+from woz_tui.timeline.trial_context import Context
 
 ROOT = Path(__file__).parents[2]
 LOGS = [
-    *sorted((ROOT / "tests/record/golden").glob("v*/recordings/*_S01.jsonl")),
+    *sorted((ROOT / "tests/log/golden").glob("v*/recordings/*_S01.jsonl")),
     ROOT / "recordings/sample.jsonl",
 ]
 COURSES = st.one_of(recordings(), damaged())

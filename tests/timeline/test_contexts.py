@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TypeVar
 
 from tests.timeline.courses import SECOND, plan, start, timed
-from woz_tui.core import messages as m
-from woz_tui.timeline.context import Span
+from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import Break, Engagement, Episode, Moment, Trial, Utterance
 from woz_tui.timeline.timeline import timeline_of
+from woz_tui.timeline.trial_context import Span
 
 E = TypeVar("E", bound=Episode)
 ASSIGNED = m.ConditionsAssigned(participant="P01", order=["warm", "cold"], method="hand")

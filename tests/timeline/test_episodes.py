@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 import pytest
 
 from tests.timeline.courses import SECOND, plan, start, timed
-from woz_tui.core import messages as m
+from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import (
     Action,
     Command,
@@ -26,8 +26,8 @@ from woz_tui.timeline.episodes import (
     Setting,
     Stop,
 )
-from woz_tui.timeline.state import SessionState
-from woz_tui.timeline.study import Due
+from woz_tui.timeline.session_state import SessionState
+from woz_tui.timeline.study_history import Due
 from woz_tui.timeline.timeline import timeline_of
 
 E = TypeVar("E", bound=Episode)

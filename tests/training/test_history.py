@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.record.bench import Bench
+from tests.log.bench import Bench
 from woz_tui.cli import main
-from woz_tui.core import messages as m
-from woz_tui.training.history import history, score_of
+from woz_tui.protocol import messages as m
+from woz_tui.training.score_history import history, score_of
 
 
 def training(folder: Path, wizard: str, verdicts: list[tuple[str, int]]) -> Path:

@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.session.rig import experiment
-from woz_tui.experiment.shape import Experiment
-from woz_tui.experiment.study import Study, Training, TrainingCue
-from woz_tui.training.plan import REQUEST, planned
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.study import Study, Training, TrainingCue
+from woz_tui.training.cue_plan import REQUEST, planned
 
 CUES = (
     TrainingCue("approach", ("Hello", "Welcome")),

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from tests.session.rig import Nothing, Puppet
-from woz_tui.core.driver import Argument, Driver, Verb
-from woz_tui.plugins import installed
-from woz_tui.training.rehearsal import rehearsal_of, rehearsed, seconds_of
+from woz_tui.drivers.contract import Argument, Driver, Verb
+from woz_tui.drivers.plugins import installed
+from woz_tui.training.rehearsal_driver import rehearsal_of, rehearsed, seconds_of
 
 SAY = Verb("say", "", (Argument("text", "text", required=True),), limit_s=20.0)
 

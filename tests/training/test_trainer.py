@@ -10,11 +10,11 @@ import pytest
 
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import Stage
-from woz_tui.core import messages as m
-from woz_tui.session.runner import Origin
-from woz_tui.training.plan import PlannedCue
+from woz_tui.protocol import messages as m
+from woz_tui.session.action_runner import Origin
+from woz_tui.training.cue_plan import PlannedCue
 from woz_tui.training.trainer import Trainer
-from woz_tui.training.visitor import AWAY_M, NEAR_M, TrainingVisitor
+from woz_tui.training.training_visitor import AWAY_M, NEAR_M, TrainingVisitor
 
 KEY = Origin("key", "h")
 

@@ -10,7 +10,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from operator import attrgetter
 
-from woz_tui.analysis.rows import (
+from woz_tui.analysis.durations import Series
+from woz_tui.analysis.event_rows import (
     Answer,
     ConsoleChange,
     Cue,
@@ -26,7 +27,6 @@ from woz_tui.analysis.rows import (
     Trial,
     Visit,
 )
-from woz_tui.analysis.series import Series
 
 #: How a requested action can end; `open`: its end is not in the log.
 ENDS = ("done", "failed", "stopped", "superseded", "refused", "open")
@@ -119,7 +119,7 @@ class Engagement:
     Attributes:
         on_us: How long it was on.
         off_us: How long it was there but switched off.
-        engaged_us: How long somebody was engaged (see `woz_tui.sensing.machine.ENGAGED`).
+        engaged_us: How long somebody was engaged (see `woz_tui.sensing.state_machine.ENGAGED`).
         episodes: Lengths of unbroken engagement, clipped to trials.
         states: By name of the state.
         transitions: From -> to -> how often.

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from woz_tui.analysis.durations import Series
+from woz_tui.analysis.figure_sums import ALL_CUES
 from woz_tui.analysis.figures import Part, Reactions
-from woz_tui.analysis.series import Series
-from woz_tui.analysis.tally import ALL_CUES
 
 _NONE = Reactions({}, Series())
 

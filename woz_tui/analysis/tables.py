@@ -16,6 +16,7 @@ from typing import Any, Generic, TypeVar
 
 import msgspec
 
+from woz_tui.analysis.event_rows import Answer, Cue, Phase, Setting, Trial, Visit, worded
 from woz_tui.analysis.figures import (
     COMMAND_ENDS,
     ENDS,
@@ -26,9 +27,8 @@ from woz_tui.analysis.figures import (
     VerbTimes,
 )
 from woz_tui.analysis.measures import MEASURES, Measure, milliseconds, seconds
-from woz_tui.analysis.rows import Answer, Cue, Phase, Setting, Trial, Visit, worded
-from woz_tui.core.cleaning import seconds as exact
-from woz_tui.core.messages import Json, Reading
+from woz_tui.protocol.messages import Json, Reading
+from woz_tui.system.text_cleaning import seconds as exact
 
 Row = TypeVar("Row")
 #: None: there is no value.

@@ -14,13 +14,13 @@ from collections.abc import Callable, Coroutine, Iterable, Mapping
 
 import msgspec
 
-from woz_tui.bus.guard import guarded
+from woz_tui.bus.driver_calls import guarded
+from woz_tui.bus.hub import Hub
 from woz_tui.bus.lane import Lane, Ticket
-from woz_tui.core.arguments import ArgumentError, checked
-from woz_tui.core.driver import DeviceLostError, Performer, Scope, StopReport, Verb
-from woz_tui.core.hiding import hidden
-from woz_tui.core.hub import Hub
-from woz_tui.core.messages import (
+from woz_tui.drivers.argument_check import ArgumentError, checked
+from woz_tui.drivers.contract import DeviceLostError, Performer, Scope, StopReport, Verb
+from woz_tui.drivers.secret_arguments import hidden
+from woz_tui.protocol.messages import (
     AnyMessage,
     Command,
     DriverConnected,

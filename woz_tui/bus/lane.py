@@ -17,11 +17,11 @@ from dataclasses import dataclass, field
 
 import msgspec
 
-from woz_tui.bus.guard import guarded
-from woz_tui.core import wire
-from woz_tui.core.driver import DriverError, Performer, RejectedError, Verb
-from woz_tui.core.hub import Hub
-from woz_tui.core.messages import (
+from woz_tui.bus.driver_calls import guarded
+from woz_tui.bus.hub import Hub
+from woz_tui.drivers.contract import DriverError, Performer, RejectedError, Verb
+from woz_tui.protocol import codec
+from woz_tui.protocol.messages import (
     Command,
     Dispatched,
     Done,
@@ -415,5 +415,5 @@ def _quotes(end: End) -> bool:
 
 def _plain(sent: object) -> dict[str, Json]:
     """What a driver returned as plain JSON; what cannot be said in JSON becomes text."""
-    value = wire.plain(sent)
+    value = codec.plain(sent)
     return value if isinstance(value, dict) else {} if value is None else {"returned": value}

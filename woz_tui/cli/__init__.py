@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from woz_tui import __version__
-from woz_tui.cli.failure import of_output
-from woz_tui.cli.streams import clean_streams
+from woz_tui.cli.error_sentences import of_output
+from woz_tui.cli.safe_streams import clean_streams
 
 #: Command -> its module's one-line summary. A module has `add(parser)`, which declares its
 #: options, and `run`, a function from the parsed arguments to the exit code; where the command has

@@ -6,10 +6,10 @@ import sys
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from woz_tui.cli import screen
-from woz_tui.cli.failure import explained
-from woz_tui.cli.options import add_keymap, add_pictures, add_theme, builtins
-from woz_tui.host import place
+from woz_tui.cli import console_start
+from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.shared_options import add_keymap, add_pictures, add_theme, builtins
+from woz_tui.host import socket_place
 
 
 def add(parser: ArgumentParser) -> None:
@@ -38,7 +38,7 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Open the console on a running session."""
-    refused = screen.refusal()
+    refused = console_start.refusal()
     if refused:
         print(f"woz: {refused}", file=sys.stderr)
         return 2
@@ -50,9 +50,9 @@ def _attach(arguments: Namespace) -> int:
     if socket is None:
         return 1
     if arguments.questionnaire is not None:
-        return screen.open_questionnaire(socket, arguments.questionnaire, arguments.theme)[1]
-    left, code = screen.open_console(
-        screen.ScreenOptions(
+        return console_start.open_questionnaire(socket, arguments.questionnaire, arguments.theme)[1]
+    left, code = console_start.open_console(
+        console_start.ScreenOptions(
             socket=socket,
             watch=arguments.watch,
             take_over=arguments.take_over,
@@ -75,7 +75,7 @@ def chosen(arguments: Namespace) -> Path | None:
 def _sort(arguments: Namespace) -> None:
     """In `--questionnaire S02` the word is meant as the session, if one of this name runs."""
     word = arguments.questionnaire
-    if word and not arguments.name and word in {path.stem for path in place.running()}:
+    if word and not arguments.name and word in {path.stem for path in socket_place.running()}:
         arguments.name, arguments.questionnaire = word, ""
 
 
@@ -88,16 +88,16 @@ def _kept(arguments: Namespace) -> str:
 
 def _find(name: str, options: str) -> Path | None:
     if name:
-        socket = Path(name) if "/" in name else place.socket_path(name)
-        if place.answers(socket):
+        socket = Path(name) if "/" in name else socket_place.socket_path(name)
+        if socket_place.answers(socket):
             return socket
         print(f"woz: no session is running at {socket}", file=sys.stderr)
-    running = place.running()
+    running = socket_place.running()
     if not name and len(running) == 1:
         return running[0]
     if running:
         names = "\n".join(
-            f"  woz attach {path.stem}{options}   # for {place.age_s(path) // 60:.0f} min"
+            f"  woz attach {path.stem}{options}   # for {socket_place.age_s(path) // 60:.0f} min"
             for path in running
         )
         print(f"woz: which session?\n{names}", file=sys.stderr)

@@ -13,20 +13,13 @@ from pathlib import Path
 from rich.table import Table
 from rich.text import Text
 
-from woz_tui import plugins
 from woz_tui.cli import study_summary
-from woz_tui.cli.failure import explained
-from woz_tui.console.text_console import TextConsole
-from woz_tui.core.driver import SPEECH, Argument, Driver, Verb
-from woz_tui.core.engaged import SignShown
-from woz_tui.core.messages import Json
-from woz_tui.experiment import keys
-from woz_tui.experiment.decode import load
-from woz_tui.experiment.effects import ENTERED
-from woz_tui.experiment.engagement import SIGNS, EngagementSettings, Timeouts
-from woz_tui.experiment.engagement_check import signs_given
-from woz_tui.experiment.sensors import published_names
-from woz_tui.experiment.shape import (
+from woz_tui.cli.error_sentences import explained
+from woz_tui.config import keys
+from woz_tui.config.engagement import SIGNS, EngagementSettings, Timeouts
+from woz_tui.config.engagement_check import signs_given
+from woz_tui.config.engagement_effects import ENTERED
+from woz_tui.config.experiment import (
     Action,
     Call,
     Choice,
@@ -38,8 +31,15 @@ from woz_tui.experiment.shape import (
     Step,
     Wait,
 )
-from woz_tui.experiment.verbs import engagement_verbs, session_verbs
-from woz_tui.sensing.model import Engagement as Model
+from woz_tui.config.loading import load
+from woz_tui.config.sensor_names import published_names
+from woz_tui.config.session_verbs import engagement_verbs, session_verbs
+from woz_tui.console.text_console import TextConsole
+from woz_tui.drivers import plugins
+from woz_tui.drivers.contract import SPEECH, Argument, Driver, Verb
+from woz_tui.protocol.messages import Json
+from woz_tui.protocol.visitor_messages import SignShown
+from woz_tui.sensing.engagement_model import Engagement as Model
 
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 120

@@ -7,14 +7,14 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from woz_tui.cli.failure import explained
-from woz_tui.cli.numbers import number
-from woz_tui.cli.streams import json_text
+from woz_tui.cli.argument_types import number
+from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.safe_streams import json_text
 
 if TYPE_CHECKING:
-    from woz_tui.analysis.agreement import Agreement
-    from woz_tui.cli.report_page import Page
-    from woz_tui.record.coding import Codings
+    from woz_tui.analysis.coder_agreement import Agreement
+    from woz_tui.cli.report_layout import Page
+    from woz_tui.log.coding_file import Codings
 
 #: What stands for a bin without a code.
 NO_CODE = "(none)"
@@ -42,14 +42,14 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print it; 1 if there is nothing to compare."""
-    from woz_tui.record.coding import CodingError  # noqa: PLC0415
+    from woz_tui.log.coding_file import CodingError  # noqa: PLC0415
 
     return explained(lambda: _run(arguments), CodingError, who="woz coding")
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    from woz_tui.record.coding import coding_path, read_codings  # noqa: PLC0415
-    from woz_tui.record.log import files_of  # noqa: PLC0415
+    from woz_tui.log.coding_file import coding_path, read_codings  # noqa: PLC0415
+    from woz_tui.log.log_reader import files_of  # noqa: PLC0415
 
     try:
         path = coding_path(files_of(arguments.log).paths[0])
@@ -72,8 +72,8 @@ def _run(arguments: argparse.Namespace) -> int:
 
 
 def _listed(found: Codings, *, as_json: bool) -> int:
-    from woz_tui.cli.report_page import page, table  # noqa: PLC0415
-    from woz_tui.record.coding import tiers_of  # noqa: PLC0415
+    from woz_tui.cli.report_layout import page, table  # noqa: PLC0415
+    from woz_tui.log.coding_file import tiers_of  # noqa: PLC0415
 
     coders = {coder: found.of(coder) for coder in sorted(found.by_coder)}
     if as_json:
@@ -88,10 +88,10 @@ def _listed(found: Codings, *, as_json: bool) -> int:
 
 
 def _compared(arguments: argparse.Namespace, found: Codings) -> int:
-    from woz_tui.analysis.agreement import agreements, stretches  # noqa: PLC0415
-    from woz_tui.cli.report_page import page  # noqa: PLC0415
-    from woz_tui.record.log import Line  # noqa: PLC0415
-    from woz_tui.record.stream import messages  # noqa: PLC0415
+    from woz_tui.analysis.coder_agreement import agreements, stretches  # noqa: PLC0415
+    from woz_tui.cli.report_layout import page  # noqa: PLC0415
+    from woz_tui.log.log_reader import Line  # noqa: PLC0415
+    from woz_tui.log.message_stream import messages  # noqa: PLC0415
     from woz_tui.timeline.timeline import timeline_of  # noqa: PLC0415
 
     one, other = arguments.coders
@@ -134,7 +134,7 @@ def _plain(found: Agreement, arguments: argparse.Namespace) -> dict[str, object]
 
 
 def _show(paper: Page, found: Agreement, one: str, other: str) -> None:
-    from woz_tui.cli.report_page import table  # noqa: PLC0415
+    from woz_tui.cli.report_layout import table  # noqa: PLC0415
 
     agreed = "no bins" if found.agreed is None else f"{found.agreed:.1%} of {found.bins} bins"
     kappa = "not defined (only one code)" if found.kappa is None else f"{found.kappa:.3f}"

@@ -7,13 +7,13 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
 from pathlib import Path
 
-from woz_tui.analysis.compare import BY_COMMANDS, Comparison, Pair, compare, facts
-from woz_tui.analysis.played import Act, Played, played
-from woz_tui.cli.failure import explained
+from woz_tui.analysis.played_actions import Act, Played, played
+from woz_tui.analysis.session_comparison import BY_COMMANDS, Comparison, Pair, compare, facts
+from woz_tui.cli.error_sentences import explained
 from woz_tui.cli.rerun_table import clock
-from woz_tui.cli.streams import json_text
-from woz_tui.core.cleaning import clean
-from woz_tui.record.log import Damage, files_of, read
+from woz_tui.cli.safe_streams import json_text
+from woz_tui.log.log_reader import Damage, files_of, read
+from woz_tui.system.text_cleaning import clean
 
 #: Lines of each part of the table, unless `--all` is given.
 SHOWN = 20

@@ -8,18 +8,18 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 
-from woz_tui import plugins
-from woz_tui.cli.failure import explained
-from woz_tui.core.driver import Driver
-from woz_tui.core.replacing import replace
-from woz_tui.experiment import woz4u
-from woz_tui.experiment.decode import TOP_LEVEL, load
-from woz_tui.experiment.nodes import Table, tree
-from woz_tui.experiment.report import Report
-from woz_tui.experiment.shape import ExperimentError
-from woz_tui.experiment.source import Source, SourceError, read
-from woz_tui.experiment.woz4u.texts import one_line
-from woz_tui.experiment.woz4u.written import written
+from woz_tui.cli.error_sentences import explained
+from woz_tui.config import woz4u
+from woz_tui.config.experiment import ExperimentError
+from woz_tui.config.file_text import Source, SourceError, read
+from woz_tui.config.loading import TOP_LEVEL, load
+from woz_tui.config.problems import Report
+from woz_tui.config.woz4u.woz4u_texts import one_line
+from woz_tui.config.woz4u.yaml_writer import written
+from woz_tui.config.yaml_nodes import Table, tree
+from woz_tui.drivers import plugins
+from woz_tui.drivers.contract import Driver
+from woz_tui.system.file_replacing import replace
 
 _HEAD = """{name} of WoZ4U, as `woz convert` wrote it: the same experiment.
 docs/how-to/woz4u.md explains how each key was converted; `woz check` shows this file's keys."""

@@ -8,7 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from woz_tui.cli import run as run_command
-from woz_tui.cli.options import add_keymap, add_pictures, add_session, add_theme
+from woz_tui.cli.shared_options import add_keymap, add_pictures, add_session, add_theme
 
 #: Robots that can be shown: their experiment, and the condition and participant it begins with.
 DEMOS: dict[str, tuple[str, str, str]] = {

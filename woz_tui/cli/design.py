@@ -11,20 +11,20 @@ from pathlib import Path
 from rich.table import Table
 from rich.text import Text
 
-from woz_tui import plugins
-from woz_tui.cli.failure import explained
-from woz_tui.cli.numbers import number
-from woz_tui.cli.streams import json_text
+from woz_tui.cli.argument_types import number
+from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.safe_streams import json_text
 from woz_tui.cli.study_summary import spoken, summary
+from woz_tui.config.counterbalancing import block_size, planned, rows
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.loading import load
+from woz_tui.config.study import Design
 from woz_tui.console.text_console import TextConsole
-from woz_tui.core.driver import Driver
-from woz_tui.core.messages import Json
-from woz_tui.experiment.decode import load
-from woz_tui.experiment.orders import block_size, planned, rows
-from woz_tui.experiment.shape import Experiment
-from woz_tui.experiment.study import Design
-from woz_tui.session.earlier import Earlier, Found
-from woz_tui.session.proposal import Past, Proposal, Used, propose
+from woz_tui.drivers import plugins
+from woz_tui.drivers.contract import Driver
+from woz_tui.protocol.messages import Json
+from woz_tui.session.condition_proposal import Past, Proposal, Used, propose
+from woz_tui.session.earlier_sessions import Earlier, Found
 
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 120

@@ -13,14 +13,14 @@ from pathlib import Path
 from rich.table import Table
 from rich.text import Text
 
-from woz_tui import plugins
-from woz_tui.cli.streams import json_text
+from woz_tui.cli.safe_streams import json_text
+from woz_tui.config.experiment import DriverSpec, Experiment, ExperimentError, Problem
 from woz_tui.console.text_console import TextConsole
-from woz_tui.core.driver import Driver, Finding, Probe
-from woz_tui.core.machine import ports, processor, storage, terminal, timekeeping
-from woz_tui.core.machine.bounded import bounded
-from woz_tui.experiment.shape import DriverSpec, Experiment, ExperimentError, Problem
-from woz_tui.host import place
+from woz_tui.drivers import plugins
+from woz_tui.drivers.contract import Driver, Finding, Probe
+from woz_tui.host import socket_place
+from woz_tui.machine import clocks, processor, serial_ports, storage, terminal_check
+from woz_tui.machine.bounded_checks import bounded
 
 #: How long loading the file and examining one driver may take, in seconds.
 LOAD_S = 10.0
@@ -79,15 +79,15 @@ def examine(experiment: Path | None, recordings: Path) -> Iterator[Section]:
 
 
 def _terminal() -> list[Finding]:
-    with terminal.controlling() as descriptor:
+    with terminal_check.controlling() as descriptor:
         if descriptor is None:
             return [Finding("info", "terminal", "none here: its checks are skipped")]
         return [
-            *bounded("terminal", lambda: terminal.environment(os.environ)),
-            *bounded("size", lambda: [terminal.size()]),
+            *bounded("terminal", lambda: terminal_check.environment(os.environ)),
+            *bounded("size", lambda: [terminal_check.size()]),
             # In this thread, so that the terminal's mode is restored whatever happens.
-            *terminal.conversation(descriptor),
-            *bounded("tmux", lambda: terminal.multiplexers(os.environ)),
+            *terminal_check.conversation(descriptor),
+            *bounded("tmux", lambda: terminal_check.multiplexers(os.environ)),
         ]
 
 
@@ -96,9 +96,9 @@ def _machine(recordings: Path) -> list[Finding]:
         *bounded("python", lambda: [processor.python_version()]),
         *bounded("disk", lambda: [storage.free_space(recordings)]),
         *bounded("recordings", lambda: [storage.sync_time(recordings)]),
-        *bounded("date", lambda: [timekeeping.calendar(datetime.now(UTC))]),
-        *bounded("time server", lambda: [timekeeping.synchronised()]),
-        *bounded("timing", lambda: [timekeeping.monotonic_clock()]),
+        *bounded("date", lambda: [clocks.calendar(datetime.now(UTC))]),
+        *bounded("time server", lambda: [clocks.synchronised()]),
+        *bounded("timing", lambda: [clocks.monotonic_clock()]),
         *bounded("processor", processor.governor),
         *bounded("power", processor.throttling),
         *bounded("socket", _sockets),
@@ -107,8 +107,8 @@ def _machine(recordings: Path) -> list[Finding]:
 
 def _sockets() -> list[Finding]:
     try:
-        path = place.socket_path("S01")
-        running = place.running()
+        path = socket_place.socket_path("S01")
+        running = socket_place.running()
     except OSError as error:
         return [Finding("error", "socket", str(error), "see docs/reference/protocol.md")]
     found = [_socket_folder(path.parent)]
@@ -127,9 +127,9 @@ def _socket_folder(folder: Path) -> Finding:
 
 def _ports() -> list[Finding]:
     return [
-        *bounded("serial access", ports.serial_group),
-        *bounded("serial ports", ports.serial_ports),
-        *bounded("latency", ports.latency_timers),
+        *bounded("serial access", serial_ports.serial_group),
+        *bounded("serial ports", serial_ports.serial_ports),
+        *bounded("latency", serial_ports.latency_timers),
     ]
 
 
@@ -152,7 +152,7 @@ def _experiment(path: Path) -> Iterator[Section]:
 
 
 def _load(path: Path) -> tuple[list[Finding], tuple[Experiment, plugins.Catalogue] | None]:
-    from woz_tui.experiment.decode import load  # noqa: PLC0415 - not without a file
+    from woz_tui.config.loading import load  # noqa: PLC0415 - not without a file
 
     try:
         catalogue = plugins.installed()

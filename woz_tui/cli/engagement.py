@@ -15,10 +15,10 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
-from woz_tui.cli.failure import explained
-from woz_tui.cli.numbers import number
-from woz_tui.cli.streams import json_text
-from woz_tui.experiment.engagement import (
+from woz_tui.cli.argument_types import number
+from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.safe_streams import json_text
+from woz_tui.config.engagement import (
     CONDITION,
     FILTERS,
     SIGNS,
@@ -27,7 +27,7 @@ from woz_tui.experiment.engagement import (
 )
 
 if TYPE_CHECKING:
-    from woz_tui.sensing.rows import Rows
+    from woz_tui.sensing.sample_rows import Rows
 
 #: The longest line that is read, in bytes; the rest of a longer one is thrown away.
 LONGEST = 1 << 20
@@ -170,14 +170,14 @@ def _run(arguments: Namespace) -> int:
 
 
 def _log(arguments: Namespace, settings: EngagementSettings, file: BinaryIO, first: bytes) -> int:
-    from woz_tui.cli import piped  # noqa: PLC0415
+    from woz_tui.cli import log_from_stdin  # noqa: PLC0415
 
     try:
-        if arguments.file != piped.NAME:
+        if arguments.file != log_from_stdin.NAME:
             return _again(arguments, Path(arguments.file), settings)
-        with piped.kept(file, first) as path:
+        with log_from_stdin.kept(file, first) as path:
             return _again(arguments, path, settings)
-    except (ValueError, piped.PipedError) as error:  # it may only look like a log
+    except (ValueError, log_from_stdin.PipedError) as error:  # it may only look like a log
         raise UnreadableError(str(error)) from error
 
 
@@ -250,8 +250,8 @@ def with_options(arguments: Namespace, settings: EngagementSettings) -> Engageme
 
 
 def _experiments(file: Path) -> EngagementSettings:
-    from woz_tui import plugins  # noqa: PLC0415
-    from woz_tui.experiment.decode import load  # noqa: PLC0415
+    from woz_tui.config.loading import load  # noqa: PLC0415
+    from woz_tui.drivers import plugins  # noqa: PLC0415
 
     engagement = load(file, plugins.installed()).engagement
     if engagement is None:
@@ -332,7 +332,7 @@ class _Lines:
 
 
 def _rows(lines: _Lines, settings: EngagementSettings, live: bool) -> None:
-    from woz_tui.sensing.rows import Rows  # noqa: PLC0415
+    from woz_tui.sensing.sample_rows import Rows  # noqa: PLC0415
 
     rows = Rows(settings)
     out = sys.stdout.buffer

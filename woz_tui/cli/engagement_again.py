@@ -12,13 +12,13 @@ from dataclasses import dataclass, field
 
 import msgspec
 
-from woz_tui.core import messages as m
-from woz_tui.experiment.engagement import EngagementSettings
-from woz_tui.experiment.engagement_plain import plain, settings_from
-from woz_tui.experiment.verbs import ENGAGEMENT
-from woz_tui.sensing.model import Change
-from woz_tui.sensing.stream import Follower
-from woz_tui.timeline.state import SessionState
+from woz_tui.config.engagement import EngagementSettings
+from woz_tui.config.engagement_json import plain, settings_from
+from woz_tui.config.session_verbs import ENGAGEMENT
+from woz_tui.protocol import messages as m
+from woz_tui.sensing.engagement_model import Change
+from woz_tui.sensing.engagement_stream import Follower
+from woz_tui.timeline.session_state import SessionState
 
 #: Arguments of the verbs by which the wizard changes settings while a session runs.
 FILTER = frozenset({"kind", "samples", "threshold"})

@@ -13,14 +13,14 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from woz_tui.cli.numbers import number
-from woz_tui.experiment.engagement import CONDITION, SIGNS, EngagementSettings
+from woz_tui.cli.argument_types import number
+from woz_tui.config.engagement import CONDITION, SIGNS, EngagementSettings
 
 if TYPE_CHECKING:
     from rich.table import Table
 
     from woz_tui.console.text_console import TextConsole
-    from woz_tui.sensing.bench.figures import Measured, Report
+    from woz_tui.sensing.bench.bench_figures import Measured, Report
 
 #: Most runs of a scene that may be asked for.
 MOST_RUNS = 100_000
@@ -51,7 +51,7 @@ def run(arguments: Namespace, settings: EngagementSettings) -> int:
     """Measure and show it; 0 whatever comes out, 1 if the plot cannot be written, 2 for settings
     that its scenes cannot measure.
     """
-    from woz_tui.sensing.bench.figures import RUNS, SEED, measure, plain  # noqa: PLC0415
+    from woz_tui.sensing.bench.bench_figures import RUNS, SEED, measure, plain  # noqa: PLC0415
 
     unfit = _unfit(settings)
     if unfit:
@@ -76,7 +76,7 @@ def run(arguments: Namespace, settings: EngagementSettings) -> int:
 
 def _unfit(settings: EngagementSettings) -> str:
     """Why the scenes say nothing about these settings; empty: they do."""
-    from woz_tui.sensing.bench.scenes import BACK, CALM, TALKS  # noqa: PLC0415
+    from woz_tui.sensing.bench.bench_scenes import BACK, CALM, TALKS  # noqa: PLC0415
 
     near, most = settings.social_distance, int(CALM * settings.rate)
     if not TALKS + _APART <= near <= BACK - _APART:
@@ -240,7 +240,7 @@ def _time(seconds: float) -> str:
 
 
 if TYPE_CHECKING:
-    from woz_tui.sensing.bench.figures import Measured, Report
+    from woz_tui.sensing.bench.bench_figures import Measured, Report
 
 #: Colours of Okabe and Ito's set for colour-blind readers; shapes and words say the same.
 QUEUE, JOINT, GOAL, INK, FAINT = "#0072B2", "#D55E00", "#009E73", "#222222", "#BBBBBB"

@@ -9,12 +9,12 @@ from rich.table import Table
 
 from woz_tui.cli.engagement_log import Recount, line_of
 from woz_tui.cli.engagement_off import Off
-from woz_tui.cli.streams import json_text
+from woz_tui.cli.safe_streams import json_text
 from woz_tui.console.text_console import TextConsole
-from woz_tui.core.messages import Json
-from woz_tui.sensing.machine import ENGAGED, State
-from woz_tui.sensing.model import Change
-from woz_tui.sensing.passing import SECOND
+from woz_tui.protocol.messages import Json
+from woz_tui.sensing.engagement_model import Change
+from woz_tui.sensing.model_time import SECOND
+from woz_tui.sensing.state_machine import ENGAGED, State
 
 #: The same transition within this time is the same; later or earlier by up to the second, moved.
 SAME_US, MOVED_US = 200_000, 2 * SECOND

@@ -15,12 +15,12 @@ from pathlib import Path
 
 from woz_tui.cli.engagement_again import Above, Again
 from woz_tui.cli.engagement_off import OFF, Off, Recorded
-from woz_tui.cli.streams import json_text
-from woz_tui.core import messages as m
-from woz_tui.experiment.engagement import EngagementSettings
-from woz_tui.record.log import Damage, Line, read
-from woz_tui.sensing.model import Change
-from woz_tui.sensing.passing import SECOND
+from woz_tui.cli.safe_streams import json_text
+from woz_tui.config.engagement import EngagementSettings
+from woz_tui.log.log_reader import Damage, Line, read
+from woz_tui.protocol import messages as m
+from woz_tui.sensing.engagement_model import Change
+from woz_tui.sensing.model_time import SECOND
 
 _SAMPLE, _SETTINGS = "sample", "engagement.settings"
 #: What a model writes; its settings come before all else of it.
@@ -246,9 +246,9 @@ def _experiment_of(log: Path, start: m.SessionStart) -> tuple[Path | None, str]:
 
 def _unlike(file: Path, start: m.SessionStart) -> str:
     """Why `file` is not the experiment of the session; empty: it is."""
-    from woz_tui import plugins  # noqa: PLC0415
-    from woz_tui.experiment.decode import load  # noqa: PLC0415
-    from woz_tui.experiment.shape import ExperimentError  # noqa: PLC0415
+    from woz_tui.config.experiment import ExperimentError  # noqa: PLC0415
+    from woz_tui.config.loading import load  # noqa: PLC0415
+    from woz_tui.drivers import plugins  # noqa: PLC0415
 
     try:
         experiment = load(file, plugins.installed())

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from woz_tui.core import messages as m
-from woz_tui.experiment.engagement import RUNS
-from woz_tui.experiment.verbs import ENGAGEMENT
+from woz_tui.config.engagement import RUNS
+from woz_tui.config.session_verbs import ENGAGEMENT
+from woz_tui.protocol import messages as m
 
 OFF = "off"
 

@@ -24,11 +24,11 @@ from rich.table import Table
 
 from woz_tui.cli.engagement_again import FILTER, Above, Again
 from woz_tui.cli.engagement_log import message_of
+from woz_tui.config.engagement import SIGNS, EngagementSettings
 from woz_tui.console.text_console import TextConsole
-from woz_tui.core import messages as m
-from woz_tui.experiment.engagement import SIGNS, EngagementSettings
-from woz_tui.record.log import Damage, read
-from woz_tui.sensing.passing import SECOND
+from woz_tui.log.log_reader import Damage, read
+from woz_tui.protocol import messages as m
+from woz_tui.sensing.model_time import SECOND
 
 #: What a marker says.
 STEADY, NOW = "steady", "now"

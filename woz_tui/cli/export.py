@@ -6,10 +6,10 @@ import sys
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from woz_tui.cli.failure import explained
-from woz_tui.export.export import export
+from woz_tui.cli.error_sentences import explained
+from woz_tui.export.export_run import export
 from woz_tui.export.exporter import Options
-from woz_tui.export.sources import ExportError
+from woz_tui.export.log_sources import ExportError
 
 _MEANINGS = {
     "csv": "tidy tables with a data dictionary",

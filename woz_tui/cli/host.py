@@ -7,9 +7,9 @@ import sys
 from argparse import SUPPRESS, ArgumentParser, Namespace
 from pathlib import Path
 
-from woz_tui.cli.failure import explained
-from woz_tui.cli.numbers import number
-from woz_tui.cli.options import add_session, identity
+from woz_tui.cli.argument_types import number
+from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.shared_options import add_session, identity
 
 LONGEST_WAIT_S = 3600.0
 
@@ -60,7 +60,7 @@ def run(arguments: Namespace) -> int:
     if arguments.headless and arguments.rerun is None:
         print("woz: --headless needs --rerun", file=sys.stderr)
         return 2
-    from woz_tui.host import process  # noqa: PLC0415 - only this command needs it
+    from woz_tui.host import robot_process  # noqa: PLC0415 - only this command needs it
 
     logging.basicConfig(
         stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(name)s %(message)s"
@@ -70,15 +70,15 @@ def run(arguments: Namespace) -> int:
         who = identity(arguments)
         rerun = training = None
         if arguments.rerun is not None:
-            from woz_tui.host.rerun import RerunOptions  # noqa: PLC0415
+            from woz_tui.host.rerun_session import RerunOptions  # noqa: PLC0415
 
             rerun = RerunOptions(arguments.rerun, arguments.headless, arguments.rerun_wait)
         if arguments.train:
-            from woz_tui.host.training import TrainingOptions  # noqa: PLC0415
+            from woz_tui.host.training_session import TrainingOptions  # noqa: PLC0415
 
             training = TrainingOptions(arguments.train_count)
-        return process.run(
-            process.HostOptions(
+        return robot_process.run(
+            robot_process.HostOptions(
                 experiment=arguments.experiment,
                 identity=who,
                 name=arguments.name,

@@ -16,15 +16,15 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Print the sentences; what no log can know, and what could not be read, goes to stderr."""
-    from woz_tui.cli import piped  # noqa: PLC0415
+    from woz_tui.cli import log_from_stdin  # noqa: PLC0415
 
-    return piped.with_logs(arguments, _run, "woz methods")
+    return log_from_stdin.with_logs(arguments, _run, "woz methods")
 
 
 def _run(arguments: Namespace) -> int:
-    from woz_tui.analysis.methods import BY_HAND, paragraphs  # noqa: PLC0415
-    from woz_tui.analysis.session import FIGURES  # noqa: PLC0415
-    from woz_tui.analysis.study import Studies  # noqa: PLC0415
+    from woz_tui.analysis.methods_section import BY_HAND, paragraphs  # noqa: PLC0415
+    from woz_tui.analysis.session_reading import FIGURES  # noqa: PLC0415
+    from woz_tui.analysis.study_figures import Studies  # noqa: PLC0415
 
     reading = Reading(arguments)
     studies = Studies()

@@ -15,12 +15,12 @@ from typing import Any, Protocol
 
 from rich.table import Table
 
-from woz_tui import plugins
-from woz_tui.cli.failure import explained
+from woz_tui.cli.error_sentences import explained
+from woz_tui.config.annotated_decoder import settings_of
 from woz_tui.console.text_console import TextConsole
-from woz_tui.core.driver import Driver, DriverError
-from woz_tui.core.replacing import replace
-from woz_tui.experiment.settings import settings_of
+from woz_tui.drivers import plugins
+from woz_tui.drivers.contract import Driver, DriverError
+from woz_tui.system.file_replacing import replace
 
 #: The driver that knows panels.
 DRIVER = "midi"

@@ -7,7 +7,7 @@ from argparse import ArgumentParser, Namespace
 from rich.table import Table
 
 from woz_tui.console.text_console import TextConsole
-from woz_tui.motion.inputs import CONTROL_KINDS, KINDS
+from woz_tui.motion.body_verbs import CONTROL_KINDS, KINDS
 from woz_tui.motion.modes import BLINKS, BREATHES, TABLE, Kind, Mode, Row
 
 #: Columns of a page that goes into a file or a pipe.

@@ -11,15 +11,15 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from woz_tui import plugins
 from woz_tui.cli import new_templates as templates
 from woz_tui.cli.check import verdict
-from woz_tui.cli.failure import explained
-from woz_tui.core.driver import Driver
-from woz_tui.experiment.decode import load
-from woz_tui.experiment.keys import LAYOUTS
-from woz_tui.experiment.languages import DEFAULT, shipped
-from woz_tui.experiment.shape import Experiment, ExperimentError
+from woz_tui.cli.error_sentences import explained
+from woz_tui.config.experiment import Experiment, ExperimentError
+from woz_tui.config.keys import LAYOUTS
+from woz_tui.config.languages import DEFAULT, shipped
+from woz_tui.config.loading import load
+from woz_tui.drivers import plugins
+from woz_tui.drivers.contract import Driver
 
 #: Asks a question and returns the answer; raises `EOFError` where nobody answers any more.
 Ask = Callable[[str], str]

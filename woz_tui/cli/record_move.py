@@ -11,21 +11,21 @@ from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from collections.abc import Mapping
 from pathlib import Path
 
-from woz_tui import plugins
-from woz_tui.cli import numbers
-from woz_tui.cli.failure import explained
-from woz_tui.cli.inputs import lines_of
-from woz_tui.cli.live_take import Live, keyboard
-from woz_tui.cli.rendered import RenderError, Stage
+from woz_tui.cli import argument_types
+from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.keyboard_take import Live, keyboard
+from woz_tui.cli.render_inputs import lines_of
+from woz_tui.cli.render_target import RenderError, Stage
 from woz_tui.cli.scripted_take import performed
-from woz_tui.core.driver import Driver
-from woz_tui.experiment.report import hint
+from woz_tui.config.problems import hint
+from woz_tui.drivers import plugins
+from woz_tui.drivers.contract import Driver
+from woz_tui.motion.body_shape import BodyShape
+from woz_tui.motion.input_script import InputLineError, read_inputs
 from woz_tui.motion.keyframes import KeyframeMove
-from woz_tui.motion.movefile import NAME, NAME_RULE, MoveFileError, read_move
-from woz_tui.motion.movewriter import WriteError, save
+from woz_tui.motion.move_files import NAME, NAME_RULE, MoveFileError, read_move
+from woz_tui.motion.move_writer import WriteError, save
 from woz_tui.motion.puppeteer import Puppeteer, blended, muted, without
-from woz_tui.motion.scripted import InputLineError, read_inputs
-from woz_tui.motion.shapes import BodyShape
 
 #: Seconds a script's take goes on after the last input.
 AFTER_S = 1.0
@@ -48,21 +48,24 @@ def add(parser: ArgumentParser) -> None:
     take = parser.add_argument_group("the take")
     take.add_argument("--layer", default="recorded", help="layer to record, or to record again")
     take.add_argument(
-        "--seconds", type=numbers.seconds, help="how long (default: until space is pressed)"
+        "--seconds", type=argument_types.seconds, help="how long (default: until space is pressed)"
     )
     take.add_argument(
-        "--rate", type=numbers.number(1, 100), default=25.0, help="samples a second (default: 25)"
+        "--rate",
+        type=argument_types.number(1, 100),
+        default=25.0,
+        help="samples a second (default: 25)",
     )
     take.add_argument(
         "--count-in",
-        type=numbers.seconds,
+        type=argument_types.seconds,
         default=3.0,
         help="seconds before it begins (default: 3)",
     )
     take.add_argument("--no-trim", action="store_true", help="keep rest at both ends")
     take.add_argument("--inputs", help="JSON lines of inputs or a session's log, instead of keys")
     take.add_argument(
-        "--from", dest="start", type=numbers.seconds, default=0.0,
+        "--from", dest="start", type=argument_types.seconds, default=0.0,
         help="time of the inputs at which the take begins; earlier inputs set the start",
     )  # fmt: skip
     layers = parser.add_argument_group("changes of existing layers, before the take")
@@ -80,7 +83,7 @@ def _share(text: str) -> tuple[str, float]:
     layer, _, share = text.rpartition("=")
     if not layer:
         raise ArgumentTypeError(f"{text!r} is not LAYER=SHARE, such as head=0.5")
-    return layer, numbers.number(0, 1)(share)
+    return layer, argument_types.number(0, 1)(share)
 
 
 def run(arguments: Namespace) -> int:

@@ -12,18 +12,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from woz_tui import plugins
-from woz_tui.cli import numbers
-from woz_tui.cli.failure import explained
-from woz_tui.cli.inputs import described, lines_of
-from woz_tui.cli.rendered import RenderError, Stage
-from woz_tui.cli.streams import json_text
-from woz_tui.console.bodies.dots import bit
+from woz_tui.cli import argument_types
+from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.render_inputs import described, lines_of
+from woz_tui.cli.render_target import RenderError, Stage
+from woz_tui.cli.safe_streams import json_text
+from woz_tui.console.bodies.dot_canvas import bit
 from woz_tui.console.text_console import TextConsole
-from woz_tui.core.driver import Driver
+from woz_tui.drivers import plugins
+from woz_tui.drivers.contract import Driver
+from woz_tui.motion.engine_io import Tick
+from woz_tui.motion.input_script import InputLineError, read_inputs
 from woz_tui.motion.rendering import Input, Rendering
-from woz_tui.motion.scripted import InputLineError, read_inputs
-from woz_tui.motion.ticks import Tick
 
 #: Rows of cells for each joint's curve.
 CURVE_ROWS = 6
@@ -35,10 +35,12 @@ def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("file", type=Path, nargs="?", help="experiment or robot file")
     parser.add_argument("name", nargs="?", help="a move, a mode, idle, or an action of the file")
-    parser.add_argument("--seconds", type=numbers.seconds, help="duration (default: until its end)")
+    parser.add_argument(
+        "--seconds", type=argument_types.seconds, help="duration (default: until its end)"
+    )
     parser.add_argument(
         "--rate",
-        type=numbers.number(1, 1000),
+        type=argument_types.number(1, 1000),
         default=50.0,
         help="lines a second, 1 to 1000 (default: 50)",
     )

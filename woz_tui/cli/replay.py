@@ -8,17 +8,17 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from woz_tui.cli.failure import explained
-from woz_tui.cli.options import add_theme
+from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.shared_options import add_theme
 
 if TYPE_CHECKING:
-    from woz_tui.console.replay.app import ReplayConsole
-    from woz_tui.core.messages import SessionPlan
-    from woz_tui.experiment.shape import Experiment
-    from woz_tui.plugins import Catalogue
-    from woz_tui.record.index import LogIndex
-    from woz_tui.replay.feed import ReplayFeed
-    from woz_tui.replay.origin import Origin
+    from woz_tui.config.experiment import Experiment
+    from woz_tui.console.replay.replay_app import ReplayConsole
+    from woz_tui.drivers.plugins import Catalogue
+    from woz_tui.log.log_index import LogIndex
+    from woz_tui.protocol.messages import SessionPlan
+    from woz_tui.replay.experiment_origin import Origin
+    from woz_tui.replay.replay_feed import ReplayFeed
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -85,7 +85,7 @@ def _speed(text: str) -> float:
 
 
 def _coder(text: str) -> str:
-    from woz_tui.record.names import check_code  # noqa: PLC0415
+    from woz_tui.log.file_names import check_code  # noqa: PLC0415
 
     try:
         return check_code("coder", text)
@@ -117,9 +117,9 @@ def run(arguments: argparse.Namespace) -> int:
         from woz_tui.cli import rerun  # noqa: PLC0415
 
         return rerun.play(arguments)
-    from woz_tui.cli import screen  # noqa: PLC0415
+    from woz_tui.cli import console_start  # noqa: PLC0415
 
-    refused = screen.refusal()
+    refused = console_start.refusal()
     if refused:
         print(f"woz: {refused}", file=sys.stderr)
         return 2
@@ -127,10 +127,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _show(arguments: argparse.Namespace) -> int:
-    from woz_tui.cli import screen  # noqa: PLC0415
-    from woz_tui.record.coding import CodingError  # noqa: PLC0415
-    from woz_tui.replay.opened import LogError, chosen, opened  # noqa: PLC0415
-    from woz_tui.replay.places import PlaceError  # noqa: PLC0415
+    from woz_tui.cli import console_start  # noqa: PLC0415
+    from woz_tui.log.coding_file import CodingError  # noqa: PLC0415
+    from woz_tui.replay.opened_log import LogError, chosen, opened  # noqa: PLC0415
+    from woz_tui.replay.seek import PlaceError  # noqa: PLC0415
 
     try:
         path = chosen(arguments.file)
@@ -138,7 +138,7 @@ def _show(arguments: argparse.Namespace) -> int:
             feed = feed_of(index, path, arguments)
             if feed is None:
                 return 1
-            _, code = screen.run_console(_console(feed, arguments.theme))
+            _, code = console_start.run_console(_console(feed, arguments.theme))
             feed.close()
             return code
     except (LogError, PlaceError, CodingError) as error:
@@ -148,13 +148,13 @@ def _show(arguments: argparse.Namespace) -> int:
 
 def feed_of(index: LogIndex, path: Path, arguments: argparse.Namespace) -> ReplayFeed | None:
     """What plays the log; None after saying what stands against it."""
-    from woz_tui.record.coding import Coding, coding_path  # noqa: PLC0415
-    from woz_tui.record.log import files_of  # noqa: PLC0415
-    from woz_tui.replay.feed import ReplayFeed  # noqa: PLC0415
-    from woz_tui.replay.opened import IndexedSamples, has_beginning, notes_of  # noqa: PLC0415
-    from woz_tui.replay.places import find  # noqa: PLC0415
+    from woz_tui.log.coding_file import Coding, coding_path  # noqa: PLC0415
+    from woz_tui.log.log_reader import files_of  # noqa: PLC0415
+    from woz_tui.replay.opened_log import IndexedSamples, has_beginning, notes_of  # noqa: PLC0415
     from woz_tui.replay.player import Player, Start  # noqa: PLC0415
-    from woz_tui.replay.reel import Reel  # noqa: PLC0415
+    from woz_tui.replay.recording import Reel  # noqa: PLC0415
+    from woz_tui.replay.replay_feed import ReplayFeed  # noqa: PLC0415
+    from woz_tui.replay.seek import find  # noqa: PLC0415
 
     if not has_beginning(index) and not arguments.changed:
         print(
@@ -190,17 +190,17 @@ def _experiment(
 
     An experiment that is not there any more stands against nothing: the log has what is needed.
     """
-    from woz_tui.cli.replay_changed import changed, wrong  # noqa: PLC0415
-    from woz_tui.experiment.shape import ExperimentError  # noqa: PLC0415
-    from woz_tui.plugins import installed  # noqa: PLC0415
-    from woz_tui.replay import origin  # noqa: PLC0415
-    from woz_tui.replay.origin import origin_of  # noqa: PLC0415
+    from woz_tui.cli.experiment_changes import changed, wrong  # noqa: PLC0415
+    from woz_tui.config.experiment import ExperimentError  # noqa: PLC0415
+    from woz_tui.drivers.plugins import installed  # noqa: PLC0415
+    from woz_tui.replay import experiment_origin  # noqa: PLC0415
+    from woz_tui.replay.experiment_origin import origin_of  # noqa: PLC0415
 
     told = origin_of(index.actions)
     catalogue = installed()
     try:
-        experiment = origin.find(path, told, catalogue, arguments.experiment)
-    except origin.OriginError:
+        experiment = experiment_origin.find(path, told, catalogue, arguments.experiment)
+    except experiment_origin.OriginError:
         return _bundled_plan(told, catalogue), []
     except ExperimentError as error:
         return None, [
@@ -214,8 +214,8 @@ def _experiment(
 def _bundled_plan(told: Origin, catalogue: Catalogue) -> SessionPlan | None:
     """What the experiment of this name shows that comes with woz-tui, if it is the very same."""
     from woz_tui.cli.demo import demo_file  # noqa: PLC0415
-    from woz_tui.experiment.decode import load  # noqa: PLC0415
-    from woz_tui.experiment.shape import ExperimentError  # noqa: PLC0415
+    from woz_tui.config.experiment import ExperimentError  # noqa: PLC0415
+    from woz_tui.config.loading import load  # noqa: PLC0415
 
     file = demo_file(Path(told.name).name) if told.name else None
     if file is None:
@@ -229,18 +229,18 @@ def _bundled_plan(told: Origin, catalogue: Catalogue) -> SessionPlan | None:
 
 def _plan(experiment: Experiment, catalogue: Catalogue) -> SessionPlan:
     """What it shows."""
-    from woz_tui.host.plan import Shown, plan_of  # noqa: PLC0415
+    from woz_tui.host.experiment_view import Shown, plan_of  # noqa: PLC0415
 
     return plan_of(Shown(experiment, catalogue, values=dict(experiment.variables)))
 
 
 def _console(feed: ReplayFeed, theme: str) -> ReplayConsole:
     """The console, ready to run."""
-    from woz_tui.cli.screen import found_look  # noqa: PLC0415
-    from woz_tui.console.replay.app import ReplayConsole  # noqa: PLC0415
-    from woz_tui.console.replay.commands import ReplayKeyboard  # noqa: PLC0415
-    from woz_tui.console.terminal import WizardDriver  # noqa: PLC0415
-    from woz_tui.experiment.terminals import detected  # noqa: PLC0415
+    from woz_tui.cli.console_start import found_look  # noqa: PLC0415
+    from woz_tui.config.keys.terminals import detected  # noqa: PLC0415
+    from woz_tui.console.replay.replay_app import ReplayConsole  # noqa: PLC0415
+    from woz_tui.console.replay.replay_commands import ReplayKeyboard  # noqa: PLC0415
+    from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
 
     return ReplayConsole(
         feed,

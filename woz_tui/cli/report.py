@@ -9,15 +9,15 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from woz_tui.cli.failure import os_sentence
-from woz_tui.cli.numbers import number
-from woz_tui.cli.streams import json_text
+from woz_tui.cli.argument_types import number
+from woz_tui.cli.error_sentences import os_sentence
+from woz_tui.cli.safe_streams import json_text
 
 if TYPE_CHECKING:
-    from woz_tui.analysis.gather import Options
-    from woz_tui.analysis.groups import Grouped
-    from woz_tui.analysis.report import Report
-    from woz_tui.analysis.session import Wanted
+    from woz_tui.analysis.figure_counting import Options
+    from woz_tui.analysis.participant_groups import Grouped
+    from woz_tui.analysis.session_reading import Wanted
+    from woz_tui.analysis.session_report import Report
 
 #: Seconds in which an answer to a cue counts as one.
 _WINDOW = 10.0
@@ -70,14 +70,14 @@ def add_sessions(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the figures; 1 if anything that was named could not be read."""
-    from woz_tui.cli import piped  # noqa: PLC0415
+    from woz_tui.cli import log_from_stdin  # noqa: PLC0415
 
-    return piped.with_logs(arguments, _report, "woz report")
+    return log_from_stdin.with_logs(arguments, _report, "woz report")
 
 
 def _report(arguments: argparse.Namespace) -> int:
-    from woz_tui.analysis.groups import Grouped  # noqa: PLC0415
-    from woz_tui.analysis.tidy import table_files  # noqa: PLC0415
+    from woz_tui.analysis.csv_package import table_files  # noqa: PLC0415
+    from woz_tui.analysis.participant_groups import Grouped  # noqa: PLC0415
 
     reading = Reading(arguments)
     grouped = Grouped()
@@ -121,7 +121,7 @@ class Reading:
     """The sessions that somebody named; what cannot be read is kept as a sentence."""
 
     def __init__(self, arguments: argparse.Namespace) -> None:
-        from woz_tui.analysis.sources import sessions_in  # noqa: PLC0415
+        from woz_tui.analysis.session_sources import sessions_in  # noqa: PLC0415
 
         self._arguments = arguments
         self.paths, self.problems = sessions_in(arguments.logs)
@@ -129,7 +129,7 @@ class Reading:
 
     def reports(self, wanted: Wanted) -> Iterator[Report]:
         """One after the other; only one is in memory at a time."""
-        from woz_tui.analysis.session import examine  # noqa: PLC0415
+        from woz_tui.analysis.session_reading import examine  # noqa: PLC0415
 
         options = options_of(self._arguments)
         for path in self.paths:
@@ -163,8 +163,8 @@ class Reading:
 
 def options_of(arguments: argparse.Namespace) -> Options:
     """How figures are to be computed."""
-    from woz_tui.analysis.cues import WAITING  # noqa: PLC0415
-    from woz_tui.analysis.gather import Options  # noqa: PLC0415
+    from woz_tui.analysis.cue_responses import WAITING  # noqa: PLC0415
+    from woz_tui.analysis.figure_counting import Options  # noqa: PLC0415
 
     return Options(
         window_us=round(arguments.window * 1e6),
@@ -174,7 +174,7 @@ def options_of(arguments: argparse.Namespace) -> Options:
 
 
 def _wanted(arguments: argparse.Namespace, sessions: int) -> Wanted:
-    from woz_tui.analysis.session import Wanted  # noqa: PLC0415
+    from woz_tui.analysis.session_reading import Wanted  # noqa: PLC0415
 
     page = arguments.html is not None
     alone = sessions == 1 and not arguments.json
@@ -182,25 +182,25 @@ def _wanted(arguments: argparse.Namespace, sessions: int) -> Wanted:
 
 
 def _plain(report: Report) -> object:
-    from woz_tui.analysis import plain  # noqa: PLC0415
+    from woz_tui.analysis import figures_json  # noqa: PLC0415
 
-    return plain.session(report.figures)
+    return figures_json.session(report.figures)
 
 
 def _print_json(sessions: list[object], grouped: Grouped, problems: list[str]) -> None:
-    from woz_tui.analysis import plain  # noqa: PLC0415
+    from woz_tui.analysis import figures_json  # noqa: PLC0415
 
     told = {
         "sessions": sessions,
-        "experiments": plain.grouped(grouped),
-        "trainings": plain.trainings(grouped),
+        "experiments": figures_json.grouped(grouped),
+        "trainings": figures_json.trainings(grouped),
         "problems": problems,
     }
     print(json_text(told, allow_nan=False))
 
 
 def _write_page(reports: list[Report], path: Path) -> None:
-    from woz_tui.analysis.html.page import write  # noqa: PLC0415
+    from woz_tui.analysis.html.report_page import write  # noqa: PLC0415
 
     write(reports, path)
 
@@ -208,7 +208,7 @@ def _write_page(reports: list[Report], path: Path) -> None:
 def _print(
     arguments: argparse.Namespace, grouped: Grouped, kept: list[Report], sessions: int
 ) -> None:
-    from woz_tui.cli.report_page import page  # noqa: PLC0415
+    from woz_tui.cli.report_layout import page  # noqa: PLC0415
 
     paper = page()
     if sessions == 1 and kept:
@@ -217,6 +217,6 @@ def _print(
         top = sys.maxsize if arguments.all else report_session.TOP
         report_session.show(paper, kept[0], top)
     else:
-        from woz_tui.cli import report_many  # noqa: PLC0415
+        from woz_tui.cli import report_sessions  # noqa: PLC0415
 
-        report_many.show(paper, grouped)
+        report_sessions.show(paper, grouped)

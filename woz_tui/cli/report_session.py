@@ -7,17 +7,17 @@ from collections.abc import Callable, Sequence
 from rich.table import Table
 from rich.text import Text
 
+from woz_tui.analysis.durations import Series
+from woz_tui.analysis.event_rows import CUE_RESULTS
+from woz_tui.analysis.figure_sums import ALL_CUES
 from woz_tui.analysis.figures import ENDS, Part, SessionFigures
-from woz_tui.analysis.groups import experiment_of
 from woz_tui.analysis.measures import BY_NAME, Measure
-from woz_tui.analysis.people import called, condition_in_words, not_counted
-from woz_tui.analysis.report import Report
-from woz_tui.analysis.rows import CUE_RESULTS
-from woz_tui.analysis.series import Series
-from woz_tui.analysis.tally import ALL_CUES
-from woz_tui.cli.report_around import around
-from woz_tui.cli.report_bars import latency_bars, reaction_bars
-from woz_tui.cli.report_page import (
+from woz_tui.analysis.participant_groups import experiment_of
+from woz_tui.analysis.participants import called, condition_in_words, not_counted
+from woz_tui.analysis.session_report import Report
+from woz_tui.cli.report_events import around
+from woz_tui.cli.report_histograms import latency_bars, reaction_bars
+from woz_tui.cli.report_layout import (
     Block,
     Page,
     bold,

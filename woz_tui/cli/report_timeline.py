@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from rich.text import Text
 
-from woz_tui.analysis.lanes import Drawing, Interval, Lane
-from woz_tui.cli.report_page import Signs, clock
+from woz_tui.analysis.timeline_lanes import Drawing, Interval, Lane
+from woz_tui.cli.report_layout import Signs, clock
 
 #: State -> how much goes on, a place in `Signs.levels`.
 LEVELS = {

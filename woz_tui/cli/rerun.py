@@ -11,13 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from woz_tui.cli import rerun_table as table
-from woz_tui.cli.failure import explained
-from woz_tui.cli.launch import Launch, host_arguments
-from woz_tui.cli.replay_changed import changed, redactor_of, wrong
-from woz_tui.cli.screen import open_both
-from woz_tui.experiment.shape import Experiment, ExperimentError
-from woz_tui.record.names import present
-from woz_tui.replay.plan import Plan
+from woz_tui.cli.console_start import open_both
+from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.experiment_changes import changed, redactor_of, wrong
+from woz_tui.cli.host_start import Launch, host_arguments
+from woz_tui.config.experiment import Experiment, ExperimentError
+from woz_tui.log.file_names import present
+from woz_tui.replay.rerun_plan import Plan
 from woz_tui.session.redactor import Redactor
 
 _YES = "yes"
@@ -45,9 +45,9 @@ def play(arguments: argparse.Namespace) -> int:
     be done or stood against it.
     """
     if not arguments.dry_run and not arguments.headless:
-        from woz_tui.cli import screen  # noqa: PLC0415
+        from woz_tui.cli import console_start  # noqa: PLC0415
 
-        refused = screen.refusal()
+        refused = console_start.refusal()
         if refused:
             print(f"woz: {refused} (--headless runs it without a console)", file=sys.stderr)
             return 2
@@ -88,17 +88,17 @@ def _admitted(prepared: _Prepared, arguments: argparse.Namespace) -> bool:
 
 def _prepare(arguments: argparse.Namespace) -> _Prepared | None:
     """Everything that has to be known before; None after saying why it cannot be."""
-    from woz_tui.replay import origin  # noqa: PLC0415
-    from woz_tui.replay.fitting import fitted  # noqa: PLC0415
-    from woz_tui.replay.opened import LogError, chosen  # noqa: PLC0415
-    from woz_tui.replay.plan import plan_of  # noqa: PLC0415
+    from woz_tui.replay import experiment_origin  # noqa: PLC0415
+    from woz_tui.replay.opened_log import LogError, chosen  # noqa: PLC0415
+    from woz_tui.replay.rerun_plan import plan_of  # noqa: PLC0415
+    from woz_tui.replay.robot_compatibility import fitted  # noqa: PLC0415
 
     try:
         log = chosen(arguments.file)
         plan = plan_of(log)
         place = arguments.experiment or _bundled(log, plan.origin.name)
         experiment = _found(log, plan, place, reveal=arguments.reveal)
-    except (ValueError, LogError, origin.OriginError) as error:
+    except (ValueError, LogError, experiment_origin.OriginError) as error:
         print(f"woz: {error}", file=sys.stderr)
         return None
     if experiment is None:
@@ -111,11 +111,11 @@ def _prepare(arguments: argparse.Namespace) -> _Prepared | None:
 
 def _found(log: Path, plan: Plan, place: Path | None, *, reveal: bool) -> Experiment | None:
     """The experiment of now; None after saying what is wrong with it."""
-    from woz_tui.plugins import installed  # noqa: PLC0415
-    from woz_tui.replay import origin  # noqa: PLC0415
+    from woz_tui.drivers.plugins import installed  # noqa: PLC0415
+    from woz_tui.replay import experiment_origin  # noqa: PLC0415
 
     try:
-        return origin.find(log, plan.origin, installed(), place)
+        return experiment_origin.find(log, plan.origin, installed(), place)
     except ExperimentError as error:
         print(*wrong(plan.origin, error, reveal=reveal), sep="\n", file=sys.stderr)
         return None
@@ -124,7 +124,7 @@ def _found(log: Path, plan: Plan, place: Path | None, *, reveal: bool) -> Experi
 def _bundled(log: Path, name: str) -> Path | None:
     """The experiment of this name that comes with woz-tui, if there is none near the log."""
     from woz_tui.cli.demo import demo_file  # noqa: PLC0415
-    from woz_tui.replay.origin import places  # noqa: PLC0415
+    from woz_tui.replay.experiment_origin import places  # noqa: PLC0415
 
     name = Path(name).name
     return demo_file(name) if name and not places(log, name) else None
@@ -132,7 +132,7 @@ def _bundled(log: Path, name: str) -> Path | None:
 
 def _dry_run(prepared: _Prepared, arguments: argparse.Namespace) -> int:
     """Moves nothing, needs no robot. 1 if something of it could not be sent."""
-    from woz_tui.replay.fitting import unfit  # noqa: PLC0415
+    from woz_tui.replay.robot_compatibility import unfit  # noqa: PLC0415
 
     shown = table.summary(prepared.shown, prepared.experiment, headless=arguments.headless)
     print(*shown, *table.table(prepared.shown), *prepared.changed, sep="\n")
@@ -191,7 +191,7 @@ def _streams(prepared: _Prepared) -> frozenset[tuple[str, str]]:
 
 
 def _in_console(words: list[str]) -> int:
-    from woz_tui.cli.screen import ScreenOptions  # noqa: PLC0415
+    from woz_tui.cli.console_start import ScreenOptions  # noqa: PLC0415
 
     # Nobody starts it again from the console: the robot would begin from the beginning.
     opened = open_both(words, lambda robot: ScreenOptions(socket=robot.socket))

@@ -14,13 +14,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from woz_tui.cli.launch import Launch, LaunchError, RobotProcess
+from woz_tui.cli.host_start import Launch, LaunchError, RobotProcess
 from woz_tui.cli.rerun_table import clock
-from woz_tui.core import messages as m
-from woz_tui.core import wire
-from woz_tui.core.cleaning import clean
-from woz_tui.core.requests import AskStop, Hello, Request
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.requests import AskStop, Hello, Request
 from woz_tui.session.redactor import Redactor
+from woz_tui.system.text_cleaning import clean
 from woz_tui.timeline.episodes import OUTCOMES
 
 #: Ends of commands that are as planned.
@@ -161,8 +161,8 @@ def _received(link: socket.socket) -> bytes:
 
 def _print(progress: Progress, lines: list[bytes]) -> None:
     for line in lines:
-        with contextlib.suppress(wire.WireError):
-            for text in progress.take(wire.decode_incoming(line)):
+        with contextlib.suppress(codec.WireError):
+            for text in progress.take(codec.decode_incoming(line)):
                 print(text, flush=True)
 
 
@@ -172,7 +172,7 @@ def _stops(keyboard: int) -> bool:
 
 
 def _say(link: socket.socket, request: Request) -> None:
-    link.sendall(wire.encode(request))
+    link.sendall(codec.encode(request))
 
 
 @contextlib.contextmanager

@@ -7,12 +7,12 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 
-from woz_tui.core import messages as m
-from woz_tui.core.cleaning import clean
-from woz_tui.experiment.shape import Experiment
-from woz_tui.replay.fitting import unfit
-from woz_tui.replay.plan import Plan, Step
+from woz_tui.config.experiment import Experiment
+from woz_tui.protocol import messages as m
+from woz_tui.replay.rerun_plan import Plan, Step
+from woz_tui.replay.robot_compatibility import unfit
 from woz_tui.session.redactor import Redactor
+from woz_tui.system.text_cleaning import clean
 
 #: Characters of the arguments that a line of the table has room for.
 ARGS = 56

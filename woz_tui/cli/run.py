@@ -7,12 +7,19 @@ import sys
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from woz_tui.cli import screen
-from woz_tui.cli.failure import explained
-from woz_tui.cli.launch import host_arguments
-from woz_tui.cli.options import add_keymap, add_pictures, add_session, add_theme, builtins, identity
-from woz_tui.cli.screen import open_both
-from woz_tui.record.names import present
+from woz_tui.cli import console_start
+from woz_tui.cli.console_start import open_both
+from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.host_start import host_arguments
+from woz_tui.cli.shared_options import (
+    add_keymap,
+    add_pictures,
+    add_session,
+    add_theme,
+    builtins,
+    identity,
+)
+from woz_tui.log.file_names import present
 
 
 def add(parser: ArgumentParser) -> None:
@@ -31,7 +38,7 @@ def run(arguments: Namespace) -> int:
 
 def play(arguments: Namespace, experiment: Path) -> int:
     """A session on `experiment`; the exit code."""
-    refused = screen.refusal()
+    refused = console_start.refusal()
     if refused:
         print(f"woz: {refused}", file=sys.stderr)
         return 2
@@ -43,7 +50,7 @@ def _play(arguments: Namespace, experiment: Path) -> int:
     command = _host_command(arguments, experiment)
     opened = open_both(
         command,
-        lambda robot: screen.ScreenOptions(
+        lambda robot: console_start.ScreenOptions(
             socket=robot.socket,
             ask_participant=not arguments.participant,
             restart=[*command, *robot.again],

@@ -7,12 +7,12 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping
 from typing import Any
 
-from woz_tui import plugins
-from woz_tui.cli.failure import explained
-from woz_tui.cli.streams import json_text
-from woz_tui.core.driver import Driver
-from woz_tui.experiment.schema import experiment_schema, included_schema, robot_schema
-from woz_tui.motion.moveschema import move_schema
+from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.safe_streams import json_text
+from woz_tui.config.json_schema import experiment_schema, included_schema, robot_schema
+from woz_tui.drivers import plugins
+from woz_tui.drivers.contract import Driver
+from woz_tui.motion.move_schema import move_schema
 
 
 def add(parser: ArgumentParser) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Sequence
 
-from woz_tui.core.driver import RejectedError
+from woz_tui.drivers.contract import RejectedError
 from woz_tui.motion.modes import Mode
 from woz_tui.motion.puppeteer import Puppeteer
 from woz_tui.motion.rendering import BEYOND_VERBS, FREEZE, RESUME, STOP, Input

@@ -10,15 +10,15 @@ from pathlib import Path
 
 from rich.table import Table
 
-from woz_tui.cli import screen
-from woz_tui.cli.failure import explained
-from woz_tui.cli.launch import host_arguments
-from woz_tui.cli.numbers import number
-from woz_tui.cli.options import add_keymap, add_theme, builtins
-from woz_tui.cli.screen import ScreenOptions, open_both
+from woz_tui.cli import console_start
+from woz_tui.cli.argument_types import number
+from woz_tui.cli.console_start import ScreenOptions, open_both
+from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.host_start import host_arguments
+from woz_tui.cli.shared_options import add_keymap, add_theme, builtins
 from woz_tui.console.text_console import TextConsole
-from woz_tui.session.identity import check_code
-from woz_tui.training.history import Score, history, score_of
+from woz_tui.session.participant_identity import check_code
+from woz_tui.training.score_history import Score, history, score_of
 
 #: Beside the recordings of sessions with participants, never among them.
 FOLDER = Path("recordings/training")
@@ -68,7 +68,7 @@ def _wrong(arguments: Namespace) -> str:
         return "name an experiment file: woz train EXPERIMENT --wizard W1"
     if not arguments.wizard:
         return "name the wizard's code: --wizard W1 (no names)"
-    return screen.refusal()
+    return console_start.refusal()
 
 
 def _history(arguments: Namespace) -> int:

@@ -12,12 +12,12 @@ from msgspec.structs import asdict
 from rich.table import Table
 from rich.text import Text
 
-from woz_tui.cli.failure import explained
-from woz_tui.cli.streams import json_text
+from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.safe_streams import json_text
+from woz_tui.config.visitor_names import key_of, shown
 from woz_tui.console.text_console import TextConsole
-from woz_tui.core.messages import Json
-from woz_tui.experiment.visitor_names import key_of, shown
-from woz_tui.sensing.people import (
+from woz_tui.protocol.messages import Json
+from woz_tui.sensing.visitor_store import (
     RefusedError,
     UnsavedError,
     Visitor,
@@ -116,8 +116,8 @@ def _path(arguments: Namespace) -> Path:
     named = ""
     if arguments.experiment is not None:
         # Drivers are needed to read an experiment, and for nothing else here.
-        from woz_tui import plugins  # noqa: PLC0415
-        from woz_tui.experiment.decode import load  # noqa: PLC0415
+        from woz_tui.config.loading import load  # noqa: PLC0415
+        from woz_tui.drivers import plugins  # noqa: PLC0415
 
         engagement = load(arguments.experiment, plugins.installed()).engagement
         named = engagement.settings.visitors if engagement is not None else ""

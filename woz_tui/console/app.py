@@ -12,32 +12,32 @@ from textual import events
 from textual.app import ComposeResult
 from textual.screen import Screen
 
-from woz_tui.console.caps import Cap, cap_of, caption, key_name
+from woz_tui.config.keys.console_keys import Builtin, builtins_with
+from woz_tui.config.keys.keymap import key_map
+from woz_tui.config.keys.terminals import PLAIN, STOPS, Terminal
+from woz_tui.config.keys.textual_names import from_textual
+from woz_tui.console.bottom_rows import Bar, News
 from woz_tui.console.cells import Cells
 from woz_tui.console.commands import COMMANDS, by_key, calls, hints
-from woz_tui.console.desk import Desk
-from woz_tui.console.feed import Feed
+from woz_tui.console.event_sentences import Event
 from woz_tui.console.glyphs import Frame
+from woz_tui.console.key_caps import Cap, cap_of, caption, key_name
 from woz_tui.console.keyboard import Press
-from woz_tui.console.robot.steps import ArrowSteps
+from woz_tui.console.main_screen import Surface
+from woz_tui.console.message_feed import Feed
+from woz_tui.console.partial_update import tight
+from woz_tui.console.robot_requests import Desk
+from woz_tui.console.robot_settings.step_sizes import ArrowSteps
 from woz_tui.console.screen_app import BEAT, ScreenApp
 from woz_tui.console.screens.dialog import Command, Dialog
-from woz_tui.console.sentences import Event
-from woz_tui.console.status import Line
-from woz_tui.console.stopbar import Bar, News
-from woz_tui.console.study.picture import Tiding
-from woz_tui.console.surface import Surface
-from woz_tui.console.thrift import tight
-from woz_tui.core.messages import StopPressed, TrainingChanged
-from woz_tui.core.pictures import PictureShown
-from woz_tui.core.requests import AskRelease, Reply, Welcome
-from woz_tui.experiment.builtins import Builtin, builtins_with
-from woz_tui.experiment.keymap import key_map
-from woz_tui.experiment.terminals import PLAIN, STOPS, Terminal
-from woz_tui.experiment.textual_names import from_textual
+from woz_tui.console.status_rows import Line
+from woz_tui.console.study.study_view import Tiding
+from woz_tui.protocol.camera_pictures import PictureShown
+from woz_tui.protocol.messages import StopPressed, TrainingChanged
+from woz_tui.protocol.requests import AskRelease, Reply, Welcome
 
 if TYPE_CHECKING:
-    from woz_tui.console.camera.side import Side
+    from woz_tui.console.camera.terminal_graphics import Side
     from woz_tui.console.keyboard import Keyboard, OwnKey
 
 #: Seconds a sentence above the hints stays.

@@ -18,7 +18,7 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from woz_tui.console.glyphs import Frame
-from woz_tui.core import cleaning
+from woz_tui.system import text_cleaning
 
 Piece = tuple[str, str]
 Row = tuple[Piece, ...]
@@ -48,7 +48,7 @@ LOOKS = (
 )
 
 #: Every text that is drawn goes through it; before it is measured, where it may be anybody's.
-clean = cleaning.clean
+clean = text_cleaning.clean
 
 #: Texts all of whose characters take one cell each: Latin letters, lines, blocks, dots.
 _SINGLE = re.compile("[\\x20-\\x7e\\xa0-\\u02ff\\u2500-\\u25ff\\u2800-\\u28ff]*")

@@ -1,7 +1,7 @@
 """What the wizard can do beside playing actions: a row for each command of the console.
 
 Its keys stand in `experiment/builtins.py`, because experiments may not take them. Help, palette,
-lowest line and keyboard read these rows; `replay/commands.py` has those of a replay.
+lowest line and keyboard read these rows; `replay/replay_commands.py` has those of a replay.
 
 Dialogs are imported when they are first opened: the first painting does not wait for them.
 """
@@ -13,8 +13,9 @@ from collections.abc import Callable, Iterable, Mapping
 from pkgutil import resolve_name
 from typing import Any
 
+from woz_tui.config.keys.console_keys import Builtin, builtin
+from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.keyboard import Press
-from woz_tui.console.look import CHOICES, remember
 from woz_tui.console.screens.dialog import (
     EVERYBODY,
     WATCHER,
@@ -22,8 +23,8 @@ from woz_tui.console.screens.dialog import (
     ConsoleApp,
     Hint,
 )
-from woz_tui.console.state import ConsoleState
-from woz_tui.core.requests import (
+from woz_tui.console.theme import CHOICES, remember
+from woz_tui.protocol.requests import (
     AskAction,
     AskCancel,
     AskEmptyQueue,
@@ -35,7 +36,6 @@ from woz_tui.core.requests import (
     AskTakeOver,
     AskVerb,
 )
-from woz_tui.experiment.builtins import Builtin, builtin
 
 Run = Callable[[ConsoleApp], object]
 

@@ -9,7 +9,7 @@ import functools
 from collections import deque
 from collections.abc import Callable, Iterator
 
-from woz_tui.console.feed import Incoming
+from woz_tui.console.message_feed import Incoming
 
 
 class Inbox:

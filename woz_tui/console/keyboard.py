@@ -12,9 +12,10 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from woz_tui.console.feed import Feed
-from woz_tui.core.clock import Clock, RealClock
-from woz_tui.core.requests import (
+from woz_tui.config.keys.console_keys import Builtin
+from woz_tui.config.keys.terminals import STOPS
+from woz_tui.console.message_feed import Feed
+from woz_tui.protocol.requests import (
     AnyRequest,
     AskAction,
     AskPhase,
@@ -23,8 +24,7 @@ from woz_tui.core.requests import (
     AskStop,
     AskVerb,
 )
-from woz_tui.experiment.builtins import Builtin
-from woz_tui.experiment.terminals import STOPS
+from woz_tui.system.clock import Clock, RealClock
 
 #: Microseconds in which a key that has just counted may come again because it is held: a terminal
 #: says of no key that it was let go. Longer than keyboards wait before the first repeat (250 to

@@ -12,19 +12,19 @@ from dataclasses import replace
 from rich.cells import cell_len
 
 from woz_tui.console.cells import Cells, Piece, Row, clean, cut, fit, heading, length
-from woz_tui.console.engagement.bars import FARTHEST
-from woz_tui.console.engagement.hand import is_offered
-from woz_tui.console.engagement.meter import block_rows
-from woz_tui.console.engagement.words import sentence
-from woz_tui.console.figures import SILENCE_DB, decibels
+from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.engagement.engagement_meter import block_rows
+from woz_tui.console.engagement.engagement_text import sentence
+from woz_tui.console.engagement.sign_bars import FARTHEST
+from woz_tui.console.engagement.wizard_overrides import is_offered
 from woz_tui.console.glyphs import Frame, Glyphs
-from woz_tui.console.parts import SensorView
-from woz_tui.console.pose import joint_rows, other_rows
-from woz_tui.console.rows import NAME, at, joined, kept, labelled, named, old, ruler, track
-from woz_tui.console.state import ConsoleState
-from woz_tui.core import messages as m
+from woz_tui.console.meter_rows import NAME, at, joined, kept, labelled, named, old, ruler, track
+from woz_tui.console.number_text import SILENCE_DB, decibels
+from woz_tui.console.pose_meter import joint_rows, other_rows
+from woz_tui.console.view_models import SensorView
+from woz_tui.protocol import messages as m
 from woz_tui.sensing.proxemics import ZONES, zone
-from woz_tui.sensing.samples import FLAGS
+from woz_tui.sensing.sample_values import FLAGS
 from woz_tui.session.redactor import HIDDEN
 
 #: Rows of meters at the most.

@@ -9,15 +9,15 @@ from textual.app import App
 from textual.driver import Driver
 from textual.screen import Screen
 
-from woz_tui.console.feed import Feed
+from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import UNICODE
 from woz_tui.console.inbox import Inbox
 from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.look import SIXTEEN, THEMES, Look
-from woz_tui.console.state import ConsoleState
+from woz_tui.console.message_feed import Feed
+from woz_tui.console.partial_update import ThriftyScreen
 from woz_tui.console.text_console import TextConsole
-from woz_tui.console.thrift import ThriftyScreen
-from woz_tui.core.clock import Clock, RealClock
+from woz_tui.console.theme import SIXTEEN, THEMES, Look
+from woz_tui.system.clock import Clock, RealClock
 
 #: Seconds between two paintings: ten a second is as much as an eye and a line can use.
 BEAT = 0.1

@@ -10,7 +10,7 @@ from rich.console import Console, ConsoleOptions, RenderableType  # noqa: TID251
 from rich.segment import Segment
 from rich.text import Text
 
-from woz_tui.core.cleaning import clean_lines
+from woz_tui.system.text_cleaning import clean_lines
 
 
 class TextConsole(Console):

@@ -14,16 +14,16 @@ from pathlib import PurePath
 from typing import Any, get_args
 
 from woz_tui import __version__
-from woz_tui.analysis.rows import Answer
+from woz_tui.analysis.event_rows import Answer
 from woz_tui.analysis.tables import ANSWERS, EVENTS, Cell, Column, Table
-from woz_tui.core.cleaning import cell, one_line
-from woz_tui.core.messages import AnyMessage, Reading
-from woz_tui.export.course import Event, Session
+from woz_tui.export.event_model import Event, Session
 from woz_tui.export.exporter import Exporter, Options, Told
-from woz_tui.export.folder import Folder
-from woz_tui.export.sources import Source
-from woz_tui.export.text import letters
-from woz_tui.record.log import Damage
+from woz_tui.export.log_sources import Source
+from woz_tui.export.safe_names import letters
+from woz_tui.export.whole_folder import Folder
+from woz_tui.log.log_reader import Damage
+from woz_tui.protocol.messages import AnyMessage, Reading
+from woz_tui.system.text_cleaning import cell, one_line
 
 VERSION = "1.11.1"
 _ABOUT = """## Files

@@ -6,15 +6,15 @@ from collections.abc import Iterable
 
 import msgspec
 
+from woz_tui.analysis.csv_package import DICTIONARY, GUARDED, TableFiles
 from woz_tui.analysis.tables import EVENTS, SAMPLES
-from woz_tui.analysis.tidy import DICTIONARY, GUARDED, TableFiles
-from woz_tui.core.messages import Reading
-from woz_tui.export.course import Session
+from woz_tui.export.event_model import Session
 from woz_tui.export.exporter import Exporter, Options, Told
-from woz_tui.export.folder import Folder
+from woz_tui.export.log_sources import Source, nameless
 from woz_tui.export.redaction import PLACEHOLDER
-from woz_tui.export.sources import Source, nameless
-from woz_tui.record.log import Damage
+from woz_tui.export.whole_folder import Folder
+from woz_tui.log.log_reader import Damage
+from woz_tui.protocol.messages import Reading
 
 _ABOUT = f"""## Files
 

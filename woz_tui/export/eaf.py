@@ -14,12 +14,12 @@ from pathlib import PurePath
 from urllib.parse import quote
 
 from woz_tui import __version__
-from woz_tui.core.cleaning import one_line, seconds, visible
-from woz_tui.export.course import Session
+from woz_tui.export.event_model import Session
 from woz_tui.export.exporter import Exporter
-from woz_tui.export.sound import write_sound
-from woz_tui.export.sources import Source
+from woz_tui.export.log_sources import Source
 from woz_tui.export.tiers import Span, Tier, apart, tiers_of, unique_names
+from woz_tui.export.visitor_sound import write_sound
+from woz_tui.system.text_cleaning import one_line, seconds, visible
 
 #: ELAN shows nothing shorter: a frame of PAL video.
 SHORTEST_MS = 40

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import ClassVar
 
 from woz_tui import __version__
-from woz_tui.core.cleaning import one_line, seconds
-from woz_tui.export.course import Session
-from woz_tui.export.folder import README, SIGN, Folder
-from woz_tui.export.sources import Source
+from woz_tui.export.event_model import Session
+from woz_tui.export.log_sources import Source
+from woz_tui.export.whole_folder import README, SIGN, Folder
+from woz_tui.system.text_cleaning import one_line, seconds
 
 _TIMES = (
     "All times are in seconds since the beginning of the session, on a clock that never jumps. "

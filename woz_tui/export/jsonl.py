@@ -8,11 +8,11 @@ from typing import Any, BinaryIO
 
 import msgspec
 
-from woz_tui.core.messages import Reading
-from woz_tui.export.course import Session
+from woz_tui.export.event_model import Session
 from woz_tui.export.exporter import Exporter
-from woz_tui.export.sources import Source, redacted_line
-from woz_tui.record.log import Damage, Line
+from woz_tui.export.log_sources import Source, redacted_line
+from woz_tui.log.log_reader import Damage, Line
+from woz_tui.protocol.messages import Reading
 
 _encoder = msgspec.json.Encoder()
 _NO_WORDS = frozenset({"kind", "seq", "t", "sensor", "value", "unit", "driver", "raw", "bad"})

@@ -11,7 +11,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from woz_tui.core.messages import Json
+from woz_tui.protocol.messages import Json
 
 PLACEHOLDER = "[redacted]"
 #: Objects within objects; what is deeper is none of ours.

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from woz_tui.core.cleaning import one_line, seconds
-from woz_tui.export.course import Session
+from woz_tui.export.event_model import Session
 from woz_tui.export.exporter import Exporter
-from woz_tui.export.sound import write_sound
-from woz_tui.export.sources import Source
+from woz_tui.export.log_sources import Source
 from woz_tui.export.tiers import Span, Tier, apart, tiers_of, unique_names
+from woz_tui.export.visitor_sound import write_sound
+from woz_tui.system.text_cleaning import one_line, seconds
 
 #: Praat has no intervals without a duration.
 SHORTEST_US = 1000

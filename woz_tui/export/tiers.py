@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 
 import msgspec
 
-from woz_tui.core.cleaning import one_line
-from woz_tui.export.course import Event, Session
+from woz_tui.export.event_model import Event, Session
+from woz_tui.system.text_cleaning import one_line
 
 
 @dataclass(frozen=True, slots=True)

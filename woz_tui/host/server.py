@@ -11,10 +11,15 @@ from pathlib import Path
 
 import msgspec
 
-from woz_tui.core import messages as m
-from woz_tui.core import wire
-from woz_tui.core.clock import boot_id
-from woz_tui.core.requests import (
+from woz_tui.config.experiment import Experiment
+from woz_tui.host import socket_place
+from woz_tui.host.client_connection import LINGER_S, Client, Turns
+from woz_tui.host.experiment_view import Shown, plan_for_log, plan_of
+from woz_tui.host.request_handlers import Desk
+from woz_tui.host.role_view import View
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.requests import (
     PROTOCOL,
     AnyRequest,
     AskStop,
@@ -25,17 +30,12 @@ from woz_tui.core.requests import (
     Reply,
     Welcome,
 )
-from woz_tui.experiment.shape import Experiment
-from woz_tui.host import place
-from woz_tui.host.client import LINGER_S, Client, Turns
-from woz_tui.host.desk import Desk
-from woz_tui.host.plan import Shown, plan_for_log, plan_of
-from woz_tui.host.view import View
-from woz_tui.session.plan import panels_changed, welcome
-from woz_tui.session.questioning import PARTICIPANT
+from woz_tui.session.questionnaire_control import PARTICIPANT
 from woz_tui.session.redactor import ParticipantRedactor, Redactor, redactor_for
 from woz_tui.session.session import Session
-from woz_tui.session.study_view import study_settings
+from woz_tui.session.session_plan import panels_changed, welcome
+from woz_tui.session.study_settings import study_settings
+from woz_tui.system.clock import boot_id
 
 PULSE_S = 1.0
 #: Dead-man periods of silence after which a wizard's connection is given up altogether.
@@ -101,7 +101,7 @@ class Host:
         if self._timer is not None:
             self._timer.cancel()
         self._close_door()
-        if self._file is not None and place.inode(self.path) == self._file:
+        if self._file is not None and socket_place.inode(self.path) == self._file:
             self.path.unlink(missing_ok=True)
         leaving = [client.gone for client in self._clients]
         for client in self._clients:
@@ -113,7 +113,7 @@ class Host:
 
     def _open_door(self, listener: socket.socket) -> None:
         self._listener = listener
-        self._file = place.inode(self.path)
+        self._file = socket_place.inode(self.path)
         self._server = asyncio.get_running_loop().create_task(self._accept(listener))
 
     def _close_door(self) -> None:
@@ -128,10 +128,10 @@ class Host:
         The runtime folder goes with the user's last login, such as a dropped SSH line, and is
         there again with the next one, which is just when somebody wants to attach.
         """
-        if place.inode(self.path) is not None:
+        if socket_place.inode(self.path) is not None:
             return
         try:
-            listener = place.bind(self.path)
+            listener = socket_place.bind(self.path)
         except OSError:  # its folder is gone as well: with the next pulse, perhaps
             return
         self._close_door()
@@ -150,7 +150,7 @@ class Host:
                 await asyncio.sleep(1.0)
 
     async def _admit(self, connection: socket.socket) -> None:
-        if place.peer_uid(connection) not in {os.getuid(), 0}:
+        if socket_place.peer_uid(connection) not in {os.getuid(), 0}:
             connection.close()
             return
         self._count += 1
@@ -369,4 +369,4 @@ class Host:
 
 
 def _raw(lines: Iterable[m.Message | None]) -> list[msgspec.Raw]:
-    return [msgspec.Raw(wire.encode(line).rstrip()) for line in lines if line is not None]
+    return [msgspec.Raw(codec.encode(line).rstrip()) for line in lines if line is not None]

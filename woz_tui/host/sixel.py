@@ -12,7 +12,7 @@ import re
 
 import numpy as np
 
-from woz_tui.host.palette import COLOURS, Indices, Pixels, quantised
+from woz_tui.host.colour_palette import COLOURS, Indices, Pixels, quantised
 
 _BAND = 6
 #: Four or more of one character are shorter when counted.

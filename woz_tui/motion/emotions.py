@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from woz_tui.core.driver import RejectedError
+from woz_tui.drivers.contract import RejectedError
 
 NEUTRAL = "neutral"
 

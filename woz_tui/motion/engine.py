@@ -9,22 +9,22 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from woz_tui.core.arguments import ArgumentError, checked
-from woz_tui.core.driver import RejectedError
-from woz_tui.core.messages import Json
-from woz_tui.motion.face import FaceState, draw, prepare
-from woz_tui.motion.frames import Frame, blank
-from woz_tui.motion.inputs import CONTROL_KINDS, KINDS, offered
-from woz_tui.motion.layers import Breath
+from woz_tui.drivers.argument_check import ArgumentError, checked
+from woz_tui.drivers.contract import RejectedError
+from woz_tui.motion.body_shape import BodyShape
+from woz_tui.motion.body_verbs import CONTROL_KINDS, KINDS, offered
+from woz_tui.motion.engine_io import Answer, Ended, Tick
+from woz_tui.motion.face_drawing import FaceState, draw, prepare
+from woz_tui.motion.joint_control import ARRIVED
+from woz_tui.motion.light_frames import Frame, blank
 from woz_tui.motion.modes import BLINKS, BREATHES, Hand, Kind, Mode, counts
 from woz_tui.motion.move import Move
-from woz_tui.motion.orders import Args, Orders
-from woz_tui.motion.primaries import Line, Moment, Saccade
+from woz_tui.motion.pose_blending import Breath
+from woz_tui.motion.pose_sources import Line, Moment, Saccade
 from woz_tui.motion.safety import number
 from woz_tui.motion.setpoints import Seen, State
-from woz_tui.motion.shapes import BodyShape
-from woz_tui.motion.steering import ARRIVED
-from woz_tui.motion.ticks import Answer, Ended, Tick
+from woz_tui.motion.verb_handlers import Args, Orders
+from woz_tui.protocol.messages import Json
 
 #: Time that counts between two ticks at most, in seconds; whoever slept longer goes on from there.
 LONGEST_S = 10.0

@@ -14,8 +14,8 @@ from typing import Literal
 
 import msgspec
 
-from woz_tui.core.messages import Json
-from woz_tui.motion.shapes import AXES, BodyShape, JointShape, Vector
+from woz_tui.motion.body_shape import AXES, BodyShape, JointShape, Vector
+from woz_tui.protocol.messages import Json
 
 #: A gaze that misses by more than this, in degrees, is said not to reach.
 REACHED_DEG = 0.1

@@ -10,11 +10,11 @@ from collections.abc import Mapping
 from dataclasses import asdict, fields
 from typing import Any, get_type_hints
 
-from woz_tui.core.fields import Doc, Range
-from woz_tui.core.messages import Json
-from woz_tui.motion.controls import TRAITS
+from woz_tui.drivers.fields import Doc, Range
+from woz_tui.motion.body_shape import Personality
 from woz_tui.motion.easing import Gliding
-from woz_tui.motion.shapes import Personality
+from woz_tui.motion.knobs import TRAITS
+from woz_tui.protocol.messages import Json
 
 #: How fast changed sizes glide, 1/s: by 95 % in 0.6 s, and a pose at the end of a range of 180
 #: degrees comes to its middle with no more than 270 degrees a second.

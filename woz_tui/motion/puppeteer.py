@@ -6,13 +6,13 @@ import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
-from woz_tui.core.messages import Json
-from woz_tui.motion.builtin import BUILT_IN
+from woz_tui.motion.body_shape import BodyShape
+from woz_tui.motion.builtin_moves import BUILT_IN
 from woz_tui.motion.engine import Engine
+from woz_tui.motion.engine_io import Answer, Tick
 from woz_tui.motion.keyframes import PLACE_DECIMALS, KeyFrame, KeyframeMove, Layer, Samples
 from woz_tui.motion.move import Move
-from woz_tui.motion.shapes import BodyShape
-from woz_tui.motion.ticks import Answer, Tick
+from woz_tui.protocol.messages import Json
 
 # -- recording ------------------------------------------------------------------------------------
 # Puppeteering into layers of a move: a pass is recorded while the passes before it play.

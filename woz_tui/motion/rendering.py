@@ -12,13 +12,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from woz_tui.core.driver import Driver, RejectedError
-from woz_tui.core.messages import Json
+from woz_tui.drivers.contract import Driver, RejectedError
 from woz_tui.motion.engine import Engine
+from woz_tui.motion.engine_io import Tick
 from woz_tui.motion.modes import Hand, Mode
 from woz_tui.motion.safety import number
 from woz_tui.motion.setpoints import Seen
-from woz_tui.motion.ticks import Tick
+from woz_tui.protocol.messages import Json
 
 #: Nothing takes longer than this, in seconds, unless it is asked for.
 LONGEST_S = 600.0

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from woz_tui.motion.shapes import JointShape
+from woz_tui.motion.body_shape import JointShape
 
 #: Time that counts in one step at most, in seconds. A process that was suspended goes on from
 #: where it stood; a tick that is late by less is caught up with.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from woz_tui.motion.frames import Frame
+from woz_tui.motion.light_frames import Frame
 
 #: Topics of a body's feeds, and of those it reads.
 SETPOINTS, FACE, STATE = "setpoints", "face", "state"

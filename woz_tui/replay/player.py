@@ -12,9 +12,10 @@ from typing import Any
 
 import msgspec
 
-from woz_tui.core import messages as m
-from woz_tui.core import wire
-from woz_tui.core.requests import (
+from woz_tui.log.coding_file import Code, Coding
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.requests import (
     AnyAnswer,
     AnyRequest,
     AskMarker,
@@ -27,13 +28,12 @@ from woz_tui.core.requests import (
     Replaying,
     Reply,
 )
-from woz_tui.core.settings import ReplayedLog
-from woz_tui.record.coding import Code, Coding
-from woz_tui.replay.marks import Cut, Mark
-from woz_tui.replay.places import PlaceError, find
-from woz_tui.replay.reel import Reel, thinned
-from woz_tui.session.plan import panels_changed, welcome
-from woz_tui.session.recent import MOST
+from woz_tui.protocol.welcome import ReplayedLog
+from woz_tui.replay.bookmarks import Cut, Mark
+from woz_tui.replay.recording import Reel, thinned
+from woz_tui.replay.seek import PlaceError, find
+from woz_tui.session.recent_lines import MOST
+from woz_tui.session.session_plan import panels_changed, welcome
 
 #: What a console gets.
 Incoming = m.AnyMessage | AnyAnswer | dict[str, Any]
@@ -325,4 +325,4 @@ def _shown(line: Incoming) -> list[Incoming]:
 
 
 def _raw(messages: Sequence[m.Message]) -> list[msgspec.Raw]:
-    return [msgspec.Raw(wire.encode(message).rstrip()) for message in messages]
+    return [msgspec.Raw(codec.encode(message).rstrip()) for message in messages]

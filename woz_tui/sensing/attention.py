@@ -35,7 +35,7 @@ import enum
 import math
 from dataclasses import dataclass
 
-from woz_tui.experiment.engagement import MODES, AttentionSettings
+from woz_tui.config.engagement import MODES, AttentionSettings
 
 _SECOND = 1_000_000
 

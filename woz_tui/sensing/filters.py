@@ -12,7 +12,7 @@ from collections import Counter, deque
 from fractions import Fraction
 from functools import lru_cache
 
-from woz_tui.sensing.samples import UNKNOWN
+from woz_tui.sensing.sample_values import UNKNOWN
 
 # -- identity -------------------------------------------------------------------------------------
 # Who it is, out of many recognitions: formula 3 of the paper.

@@ -6,15 +6,15 @@ import math
 from collections.abc import Iterator
 from typing import Any, Generic, TypeVar
 
-from woz_tui.core.engaged import SignShown
-from woz_tui.core.envelope import Json
-from woz_tui.experiment.engagement import CONDITION, FILTERS, SIGNS, EngagementSettings
-from woz_tui.sensing import samples
+from woz_tui.config.engagement import CONDITION, FILTERS, SIGNS, EngagementSettings
+from woz_tui.protocol.envelope import Json
+from woz_tui.protocol.visitor_messages import SignShown
+from woz_tui.sensing import sample_values
 from woz_tui.sensing.filters import Fifo, IdentityFifo, Median
-from woz_tui.sensing.joint import Joint
-from woz_tui.sensing.joint import Sign as JointSign
-from woz_tui.sensing.passing import SECOND, microseconds
-from woz_tui.sensing.samples import UNKNOWN
+from woz_tui.sensing.joint_filter import Joint
+from woz_tui.sensing.joint_filter import Sign as JointSign
+from woz_tui.sensing.model_time import SECOND, microseconds
+from woz_tui.sensing.sample_values import UNKNOWN
 
 # -- thinning -------------------------------------------------------------------------------------
 # Fewer samples than a quick sensor sends, so that the places of a queue last as long as meant.
@@ -198,11 +198,11 @@ class Sign(Heard[Fifo]):
 
     def take(self, value: object, now: int) -> bool:
         """A sample, whatever it is; whether it is one."""
-        read = samples.FLAGS.get(self.name)
-        meant = samples.metres(value, self._farthest) if read is None else read(value)
+        read = sample_values.FLAGS.get(self.name)
+        meant = sample_values.metres(value, self._farthest) if read is None else read(value)
         if meant is None:
             return False
-        self.raw = float(value) if isinstance(value, bool) else samples.number(value)
+        self.raw = float(value) if isinstance(value, bool) else sample_values.number(value)
         self._takes(meant, now)
         return True
 
@@ -270,7 +270,7 @@ class Identity(Heard[IdentityFifo]):
 
     def take(self, value: object, text: str, now: int) -> bool:
         """A recognition, whatever it is; whether it is one."""
-        name = samples.name(value, text)
+        name = sample_values.name(value, text)
         if name is None:
             return False
         self.raw = name
@@ -455,7 +455,7 @@ class Signs:
 def _verdict(sign: str, value: object | None) -> float | bool | None:
     if value is None or isinstance(value, bool):
         return value
-    number = samples.number(value)
+    number = sample_values.number(value)
     if sign == "distance":
         if number is None or not number > 0.0:
             raise ValueError(f"{value!r} is no distance: a number of metres, on or off")
@@ -468,7 +468,7 @@ def _verdict(sign: str, value: object | None) -> float | bool | None:
 def _name(value: object | None, name: str) -> str | None:
     if value is None and not name:
         return None
-    found = samples.name(value if isinstance(value, str) else "", name)
+    found = sample_values.name(value if isinstance(value, str) else "", name)
     if found is None:
         raise ValueError(f"{name or value!r} is no name of a visitor")
     return found

@@ -12,11 +12,10 @@ from pathlib import Path
 
 import msgspec
 
-from woz_tui.core.clock import Clock
-from woz_tui.core.driver import Ask, Health
-from woz_tui.core.feeds import Feed, Feeds
-from woz_tui.core.hub import Hub
-from woz_tui.core.messages import (
+from woz_tui.bus.hub import Hub
+from woz_tui.drivers.contract import Ask, Health
+from woz_tui.drivers.feeds import Feed, Feeds
+from woz_tui.protocol.messages import (
     DriverConnected,
     DriverConnecting,
     DriverFaulted,
@@ -30,6 +29,7 @@ from woz_tui.core.messages import (
     Speech,
     reading,
 )
+from woz_tui.system.clock import Clock
 
 _HEALTH: dict[Health, type[DriverHealth]] = {
     Health.CONNECTING: DriverConnecting,

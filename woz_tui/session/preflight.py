@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from woz_tui.core import messages as m
-from woz_tui.core.driver import SPEECH, Finding
-from woz_tui.core.machine import storage, timekeeping
-from woz_tui.experiment.sensors import published_names
+from woz_tui.config.sensor_names import published_names
+from woz_tui.drivers.contract import SPEECH, Finding
+from woz_tui.machine import clocks, storage
+from woz_tui.protocol import messages as m
 from woz_tui.session.session import Session
 
 #: A sensor that has said nothing for longer than this is silent (microseconds).
@@ -21,7 +21,7 @@ async def preflight(session: Session) -> list[Finding]:
         *_sensors(session),
         _recorder(session),
         storage.free_space(session.recorder.path.parent),
-        timekeeping.calendar(session.clock.wall()),
+        clocks.calendar(session.clock.wall()),
         _identity(session),
         *_file(session),
         _stop(session),

@@ -15,14 +15,14 @@ from typing import Any
 
 from msgspec.structs import replace
 
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core import settings as s
-from woz_tui.core.driver import SPEECH
-from woz_tui.core.messages import Json
-from woz_tui.experiment.engagement import STATES
-from woz_tui.experiment.study import BLURRED, PERCEIVED
-from woz_tui.experiment.template import VISITOR
+from woz_tui.config.engagement import STATES
+from woz_tui.config.study import BLURRED, PERCEIVED
+from woz_tui.config.utterance_template import VISITOR
+from woz_tui.drivers.contract import SPEECH
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol import welcome as s
+from woz_tui.protocol.messages import Json
 from woz_tui.sensing.proxemics import ZONES
 
 #: What stands in the place of something hidden.

@@ -12,36 +12,36 @@ from dataclasses import dataclass, field, replace
 from typing import NoReturn
 
 from woz_tui.bus.bus import Bus
-from woz_tui.core import messages as m
-from woz_tui.core.clock import Clock, Standstill, timestamp
-from woz_tui.core.driver import Ask, Driver, Performer
-from woz_tui.core.feeds import Feeds
-from woz_tui.core.hub import Hub
-from woz_tui.experiment.shape import Action, Call, Experiment, Phase, Place
-from woz_tui.record.names import media_folder
-from woz_tui.record.recorder import Recorder
-from woz_tui.session.asking import Asking, Told
-from woz_tui.session.beginning import begin, reloaded
-from woz_tui.session.casting import make_drivers
-from woz_tui.session.crew import Crew
-from woz_tui.session.engagement import LiveEngagement
-from woz_tui.session.identity import AskError, Identity
-from woz_tui.session.phases import LivePhases
-from woz_tui.session.profiles import Profiles, by_hand, covered
-from woz_tui.session.recent import Recent
-from woz_tui.session.repairs import Repairs
-from woz_tui.session.robot import Robot
-from woz_tui.session.runner import Origin, Refusal, Runner
-from woz_tui.session.script import Scripts
-from woz_tui.session.shaping import Shaper
-from woz_tui.session.study import LiveStudy
-from woz_tui.session.typed import added, with_typed
-from woz_tui.session.utterances import no_value, utterances
+from woz_tui.bus.hub import Hub
+from woz_tui.config.experiment import Action, Call, Experiment, Phase, Place
+from woz_tui.drivers.contract import Ask, Driver, Performer
+from woz_tui.drivers.feeds import Feeds
+from woz_tui.log.file_names import media_folder
+from woz_tui.log.recorder import Recorder
+from woz_tui.protocol import messages as m
+from woz_tui.session.action_runner import Origin, Refusal, Runner
+from woz_tui.session.action_texts import Wording
+from woz_tui.session.driver_factory import make_drivers
+from woz_tui.session.driver_manager import Crew
+from woz_tui.session.driver_requests import Asking, Told
+from woz_tui.session.engagement_robot import Robot
+from woz_tui.session.live_engagement import LiveEngagement
+from woz_tui.session.next_utterances import no_value, utterances
+from woz_tui.session.participant_identity import AskError, Identity
+from woz_tui.session.phase_control import LivePhases
+from woz_tui.session.profile_limits import Profiles, by_hand, covered
+from woz_tui.session.recent_lines import Recent
+from woz_tui.session.repair_control import Repairs
+from woz_tui.session.response_delay import Shaper
+from woz_tui.session.script_control import Scripts
+from woz_tui.session.session_driver import ENGAGEMENT, PERFORMERS, SESSION, VERBS, SessionVerbs
+from woz_tui.session.session_start import begin, reloaded
+from woz_tui.session.study_control import LiveStudy
+from woz_tui.session.typed_actions import added, with_typed
 from woz_tui.session.variables import Values
-from woz_tui.session.verbs import ENGAGEMENT, PERFORMERS, SESSION, VERBS, SessionVerbs
-from woz_tui.session.wording import Wording
+from woz_tui.system.clock import Clock, Standstill, timestamp
 from woz_tui.timeline import episodes as e
-from woz_tui.timeline.state import SessionState
+from woz_tui.timeline.session_state import SessionState
 
 #: Seconds between two lines that tie the session's clock to the calendar.
 CLOCK_TIE_S = 30.0

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from woz_tui.core.messages import Json
-from woz_tui.experiment.shape import Call, Choice
-from woz_tui.experiment.template import fill, names
+from woz_tui.config.experiment import Call, Choice
+from woz_tui.config.utterance_template import fill, names
+from woz_tui.protocol.messages import Json
 
 #: Chooses one of the variants.
 Pick = Callable[[Sequence[str]], str]

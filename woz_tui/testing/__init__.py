@@ -10,8 +10,8 @@ pytest runs it; `drivers/README.md` shows more. For tests of one's own there are
 which remembers what a driver publishes, `PlainJob`, a command as the bus gives it, and `until`.
 """
 
-from woz_tui.testing.context import PlainJob, RecordingContext, until
-from woz_tui.testing.contract import Device, check
+from woz_tui.testing.contract_checks import Device, check
+from woz_tui.testing.recording_context import PlainJob, RecordingContext, until
 from woz_tui.testing.suite import DriverTests
 
 __all__ = ["Device", "DriverTests", "PlainJob", "RecordingContext", "check", "until"]

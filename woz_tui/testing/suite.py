@@ -8,9 +8,9 @@ from collections.abc import Coroutine
 from contextlib import AbstractAsyncContextManager
 from typing import Any, ClassVar
 
-from woz_tui.core.driver import Driver, Finding
-from woz_tui.testing import contract
-from woz_tui.testing.contract import Device
+from woz_tui.drivers.contract import Driver, Finding
+from woz_tui.testing import contract_checks
+from woz_tui.testing.contract_checks import Device
 
 
 class DriverTests:
@@ -33,23 +33,23 @@ class DriverTests:
 
     def test_declares_what_a_file_can_name(self) -> None:
         """Settings, verbs and their arguments, remarks, findings of the doctor."""
-        _passes(contract.declared(self.driver, self.settings))
+        _passes(contract_checks.declared(self.driver, self.settings))
 
     def test_opens_and_closes_without_hardware(self) -> None:
         """Prompt, whatever is missing; nothing is left behind and nothing published afterwards."""
-        _passes(contract.closes(self.driver, self.settings))
+        _passes(contract_checks.closes(self.driver, self.settings))
 
     def test_opens_and_closes_with_its_device(self) -> None:
         """It finds the device, and lets go of it."""
-        _passes(contract.closes_with(self.driver, self.device()))
+        _passes(contract_checks.closes_with(self.driver, self.device()))
 
     def test_stop_and_cancel_end_a_command(self) -> None:
         """While a command runs; the next one is carried out again."""
-        _passes(contract.stops(self.driver, self.device()))
+        _passes(contract_checks.stops(self.driver, self.device()))
 
     def test_notices_a_lost_device(self) -> None:
         """In the middle of a command; it finds the device again if that can be plugged in."""
-        _passes(contract.loses(self.driver, self.device()))
+        _passes(contract_checks.loses(self.driver, self.device()))
 
 
 def _passes(findings: Coroutine[Any, Any, list[Finding]]) -> None:

@@ -12,9 +12,9 @@ from typing import ClassVar, TypeVar
 
 import msgspec
 
-from woz_tui.core import messages as m
-from woz_tui.core.messages import Json
-from woz_tui.timeline.context import Context
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
+from woz_tui.timeline.trial_context import Context
 
 #: Things of one sort that are remembered at the same time: those whose end never comes, and names
 #: that a damaged log makes up.

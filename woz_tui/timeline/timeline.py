@@ -8,11 +8,11 @@ from typing import TypeVar, cast
 
 from msgspec.structs import force_setattr, replace
 
-from woz_tui.core import messages as m
-from woz_tui.timeline.context import Context, Contexts, Span
+from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import Action, Command, Episode, Moment, Trial, Utterance, keep
-from woz_tui.timeline.state import SessionState
-from woz_tui.timeline.study import Due
+from woz_tui.timeline.session_state import SessionState
+from woz_tui.timeline.study_history import Due
+from woz_tui.timeline.trial_context import Context, Contexts, Span
 
 E = TypeVar("E", bound=Episode)
 

@@ -10,7 +10,7 @@ import pytest
 from lamp_on_a_wire import LampOnAWire
 from woz_driver_lamp import Lamp, LampSettings
 
-from woz_tui.core.driver import DriverError, Health, Probe, RejectedError, Scope
+from woz_tui.drivers.contract import DriverError, Health, Probe, RejectedError, Scope
 from woz_tui.testing import Device, DriverTests, PlainJob, RecordingContext, until
 
 

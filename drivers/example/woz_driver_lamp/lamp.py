@@ -16,7 +16,7 @@ from typing import Annotated
 
 from woz_drivers.serial_line import LOSSES, SerialLine, Trouble, explain, open_port
 
-from woz_tui.core.driver import (
+from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
     Driver,
@@ -30,8 +30,8 @@ from woz_tui.core.driver import (
     Scope,
     Verb,
 )
-from woz_tui.core.fields import Doc, Port, Range
-from woz_tui.core.messages import Json
+from woz_tui.drivers.fields import Doc, Port, Range
+from woz_tui.protocol.messages import Json
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,8 +7,8 @@ import contextlib
 from dataclasses import dataclass
 from typing import Annotated
 
-from woz_tui.core.driver import Ask, DriverContext, Health, PassiveDriver, Scope
-from woz_tui.core.fields import Doc, Sibling
+from woz_tui.drivers.contract import Ask, DriverContext, Health, PassiveDriver, Scope
+from woz_tui.drivers.fields import Doc, Sibling
 
 COLORS = {"happy": "#ffd000", "sad": "#0040ff", "angry": "#ff0000", "sleepy": "#201008"}
 LOOK_S = 0.1

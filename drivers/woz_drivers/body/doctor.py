@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from woz_drivers.body.settings import Settings
-from woz_tui.core.driver import Finding, Probe
+from woz_tui.drivers.contract import Finding, Probe
 
 
 def examine(probe: Probe) -> list[Finding]:

@@ -9,11 +9,11 @@ from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 from woz_drivers.body import doctor
-from woz_drivers.body.loop import BodyLoop
 from woz_drivers.body.settings import Settings as BodySettings
 from woz_drivers.body.settings import differences
+from woz_drivers.body.tick_loop import BodyLoop
 from woz_drivers.body.ticker import ThreadTicker
-from woz_tui.core.driver import (
+from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
     DriverError,
@@ -25,14 +25,14 @@ from woz_tui.core.driver import (
     Scope,
     Verb,
 )
-from woz_tui.core.fields import Range
-from woz_tui.core.messages import Json
+from woz_tui.drivers.fields import Range
+from woz_tui.motion.body_verbs import BRIEF, offered
 from woz_tui.motion.engine import Engine
-from woz_tui.motion.inputs import BRIEF, offered
+from woz_tui.motion.engine_io import Ended
 from woz_tui.motion.kinematics import outline
 from woz_tui.motion.modes import Hand, Mode, hand_of
 from woz_tui.motion.rendering import RenderedDriver
-from woz_tui.motion.ticks import Ended
+from woz_tui.protocol.messages import Json
 
 #: The stop is confirmed by the next tick; after so many seconds nobody knows.
 STOP_S = 0.4

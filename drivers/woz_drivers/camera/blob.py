@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from woz_drivers.camera.pictures import Picture, every
+from woz_drivers.camera.raw_pictures import Picture, every
 
 Mask = npt.NDArray[np.bool_]
 Counts = npt.NDArray[np.intp]

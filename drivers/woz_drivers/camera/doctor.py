@@ -5,10 +5,10 @@ from __future__ import annotations
 import asyncio
 import time
 
-from woz_drivers import child
+from woz_drivers import child_process
 from woz_drivers.camera.blob import Finder
 from woz_drivers.camera.settings import CameraSettings
-from woz_tui.core.driver import DriverError, Finding, Probe
+from woz_tui.drivers.contract import DriverError, Finding, Probe
 
 #: How long is looked once pictures come, and how long they may take to come, in seconds.
 _LOOK_S = 2.0
@@ -52,7 +52,7 @@ class _Taken:
 
 async def _take(settings: CameraSettings, words: tuple[str, ...], probe: Probe) -> _Taken:
     taken = _Taken(settings.layout.size)
-    running = await child.start(words, probe.folder, on_output=taken.take)
+    running = await child_process.start(words, probe.folder, on_output=taken.take)
     ended = asyncio.ensure_future(running.wait())
     came = asyncio.ensure_future(taken.came.wait())
     try:

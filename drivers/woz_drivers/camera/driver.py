@@ -9,10 +9,17 @@ from typing import Any
 from woz_drivers.byte_stream import ByteStream, Command, Listener
 from woz_drivers.camera import doctor
 from woz_drivers.camera.blob import Finder
-from woz_drivers.camera.pictures import Cutter
+from woz_drivers.camera.raw_pictures import Cutter
 from woz_drivers.camera.settings import CameraSettings
-from woz_drivers.camera.watched import Offer
-from woz_tui.core.driver import DriverContext, DriverError, Finding, Health, PassiveDriver, Probe
+from woz_drivers.camera.watched_pictures import Offer
+from woz_tui.drivers.contract import (
+    DriverContext,
+    DriverError,
+    Finding,
+    Health,
+    PassiveDriver,
+    Probe,
+)
 from woz_tui.motion.setpoints import SEEN, Seen
 
 #: Published beside the feed: places from -1 to 1, null while nothing is seen; share of the picture.

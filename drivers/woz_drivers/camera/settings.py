@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from woz_drivers import programs
+from woz_drivers import command_lines
 from woz_drivers.camera.blob import Rule
-from woz_drivers.camera.pictures import FORMATS, Layout
-from woz_tui.core.fields import Doc, OneOf, Range, Section
+from woz_drivers.camera.raw_pictures import FORMATS, Layout
+from woz_tui.drivers.fields import Doc, OneOf, Range, Section
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,13 +50,13 @@ class CameraSettings(Section):
             )
         if not self.command and self.format != "yuv420":
             found.append(("format", "rpicam-vid writes yuv420; others need a command"))
-        return found + programs.problems(self.command, "command")
+        return found + command_lines.problems(self.command, "command")
 
     @property
     def words(self) -> tuple[str, ...]:
         """The command. Raises `DriverError` if it is none."""
         if self.command:
-            return programs.split(self.command, "command")
+            return command_lines.split(self.command, "command")
         size = ("--width", str(self.width), "--height", str(self.height))
         rate = ("--framerate", f"{self.rate:g}")
         return ("rpicam-vid", "-n", "-v", "0", "-t", "0", "--codec", "yuv420", *size, *rate, "-o-")

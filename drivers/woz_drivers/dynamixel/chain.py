@@ -11,15 +11,15 @@ from concurrent.futures import Future
 from dataclasses import dataclass, field
 
 from woz_drivers.dynamixel import servo as servos
-from woz_drivers.dynamixel.following import Following
-from woz_drivers.dynamixel.motion import ARRIVED, Follow, Keyframe, Plan, plan
+from woz_drivers.dynamixel.body_following import Following
+from woz_drivers.dynamixel.control_tables import Table
 from woz_drivers.dynamixel.port import slow_answers
 from woz_drivers.dynamixel.servo import MISSES, Servo, SilentError, Standing, UnfitError
+from woz_drivers.dynamixel.servo_health import Upkeep
+from woz_drivers.dynamixel.setpoint_planning import ARRIVED, Follow, Keyframe, Plan, plan
 from woz_drivers.dynamixel.settings import Settings
-from woz_drivers.dynamixel.tables import Table
-from woz_drivers.dynamixel.upkeep import Upkeep
 from woz_drivers.dynamixel.wire import Wire
-from woz_tui.core.driver import DeviceLostError, DriverContext, DriverError, RejectedError
+from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, RejectedError
 from woz_tui.motion.safety import guard
 
 #: A setpoint that did not change is written again so often, in seconds: one may have been lost.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from woz_drivers.dynamixel import tables
+from woz_drivers.dynamixel import control_tables
 from woz_drivers.dynamixel.port import (
     AMPLE_MS,
     ServoPort,
@@ -14,7 +14,7 @@ from woz_drivers.dynamixel.port import (
 )
 from woz_drivers.dynamixel.settings import Joint, Settings
 from woz_drivers.dynamixel.wire import Wire
-from woz_tui.core.driver import DeviceLostError, Finding
+from woz_tui.drivers.contract import DeviceLostError, Finding
 
 #: Bauds that servos are usually left at, tried where the configured one finds nobody.
 USUAL_BAUDS = (57_600, 1_000_000, 115_200, 2_000_000, 3_000_000, 4_000_000)
@@ -122,11 +122,11 @@ def _joint(
             "error", subject, "does not answer", "check its cable, its power, its id and its baud"
         )
         return
-    model = tables.by_number(settings.protocol, number)
+    model = control_tables.by_number(settings.protocol, number)
     if model is None:
         yield Finding("error", subject, f"has model number {number}, which is in no table")
         return
-    wanted = tables.by_name(joint.model) if joint.model else None
+    wanted = control_tables.by_name(joint.model) if joint.model else None
     if wanted is not None and wanted is not model:
         yield Finding(
             "error",
@@ -140,7 +140,7 @@ def _joint(
 
 
 def _condition(
-    wire: Wire, settings: Settings, subject: str, joint: Joint, model: tables.Model
+    wire: Wire, settings: Settings, subject: str, joint: Joint, model: control_tables.Model
 ) -> Iterator[Finding]:
     table = model.table
     voltage = wire.read(joint.id, table.voltage)
@@ -149,14 +149,14 @@ def _condition(
             "error", subject, "stopped answering", "check its cable, or raise `reply_timeout`"
         )
         return
-    volts = table.voltage.decode(voltage.data) * tables.VOLT
+    volts = table.voltage.decode(voltage.data) * control_tables.VOLT
     firmware = wire.number(joint.id, table.firmware)
     version = "unknown" if firmware is None else str(firmware)
     yield Finding("info", subject, f"{volts:.1f} V, firmware {version}")
     if settings.watchdog and table.watchdog is not None:
         yield from _watchdog_doubts(wire, subject, joint, model, firmware)
     bits = voltage.error if table.alarm is None else wire.number(joint.id, table.alarm) or 0
-    for alarm in tables.alarms(table, bits):
+    for alarm in control_tables.alarms(table, bits):
         yield Finding("error", subject, f"alarm: {alarm}", "let it cool, then restart it")
     delay = wire.number(joint.id, table.return_delay)
     if delay:
@@ -169,7 +169,7 @@ def _condition(
 
 
 def _watchdog_doubts(
-    wire: Wire, subject: str, joint: Joint, model: tables.Model, firmware: int | None
+    wire: Wire, subject: str, joint: Joint, model: control_tables.Model, firmware: int | None
 ) -> Iterator[Finding]:
     """Reasons not to trust the bus watchdog of this servo."""
     try_it = "then pull the adapter during a slow move and see that the joint stops"
@@ -190,7 +190,7 @@ def _watchdog_doubts(
         wire.number(joint.id, register) if register is not None else None
         for register in (model.table.operating_mode, model.table.homing_offset)
     )
-    if mode in tables.EXTENDED_MODES and offset:
+    if mode in control_tables.EXTENDED_MODES and offset:
         yield Finding(
             "warning",
             subject,
@@ -224,5 +224,5 @@ def _elsewhere(settings: Settings, missing: list[int]) -> Iterator[Finding]:
 
 
 def _called(protocol: int, number: int) -> str:
-    model = tables.by_number(protocol, number)
+    model = control_tables.by_number(protocol, number)
     return f"a {model.name}" if model is not None else f"model number {number}"

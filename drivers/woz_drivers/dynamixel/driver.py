@@ -8,14 +8,14 @@ from collections.abc import Mapping
 from typing import Any, TypeVar
 
 from woz_drivers.dynamixel import verbs
+from woz_drivers.dynamixel.body_following import Following
 from woz_drivers.dynamixel.chain import Chain, Move
 from woz_drivers.dynamixel.doctor import examine
-from woz_drivers.dynamixel.following import Following
-from woz_drivers.dynamixel.loop import Action, ServoLoop
-from woz_drivers.dynamixel.motion import Keyframe, Plan
+from woz_drivers.dynamixel.port_loop import Action, ServoLoop
 from woz_drivers.dynamixel.servo import Servo, Standing
+from woz_drivers.dynamixel.setpoint_planning import Keyframe, Plan
 from woz_drivers.dynamixel.settings import Settings as ServoSettings
-from woz_tui.core.driver import (
+from woz_tui.drivers.contract import (
     DeviceLostError,
     Driver,
     DriverContext,
@@ -28,8 +28,8 @@ from woz_tui.core.driver import (
     StopReport,
     Verb,
 )
-from woz_tui.core.fields import Range
-from woz_tui.core.messages import Json
+from woz_tui.drivers.fields import Range
+from woz_tui.protocol.messages import Json
 
 #: A restarted servo answers again within about a second; after this it is reported missing.
 REBOOT_S = 5.0

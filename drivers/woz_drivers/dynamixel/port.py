@@ -21,7 +21,7 @@ import serial
 from dynamixel_sdk import PortHandler
 
 from woz_drivers.serial_line import LOSSES, explain, reason_of
-from woz_tui.core.driver import DeviceLostError
+from woz_tui.drivers.contract import DeviceLostError
 
 #: Longest sleep in one wait for bytes, in milliseconds.
 WAIT_MS = 2.0

@@ -6,12 +6,12 @@ import enum
 import math
 from dataclasses import dataclass, field
 
-from woz_drivers.dynamixel import tables
-from woz_drivers.dynamixel.motion import Follow, Track
+from woz_drivers.dynamixel import control_tables
+from woz_drivers.dynamixel.control_tables import Model, Register, Table
+from woz_drivers.dynamixel.setpoint_planning import Follow, Track
 from woz_drivers.dynamixel.settings import Joint, Settings
-from woz_drivers.dynamixel.tables import Model, Register, Table
 from woz_drivers.dynamixel.wire import Wire, refusal
-from woz_tui.core.driver import DriverError
+from woz_tui.drivers.contract import DriverError
 from woz_tui.motion.safety import Limits
 
 # -- calibration ----------------------------------------------------------------------------------
@@ -255,8 +255,8 @@ def check(wire: Wire, servo: Servo, settings: Settings, *, fresh: bool) -> None:
 
 
 def _model(joint: Joint, protocol: int, number: int) -> Model:
-    model = tables.by_number(protocol, number)
-    wanted = tables.by_name(joint.model) if joint.model else None
+    model = control_tables.by_number(protocol, number)
+    wanted = control_tables.by_name(joint.model) if joint.model else None
     if model is None:
         raise UnfitError(
             f"answers with model number {number}, which is not in the tables",
@@ -275,12 +275,12 @@ def _mode(line: Line) -> bool:
     if line.table.operating_mode is None:
         return False
     mode = line.number(line.table.operating_mode)
-    if mode not in tables.POSITION_MODES:
+    if mode not in control_tables.POSITION_MODES:
         raise UnfitError(
             f"is in operating mode {mode}, not in a position mode",
             "set Operating Mode (11) to 3 with the maker's tool",
         )
-    return mode in tables.EXTENDED_MODES
+    return mode in control_tables.EXTENDED_MODES
 
 
 def _servo_limits(line: Line) -> tuple[int, int]:
@@ -316,7 +316,10 @@ def _fence(line: Line, servo: Servo, settings: Settings, calibration: Calibratio
     table = line.table
     if table.watchdog is not None:
         rearm(line, settings.watchdog)
-    timed = table.drive_mode is not None and line.number(table.drive_mode) & tables.TIME_PROFILE_BIT
+    timed = (
+        table.drive_mode is not None
+        and line.number(table.drive_mode) & control_tables.TIME_PROFILE_BIT
+    )
     if not timed:
         # Second fence behind our own: the servo itself never goes faster either.
         line.write(table.speed_limit, calibration.speed_count(servo.joint.speed))
@@ -333,7 +336,7 @@ def rearm(line: Line, milliseconds: int) -> None:
 
 def watchdog_units(milliseconds: int) -> int:
     """What the bus watchdog reads when it is set to so many milliseconds; 0: off."""
-    return min(milliseconds // tables.WATCHDOG_UNIT_MS, tables.WATCHDOG_MAX)
+    return min(milliseconds // control_tables.WATCHDOG_UNIT_MS, control_tables.WATCHDOG_MAX)
 
 
 def torque_on(wire: Wire, servo: Servo, settings: Settings) -> None:

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from woz_drivers.dynamixel import tables
-from woz_tui.core.fields import Doc, OneOf, Port, Range, Section, Sibling
-from woz_tui.motion.shapes import pose_problems, range_problems
+from woz_drivers.dynamixel import control_tables
+from woz_tui.drivers.fields import Doc, OneOf, Port, Range, Section, Sibling
+from woz_tui.motion.body_shape import pose_problems, range_problems
 
 #: The key beside the joints' names in a keyframe.
 SECONDS = "seconds"
@@ -112,8 +112,8 @@ class Settings(Section):
             yield "baud", f"{self.baud} is none of {', '.join(map(str, BAUDS))}"
         if not self.joints:
             yield "joints", "names no joint"
-        if self.watchdog and self.watchdog < tables.WATCHDOG_UNIT_MS:
-            yield "watchdog", f"is shorter than one unit of {tables.WATCHDOG_UNIT_MS} ms"
+        if self.watchdog and self.watchdog < control_tables.WATCHDOG_UNIT_MS:
+            yield "watchdog", f"is shorter than one unit of {control_tables.WATCHDOG_UNIT_MS} ms"
         elif self.watchdog and self.watchdog < 3000.0 / self.rate:
             yield "watchdog", f"{self.watchdog} ms is less than three ticks of {self.rate:g} Hz"
         if (
@@ -136,10 +136,12 @@ class Settings(Section):
     def _model_problems(self, path: str, joint: Joint) -> Iterator[tuple[str, str]]:
         if not joint.model:
             return
-        model = tables.by_name(joint.model)
+        model = control_tables.by_name(joint.model)
         if model is None:
             known = ", ".join(
-                entry.name for entry in tables.MODELS if entry.table.protocol == self.protocol
+                entry.name
+                for entry in control_tables.MODELS
+                if entry.table.protocol == self.protocol
             )
             yield f"{path}.model", f"{joint.model!r} is not known; known: {known}"
         elif model.table.protocol != self.protocol:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from woz_drivers.dynamixel.motion import Keyframe
+from woz_drivers.dynamixel.setpoint_planning import Keyframe
 from woz_drivers.dynamixel.settings import SECONDS, Settings
-from woz_tui.core.driver import Argument, RejectedError, Verb
-from woz_tui.core.fields import Range
+from woz_tui.drivers.contract import Argument, RejectedError, Verb
+from woz_tui.drivers.fields import Range
 
 BODY = "body"
 HEAD = "head"

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 from dynamixel_sdk import GroupSyncRead, GroupSyncWrite, PacketHandler
 
+from woz_drivers.dynamixel.control_tables import Register
 from woz_drivers.dynamixel.port import AMPLE_MS, ServoPort, patience
-from woz_drivers.dynamixel.tables import Register
 
 #: `dynamixel_sdk.robotis_def.COMM_SUCCESS`.
 SUCCESS = 0

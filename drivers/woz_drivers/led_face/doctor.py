@@ -8,11 +8,11 @@ import statistics
 
 import serial
 
+from woz_drivers.led_face.conversation import mismatch
 from woz_drivers.led_face.settings import LedFaceSettings
-from woz_drivers.led_face.talk import mismatch
 from woz_drivers.led_face.wire import HELLO, HERE, VERSION, Damaged, Device, Packet, Reader
 from woz_drivers.serial_line import LOSSES, explain, open_port
-from woz_tui.core.driver import Finding
+from woz_tui.drivers.contract import Finding
 
 #: Boards that start anew when their port is opened need two seconds until they answer.
 _PATIENCE_S = 3.0

@@ -7,12 +7,12 @@ import contextlib
 from collections.abc import Mapping
 from typing import Any
 
+from woz_drivers.led_face.conversation import State, Talk, Wanted
 from woz_drivers.led_face.doctor import examined
-from woz_drivers.led_face.pictures import PATTERNS, asleep, mounted
+from woz_drivers.led_face.light_pictures import PATTERNS, asleep, mounted
 from woz_drivers.led_face.settings import LedFaceSettings
-from woz_drivers.led_face.talk import State, Talk, Wanted
 from woz_drivers.serial_line import SerialLine, Trouble
-from woz_tui.core.driver import (
+from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
     DriverContext,
@@ -24,10 +24,10 @@ from woz_tui.core.driver import (
     RejectedError,
     Verb,
 )
-from woz_tui.core.fields import Range
-from woz_tui.core.messages import Json
-from woz_tui.motion.frames import Frame, blank
+from woz_tui.drivers.fields import Range
+from woz_tui.motion.light_frames import Frame, blank
 from woz_tui.motion.setpoints import FACE, Lit
+from woz_tui.protocol.messages import Json
 
 #: How the conversation stands, as the wizard sees it.
 _HEALTH: Mapping[State, Health] = {

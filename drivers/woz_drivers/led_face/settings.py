@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from woz_tui.core.fields import Doc, OneOf, Port, Range, Sibling
+from woz_tui.drivers.fields import Doc, OneOf, Port, Range, Sibling
 
 #: What stays on the lights when the session has ended.
 AFTERWARDS = ("dark", "asleep", "last")

@@ -10,7 +10,7 @@ from __future__ import annotations
 import binascii
 from dataclasses import dataclass
 
-from woz_tui.motion.frames import Frame
+from woz_tui.motion.light_frames import Frame
 
 VERSION = 1
 

@@ -6,9 +6,9 @@ import asyncio
 
 import numpy as np
 
-from woz_drivers import child, programs, sound
+from woz_drivers import child_process, command_lines, pcm_audio
 from woz_drivers.microphone.settings import MicrophoneSettings
-from woz_tui.core.driver import DriverError, Finding, Probe
+from woz_tui.drivers.contract import DriverError, Finding, Probe
 
 #: How much is listened to, and how long that may take, in seconds.
 _LISTEN_S = 1.0
@@ -34,7 +34,7 @@ def _transcriber(probe: Probe, settings: MicrophoneSettings) -> list[Finding]:
         words = settings.transcriber
         if not words:
             return []
-        path = programs.find(words[0], probe.folder)
+        path = command_lines.find(words[0], probe.folder)
     except DriverError as error:
         return [Finding("error", probe.name, error.what, error.remedy)]
     return [Finding("ok", probe.name, f"speech is recognised by {path}")]
@@ -51,7 +51,7 @@ async def _record(settings: MicrophoneSettings, words: tuple[str, ...], probe: P
         if len(heard) >= wanted:
             enough.set()
 
-    running = await child.start(words, probe.folder, on_output=received)
+    running = await child_process.start(words, probe.folder, on_output=received)
     ended = asyncio.ensure_future(running.wait())
     full = asyncio.ensure_future(enough.wait())
     try:
@@ -73,7 +73,7 @@ async def _record(settings: MicrophoneSettings, words: tuple[str, ...], probe: P
 
 def _frames(settings: MicrophoneSettings) -> int:
     """Frames in a block."""
-    return settings.block_bytes // (sound.FORMATS[settings.format].width * settings.channels)
+    return settings.block_bytes // (pcm_audio.FORMATS[settings.format].width * settings.channels)
 
 
 async def _devices(program: str, probe: Probe) -> str:
@@ -82,7 +82,9 @@ async def _devices(program: str, probe: Probe) -> str:
         return "try the command in a terminal"
     listed = bytearray()
     try:
-        listing = await child.start(("arecord", "-l"), probe.folder, on_output=listed.extend)
+        listing = await child_process.start(
+            ("arecord", "-l"), probe.folder, on_output=listed.extend
+        )
     except DriverError as error:
         return error.remedy
     try:
@@ -102,19 +104,19 @@ async def _devices(program: str, probe: Probe) -> str:
 
 def _level(subject: str, settings: MicrophoneSettings, data: bytes) -> Finding:
     samples = settings.samples(data)
-    level = sound.rms(samples)
+    level = pcm_audio.rms(samples)
     peak = float(np.abs(samples).max(initial=0.0))
     text = (
-        f"{settings.words[0]}: RMS {level:.4f} ({sound.decibels(level):.0f} dB), peak {peak:.2f},"
-        f" threshold {settings.threshold:.4f}"
+        f"{settings.words[0]}: RMS {level:.4f} ({pcm_audio.decibels(level):.0f} dB),"
+        f" peak {peak:.2f}, threshold {settings.threshold:.4f}"
     )
     if peak == 0:
         return Finding(
             "error", subject, f"{text}: only zeros", "switch the microphone on, or choose another"
         )
-    if peak >= sound.CLIPPED:
+    if peak >= pcm_audio.CLIPPED:
         return Finding("warning", subject, f"{text}: clipping", "turn the gain down: alsamixer")
-    if sound.decibels(level) < _VERY_QUIET_DB:
+    if pcm_audio.decibels(level) < _VERY_QUIET_DB:
         return Finding("warning", subject, f"{text}: very quiet", "turn the gain up: alsamixer")
     if level > settings.threshold:
         return Finding(

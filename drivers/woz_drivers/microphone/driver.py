@@ -6,14 +6,14 @@ import asyncio
 from collections.abc import Mapping
 from typing import Any
 
-from woz_drivers import room, sound
+from woz_drivers import pcm_audio, room_threshold
 from woz_drivers.byte_stream import ByteStream, Command, Listener
 from woz_drivers.microphone import doctor
-from woz_drivers.microphone.segments import Segments
 from woz_drivers.microphone.settings import MicrophoneSettings
-from woz_drivers.microphone.speaking import BLOCK_S, Speaking
+from woz_drivers.microphone.speech_detection import BLOCK_S, Speaking
+from woz_drivers.microphone.speech_segments import Segments
 from woz_drivers.microphone.transcriber import Transcriber
-from woz_tui.core.driver import (
+from woz_tui.drivers.contract import (
     SPEECH,
     SPEECH_TEXT,
     DeviceLostError,
@@ -27,8 +27,8 @@ from woz_tui.core.driver import (
     RejectedError,
     Verb,
 )
-from woz_tui.core.messages import Json
-from woz_tui.sensing.endpoint import Ended
+from woz_tui.protocol.messages import Json
+from woz_tui.sensing.speech_endpoint import Ended
 
 SENSOR = "loudness"
 
@@ -73,14 +73,19 @@ class Microphone(PassiveDriver):
     @classmethod
     def verbs(cls, settings: Any) -> tuple[Verb, ...]:
         """It can learn the room's noise."""
-        return (room.verb(),)
+        return (room_threshold.verb(),)
 
     @classmethod
     def sensors(cls, settings: Any) -> tuple[str, ...]:
         """The loudness, the threshold of speech on the same scale, segments of speech, and their
         texts where a program understands them.
         """
-        return (SENSOR, room.THRESHOLD, SPEECH, *((SPEECH_TEXT,) if settings.transcribe else ()))
+        return (
+            SENSOR,
+            room_threshold.THRESHOLD,
+            SPEECH,
+            *((SPEECH_TEXT,) if settings.transcribe else ()),
+        )
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
@@ -90,7 +95,7 @@ class Microphone(PassiveDriver):
     async def open(self) -> None:
         """Start the command, and again whenever it ends."""
         self.context.health(Health.CONNECTING, "starting the microphone's command")
-        self.context.reading(room.THRESHOLD, self._speaking.threshold)
+        self.context.reading(room_threshold.THRESHOLD, self._speaking.threshold)
         self.context.sensor(SPEECH, "ready", "it reports speech by itself")
         settings = self.settings
         command = Command(
@@ -104,13 +109,13 @@ class Microphone(PassiveDriver):
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Learn the room."""
-        if job.verb != room.NAME:
+        if job.verb != room_threshold.NAME:
             raise RejectedError(f"{self.name} is a microphone; it cannot {job.verb}")
         if self._source is None or not self._source.running or not self._heard:
             raise DeviceLostError(
                 f"{self.name} delivers no sound", "see the driver's health for the reason"
             )
-        learning = _Learning(room.seconds(job.args))
+        learning = _Learning(room_threshold.seconds(job.args))
         self._learning = learning
         job.expects(learning.seconds)
         try:
@@ -157,8 +162,8 @@ class Microphone(PassiveDriver):
 
     # -- sound ---------------------------------------------------------------------------------
 
-    def _fresh_blocks(self) -> sound.Blocks:
-        return sound.Blocks(self.settings.block_bytes, self._take)
+    def _fresh_blocks(self) -> pcm_audio.Blocks:
+        return pcm_audio.Blocks(self.settings.block_bytes, self._take)
 
     def _received(self, data: bytes) -> None:
         self._blocks.feed(data)
@@ -183,7 +188,7 @@ class Microphone(PassiveDriver):
         if self._heard * BLOCK_S * settings.publish >= 1 + self._published():
             self._publish()
 
-    def _cut(self, samples: sound.Samples, level: float) -> None:
+    def _cut(self, samples: pcm_audio.Samples, level: float) -> None:
         self._segments.take(samples, level, self.context.clock.now_us())
         event = self._speaking.event
         self._segments.happened(event, self._speaking.earliest)
@@ -245,8 +250,10 @@ class Microphone(PassiveDriver):
 
     def _adopt(self, levels: list[float]) -> Mapping[str, Json]:
         keeping = "write threshold: {threshold} into the robot file to keep it"
-        heard = room.learn(levels)
-        lesson = room.Lesson(self.name, heard, self.settings.sensitivity, BLOCK_S, keeping)
+        heard = room_threshold.learn(levels)
+        lesson = room_threshold.Lesson(
+            self.name, heard, self.settings.sensitivity, BLOCK_S, keeping
+        )
         told = lesson.tell(self.context, self._speaking.threshold)
         self._speaking.threshold = lesson.threshold
         return told

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from woz_drivers import programs, sound
-from woz_drivers.microphone.speaking import BLOCK_S, Ear
-from woz_tui.core.driver import DriverError
-from woz_tui.core.fields import Doc, OneOf, Range, Seconds, Section
+from woz_drivers import command_lines, pcm_audio
+from woz_drivers.microphone.speech_detection import BLOCK_S, Ear
+from woz_tui.drivers.contract import DriverError
+from woz_tui.drivers.fields import Doc, OneOf, Range, Seconds, Section
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +21,7 @@ class MicrophoneSettings(Section):
     ] = ""
     device: Annotated[str, Doc("ALSA device for arecord, such as plughw:1,0")] = ""
     rate: Annotated[int, Range(4_000, 192_000, "Hz"), Doc("frames a second")] = 16_000
-    format: Annotated[str, OneOf(tuple(sound.FORMATS)), Doc("sample format")] = "S16_LE"
+    format: Annotated[str, OneOf(tuple(pcm_audio.FORMATS)), Doc("sample format")] = "S16_LE"
     channels: Annotated[int, Range(1, 32), Doc("channels the command writes")] = 1
     channel: Annotated[int, Range(0, 32), Doc("which one counts, from 1; 0: their mean")] = 0
     publish: Annotated[float, Range(0.5, 50, "Hz"), Doc("loudness values a second")] = 10.0
@@ -67,14 +67,16 @@ class MicrophoneSettings(Section):
             found.append(("device", "it is for arecord; put the device into your command instead"))
         if self.pre_roll + self.onset + 2 * BLOCK_S > self.longest:
             found.append(("longest", "must be longer than pre_roll and onset together"))
-        return found + programs.problems(self.command, "command") + self._transcriber_problems()
+        return (
+            found + command_lines.problems(self.command, "command") + self._transcriber_problems()
+        )
 
     def _transcriber_problems(self) -> list[tuple[str, str]]:
-        found = programs.problems(self.transcribe, "transcribe")
+        found = command_lines.problems(self.transcribe, "transcribe")
         if found or not self.transcribe:
             return found
         try:
-            if "file" in programs.placeholders(self.transcriber, ("file",), "transcribe"):
+            if "file" in command_lines.placeholders(self.transcriber, ("file",), "transcribe"):
                 return []
         except DriverError as error:
             return [("transcribe", f"{error.what}; {error.remedy}")]
@@ -83,13 +85,13 @@ class MicrophoneSettings(Section):
     @property
     def transcriber(self) -> tuple[str, ...]:
         """The command that turns speech into text; empty if there is none."""
-        return programs.split(self.transcribe, "transcribe") if self.transcribe else ()
+        return command_lines.split(self.transcribe, "transcribe") if self.transcribe else ()
 
     @property
     def words(self) -> tuple[str, ...]:
         """The command. Raises `DriverError` if it is none."""
         if self.command:
-            return programs.split(self.command, "command")
+            return command_lines.split(self.command, "command")
         device = ("-D", self.device) if self.device else ()
         shape = ("-t", "raw", "-f", self.format, "-r", str(self.rate), "-c", str(self.channels))
         return ("arecord", "-q", *device, *shape)
@@ -97,7 +99,7 @@ class MicrophoneSettings(Section):
     @property
     def block_bytes(self) -> int:
         """Bytes of a 20 ms block of all channels."""
-        return round(self.rate * BLOCK_S) * sound.FORMATS[self.format].width * self.channels
+        return round(self.rate * BLOCK_S) * pcm_audio.FORMATS[self.format].width * self.channels
 
     @property
     def ear(self) -> Ear:
@@ -111,6 +113,8 @@ class MicrophoneSettings(Section):
             self.longest,
         )
 
-    def samples(self, block: bytes) -> sound.Samples:
+    def samples(self, block: bytes) -> pcm_audio.Samples:
         """A block of bytes as the chosen channel's samples."""
-        return sound.one_channel(sound.decode(block, self.format, self.channels), self.channel)
+        return pcm_audio.one_channel(
+            pcm_audio.decode(block, self.format, self.channels), self.channel
+        )

@@ -13,9 +13,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from woz_drivers import child, programs
-from woz_tui.core.driver import DriverContext, DriverError
-from woz_tui.core.messages import SpeechText
+from woz_drivers import child_process, command_lines
+from woz_tui.drivers.contract import DriverContext, DriverError
+from woz_tui.protocol.messages import SpeechText
 
 log = logging.getLogger(__name__)
 
@@ -132,8 +132,10 @@ class Transcriber:
             said.extend(data[: _MOST_BYTES - len(said)])
 
         program = self._words[0]
-        words = programs.fill(self._words, {"file": str(file)})
-        running = await child.start(words, self._context.folder, on_output=listen, humble=True)
+        words = command_lines.fill(self._words, {"file": str(file)})
+        running = await child_process.start(
+            words, self._context.folder, on_output=listen, humble=True
+        )
         try:
             async with asyncio.timeout(self._limit_s):
                 status = await running.wait()

@@ -14,7 +14,7 @@ import stat
 from dataclasses import dataclass
 from pathlib import Path
 
-from woz_tui.core.driver import DeviceLostError
+from woz_tui.drivers.contract import DeviceLostError
 
 DEV, PROC = Path("/dev/snd"), Path("/proc/asound")
 _NODE = re.compile(r"midiC(\d+)D(\d+)")

@@ -6,10 +6,10 @@ import os
 from pathlib import Path
 
 from woz_drivers.midi import devices
-from woz_drivers.midi.fitted import fitted
-from woz_drivers.midi.layouts import LAYOUTS
+from woz_drivers.midi.panel_layouts import LAYOUTS
+from woz_drivers.midi.resolved_map import fitted
 from woz_drivers.midi.settings import MidiSettings
-from woz_tui.core.driver import DeviceLostError, Finding
+from woz_tui.drivers.contract import DeviceLostError, Finding
 
 #: Names of free controls that are worth telling.
 _SHOWN = 12

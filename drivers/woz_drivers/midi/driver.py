@@ -7,14 +7,14 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from woz_drivers.midi import doctor
-from woz_drivers.midi.fitted import Fitted, fitted, found_by
-from woz_drivers.midi.hands import Button, Knob
-from woz_drivers.midi.layouts import LAYOUTS, Control, Layout, Signal
+from woz_drivers.midi.control_requests import Button, Knob
 from woz_drivers.midi.learning import Lesson, begin_lesson, map_text
+from woz_drivers.midi.panel_layouts import LAYOUTS, Control, Layout, Signal
 from woz_drivers.midi.port import MidiPort
+from woz_drivers.midi.resolved_map import Fitted, fitted, found_by
 from woz_drivers.midi.settings import MidiSettings
 from woz_drivers.midi.wire import CC, NOTE, Decoder, MidiMessage, control_change, note_on
-from woz_tui.core.driver import (
+from woz_tui.drivers.contract import (
     Ask,
     DriverContext,
     Finding,
@@ -26,8 +26,8 @@ from woz_tui.core.driver import (
     Scope,
     Verb,
 )
-from woz_tui.core.messages import ControlsMoved, Json
 from woz_tui.motion.setpoints import STATE, State
+from woz_tui.protocol.messages import ControlsMoved, Json
 
 #: How often the robot's state is looked at, and how often what moved is shown, in seconds.
 LOOK_S = 0.05

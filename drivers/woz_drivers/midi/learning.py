@@ -12,12 +12,12 @@ from pathlib import Path
 import yaml
 
 from woz_drivers.midi import devices
-from woz_drivers.midi.fitted import Fitted, fitted, found_by
-from woz_drivers.midi.layouts import LAYOUTS, Signal
 from woz_drivers.midi.maps import Mapped, PanelMap
+from woz_drivers.midi.panel_layouts import LAYOUTS, Signal
+from woz_drivers.midi.resolved_map import Fitted, fitted, found_by
 from woz_drivers.midi.settings import MidiSettings
 from woz_drivers.midi.wire import BEND, CC, NOTE, PROGRAM, Decoder, MidiMessage
-from woz_tui.core.driver import DriverError
+from woz_tui.drivers.contract import DriverError
 
 #: A knob is heard as one when it has sent so many different values: nobody touches it by chance.
 _VALUES = 3

@@ -15,9 +15,9 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Any
 
-from woz_drivers.midi.layouts import BUTTON, KINDS, KNOB, LAYOUTS, Layout, Signal
+from woz_drivers.midi.panel_layouts import BUTTON, KINDS, KNOB, LAYOUTS, Layout, Signal
 from woz_drivers.midi.wire import BEND, CC, NOTE, PROGRAM
-from woz_tui.core.fields import Doc, OneOf, Range, Section
+from woz_tui.drivers.fields import Doc, OneOf, Range, Section
 
 # -- mapped ---------------------------------------------------------------------------------------
 # What one control of a panel does, as a map file says it.

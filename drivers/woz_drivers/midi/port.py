@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from woz_drivers.midi.devices import open_one
-from woz_tui.core.driver import DeviceLostError
+from woz_tui.drivers.contract import DeviceLostError
 
 #: A missing device is looked for this often, in seconds.
 POLL_S = 0.5

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import Annotated
 
-from woz_drivers.midi.layouts import LAYOUTS
 from woz_drivers.midi.maps import BUILT_IN, JUMP, SOFT, Mapped, PanelMap, claimed_twice, found_in
-from woz_tui.core.fields import Doc, Included, OneOf, Section, Sibling
+from woz_drivers.midi.panel_layouts import LAYOUTS
+from woz_tui.drivers.fields import Doc, Included, OneOf, Section, Sibling
 
 
 @dataclass(frozen=True, slots=True)

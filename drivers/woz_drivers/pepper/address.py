@@ -6,8 +6,8 @@ import contextlib
 import re
 from dataclasses import dataclass
 
-from woz_tui.core.driver import RejectedError
-from woz_tui.core.hiding import HIDDEN
+from woz_tui.drivers.contract import RejectedError
+from woz_tui.drivers.secret_arguments import HIDDEN
 
 #: `robots:` entry for which the driver starts a robot of its own on this machine.
 SIMULATED = "simulated"

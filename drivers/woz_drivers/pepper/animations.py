@@ -10,8 +10,8 @@ from woz_drivers.pepper.memory import flag
 from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.parts_calls import LONG_S, Endings
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.simulated.values import text
-from woz_tui.core.driver import (
+from woz_drivers.simulated.argument_values import text
+from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
     DriverContext,
@@ -21,7 +21,7 @@ from woz_tui.core.driver import (
     Scope,
     Verb,
 )
-from woz_tui.core.messages import Json
+from woz_tui.protocol.messages import Json
 
 BEHAVIORS = "ALBehaviorManager"
 LANE = "body"

@@ -13,8 +13,8 @@ from woz_drivers.pepper.parts import LOOK_S, Part, Robot
 from woz_drivers.pepper.parts_calls import put, read_back
 from woz_drivers.pepper.robot_settings import SETTINGS, STATE_S, of_verb
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.simulated.values import number
-from woz_tui.core.driver import (
+from woz_drivers.simulated.argument_values import number
+from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
     DriverError,
@@ -22,7 +22,7 @@ from woz_tui.core.driver import (
     RejectedError,
     Verb,
 )
-from woz_tui.core.messages import Json
+from woz_tui.protocol.messages import Json
 
 LANE = "settings"
 #: NAOqi refuses one change alone (naoqi/interaction/autonomouslife-api of 2.5).

@@ -11,8 +11,8 @@ from woz_drivers.pepper.memory import number as number_of
 from woz_drivers.pepper.parts import LOOK_S, Part, Robot
 from woz_drivers.pepper.parts_calls import Endings, answers
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.simulated.values import number
-from woz_tui.core.driver import (
+from woz_drivers.simulated.argument_values import number
+from woz_tui.drivers.contract import (
     Argument,
     DriverContext,
     DriverError,
@@ -21,8 +21,8 @@ from woz_tui.core.driver import (
     Scope,
     Verb,
 )
-from woz_tui.core.fields import Range
-from woz_tui.core.messages import Json
+from woz_tui.drivers.fields import Range
+from woz_tui.protocol.messages import Json
 
 MOTION = "ALMotion"
 #: Speeds that a Pepper drives at unless it is told otherwise; the expected time is made of them.

@@ -11,8 +11,8 @@ from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.parts_calls import LONG_S, Call, Endings, read_back
 from woz_drivers.pepper.robot_settings import SETTINGS, of_section
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.simulated.values import positive, text
-from woz_tui.core.driver import (
+from woz_drivers.simulated.argument_values import positive, text
+from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
     DriverContext,
@@ -22,8 +22,8 @@ from woz_tui.core.driver import (
     Scope,
     Verb,
 )
-from woz_tui.core.fields import Range
-from woz_tui.core.messages import Json
+from woz_tui.drivers.fields import Range
+from woz_tui.protocol.messages import Json
 
 MOTION, POSTURE = "ALMotion", "ALRobotPosture"
 LANE = "body"

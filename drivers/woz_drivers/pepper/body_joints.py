@@ -13,9 +13,9 @@ import math
 from collections.abc import Mapping
 from itertools import pairwise
 
-from woz_tui.core.driver import RejectedError
-from woz_tui.core.fields import Range
-from woz_tui.core.messages import Json
+from woz_tui.drivers.contract import RejectedError
+from woz_tui.drivers.fields import Range
+from woz_tui.protocol.messages import Json
 
 HEAD_YAW, HEAD_PITCH = "HeadYaw", "HeadPitch"
 HIP_PITCH, HIP_ROLL = "HipPitch", "HipRoll"

@@ -12,13 +12,13 @@ from pathlib import Path
 from typing import Any
 
 from woz_drivers.pepper import camera_files
-from woz_drivers.pepper.link import Said, binary
 from woz_drivers.pepper.memory import item, number, within
+from woz_drivers.pepper.naoqi_link import Said, binary
 from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.parts_calls import Endings
 from woz_drivers.pepper.parts_task import Background, apart
 from woz_drivers.pepper.settings import PepperSettings
-from woz_tui.core.driver import (
+from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
     DriverError,
@@ -26,8 +26,8 @@ from woz_tui.core.driver import (
     RejectedError,
     Verb,
 )
-from woz_tui.core.messages import Json
-from woz_tui.core.pictures import PICTURE, WATCHED, Picture, Watched
+from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, Picture, Watched
+from woz_tui.protocol.messages import Json
 
 #: What ALVideoDevice knows us by; it adds a number of its own to each.
 VIEW, SINGLE = "woz-tui-view", "woz-tui-picture"

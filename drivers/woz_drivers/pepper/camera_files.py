@@ -12,8 +12,8 @@ import zlib
 from datetime import datetime
 from pathlib import Path
 
-from woz_tui.core.driver import DriverError
-from woz_tui.core.pictures import Picture
+from woz_tui.drivers.contract import DriverError
+from woz_tui.protocol.camera_pictures import Picture
 
 _NEW = os.O_CREAT | os.O_EXCL | os.O_WRONLY | os.O_CLOEXEC
 _REMEDIES = {

@@ -12,13 +12,13 @@ from typing import Any
 
 from woz_drivers.pepper import memory
 from woz_drivers.pepper.address import Address, parse
-from woz_drivers.pepper.connection_line import ESSENTIAL, WANTED
-from woz_drivers.pepper.link import Link, LinkError, Missing, open_link
+from woz_drivers.pepper.naoqi_link import Link, LinkError, Missing, open_link
+from woz_drivers.pepper.robot_line import ESSENTIAL, WANTED
 from woz_drivers.pepper.served_files import REMEDY, places
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.simulated_robot import SimulatedRobot
 from woz_drivers.pepper.tablet_page import is_address
-from woz_tui.core.driver import DriverError, Finding, Probe
+from woz_tui.drivers.contract import DriverError, Finding, Probe
 
 #: Seconds for each question; a robot that is slow shows as slow, not as gone.
 _WITHIN_S = 3.0

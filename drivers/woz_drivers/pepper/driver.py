@@ -8,21 +8,21 @@ import logging
 from collections.abc import Iterable, Mapping, Sequence
 
 from woz_drivers.pepper import doctor, outline, verbs
-from woz_drivers.pepper import written as written_as
+from woz_drivers.pepper import text_remarks as written_as
 from woz_drivers.pepper.autonomy import Autonomy
 from woz_drivers.pepper.base import Base
 from woz_drivers.pepper.body import Body
 from woz_drivers.pepper.body_joints import JOINTS
-from woz_drivers.pepper.connection import Connection
 from woz_drivers.pepper.parts import Part
 from woz_drivers.pepper.parts_task import Background
-from woz_drivers.pepper.reading import Reading
 from woz_drivers.pepper.recognition import Recognition
+from woz_drivers.pepper.robot_connection import Connection
 from woz_drivers.pepper.senses import Senses
 from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.pepper.settings_reading import Reading
 from woz_drivers.pepper.tablet import Screen
-from woz_drivers.simulated.values import text
-from woz_tui.core.driver import (
+from woz_drivers.simulated.argument_values import text
+from woz_tui.drivers.contract import (
     DeviceLostError,
     Driver,
     DriverContext,
@@ -36,8 +36,8 @@ from woz_tui.core.driver import (
     Verb,
     Written,
 )
-from woz_tui.core.fields import Range
-from woz_tui.core.messages import Json
+from woz_tui.drivers.fields import Range
+from woz_tui.protocol.messages import Json
 
 #: The bus waits 0.5 s for a stop; what has not confirmed after so long is told as missing.
 STOP_S = 0.45

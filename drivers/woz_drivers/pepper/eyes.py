@@ -17,9 +17,9 @@ from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.parts_calls import Endings
 from woz_drivers.pepper.robot_settings import SETTINGS
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.simulated.values import color as color_of
-from woz_drivers.simulated.values import number, positive, word
-from woz_tui.core.driver import (
+from woz_drivers.simulated.argument_values import color as color_of
+from woz_drivers.simulated.argument_values import number, positive, word
+from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
     DriverContext,
@@ -29,8 +29,8 @@ from woz_tui.core.driver import (
     Scope,
     Verb,
 )
-from woz_tui.core.fields import Range
-from woz_tui.core.messages import Json
+from woz_tui.drivers.fields import Range
+from woz_tui.protocol.messages import Json
 
 LEDS = "ALLeds"
 GROUP, ONE_LIGHT = "FaceLeds", "RightFaceLed1"

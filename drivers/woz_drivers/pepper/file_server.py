@@ -25,7 +25,7 @@ from http.server import BaseHTTPRequestHandler
 from pathlib import Path
 from typing import IO, Any
 
-from woz_tui.core.driver import DriverError
+from woz_tui.drivers.contract import DriverError
 
 #: Connections at once; a tablet opens six.
 MOST = 16

@@ -15,9 +15,8 @@ from woz_drivers.pepper.body_joints import HEAD_PITCH, HEAD_YAW, HIP_PITCH, HIP_
 from woz_drivers.pepper.memory import item, within
 from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.simulated.values import number
-from woz_tui.core.clock import Clock
-from woz_tui.core.driver import (
+from woz_drivers.simulated.argument_values import number
+from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
     DriverContext,
@@ -27,8 +26,9 @@ from woz_tui.core.driver import (
     Scope,
     Verb,
 )
-from woz_tui.core.fields import Range
-from woz_tui.core.messages import Json
+from woz_tui.drivers.fields import Range
+from woz_tui.protocol.messages import Json
+from woz_tui.system.clock import Clock
 
 #: Share of the joints' full speed.
 HEAD_SPEED, HIP_SPEED = 0.2, 0.1

@@ -16,13 +16,13 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from woz_drivers.pepper.camera_files import stamp
-from woz_drivers.pepper.link import Said, Unsubscribe, binary
 from woz_drivers.pepper.memory import stamped, within
+from woz_drivers.pepper.naoqi_link import Said, Unsubscribe, binary
 from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.parts_calls import Endings
 from woz_drivers.pepper.settings import PepperSettings
-from woz_tui.core.driver import Argument, DriverContext, DriverError, Job, RejectedError, Verb
-from woz_tui.core.messages import Json
+from woz_tui.drivers.contract import Argument, DriverContext, DriverError, Job, RejectedError, Verb
+from woz_tui.protocol.messages import Json
 
 #: Of the recordings on the robot.
 _RECORDED_HZ = 16000

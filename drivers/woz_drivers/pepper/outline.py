@@ -9,8 +9,8 @@ from woz_drivers.pepper.address import SIMULATED
 from woz_drivers.pepper.animations import MOVES
 from woz_drivers.pepper.robot_settings import SETTINGS
 from woz_drivers.pepper.settings import PepperSettings
-from woz_tui.core.messages import Json
-from woz_tui.core.robots import RobotOutline
+from woz_tui.protocol.messages import Json
+from woz_tui.protocol.robot_outline import RobotOutline
 
 
 def outline(settings: PepperSettings) -> dict[str, Json]:

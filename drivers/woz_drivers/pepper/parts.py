@@ -10,10 +10,10 @@ import asyncio
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
-from woz_drivers.pepper.link import Methods, Unsubscribe
+from woz_drivers.pepper.naoqi_link import Methods, Unsubscribe
 from woz_drivers.pepper.settings import PepperSettings
-from woz_tui.core.driver import DriverContext, DriverError, Job, RejectedError, Scope, Verb
-from woz_tui.core.messages import Json
+from woz_tui.drivers.contract import DriverContext, DriverError, Job, RejectedError, Scope, Verb
+from woz_tui.protocol.messages import Json
 
 if TYPE_CHECKING:
     from woz_drivers.pepper.served_files import Files

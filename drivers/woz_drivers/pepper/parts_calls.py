@@ -10,8 +10,8 @@ from typing import Any
 from woz_drivers.pepper import memory
 from woz_drivers.pepper.parts import WITHIN_S, Robot
 from woz_drivers.pepper.robot_settings import RobotSetting
-from woz_tui.core.driver import DeviceLostError, DriverContext, DriverError
-from woz_tui.core.messages import Json
+from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
+from woz_tui.protocol.messages import Json
 
 #: For calls that end when something has ended on the robot: longer than any of that takes. A robot
 #: that falls silent meanwhile is noticed by the connection.

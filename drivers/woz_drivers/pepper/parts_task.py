@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable, Coroutine
 from typing import Any, TypeVar
 
-from woz_tui.core.driver import DriverContext
+from woz_tui.drivers.contract import DriverContext
 
 _T = TypeVar("_T")
 

@@ -16,14 +16,14 @@ from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.parts_task import Background
 from woz_drivers.pepper.senses_modules import NAME, Asking
 from woz_drivers.pepper.settings import PepperSettings
-from woz_tui.core.driver import (
+from woz_tui.drivers.contract import (
     SPEECH,
     SPEECH_TEXT,
     DeviceLostError,
     DriverContext,
     DriverError,
 )
-from woz_tui.core.messages import SpeechEnded, SpeechStarted, SpeechText
+from woz_tui.protocol.messages import SpeechEnded, SpeechStarted, SpeechText
 
 SERVICE = "ALSpeechRecognition"
 DETECTED, RECOGNIZED = "SpeechDetected", "WordRecognized"

@@ -11,9 +11,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from woz_tui.core.driver import Argument
-from woz_tui.core.fields import Doc, OneOf, Range
-from woz_tui.core.robots import Setting
+from woz_tui.drivers.contract import Argument
+from woz_tui.drivers.fields import Doc, OneOf, Range
+from woz_tui.protocol.robot_outline import Setting
 
 #: A service, a method, and what comes before the value.
 Call = tuple[str, ...]

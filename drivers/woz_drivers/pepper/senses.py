@@ -18,8 +18,8 @@ from woz_drivers.pepper.parts import Part, Robot, together
 from woz_drivers.pepper.parts_task import Background
 from woz_drivers.pepper.senses_modules import Asking, Modules, wanted
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.simulated.values import text
-from woz_tui.core.driver import (
+from woz_drivers.simulated.argument_values import text
+from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
     DriverContext,
@@ -28,7 +28,7 @@ from woz_tui.core.driver import (
     RejectedError,
     Verb,
 )
-from woz_tui.core.messages import Json
+from woz_tui.protocol.messages import Json
 
 #: A missing module is asked for again after so long: at its start a robot has them one by one.
 _AGAIN_US = 10_000_000

@@ -11,7 +11,7 @@ from typing import Any
 from woz_drivers.pepper.memory import items
 from woz_drivers.pepper.parts import Robot, together
 from woz_drivers.pepper.settings import PepperSettings
-from woz_tui.core.driver import DeviceLostError, DriverError
+from woz_tui.drivers.contract import DeviceLostError, DriverError
 
 #: How the robot knows this program: whatever it left behind has this name.
 NAME = "woz-tui"

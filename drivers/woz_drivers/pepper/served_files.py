@@ -9,7 +9,7 @@ from woz_drivers.pepper.file_server import FileServer
 from woz_drivers.pepper.parts_task import apart
 from woz_drivers.pepper.settings import Tablet
 from woz_drivers.pepper.tablet_page import is_address
-from woz_tui.core.driver import DeviceLostError, DriverContext, DriverError
+from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
 
 REMEDY = "check its name, and tablet.root"
 

@@ -9,10 +9,10 @@ from typing import Annotated
 
 from woz_drivers.pepper.address import parse, seen
 from woz_drivers.pepper.robot_settings import SETTINGS, RobotSetting, of_section
-from woz_drivers.simulated.values import color
-from woz_tui.core.driver import RejectedError
-from woz_tui.core.fields import Doc, OneOf, Range, Seconds, Section
-from woz_tui.core.messages import Json
+from woz_drivers.simulated.argument_values import color
+from woz_tui.drivers.contract import RejectedError
+from woz_tui.drivers.fields import Doc, OneOf, Range, Seconds, Section
+from woz_tui.protocol.messages import Json
 
 #: What a file may name as its client from the time when there were two.
 CLIENTS = ("auto", "qi", "own")

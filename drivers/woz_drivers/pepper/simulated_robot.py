@@ -7,10 +7,10 @@ import json
 import sys
 from pathlib import Path
 
-from woz_drivers import child
-from woz_drivers.child import Child
+from woz_drivers import child_process
+from woz_drivers.child_process import Child
 from woz_drivers.pepper.address import Address, parse
-from woz_tui.core.driver import DeviceLostError, DriverError, RejectedError
+from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError
 
 #: Until it must have said where it listens, in seconds: Python starts slowly on a busy machine.
 _STARTS_WITHIN_S = 20.0
@@ -87,7 +87,7 @@ class SimulatedRobot:
             f"{self._pace:g}",
         )
         try:
-            return await child.start(words, self._folder, on_output=heard)
+            return await child_process.start(words, self._folder, on_output=heard)
         except DriverError as error:
             raise DeviceLostError(f"the simulated robot: {error.what}", error.remedy) from error
 

@@ -16,8 +16,8 @@ from woz_drivers.pepper.parts import Absent, Part, Robot
 from woz_drivers.pepper.parts_calls import LONG_S, Endings
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet_page import is_address
-from woz_drivers.simulated.values import number, sound_seconds, text
-from woz_tui.core.driver import (
+from woz_drivers.simulated.argument_values import number, sound_seconds, text
+from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
     DriverContext,
@@ -27,8 +27,8 @@ from woz_tui.core.driver import (
     Scope,
     Verb,
 )
-from woz_tui.core.fields import Range
-from woz_tui.core.messages import Json
+from woz_tui.drivers.fields import Range
+from woz_tui.protocol.messages import Json
 
 PLAYER = "ALAudioPlayer"
 #: Reading a long file takes the robot a moment.

@@ -9,14 +9,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from woz_drivers.pepper.link import Unsubscribe
 from woz_drivers.pepper.memory import number
+from woz_drivers.pepper.naoqi_link import Unsubscribe
 from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.parts_task import Background
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet_page import Kind, kind, page
 from woz_drivers.pepper.touch import SENSORS, Touch
-from woz_tui.core.driver import (
+from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
     DriverContext,
@@ -26,7 +26,7 @@ from woz_tui.core.driver import (
     Scope,
     Verb,
 )
-from woz_tui.core.messages import Json
+from woz_tui.protocol.messages import Json
 
 _SERVICE = "ALTabletService"
 _FAREWELL_S = 0.5

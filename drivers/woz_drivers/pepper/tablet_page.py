@@ -7,7 +7,7 @@ import html
 from pathlib import PurePosixPath
 from urllib.parse import urlsplit
 
-from woz_tui.core.driver import RejectedError
+from woz_tui.drivers.contract import RejectedError
 
 #: Also what WoZ4U takes for pictures and videos; whether the tablet can show it, it says itself.
 PICTURES = frozenset({".png", ".jpg", ".jpeg", ".gif", ".svg", ".webp", ".bmp", ".ppm", ".pgm"})

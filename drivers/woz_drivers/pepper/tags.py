@@ -17,10 +17,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from woz_drivers.simulated.speech import utterance
-from woz_tui.core.driver import UNKNOWN, RejectedError
-from woz_tui.core.fields import Range
-from woz_tui.core.regular import NotRegularError, open_regular
-from woz_tui.core.robots import Tag
+from woz_tui.drivers.contract import UNKNOWN, RejectedError
+from woz_tui.drivers.fields import Range
+from woz_tui.protocol.robot_outline import Tag
+from woz_tui.system.files import NotRegularError, open_regular
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,10 +10,10 @@ from __future__ import annotations
 import asyncio
 from typing import Any
 
-from woz_drivers.pepper.link import Unsubscribe
 from woz_drivers.pepper.memory import number
+from woz_drivers.pepper.naoqi_link import Unsubscribe
 from woz_drivers.pepper.parts import Robot
-from woz_tui.core.driver import DeviceLostError, DriverContext, DriverError
+from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
 
 SENSORS = ("touch.x", "touch.y")
 #: Moves are told at most so often, in seconds.

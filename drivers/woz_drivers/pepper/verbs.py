@@ -13,15 +13,15 @@ from woz_drivers.pepper.camera import Camera
 from woz_drivers.pepper.eyes import Eyes
 from woz_drivers.pepper.head import Head
 from woz_drivers.pepper.microphones import Microphones
-from woz_drivers.pepper.naoqi_call import NaoqiCall
 from woz_drivers.pepper.parts import Part
 from woz_drivers.pepper.recognition import Recognition
 from woz_drivers.pepper.senses import Senses
+from woz_drivers.pepper.service_call import NaoqiCall
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.sounds import Sounds
 from woz_drivers.pepper.tablet import Screen
 from woz_drivers.pepper.voice import Voice
-from woz_tui.core.driver import Argument, Verb
+from woz_tui.drivers.contract import Argument, Verb
 
 #: What a stop reaches first stands first.
 PARTS: tuple[type[Part], ...] = (

@@ -16,8 +16,8 @@ from woz_drivers.pepper.parts_calls import LONG_S, Endings, apply, put, read_bac
 from woz_drivers.pepper.robot_settings import SETTINGS, TTS, of_section
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tags import problems
-from woz_drivers.simulated.values import number, text
-from woz_tui.core.driver import (
+from woz_drivers.simulated.argument_values import number, text
+from woz_tui.drivers.contract import (
     Argument,
     DriverContext,
     DriverError,
@@ -26,7 +26,7 @@ from woz_tui.core.driver import (
     Scope,
     Verb,
 )
-from woz_tui.core.messages import Json
+from woz_tui.protocol.messages import Json
 
 LANE, SETTINGS_LANE = "voice", "voice-settings"
 SOUNDS = tuple(of_section("Voice"))

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import asyncio
 
-from woz_drivers.rangefinder.framings import Measurement
+from woz_drivers.rangefinder.protocols import Measurement
 from woz_drivers.rangefinder.settings import RangefinderSettings
 from woz_drivers.serial_line import LOSSES, explain, open_port
-from woz_tui.core.driver import Finding, Probe
+from woz_tui.drivers.contract import Finding, Probe
 
 #: How long `woz doctor` listens, in seconds: the slowest sensors speak twice a second.
 _LISTEN_S = 1.5

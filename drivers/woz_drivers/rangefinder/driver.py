@@ -6,10 +6,10 @@ import asyncio
 from typing import Any
 
 from woz_drivers.rangefinder import doctor
-from woz_drivers.rangefinder.framings import Measurement
+from woz_drivers.rangefinder.protocols import Measurement
 from woz_drivers.rangefinder.settings import RangefinderSettings
 from woz_drivers.serial_line import SerialLine, Trouble
-from woz_tui.core.driver import DriverContext, Finding, Health, PassiveDriver, Probe
+from woz_tui.drivers.contract import DriverContext, Finding, Health, PassiveDriver, Probe
 
 SENSOR = "distance"
 RATE = "distance.rate"

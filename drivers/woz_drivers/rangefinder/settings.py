@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from woz_drivers.rangefinder.distance_filter import DistanceFilter, Gates
-from woz_drivers.rangefinder.framings import FRAMINGS, UNITS, Decoder
-from woz_tui.core.fields import Doc, OneOf, Port, Range, Seconds, Section
+from woz_drivers.rangefinder.protocols import FRAMINGS, UNITS, Decoder
+from woz_tui.drivers.fields import Doc, OneOf, Port, Range, Seconds, Section
 
 
 @dataclass(frozen=True, slots=True)

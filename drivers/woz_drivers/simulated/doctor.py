@@ -5,7 +5,7 @@ from __future__ import annotations
 from woz_drivers.simulated import verbs
 from woz_drivers.simulated.settings import Settings
 from woz_drivers.simulated.verbs import roles
-from woz_tui.core.driver import Finding, Probe
+from woz_tui.drivers.contract import Finding, Probe
 
 
 def examine(probe: Probe) -> list[Finding]:

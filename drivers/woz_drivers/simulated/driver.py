@@ -7,19 +7,25 @@ import contextlib
 from collections.abc import Awaitable, Callable, Collection, Mapping
 from typing import Any
 
-from woz_drivers import room
+from woz_drivers import room_threshold
 from woz_drivers.simulated import doctor, verbs
 from woz_drivers.simulated import settings as _settings
+from woz_drivers.simulated.argument_values import (
+    color,
+    did_you_mean,
+    file,
+    known_joints,
+    sound_seconds,
+)
 from woz_drivers.simulated.body import Body
 from woz_drivers.simulated.faults import SLOWNESS, Fault, Faults
-from woz_drivers.simulated.hearing import Ears, Teller
 from woz_drivers.simulated.pace import Pace
 from woz_drivers.simulated.publishing import Publisher
-from woz_drivers.simulated.sight import Person, Sight
+from woz_drivers.simulated.simulated_camera import Person, Sight
+from woz_drivers.simulated.simulated_microphone import Ears, Teller
 from woz_drivers.simulated.speech import utterance
-from woz_drivers.simulated.values import color, did_you_mean, file, known_joints, sound_seconds
 from woz_drivers.simulated.visitor import Visitor
-from woz_tui.core.driver import (
+from woz_tui.drivers.contract import (
     SPEECH,
     DeviceLostError,
     Driver,
@@ -34,8 +40,8 @@ from woz_tui.core.driver import (
     StopReport,
     Verb,
 )
-from woz_tui.core.fields import Range
-from woz_tui.core.messages import Json
+from woz_tui.drivers.fields import Range
+from woz_tui.protocol.messages import Json
 
 Sent = Mapping[str, Any]
 
@@ -455,7 +461,7 @@ class SimulatedRobot(Driver):
         if self._ears is None:
             raise RejectedError("a robot without a visitor has no microphone")
         self._tick()  # what was heard before does not count
-        with self._ears.lesson(room.seconds(job.args)) as lesson:
+        with self._ears.lesson(room_threshold.seconds(job.args)) as lesson:
             await self._spend(job, lesson.seconds, lesson.done)
             self._tick()
             return self._ears.adopt(lesson)

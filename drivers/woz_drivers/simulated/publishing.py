@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from woz_drivers.simulated.body import Body
 from woz_drivers.simulated.faults import Faults
 from woz_drivers.simulated.senses import UNITS, Sample
-from woz_tui.core.driver import DriverContext
+from woz_tui.drivers.contract import DriverContext
 
 #: Joints and base are published this often when nothing moves, in seconds; else at every tick.
 CALM = 1.0

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 from woz_drivers.simulated.faults import KINDS
-from woz_tui.core.fields import Doc, OneOf, Range, Seconds, Section
+from woz_tui.drivers.fields import Doc, OneOf, Range, Seconds, Section
 
 
 @dataclass(frozen=True, slots=True)

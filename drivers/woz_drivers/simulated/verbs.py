@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from woz_drivers import room
+from woz_drivers import room_threshold
 from woz_drivers.simulated.faults import MEANING
 from woz_drivers.simulated.senses import SENSORS
 from woz_drivers.simulated.settings import Settings
-from woz_tui.core.driver import SPEECH, SPEECH_TEXT, Argument, Verb
-from woz_tui.core.fields import Range
+from woz_tui.drivers.contract import SPEECH, SPEECH_TEXT, Argument, Verb
+from woz_tui.drivers.fields import Range
 
 # -- moves ----------------------------------------------------------------------------------------
 # The gestures that `play` knows, as poses at fractions of their duration.
@@ -124,7 +124,7 @@ _METRES = Range(-5, 5, "m")
 
 def offered(settings: Settings) -> tuple[Verb, ...]:
     """The verbs of a robot with these joints, moves and modes."""
-    senses = (room.verb(), _LEARN_FACE) if settings.visitor else ()
+    senses = (room_threshold.verb(), _LEARN_FACE) if settings.visitor else ()
     if settings.voice_only:
         return (*_VOICE, *senses)
     rest = (*_body(settings), *_face(settings), _DRIVE, *_control(settings))
@@ -134,7 +134,7 @@ def offered(settings: Settings) -> tuple[Verb, ...]:
 def sensors(settings: Settings) -> tuple[str, ...]:
     """Names of the readings: joints, base, and the visitor's traces if there is one."""
     joints = [f"{kind}.{name}" for name in settings.joints for kind in ("joint", "setpoint")]
-    seen = (*SENSORS, room.THRESHOLD, SPEECH, SPEECH_TEXT) if settings.visitor else ()
+    seen = (*SENSORS, room_threshold.THRESHOLD, SPEECH, SPEECH_TEXT) if settings.visitor else ()
     if settings.voice_only:
         return seen
     return (*joints, "base.x", "base.y", "base.heading", *seen)

@@ -15,8 +15,8 @@ import re
 from collections import Counter
 from random import Random
 
-from woz_drivers.simulated.hearing import Hearing, Speech
 from woz_drivers.simulated.senses import DOOR, THRESHOLD, TICK, Sample, Seen, Senses
+from woz_drivers.simulated.simulated_microphone import Hearing, Speech
 
 # -- words ----------------------------------------------------------------------------------------
 # What a simulated visitor says: a few sentences, and answers to what a robot asks strangers.

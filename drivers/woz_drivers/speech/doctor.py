@@ -5,10 +5,10 @@ from __future__ import annotations
 import asyncio
 from pathlib import Path
 
-from woz_drivers import child, programs
+from woz_drivers import child_process, command_lines
 from woz_drivers.speech.settings import SpeechSettings
-from woz_drivers.speech.voice import Voice, read_wav
-from woz_tui.core.driver import DriverError, Finding, Probe
+from woz_drivers.speech.synthesis import Voice, read_wav
+from woz_tui.drivers.contract import DriverError, Finding, Probe
 
 _PATIENCE_S = 5.0
 _TRIAL = "Hello"
@@ -31,7 +31,7 @@ async def examine(probe: Probe) -> list[Finding]:
 
 def _found(probe: Probe, program: str) -> Finding:
     try:
-        path = programs.find(program, probe.folder)
+        path = command_lines.find(program, probe.folder)
     except DriverError as error:
         return Finding("error", probe.name, error.what, error.remedy)
     return Finding("ok", probe.name, path)
@@ -52,7 +52,7 @@ async def _player(probe: Probe, settings: SpeechSettings) -> Finding:
     if found.level != "ok" or program != "aplay":
         return found
     listed = bytearray()
-    listing = await child.start(("aplay", "-l"), probe.folder, on_output=listed.extend)
+    listing = await child_process.start(("aplay", "-l"), probe.folder, on_output=listed.extend)
     try:
         async with asyncio.timeout(_PATIENCE_S):
             await listing.wait()

@@ -9,13 +9,13 @@ from collections.abc import AsyncIterator, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from woz_drivers import child, programs
-from woz_drivers.child import Child
+from woz_drivers import child_process, command_lines
+from woz_drivers.child_process import Child
 from woz_drivers.speech import doctor
 from woz_drivers.speech.settings import SpeechSettings
-from woz_drivers.speech.voice import Utterance, Voice, finish, read_wav, spoken
+from woz_drivers.speech.synthesis import Utterance, Voice, finish, read_wav, spoken
 from woz_drivers.wav import Wav
-from woz_tui.core.driver import (
+from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
     Driver,
@@ -29,8 +29,8 @@ from woz_tui.core.driver import (
     Scope,
     Verb,
 )
-from woz_tui.core.fields import Range
-from woz_tui.core.messages import Json
+from woz_tui.drivers.fields import Range
+from woz_tui.protocol.messages import Json
 
 #: How often missing programs are looked for, in seconds.
 _LOOK_S = 2.0
@@ -176,14 +176,14 @@ class Speech(Driver):
         *makers, player = _programs(self.settings)
         self._missing = None
         try:
-            programs.find(player, self.context.folder)
+            command_lines.find(player, self.context.folder)
         except DriverError as error:
             self._missing = error
             self.context.health(Health.LOST, error.what, error.remedy)
             return False
         try:
             for maker in makers:
-                programs.find(maker, self.context.folder)
+                command_lines.find(maker, self.context.folder)
         except DriverError as error:
             self.context.health(Health.FAULTED, error.what, error.remedy)
             return False
@@ -218,24 +218,26 @@ class Speech(Driver):
         async with _at_volume(path, content, 1.0 if own_volume else self._volume) as played:
             job.expects(content.seconds)
             await self._run(
-                programs.fill(words, {**values, "wav": str(played)}),
+                command_lines.fill(words, {**values, "wav": str(played)}),
                 content.seconds + self.settings.margin,
             )
 
     async def _speak(self, job: Job, text: str) -> Mapping[str, Json]:
         words = self.settings.speak_words()
         values = {**self.settings.values(self._volume), "text": text}
-        used = programs.placeholders(words, values, "speak")
+        used = command_lines.placeholders(words, values, "speak")
         estimate = max(1, len(text.split())) * 60 / self.settings.speed
         job.expects(estimate)
         await self._run(
-            programs.fill(words, values), _LONGEST_SPEECH_S, None if "text" in used else text + "\n"
+            command_lines.fill(words, values),
+            _LONGEST_SPEECH_S,
+            None if "text" in used else text + "\n",
         )
         return {"text": text, "source": words[0], "volume": self._volume}
 
     async def _run(self, words: Sequence[str], seconds: float, text: str | None = None) -> None:
         """Run a program that is heard; its failure is the driver's health until one succeeds."""
-        running = await child.start(words, self.context.folder, text=text)
+        running = await child_process.start(words, self.context.folder, text=text)
         self._audible.add(running)
         try:
             await finish(running, seconds)

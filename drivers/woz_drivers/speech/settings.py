@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from woz_drivers import programs
-from woz_tui.core.driver import DriverError
-from woz_tui.core.fields import Doc, Path, Range, Seconds, Section
+from woz_drivers import command_lines
+from woz_tui.drivers.contract import DriverError
+from woz_tui.drivers.fields import Doc, Path, Range, Seconds, Section
 
 #: What the commands may hold in braces.
 SYNTHESISE_WORDS = ("text", "wav", "voice", "speed", "pitch")
@@ -98,6 +98,6 @@ class SpeechSettings(Section):
 
 
 def _checked(command: str | Sequence[str], known: tuple[str, ...], setting: str) -> tuple[str, ...]:
-    words = programs.split(command, setting)
-    programs.placeholders(words, known, setting)
+    words = command_lines.split(command, setting)
+    command_lines.placeholders(words, known, setting)
     return words

@@ -9,7 +9,7 @@ import pytest
 
 from tests.analysis.html.browser import Page, browser
 from tests.analysis.html.sessions import hostile, ordinary
-from woz_tui.analysis.html.page import write
+from woz_tui.analysis.html.report_page import write
 
 
 @pytest.fixture(scope="module")

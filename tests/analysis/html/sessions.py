@@ -8,10 +8,10 @@ from pathlib import Path
 
 import msgspec
 
-from woz_tui.analysis.report import Report
-from woz_tui.analysis.session import Wanted, examine
-from woz_tui.core import messages as m
-from woz_tui.core import wire
+from woz_tui.analysis.session_reading import Wanted, examine
+from woz_tui.analysis.session_report import Report
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
 
 SHA = "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"
 #: Text that would do harm if it became markup, script, or the end of the page's data.
@@ -97,11 +97,11 @@ class Story:
         for seq, (at, message) in enumerate([begin, *sorted(self.told, key=lambda one: one[0])]):
             t = round(at * 1e6)
             stamped = msgspec.structs.replace(message, seq=seq, t=t)
-            if wire.is_sample(message):
-                samples += wire.encode(stamped)
+            if codec.is_sample(message):
+                samples += codec.encode(stamped)
             else:
                 ts = f"2026-03-01T10:{int(at) // 60 % 60:02}:{at % 60:09.6f}Z"
-                actions += wire.encode(msgspec.structs.replace(stamped, ts=ts))
+                actions += codec.encode(msgspec.structs.replace(stamped, ts=ts))
         path = folder / f"{stem}.jsonl"
         path.write_bytes(actions)
         if samples:

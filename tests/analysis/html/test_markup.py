@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.analysis.html.markup import clean, escaped, joined, json_block, said, short, tag
-from woz_tui.analysis.html.numbers import digits
+from woz_tui.analysis.html.number_format import digits
 
 #: All of Unicode, halves of pairs too, and what is special in HTML more often than by chance.
 TEXTS = st.text(st.characters() | st.sampled_from("<>&\"'/!-\0\u2028\u202e\ud800"))

@@ -15,10 +15,10 @@ from typing import Any
 import pytest
 
 from tests.analysis.html.sessions import Story, hostile, ordinary
-from woz_tui.analysis.html.page import render, write
-from woz_tui.analysis.html.sorts import SORTS
-from woz_tui.analysis.session import examine
-from woz_tui.core import messages as m
+from woz_tui.analysis.html.report_page import render, write
+from woz_tui.analysis.html.timeline_styles import SORTS
+from woz_tui.analysis.session_reading import examine
+from woz_tui.protocol import messages as m
 
 ASSETS = files("woz_tui.analysis.html") / "assets"
 VOID = {"br", "col", "hr", "input", "link", "meta"}

@@ -13,9 +13,9 @@ from selenium.webdriver.common.keys import Keys
 
 from tests.analysis.html.browser import Page
 from tests.analysis.html.sessions import HOSTILE, ordinary
-from woz_tui.analysis.html import page as page_module
-from woz_tui.analysis.html.page import write
-from woz_tui.analysis.session import Wanted, examine
+from woz_tui.analysis.html import report_page as page_module
+from woz_tui.analysis.html.report_page import write
+from woz_tui.analysis.session_reading import Wanted, examine
 
 pytestmark = pytest.mark.browser
 

@@ -11,8 +11,8 @@ from selenium.webdriver.common.keys import Keys
 
 from tests.analysis.html.browser import Page
 from tests.analysis.html.sessions import ordinary
-from woz_tui.analysis.html.page import write
-from woz_tui.core import messages as m
+from woz_tui.analysis.html.report_page import write
+from woz_tui.protocol import messages as m
 
 pytestmark = pytest.mark.browser
 

@@ -13,10 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from tests.fakes.host import FakeHost
-from woz_tui.core import wire
-from woz_tui.core.pictures import Picture, PictureShown
-from woz_tui.core.requests import AnyRequest, AskPicture
-from woz_tui.host.scaling import drawn
+from woz_tui.host.picture_scaling import drawn
+from woz_tui.protocol import codec
+from woz_tui.protocol.camera_pictures import Picture, PictureShown
+from woz_tui.protocol.requests import AnyRequest, AskPicture
 
 #: Shape (rows, columns, 3).
 Pixels = npt.NDArray[np.uint8]
@@ -91,6 +91,6 @@ class FilmingHost(FakeHost):
         t = time.monotonic_ns() // 1000
         answer = shown(self.film(self.given), request, request.ref, number=self.given, t=t)
         with contextlib.suppress(OSError):
-            connection.sendall(wire.encode(answer))
+            connection.sendall(codec.encode(answer))
         with self._changed:
             self._changed.notify_all()

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from woz_tui.console.byte_scanner import GRAPHICS, Scanner
 from woz_tui.console.camera import kitty
-from woz_tui.console.camera.side import question
-from woz_tui.console.scanner import GRAPHICS, Scanner
-from woz_tui.console.tokens import Key, Reply, Stop, Token
+from woz_tui.console.camera.terminal_graphics import question
+from woz_tui.console.input_tokens import Key, Reply, Stop, Token
 
 YES = b"\x1b_Gi=31;OK\x1b\\"
 

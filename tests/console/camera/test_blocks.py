@@ -8,10 +8,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.console.camera.filmed import Pixels, noisy, room
-from woz_tui.console.camera import colours as c
-from woz_tui.console.camera.blocks import COSTS, NOISE, Canvas
-from woz_tui.console.camera.frames import DamagedError, Room, room_for, smaller, stretched, unpacked
-from woz_tui.core.pictures import PictureShown
+from woz_tui.console.camera import terminal_colours as c
+from woz_tui.console.camera.half_blocks import COSTS, NOISE, Canvas
+from woz_tui.console.camera.picture_sizes import (
+    DamagedError,
+    Room,
+    room_for,
+    smaller,
+    stretched,
+    unpacked,
+)
+from woz_tui.protocol.camera_pictures import PictureShown
 
 ALL = 1 << 30
 DEPTHS = (1 << 24, 256, 16)

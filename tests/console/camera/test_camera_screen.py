@@ -11,16 +11,16 @@ import pytest
 from tests.console import scenes
 from tests.console.camera.filmed import Film, Pixels, noisy, room, shown
 from tests.console.driving import Sitting, sitting
-from woz_tui.console.camera.views import Blocks
-from woz_tui.console.camera.watching import STALE_S
+from woz_tui.console.camera.picture_requests import STALE_S
+from woz_tui.console.camera.picture_widgets import Blocks
 from woz_tui.console.cells import Cells
 from woz_tui.console.glyphs import ASCII
-from woz_tui.console.look import Look
 from woz_tui.console.screens.camera import CameraDialog
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core.pictures import PictureShown
-from woz_tui.core.requests import AskPicture, AskStop, AskVerb
+from woz_tui.console.theme import Look
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.camera_pictures import PictureShown
+from woz_tui.protocol.requests import AskPicture, AskStop, AskVerb
 
 SECOND = 1_000_000
 

@@ -20,15 +20,15 @@ from PIL import Image
 from tests.console.camera.drawing_terminal import DrawingTerminal
 from tests.console.camera.filmed import Film, FilmingHost, moving, noisy, room
 from tests.console.camera.sixel_reader import read_sixel
-from woz_tui.core import messages as m
-from woz_tui.core.requests import AskAction, AskStop, Beat
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.requests import AskAction, AskStop, Beat
 
 pytestmark = pytest.mark.real_clock
 
 START = """
 import sys
 from pathlib import Path
-from woz_tui.cli.screen import ScreenOptions, open_console
+from woz_tui.cli.console_start import ScreenOptions, open_console
 sys.exit(open_console(ScreenOptions(Path(sys.argv[1]), pictures=sys.argv[2]))[1])
 """
 KITTY = re.compile(rb"\x1b_G([^;\x1b]*)(?:;([^\x1b]*))?\x1b\\")

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from woz_tui.console.camera import kitty
-from woz_tui.console.camera.pace import BUDGET, FILLS_S, MOST, RATE, Pace
+from woz_tui.console.camera.byte_rate import BUDGET, FILLS_S, MOST, RATE, Pace
 
 SECOND = 1_000_000
 

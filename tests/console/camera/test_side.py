@@ -9,10 +9,10 @@ from collections.abc import Iterator
 import pytest
 
 from tests.console.scripted import ScriptedFeed
-from woz_tui.console.camera.side import Side
-from woz_tui.console.line import AGAIN_S, DEAD_S, EVERY_S, Line
-from woz_tui.console.output import Output
-from woz_tui.core.clock import ManualClock
+from woz_tui.console.camera.terminal_graphics import Side
+from woz_tui.console.terminal_line import AGAIN_S, DEAD_S, EVERY_S, Line
+from woz_tui.console.terminal_output import Output
+from woz_tui.system.clock import ManualClock
 
 
 class Seat:

@@ -6,10 +6,10 @@ from collections.abc import Callable
 
 import pytest
 
-from woz_tui.console.camera.watching import Watching
-from woz_tui.core.clock import ManualClock
-from woz_tui.core.pictures import PictureShown
-from woz_tui.core.requests import AskPicture, Reply
+from woz_tui.console.camera.picture_requests import Watching
+from woz_tui.protocol.camera_pictures import PictureShown
+from woz_tui.protocol.requests import AskPicture, Reply
+from woz_tui.system.clock import ManualClock
 
 
 class Cinema:

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 import msgspec
 
 from tests.console import scenes
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core.robots import RobotOutline, Setting, Tag
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.robot_outline import RobotOutline, Setting, Tag
 
 NOW = scenes.NOW
 STATES = ["solitary", "interactive", "safeguard", "disabled"]

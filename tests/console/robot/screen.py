@@ -12,8 +12,8 @@ from textual.keys import _character_to_key
 from tests.console.driving import Sitting, sitting
 from tests.console.robot import pepper
 from woz_tui.console.screens.robot import RobotDialog
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
 
 
 @asynccontextmanager

@@ -7,11 +7,11 @@ from typing import Any
 import msgspec
 
 from tests.console.robot import pepper
-from woz_tui.console.state import ConsoleState
-from woz_tui.core import messages as m
-from woz_tui.session.recent import Recent
+from woz_tui.console.console_state import ConsoleState
+from woz_tui.protocol import messages as m
+from woz_tui.session.recent_lines import Recent
 from woz_tui.session.redactor import HIDDEN, Redactor
-from woz_tui.timeline.state import SessionState
+from woz_tui.timeline.session_state import SessionState
 
 
 def test_the_last_settings_of_each_robot_stand_in_the_picture() -> None:

@@ -13,8 +13,8 @@ from tests.console.driving import Sitting, sitting
 from tests.console.robot import pepper
 from tests.console.robot.screen import type_in
 from woz_tui.console.screens.move import MoveDialog
-from woz_tui.core import requests as r
-from woz_tui.core.messages import Json
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.messages import Json
 
 HEY = "animations/Stand/Gestures/Hey_1"
 

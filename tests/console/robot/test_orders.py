@@ -11,10 +11,10 @@ from tests.console import scenes
 from tests.console.driving import sitting
 from tests.console.robot import pepper
 from tests.console.robot.screen import dialog, type_in, verbs
-from woz_tui.console.robot.orders import ORDERS
+from woz_tui.console.robot_settings.driver_verbs import ORDERS
 from woz_tui.console.screens.find import FindDialog
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
 
 
 def offering(*more: str) -> r.Welcome:

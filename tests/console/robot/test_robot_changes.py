@@ -12,9 +12,9 @@ from textual.widgets import Input
 from tests.console.robot import pepper
 from tests.console.robot.screen import choose, dialog, done, line, opened, runs, type_in, verbs
 from woz_tui.console.screens.robot import RobotDialog, ValueDialog
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
-from woz_tui.core.views import PanelView
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.panels import PanelView
 
 
 async def test_arrows_and_space_change_what_is_chosen() -> None:

@@ -11,11 +11,11 @@ from tests.console.driving import Sitting, sitting
 from tests.console.robot import pepper
 from tests.console.robot.screen import choose, line, opened, verbs
 from woz_tui.console.glyphs import ASCII
-from woz_tui.console.look import Look
-from woz_tui.console.replay.commands import COMMANDS
+from woz_tui.console.replay.replay_commands import COMMANDS
 from woz_tui.console.screens.robot import RobotDialog
-from woz_tui.core import messages as m
-from woz_tui.core import requests as r
+from woz_tui.console.theme import Look
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
 
 
 async def test_values_are_shown_and_unknown_ones_are_a_dash() -> None:

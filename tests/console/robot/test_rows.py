@@ -7,8 +7,14 @@ from hypothesis import strategies as st
 
 from woz_tui.console.cells import length
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame
-from woz_tui.console.robot.rows import Place, list_room, row_of, scrolled, settings_rows
-from woz_tui.console.robot.view import LineView, RobotView
+from woz_tui.console.robot_settings.setting_rows import (
+    Place,
+    list_room,
+    row_of,
+    scrolled,
+    settings_rows,
+)
+from woz_tui.console.robot_settings.setting_view import LineView, RobotView
 
 signs = st.characters() | st.sampled_from(" 漢字コ́\n")
 words = st.text(signs, max_size=40)

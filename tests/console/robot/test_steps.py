@@ -12,12 +12,12 @@ import pytest
 from tests.console.driving import sitting
 from tests.console.robot import pepper
 from tests.console.still_feed import StillFeed
+from woz_tui.config.experiment import Steps
 from woz_tui.console.keyboard import Keyboard
 from woz_tui.console.keyboard import Steps as Pressed
-from woz_tui.console.robot.steps import STEPS, ArrowSteps, steps_offered
-from woz_tui.core import requests as r
-from woz_tui.core.fields import Range
-from woz_tui.experiment.shape import Steps
+from woz_tui.console.robot_settings.step_sizes import STEPS, ArrowSteps, steps_offered
+from woz_tui.drivers.fields import Range
+from woz_tui.protocol import requests as r
 
 TOLD: dict[str, float] = {"head": 7.0, "hip": 2.0, "drive": 0.25, "turn": 15.0}
 

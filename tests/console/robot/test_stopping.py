@@ -9,13 +9,13 @@ import pytest
 
 from tests.console import scenes
 from tools import guide_session
+from woz_tui.console.bottom_rows import Bar, bar_rows
 from woz_tui.console.cells import length
+from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Frame
-from woz_tui.console.replay.timeline import replay_rows
-from woz_tui.console.state import ConsoleState
-from woz_tui.console.stopbar import Bar, bar_rows
-from woz_tui.core import messages as m
-from woz_tui.session.runner import Origin
+from woz_tui.console.replay.replay_timeline import replay_rows
+from woz_tui.protocol import messages as m
+from woz_tui.session.action_runner import Origin
 from woz_tui.session.session import Session
 
 NOW = scenes.NOW

@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.console.robot import pepper
-from woz_tui.console.robot.names import begin_with, holding
-from woz_tui.console.robot.tags import Begun, Numbered, begun_tag, completed, offers
-from woz_tui.core.robots import RobotOutline, Tag
+from woz_tui.console.robot_settings.name_completion import begin_with, holding
+from woz_tui.console.robot_settings.speech_tags import Begun, Numbered, begun_tag, completed, offers
+from woz_tui.protocol.robot_outline import RobotOutline, Tag
 
 OUTLINE = pepper.OUTLINE
 HEY = "animations/Stand/Gestures/Hey_1"

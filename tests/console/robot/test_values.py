@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.console.glyphs import ASCII, UNICODE
-from woz_tui.console.robot.lines import place_of
-from woz_tui.console.robot.values import (
+from woz_tui.console.robot_settings.setting_lines import place_of
+from woz_tui.console.robot_settings.setting_values import (
     WrongValue,
     about,
     color_of,
@@ -18,8 +18,8 @@ from woz_tui.console.robot.values import (
     typed_value,
     value_text,
 )
-from woz_tui.core.messages import Json
-from woz_tui.core.robots import Setting
+from woz_tui.protocol.messages import Json
+from woz_tui.protocol.robot_outline import Setting
 
 VOLUME = Setting(
     name="volume", section="Voice", label="Volume", verb="volume", kind="number",

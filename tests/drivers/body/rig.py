@@ -14,11 +14,11 @@ from woz_drivers.body.ticker import Lateness, Step, ThreadTicker
 
 from tests.drivers.heard import Heard, Ordered
 from tests.fakes.virtual_time import LoopClock, run_virtual
-from woz_tui.core.messages import Json, Notice
-from woz_tui.experiment.decode import load
+from woz_tui.config.loading import load
+from woz_tui.drivers.plugins import installed
+from woz_tui.motion.body_shape import JointShape, Personality
 from woz_tui.motion.setpoints import FACE, SETPOINTS, STATE, Lit, Setpoints, State
-from woz_tui.motion.shapes import JointShape, Personality
-from woz_tui.plugins import installed
+from woz_tui.protocol.messages import Json, Notice
 
 #: A body without breath, so that it stands where it was told to.
 CALM = Personality(breathing=0.0, blink_rate=0.0)

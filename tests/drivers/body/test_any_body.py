@@ -12,11 +12,11 @@ from woz_drivers.body import Body, Settings
 
 from tests.drivers.body.rig import Stage, robot, within
 from tests.fakes.virtual_time import run_virtual
-from woz_tui.core.driver import RejectedError, Scope
-from woz_tui.core.messages import Json, Notice
+from woz_tui.drivers.contract import RejectedError, Scope
+from woz_tui.motion.body_shape import AXES, ROLES, FaceShape, JointShape, Personality
 from woz_tui.motion.modes import Mode
 from woz_tui.motion.setpoints import SEEN, Seen
-from woz_tui.motion.shapes import AXES, ROLES, FaceShape, JointShape, Personality
+from woz_tui.protocol.messages import Json, Notice
 
 #: Values that no sender should send.
 HOSTILE: tuple[Json, ...] = (

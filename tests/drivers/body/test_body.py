@@ -8,19 +8,19 @@ from pathlib import Path
 
 import pytest
 from woz_drivers.body import Body, Settings
-from woz_drivers.body.loop import BodyLoop
+from woz_drivers.body.tick_loop import BodyLoop
 from woz_drivers.body.ticker import Lateness
 
 from tests.drivers.body.rig import CALM, Stage, played, robot, small, within
 from tests.drivers.heard import Heard, Ordered
 from tests.fakes.virtual_time import LoopClock, run_virtual
-from woz_tui.core.driver import DeviceLostError, Probe, RejectedError, Scope
-from woz_tui.core.messages import (
+from woz_tui.drivers.contract import DeviceLostError, Probe, RejectedError, Scope
+from woz_tui.motion.body_shape import FaceShape, JointShape
+from woz_tui.motion.kinematics import Chain
+from woz_tui.protocol.messages import (
     Json,
     ModeChanged,
 )
-from woz_tui.motion.kinematics import Chain
-from woz_tui.motion.shapes import FaceShape, JointShape
 
 # -- what it declares -----------------------------------------------------------------------------
 

@@ -19,12 +19,12 @@ from tests.drivers.body.rig import robot
 from tests.drivers.heard import Ordered, until
 from tests.drivers.servo_stand import PATIENT_MS, PATIENT_WATCHDOG_MS
 from tests.fakes.servos import ServoBus
-from woz_tui.core.clock import RealClock
-from woz_tui.core.driver import Driver, Scope
-from woz_tui.core.feeds import Feeds
-from woz_tui.core.hub import Hub
-from woz_tui.core.messages import AnyMessage, DriverConnected, Notice, Reading
+from woz_tui.bus.hub import Hub
+from woz_tui.drivers.contract import Driver, Scope
+from woz_tui.drivers.feeds import Feeds
+from woz_tui.protocol.messages import AnyMessage, DriverConnected, Notice, Reading
 from woz_tui.session.driver_context import SessionDriverContext
+from woz_tui.system.clock import RealClock
 
 pytestmark = pytest.mark.real_clock
 

@@ -11,7 +11,7 @@ import pytest
 
 from tests.drivers.body.test_body_session import EXPERIMENTS, KEY, Stage, on_stage
 from woz_tui.cli import main
-from woz_tui.core import messages as m
+from woz_tui.protocol import messages as m
 
 #: Degrees beside what was rendered within so many ticks: the body's ticks and the log's lines
 #: do not fall together.

@@ -10,14 +10,14 @@ import pytest
 from tests.drivers.body.rig import SteppedBody
 from tests.drivers.body.test_body_session import KEY, LoopRobot
 from tests.fakes.virtual_time import LoopClock, run_virtual
-from woz_tui.core import messages as m
-from woz_tui.core.clock import RealClock
-from woz_tui.core.driver import Driver
-from woz_tui.experiment.decode import load
-from woz_tui.experiment.shape import ExperimentError
-from woz_tui.record.recorder import Recorder
-from woz_tui.session.identity import Identity
+from woz_tui.config.experiment import ExperimentError
+from woz_tui.config.loading import load
+from woz_tui.drivers.contract import Driver
+from woz_tui.log.recorder import Recorder
+from woz_tui.protocol import messages as m
+from woz_tui.session.participant_identity import Identity
 from woz_tui.session.session import Session
+from woz_tui.system.clock import RealClock
 
 CATALOGUE: dict[str, type[Driver]] = {"body": SteppedBody, "simulated": LoopRobot}
 ROBOT = """

@@ -16,14 +16,14 @@ from woz_drivers.simulated.pace import Pace
 from tests.drivers.body.rig import SteppedBody, within
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from tools import show_tune
-from woz_tui.core import messages as m
-from woz_tui.core.clock import RealClock
-from woz_tui.core.driver import Ask, Driver, DriverContext
-from woz_tui.experiment.decode import load
-from woz_tui.record.recorder import Recorder
-from woz_tui.session.identity import AskError, Identity
-from woz_tui.session.runner import Origin
+from woz_tui.config.loading import load
+from woz_tui.drivers.contract import Ask, Driver, DriverContext
+from woz_tui.log.recorder import Recorder
+from woz_tui.protocol import messages as m
+from woz_tui.session.action_runner import Origin
+from woz_tui.session.participant_identity import AskError, Identity
 from woz_tui.session.session import Session
+from woz_tui.system.clock import RealClock
 
 EXPERIMENTS = Path(__file__).parents[3] / "experiments"
 KEY = Origin("key", "h", "con1")

@@ -10,14 +10,19 @@ from typing import Any
 
 import pytest
 from woz_drivers.body import Body, Settings
-from woz_drivers.body.loop import BUSY_S, FRESH_S, SEEN_S, Publishing
+from woz_drivers.body.tick_loop import BUSY_S, FRESH_S, SEEN_S, Publishing
 
 from tests.drivers.body.rig import CALM, Stage, played, robot, small, within
 from tests.fakes.virtual_time import run_virtual
-from woz_tui.core.clock import ManualClock
-from woz_tui.core.driver import Ask
-from woz_tui.core.hub import Hub
-from woz_tui.core.messages import (
+from woz_tui.bus.hub import Hub
+from woz_tui.drivers.contract import Ask
+from woz_tui.motion.body_shape import FaceShape, JointShape, Personality
+from woz_tui.motion.builtin_moves import BUILT_IN
+from woz_tui.motion.engine_io import Tick
+from woz_tui.motion.modes import Mode
+from woz_tui.motion.move import Cue
+from woz_tui.motion.setpoints import PRESENT, SEEN, Present, Seen
+from woz_tui.protocol.messages import (
     AnyMessage,
     BodyChanged,
     DriverConnected,
@@ -26,13 +31,8 @@ from woz_tui.core.messages import (
     Notice,
     Reading,
 )
-from woz_tui.motion.builtin import BUILT_IN
-from woz_tui.motion.modes import Mode
-from woz_tui.motion.move import Cue
-from woz_tui.motion.setpoints import PRESENT, SEEN, Present, Seen
-from woz_tui.motion.shapes import FaceShape, JointShape, Personality
-from woz_tui.motion.ticks import Tick
 from woz_tui.session.driver_context import SessionDriverContext
+from woz_tui.system.clock import ManualClock
 
 # -- what it tells --------------------------------------------------------------------------------
 

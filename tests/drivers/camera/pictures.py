@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from woz_drivers.camera.pictures import Picture
+from woz_drivers.camera.raw_pictures import Picture
 
 from tests.fakes.piped_command import PipedCommand
 

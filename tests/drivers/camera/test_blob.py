@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from woz_drivers.camera.blob import Blob, Finder, Rule
-from woz_drivers.camera.pictures import HIGHEST, WIDEST, Cutter, Layout
+from woz_drivers.camera.raw_pictures import HIGHEST, WIDEST, Cutter, Layout
 from woz_drivers.camera.settings import CameraSettings
 
 from tests.drivers.camera.pictures import GREEN, picture, planes, with_block

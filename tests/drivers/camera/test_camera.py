@@ -15,10 +15,10 @@ from woz_drivers.camera.settings import CameraSettings
 from tests.drivers.camera.pictures import PipedCamera, picture, planes, with_block
 from tests.drivers.heard import Heard, Ordered, until
 from tests.fakes.offspring import offspring
-from woz_tui.core.clock import ManualClock, RealClock
-from woz_tui.core.driver import Finding, Probe, RejectedError, Scope
-from woz_tui.core.messages import DriverConnected, DriverLost
+from woz_tui.drivers.contract import Finding, Probe, RejectedError, Scope
 from woz_tui.motion.setpoints import SEEN, Seen
+from woz_tui.protocol.messages import DriverConnected, DriverLost
+from woz_tui.system.clock import ManualClock, RealClock
 
 Begin = Callable[..., Any]
 SMALL = {"width": 20, "height": 15, "format": "rgb24"}

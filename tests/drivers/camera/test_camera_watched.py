@@ -10,15 +10,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from woz_drivers.camera import Camera
-from woz_drivers.camera.pictures import Layout
-from woz_drivers.camera.pictures import Picture as Pixels
+from woz_drivers.camera.raw_pictures import Layout
+from woz_drivers.camera.raw_pictures import Picture as Pixels
 from woz_drivers.camera.settings import CameraSettings
 
 from tests.drivers.camera.pictures import PipedCamera, planes, with_block
 from tests.drivers.heard import Heard, until
-from woz_tui.core.clock import ManualClock
-from woz_tui.core.pictures import PICTURE, WATCHED, Picture, Watched
 from woz_tui.motion.setpoints import SEEN
+from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, Picture, Watched
+from woz_tui.system.clock import ManualClock
 
 SMALL = {"width": 20, "height": 15, "format": "rgb24"}
 

@@ -13,11 +13,11 @@ from woz_drivers.midi.settings import MidiSettings
 
 from tests.drivers.heard import until
 from tests.fakes.midi_panel import MidiPanelFake
-from woz_tui.core.clock import Clock, RealClock
-from woz_tui.core.driver import Ask, Health
-from woz_tui.core.messages import ControlsMoved, Json
-from woz_tui.motion.inputs import CONTROLS
+from woz_tui.drivers.contract import Ask, Health
+from woz_tui.motion.body_verbs import CONTROLS
 from woz_tui.motion.setpoints import STATE, State
+from woz_tui.protocol.messages import ControlsMoved, Json
+from woz_tui.system.clock import Clock, RealClock
 from woz_tui.testing import RecordingContext
 
 JOINTS = ("pitch", "middle", "top")

@@ -12,7 +12,7 @@ from woz_drivers.midi.doctor import examine
 from woz_drivers.midi.maps import PanelMap
 from woz_drivers.midi.settings import MidiSettings
 
-from woz_tui.core.driver import DeviceLostError
+from woz_tui.drivers.contract import DeviceLostError
 
 CARDS = """\
  0 [PCH            ]: HDA-Intel - HDA Intel PCH

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 from woz_drivers.midi import MidiPanel
-from woz_drivers.midi.hands import Line
+from woz_drivers.midi.control_requests import Line
 from woz_drivers.midi.maps import Mapped, PanelMap
 from woz_drivers.midi.settings import MidiSettings
 
 from tests.drivers.heard import until
 from tests.drivers.midi.stand import Desk, stand
-from woz_tui.core.driver import Ask, Health, RejectedError, Scope
+from woz_tui.drivers.contract import Ask, Health, RejectedError, Scope
 from woz_tui.testing import PlainJob
 
 

@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.midi.fitted import fitted
 from woz_drivers.midi.learning import Lesson
 from woz_drivers.midi.maps import BUILT_IN, Mapped, PanelMap
+from woz_drivers.midi.resolved_map import fitted
 from woz_drivers.midi.settings import MidiSettings
 
-from woz_tui.experiment.settings import settings_of
+from woz_tui.config.annotated_decoder import settings_of
 
 PANEL = PanelMap(
     title="a panel",

@@ -8,16 +8,16 @@ import jsonschema
 import pytest
 import yaml
 from woz_drivers.midi import MidiPanel
-from woz_drivers.midi.fitted import fitted
 from woz_drivers.midi.maps import BUILT_IN
+from woz_drivers.midi.resolved_map import fitted
 from woz_drivers.midi.settings import MidiSettings
 
-from woz_tui import plugins
-from woz_tui.core.driver import Ask
-from woz_tui.experiment.decode import load
-from woz_tui.experiment.schema import included_schema
-from woz_tui.experiment.settings import settings_of
-from woz_tui.experiment.shape import Experiment, ExperimentError
+from woz_tui.config.annotated_decoder import settings_of
+from woz_tui.config.experiment import Experiment, ExperimentError
+from woz_tui.config.json_schema import included_schema
+from woz_tui.config.loading import load
+from woz_tui.drivers import plugins
+from woz_tui.drivers.contract import Ask
 
 ROOT = Path(__file__).parents[3]
 

@@ -7,12 +7,12 @@ from collections.abc import Callable
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.midi.fitted import fitted
-from woz_drivers.midi.hands import NEAR, SETTLED_US, Knob, Pickup
+from woz_drivers.midi.control_requests import NEAR, SETTLED_US, Knob, Pickup
 from woz_drivers.midi.maps import Mapped, PanelMap
+from woz_drivers.midi.resolved_map import fitted
 from woz_drivers.midi.settings import MidiSettings
 
-from woz_tui.core.driver import Ask
+from woz_tui.drivers.contract import Ask
 from woz_tui.motion.setpoints import State
 
 PLACE = st.floats(0, 1)

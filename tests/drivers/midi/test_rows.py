@@ -19,18 +19,18 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from woz_drivers.body.settings import Settings as BodySettings
 from woz_drivers.midi import MidiPanel
-from woz_drivers.midi.fitted import fitted
 from woz_drivers.midi.maps import BUILT_IN
+from woz_drivers.midi.resolved_map import fitted
 from woz_drivers.midi.settings import MidiSettings
 
-from woz_tui import plugins
-from woz_tui.core.arguments import checked
-from woz_tui.core.driver import Ask, RejectedError, Verb
-from woz_tui.experiment.decode import load
+from woz_tui.config.loading import load
+from woz_tui.drivers import plugins
+from woz_tui.drivers.argument_check import checked
+from woz_tui.drivers.contract import Ask, RejectedError, Verb
+from woz_tui.motion.body_verbs import offered
 from woz_tui.motion.engine import Engine
-from woz_tui.motion.inputs import offered
+from woz_tui.motion.engine_io import Tick
 from woz_tui.motion.setpoints import STATE
-from woz_tui.motion.ticks import Tick
 from woz_tui.testing import RecordingContext
 
 ROOT = Path(__file__).parents[3]

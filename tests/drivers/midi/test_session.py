@@ -8,23 +8,23 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 import pytest
-from woz_drivers.midi.fitted import fitted
 from woz_drivers.midi.maps import BUILT_IN
+from woz_drivers.midi.resolved_map import fitted
 from woz_drivers.midi.settings import MidiSettings
 
 from tests.drivers.heard import PATIENCE_S
 from tests.drivers.midi.test_maps import BODY
 from tests.fakes.midi_panel import MidiPanelFake
-from woz_tui import plugins
-from woz_tui.core import messages as m
-from woz_tui.core.arguments import checked
-from woz_tui.core.clock import RealClock
-from woz_tui.experiment.builtins import builtin
-from woz_tui.experiment.decode import load
-from woz_tui.experiment.shape import Call, Together
-from woz_tui.record.recorder import Recorder
-from woz_tui.session.identity import Identity
+from woz_tui.config.experiment import Call, Together
+from woz_tui.config.keys.console_keys import builtin
+from woz_tui.config.loading import load
+from woz_tui.drivers import plugins
+from woz_tui.drivers.argument_check import checked
+from woz_tui.log.recorder import Recorder
+from woz_tui.protocol import messages as m
+from woz_tui.session.participant_identity import Identity
 from woz_tui.session.session import Session
+from woz_tui.system.clock import RealClock
 
 #: What panels ask of the session, and the console's key for the same.
 KEYS = {

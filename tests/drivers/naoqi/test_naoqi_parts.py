@@ -12,10 +12,10 @@ from naoqi_simulator.animations import LENGTHS, with_tag
 from naoqi_simulator.audio import HIGHEST, energy
 from naoqi_simulator.body import Body
 from naoqi_simulator.joints import JOINTS
-from naoqi_simulator.passing import PacedTime
 from naoqi_simulator.pepper import Pepper
+from naoqi_simulator.robot_time import PacedTime
+from naoqi_simulator.service_table import methods_of, split_signature
 from naoqi_simulator.speech import Animate, Manner, Pause, Words, animated, plain
-from naoqi_simulator.table import methods_of, split_signature
 from naoqi_simulator.visitor import FAR_M, Visitors
 from naoqi_simulator.world import World
 from qimessaging.signature import parse, parse_members

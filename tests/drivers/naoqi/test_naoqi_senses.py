@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from naoqi_simulator.senses import FACES, FIRST_ID, PERSON, SONAR, SONAR_M, SOUND, VISIBLE
-from qimessaging.hosting import Hosted, Method
+from qimessaging.hosted_objects import Hosted, Method
 
 from tests.drivers.naoqi.hands import Said, Wired
 

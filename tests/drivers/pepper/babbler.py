@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from qimessaging import Method, Server
-from woz_drivers.pepper.connection import Connection
-from woz_drivers.pepper.connection_line import WANTED
+from woz_drivers.pepper.robot_connection import Connection
+from woz_drivers.pepper.robot_line import WANTED
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.heard import Heard
-from woz_tui.core.messages import DriverConnected
+from woz_tui.protocol.messages import DriverConnected
 
 SETTINGS = PepperSettings(robots=())
 #: Signatures of the methods that are asked, by service.

@@ -12,14 +12,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.pepper import connection, connection_line
-from woz_drivers.pepper.connection import Connection
+from woz_drivers.pepper import robot_connection, robot_line
 from woz_drivers.pepper.parts import LOOK_S
+from woz_drivers.pepper.robot_connection import Connection
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.heard import Heard
-from woz_tui.core.driver import DeviceLostError, DriverError, Health
-from woz_tui.core.messages import DriverHealth
+from woz_tui.drivers.contract import DeviceLostError, DriverError, Health
+from woz_tui.protocol.messages import DriverHealth
 
 WITHIN_S = 20.0
 SETTINGS = PepperSettings(robots=())
@@ -27,10 +27,10 @@ SETTINGS = PepperSettings(robots=())
 
 #: How long the driver waits for an answer, and how long it does so in `patience`.
 LIMITS = {
-    (connection_line, "SILENT_S"): (connection_line.SILENT_S, WITHIN_S),
-    (connection_line, "ANSWER_S"): (connection_line.ANSWER_S, WITHIN_S),
-    (connection_line, "KNOWN_S"): (connection_line.KNOWN_S, 2 * WITHIN_S),
-    (connection, "LOOK_S"): (LOOK_S, WITHIN_S),
+    (robot_line, "SILENT_S"): (robot_line.SILENT_S, WITHIN_S),
+    (robot_line, "ANSWER_S"): (robot_line.ANSWER_S, WITHIN_S),
+    (robot_line, "KNOWN_S"): (robot_line.KNOWN_S, 2 * WITHIN_S),
+    (robot_connection, "LOOK_S"): (LOOK_S, WITHIN_S),
 }
 
 

@@ -15,8 +15,8 @@ from woz_drivers.pepper.settings import PepperSettings, Senses
 from tests.drivers.heard import Heard, Ordered
 from tests.drivers.pepper.connected import patience
 from tests.fakes.naoqi import Call, StandIn, stand_in
-from woz_tui.core.driver import Scope, StopReport
-from woz_tui.core.messages import DriverConnected, Json, Notice, SettingsShown
+from woz_tui.drivers.contract import Scope, StopReport
+from woz_tui.protocol.messages import DriverConnected, Json, Notice, SettingsShown
 
 #: How many times as fast the robot's time passes.
 PACE = 20.0

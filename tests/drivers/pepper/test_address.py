@@ -9,7 +9,7 @@ from woz_drivers.pepper.address import Address, parse, seen
 from woz_drivers.pepper.secrets import Secret, password
 from woz_drivers.pepper.settings import PepperSettings
 
-from woz_tui.core.driver import RejectedError
+from woz_tui.drivers.contract import RejectedError
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,8 @@ import pytest
 from woz_drivers.pepper.settings import Autonomy
 
 from tests.drivers.pepper.played import Played, played
-from woz_tui.core.driver import DriverError, RejectedError
-from woz_tui.core.messages import SettingsShown
+from woz_tui.drivers.contract import DriverError, RejectedError
+from woz_tui.protocol.messages import SettingsShown
 
 SWITCHES = {
     "awareness": "ALBasicAwareness",

@@ -12,7 +12,7 @@ from woz_drivers.pepper import base as base_module
 
 from tests.drivers.heard import PATIENCE_S
 from tests.drivers.pepper.played import Played, played
-from woz_tui.core.driver import DeviceLostError, DriverError, RejectedError, Scope
+from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError, Scope
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 

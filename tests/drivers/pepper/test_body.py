@@ -7,15 +7,15 @@ from pathlib import Path
 
 import pytest
 from naoqi_simulator.motion import Joints
-from naoqi_simulator.table import offers
+from naoqi_simulator.service_table import offers
 from woz_drivers.pepper.body import Body
 from woz_drivers.pepper.body_joints import JOINTS, limb
 
 from tests.drivers.pepper.played import QUIET, Played, played
 from tests.drivers.pepper.wired import wired
 from tests.fakes.naoqi import stand_in_here
-from woz_tui.core.driver import DriverError, RejectedError
-from woz_tui.core.messages import Json
+from woz_tui.drivers.contract import DriverError, RejectedError
+from woz_tui.protocol.messages import Json
 
 HEY = "animations/Stand/Gestures/Hey_1"
 LONG = "animations/Stand/Waiting/ShowSky_1"

@@ -13,8 +13,8 @@ from woz_drivers.pepper.camera import SINGLE, VIEW, Camera
 from tests.drivers.heard import until
 from tests.drivers.pepper.wired import Wired, wired
 from tests.fakes.naoqi import StandIn, stand_in
-from woz_tui.core.driver import DeviceLostError, DriverError, RejectedError, Scope
-from woz_tui.core.pictures import PICTURE, WATCHED, Picture, Watched
+from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError, Scope
+from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, Picture, Watched
 
 
 def _watch(it: Wired[Camera], width: int = 320, rate: float = 30.0, seconds: float = 60.0) -> None:

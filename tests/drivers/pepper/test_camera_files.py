@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from PIL import Image
 from woz_drivers.pepper.camera_files import keep, png, stamp
 
-from woz_tui.core.driver import DriverError
-from woz_tui.core.pictures import Picture
+from woz_tui.drivers.contract import DriverError
+from woz_tui.protocol.camera_pictures import Picture
 
 DOT = Picture(0, 1, 1, b"\1\2\3")
 

@@ -9,22 +9,22 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from naoqi_simulator.passing import PacedTime
 from naoqi_simulator.pepper import Pepper as Standing
-from naoqi_simulator.process import start
-from naoqi_simulator.table import Method, Service
+from naoqi_simulator.robot_time import PacedTime
+from naoqi_simulator.service_table import Method, Service
+from naoqi_simulator.simulator_process import start
 from naoqi_simulator.world import Options, World
 from woz_drivers.pepper.address import parse
 from woz_drivers.pepper.driver import Pepper
-from woz_drivers.pepper.link import open_link
+from woz_drivers.pepper.naoqi_link import open_link
 from woz_drivers.pepper.settings import Autonomy, PepperSettings
 
 from tests.drivers.heard import Heard, Ordered
 from tests.drivers.pepper.connected import stand
 from tests.drivers.pepper.played import played
 from tests.fakes.naoqi import stand_in, stand_in_here
-from woz_tui.core.driver import DeviceLostError, DriverError, Health, RejectedError, Scope
-from woz_tui.core.messages import DriverConnected, Notice
+from woz_tui.drivers.contract import DeviceLostError, DriverError, Health, RejectedError, Scope
+from woz_tui.protocol.messages import DriverConnected, Notice
 
 
 @pytest.mark.parametrize("turns", range(8))
@@ -176,7 +176,7 @@ async def test_what_begins_behind_the_stop_that_overtook_it_is_ended_too(tmp_pat
 async def test_a_robot_without_a_player_confirms_its_stop(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("woz_drivers.pepper.connection_line._COMES_WITHIN_S", 0.1)
+    monkeypatch.setattr("woz_drivers.pepper.robot_line._COMES_WITHIN_S", 0.1)
     pepper = Standing(World(PacedTime(20.0), Options(visitors=False)))
     pepper.services = {
         name: one for name, one in pepper.services.items() if name != "ALAudioPlayer"

@@ -8,11 +8,11 @@ from collections.abc import Callable
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.pepper.connection_line import ALERT_S, ANSWER_S, FRESH_S, SILENT_S, Pulse
-from woz_drivers.pepper.link import Gone, Unanswered
+from woz_drivers.pepper.naoqi_link import Gone, Unanswered
+from woz_drivers.pepper.robot_line import ALERT_S, ANSWER_S, FRESH_S, SILENT_S, Pulse
 
 from tests.fakes.virtual_time import run_virtual
-from woz_tui.core.driver import DeviceLostError
+from woz_tui.drivers.contract import DeviceLostError
 
 #: The wizard knows at the latest after so long, in seconds.
 KNOWN_S = 2.0

@@ -6,14 +6,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from qimessaging.hosting import Method
+from qimessaging.hosted_objects import Method
 from qimessaging.server import Server
 from woz_drivers.pepper import doctor
-from woz_drivers.pepper.connection_line import WANTED
+from woz_drivers.pepper.robot_line import WANTED
 from woz_drivers.pepper.settings import PepperSettings, Tablet
 
 from tests.fakes.naoqi import StandIn
-from woz_tui.core.driver import Finding, Probe
+from woz_tui.drivers.contract import Finding, Probe
 
 
 async def examined(folder: Path, *robots: str, **settings: Any) -> list[Finding]:

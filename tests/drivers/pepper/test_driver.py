@@ -16,9 +16,10 @@ from tests.drivers.heard import PATIENCE_S, Heard, Ordered
 from tests.drivers.pepper.played import QUIET, joined, played
 from tests.fakes.naoqi import stand_in, stand_in_here
 from woz_tui.bus.bus import Bus
-from woz_tui.core.driver import DeviceLostError, DriverError, RejectedError
-from woz_tui.core.hub import Hub
-from woz_tui.core.messages import (
+from woz_tui.bus.hub import Hub
+from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError
+from woz_tui.drivers.plugins import installed
+from woz_tui.protocol.messages import (
     Command,
     Done,
     DriverConnected,
@@ -28,8 +29,7 @@ from woz_tui.core.messages import (
     Json,
     SettingsShown,
 )
-from woz_tui.core.robots import RobotOutline
-from woz_tui.plugins import installed
+from woz_tui.protocol.robot_outline import RobotOutline
 
 #: Every verb of the driver; a robot file and an experiment rely on these names.
 VERBS = {

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 from woz_drivers.pepper import eyes as eyes_module
-from woz_drivers.simulated.values import COLORS
+from woz_drivers.simulated.argument_values import COLORS
 
 from tests.drivers.pepper.played import Played, played
-from woz_tui.core.driver import DriverError, RejectedError
+from woz_tui.drivers.contract import DriverError, RejectedError
 
 FADE = "ALLeds.fadeRGB"
 

@@ -10,12 +10,12 @@ import time
 from pathlib import Path
 
 import pytest
-from woz_drivers.pepper.connection_line import FRESH_S
+from woz_drivers.pepper.robot_line import FRESH_S
 
 from tests.drivers.pepper.connected import WITHIN_S, Outcome, Stand, is_lost, stand
 from tests.fakes.dropping_proxy import dropping_proxy
 from tests.fakes.naoqi import Call, StandIn, stand_in
-from woz_tui.core.driver import DeviceLostError, Health
+from woz_tui.drivers.contract import DeviceLostError, Health
 
 pytestmark = pytest.mark.real_clock
 
@@ -185,8 +185,8 @@ async def test_a_silent_robot_is_asked_to_stop_even_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # It is silent, and does not count as gone before the test has looked.
-    monkeypatch.setattr("woz_drivers.pepper.connection_line.ANSWER_S", WITHIN_S)
-    monkeypatch.setattr("woz_drivers.pepper.connection_line.KNOWN_S", 2 * WITHIN_S)
+    monkeypatch.setattr("woz_drivers.pepper.robot_line.ANSWER_S", WITHIN_S)
+    monkeypatch.setattr("woz_drivers.pepper.robot_line.KNOWN_S", 2 * WITHIN_S)
     async with stand_in() as robot, stand(tmp_path, robot.address) as it:
         await it.is_so(Health.CONNECTED)
         robot.freeze()

@@ -20,7 +20,7 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from woz_drivers.pepper.file_server import MOST, TYPES, FileServer, Part, part
 
-from woz_tui.core.driver import DriverError
+from woz_tui.drivers.contract import DriverError
 
 BODY = bytes(range(256)) * 1000
 HOST = "127.0.0.1"

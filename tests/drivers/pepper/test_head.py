@@ -10,8 +10,8 @@ import pytest_asyncio
 
 from tests.drivers.heard import PATIENCE_S
 from tests.drivers.pepper.played import Played, played
-from woz_tui.core.driver import DriverError
-from woz_tui.core.messages import Json
+from woz_tui.drivers.contract import DriverError
+from woz_tui.protocol.messages import Json
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 

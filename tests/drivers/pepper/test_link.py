@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from qimessaging.hosting import Method, Signal
+from qimessaging.hosted_objects import Method, Signal
 from qimessaging.server import Server
 from woz_drivers.pepper.address import Address, parse
-from woz_drivers.pepper.link import (
+from woz_drivers.pepper.naoqi_link import (
     UNCONFIRMED_MS,
     Gone,
     Link,
@@ -27,7 +27,7 @@ from woz_drivers.pepper.link import (
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.pepper.connected import threads_now
-from woz_tui.core.driver import DeviceLostError
+from woz_tui.drivers.contract import DeviceLostError
 
 SETTINGS = PepperSettings(robots=())
 WITHIN_S = 10.0

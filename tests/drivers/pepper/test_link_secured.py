@@ -8,16 +8,16 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-from qimessaging.hosting import Method
+from qimessaging.hosted_objects import Method
 from qimessaging.server import Server
 from woz_drivers.pepper.address import parse
-from woz_drivers.pepper.connection_line import WANTED
-from woz_drivers.pepper.link import Link, RefusedError, open_link
+from woz_drivers.pepper.naoqi_link import Link, RefusedError, open_link
+from woz_drivers.pepper.robot_line import WANTED
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.pepper.connected import stand
-from woz_tui.core.driver import DeviceLostError, Health
-from woz_tui.core.messages import Notice
+from woz_tui.drivers.contract import DeviceLostError, Health
+from woz_tui.protocol.messages import Notice
 
 KEPT = Path(__file__).parents[1] / "qimessaging"
 CERTIFICATE, KEY = KEPT / "certificate.pem", KEPT / "key.pem"

@@ -19,7 +19,7 @@ from tests.drivers.heard import PATIENCE_S, until
 from tests.drivers.pepper.wired import Wired, wired
 from tests.fakes.libqi import SERVERS
 from tests.fakes.naoqi import StandIn, stand_in
-from woz_tui.core.driver import DriverError, RejectedError, Scope
+from woz_tui.drivers.contract import DriverError, RejectedError, Scope
 
 
 @pytest.fixture

@@ -14,15 +14,15 @@ from woz_drivers.pepper.body import Body
 from woz_drivers.pepper.camera import frame
 from woz_drivers.pepper.eyes import Eyes
 from woz_drivers.pepper.head import Head
-from woz_drivers.pepper.link import words
 from woz_drivers.pepper.memory import flag, word
-from woz_drivers.pepper.naoqi_call import NaoqiCall
+from woz_drivers.pepper.naoqi_link import words
+from woz_drivers.pepper.service_call import NaoqiCall
 from woz_drivers.pepper.sounds import Sounds
 from woz_drivers.pepper.voice import Voice
 
 from tests.drivers.heard import Ordered
 from tests.drivers.pepper.babbler import SETTINGS, Babbler, babbler
-from woz_tui.core.driver import DriverError, Scope
+from woz_tui.drivers.contract import DriverError, Scope
 
 NAN, INF = math.nan, math.inf
 #: Answers of every kind, none of which is what was asked for.

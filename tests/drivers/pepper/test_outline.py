@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 from woz_drivers.pepper import body_joints, outline, tags
 from woz_drivers.pepper.animations import MOVES, path_of
 from woz_drivers.pepper.eyes import Color
-from woz_drivers.pepper.reading import Wanted, conflicts
 from woz_drivers.pepper.robot_settings import SETTINGS
 from woz_drivers.pepper.settings import Autonomy, PepperSettings, Voice
+from woz_drivers.pepper.settings_reading import Wanted, conflicts
 
-from woz_tui.core.driver import RejectedError
-from woz_tui.core.messages import Json
-from woz_tui.core.robots import RobotOutline
+from woz_tui.drivers.contract import RejectedError
+from woz_tui.protocol.messages import Json
+from woz_tui.protocol.robot_outline import RobotOutline
 
 ONE = PepperSettings(robots=("10.0.0.1", "10.0.0.2"))
 DEGREES = st.floats(-400, 400)

@@ -10,8 +10,8 @@ import pytest
 from woz_drivers.pepper import Pepper
 
 from tests.host.rig import served
-from woz_tui.core.messages import Json
-from woz_tui.experiment.decode import load
+from woz_tui.config.loading import load
+from woz_tui.protocol.messages import Json
 
 CATALOGUE = {"pepper": Pepper}
 #: A password with all that sentences and templates trip over.

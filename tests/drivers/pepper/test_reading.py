@@ -11,15 +11,15 @@ from typing import cast
 
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.pepper.connection import SPACING_S, Connection
 from woz_drivers.pepper.parts import Part
-from woz_drivers.pepper.reading import EVERY_S, LULL_S, RECENT_S, Reading
+from woz_drivers.pepper.robot_connection import SPACING_S, Connection
 from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.pepper.settings_reading import EVERY_S, LULL_S, RECENT_S, Reading
 
 from tests.drivers.heard import Heard, Ordered
 from tests.fakes.virtual_time import LoopClock, run_virtual
-from woz_tui.core.driver import DeviceLostError, RejectedError
-from woz_tui.core.messages import Json, SettingsShown
+from woz_tui.drivers.contract import DeviceLostError, RejectedError
+from woz_tui.protocol.messages import Json, SettingsShown
 
 NOWHERE = PepperSettings(robots=(), connect=False)
 

@@ -14,8 +14,8 @@ from woz_drivers.pepper.settings import Recognition as Settings
 
 from tests.drivers.pepper.wired import Wired, wired
 from tests.fakes.naoqi import StandIn, stand_in
-from woz_tui.core.driver import SPEECH, SPEECH_TEXT
-from woz_tui.core.messages import SpeechEnded, SpeechStarted, SpeechText
+from woz_tui.drivers.contract import SPEECH, SPEECH_TEXT
+from woz_tui.protocol.messages import SpeechEnded, SpeechStarted, SpeechText
 
 HEARS = Settings(phrases=("yes", "no", "Ada"), language="English")
 SOMEBODY = {"distance": 1.0, "looking": True}

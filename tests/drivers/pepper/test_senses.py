@@ -15,8 +15,8 @@ from woz_drivers.pepper.senses import FACES, VISIBLE, Senses, distance_key, look
 
 from tests.drivers.pepper.wired import Wired, wired
 from tests.fakes.naoqi import StandIn, stand_in
-from woz_tui.core.driver import DriverError, RejectedError, Scope
-from woz_tui.core.messages import Reading, SensorChanged
+from woz_tui.drivers.contract import DriverError, RejectedError, Scope
+from woz_tui.protocol.messages import Reading, SensorChanged
 
 FAST = settings.Senses(rate=20)
 ALL = (

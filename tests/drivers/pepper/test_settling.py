@@ -14,8 +14,8 @@ from woz_drivers.pepper.simulated_robot import SimulatedRobot
 from tests.drivers.heard import Heard, Ordered
 from tests.drivers.pepper.played import PACE, QUIET, Played
 from tests.fakes.naoqi import StandIn, stand_in
-from woz_tui.core.driver import DeviceLostError, Scope
-from woz_tui.core.messages import DriverConnected
+from woz_tui.drivers.contract import DeviceLostError, Scope
+from woz_tui.protocol.messages import DriverConnected
 
 pytestmark = pytest.mark.usefixtures("patient")
 

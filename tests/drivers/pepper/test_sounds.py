@@ -9,7 +9,7 @@ import pytest
 from woz_drivers.wav import Wav
 
 from tests.drivers.pepper.played import Played, played
-from woz_tui.core.driver import DriverError, RejectedError
+from woz_tui.drivers.contract import DriverError, RejectedError
 
 BEEP, APPLAUSE, MUSIC = (
     f"/home/nao/sounds/{name}" for name in ("beep.wav", "applause.wav", "music.mp3")

@@ -13,9 +13,9 @@ from tests.drivers.heard import PATIENCE_S, Heard
 from tests.drivers.pepper.played import Played, joined, played
 from tests.fakes.naoqi import stand_in
 from woz_tui.bus.bus import Bus
-from woz_tui.core.driver import DeviceLostError, DriverError, Scope
-from woz_tui.core.hub import Hub
-from woz_tui.core.messages import (
+from woz_tui.bus.hub import Hub
+from woz_tui.drivers.contract import DeviceLostError, DriverError, Scope
+from woz_tui.protocol.messages import (
     AnyMessage,
     Command,
     DriverConnected,

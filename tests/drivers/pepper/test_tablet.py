@@ -17,7 +17,7 @@ from woz_drivers.pepper.tablet_page import Kind, kind
 from tests.drivers.heard import until
 from tests.drivers.pepper.wired import Wired, wired
 from tests.fakes.naoqi import StandIn, stand_in
-from woz_tui.core.driver import DeviceLostError, DriverError, RejectedError, Scope
+from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError, Scope
 
 PICTURE, OTHER, FILM = b"picture" * 100, b"another" * 50, b"film" * 1000
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from woz_drivers.pepper.link import Methods, Unsubscribe
+from woz_drivers.pepper.naoqi_link import Methods, Unsubscribe
 from woz_drivers.pepper.served_files import Files
 from woz_drivers.pepper.settings import PepperSettings, Senses
 from woz_drivers.pepper.tablet import Screen
@@ -21,8 +21,8 @@ from tests.drivers.pepper.test_senses_values import ANYTHING
 from tests.drivers.pepper.wired import wired
 from tests.fakes.naoqi import StandIn, stand_in
 from tests.fakes.virtual_time import LoopClock, run_virtual
-from woz_tui.core.driver import DriverError
-from woz_tui.core.messages import Reading
+from woz_tui.drivers.contract import DriverError
+from woz_tui.protocol.messages import Reading
 
 
 @pytest.mark.naoqi(

@@ -8,7 +8,7 @@ import pytest
 from woz_drivers.pepper.settings import Voice
 
 from tests.drivers.pepper.played import Played, played
-from woz_tui.core.driver import DeviceLostError, RejectedError
+from woz_tui.drivers.contract import DeviceLostError, RejectedError
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 

@@ -13,10 +13,10 @@ from woz_drivers.pepper.settings import PepperSettings, Tablet
 
 from tests.drivers.pepper.test_address import TELLING
 from tests.drivers.pepper.test_tags import RIGHT
-from woz_tui.core.driver import UNKNOWN, Written
-from woz_tui.core.messages import Json
-from woz_tui.experiment.decode import load
-from woz_tui.experiment.shape import ExperimentError
+from woz_tui.config.experiment import ExperimentError
+from woz_tui.config.loading import load
+from woz_tui.drivers.contract import UNKNOWN, Written
+from woz_tui.protocol.messages import Json
 
 SETTINGS = PepperSettings(robots=(), tablet=Tablet(root="pictures"))
 

@@ -8,15 +8,15 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from woz_drivers.pepper.connection import Connection
 from woz_drivers.pepper.parts import Part
+from woz_drivers.pepper.robot_connection import Connection
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.heard import PATIENCE_S, Heard, Ordered
 from tests.drivers.pepper.connected import patience
 from tests.fakes.naoqi import StandIn, StandInHere
-from woz_tui.core.driver import DriverError
-from woz_tui.core.messages import Json, Notice, Reading
+from woz_tui.drivers.contract import DriverError
+from woz_tui.protocol.messages import Json, Notice, Reading
 
 P = TypeVar("P", bound=Part)
 

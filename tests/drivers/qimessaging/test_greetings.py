@@ -20,8 +20,8 @@ from qimessaging import (
 from qimessaging.decoding import decode
 from qimessaging.encoding import encode
 from qimessaging.frames import Frame, Kind
-from qimessaging.host import Host
-from qimessaging.hosting import Signal
+from qimessaging.hosted_objects import Signal
+from qimessaging.object_host import Host
 from qimessaging.registering import Listener
 
 from tests.drivers.qimessaging.desk import bench, between, frames, script
@@ -58,7 +58,7 @@ async def test_a_server_of_before_logins_lets_us_in(greeted: Greeted) -> None:
 async def test_a_server_that_leaves_the_greeting_unanswered_lets_us_in(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("qimessaging.handshake._SILENCE", 0.05)
+    monkeypatch.setattr("qimessaging.authentication._SILENCE", 0.05)
     async with bench() as (_, port), between(port, lambda _frame, _writer: None) as old:
         client = await Client.open("127.0.0.1", old)
 

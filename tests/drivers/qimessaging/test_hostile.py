@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from qimessaging import Client, ConnectionLost, ProtocolError, QiError
+from qimessaging.authentication import error_text
 from qimessaging.encoding import encode
 from qimessaging.frames import Frame, FrameReader, Kind
-from qimessaging.handshake import error_text
 
 from tests.drivers.qimessaging.desk import answering, bench, between, frames, script, until
 

@@ -11,15 +11,15 @@ from typing import Any
 
 import pytest
 from qimessaging import Client, ConnectionLost, ProtocolError, QiError, Refused
+from qimessaging.authentication import WayIn
 from qimessaging.connection import Connection
 from qimessaging.decoding import MOST_VALUES, Decoder, decode
 from qimessaging.encoding import encode
 from qimessaging.endpoints import Endpoint, ServiceInfo
 from qimessaging.frames import DYNAMIC_PAYLOAD, MAGIC, Frame, FrameReader, Kind
-from qimessaging.handshake import WayIn
-from qimessaging.host import Host
-from qimessaging.hosting import Hosted, Signal
+from qimessaging.hosted_objects import Hosted, Signal
 from qimessaging.metaobject import MetaMethod, MetaObject
+from qimessaging.object_host import Host
 from qimessaging.registering import Listener, describe, register
 from qimessaging.remote import RemoteObject
 from qimessaging.signature import parse

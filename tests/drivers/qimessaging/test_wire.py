@@ -16,14 +16,14 @@ from qimessaging import (
     Server,
     Signal,
 )
+from qimessaging.authentication import error_text
 from qimessaging.connection import Connection
 from qimessaging.decoding import decode
 from qimessaging.encoding import encode
 from qimessaging.endpoints import ServiceInfo
 from qimessaging.errors import ConnectionLost
 from qimessaging.frames import Frame, Kind
-from qimessaging.handshake import error_text
-from qimessaging.host import Host
+from qimessaging.object_host import Host
 from qimessaging.registering import Listener
 
 from tests.drivers.qimessaging.desk import Bench, bench, until

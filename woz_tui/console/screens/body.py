@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from woz_tui.console.bodies.full import full_rows
-from woz_tui.console.bodies.outlines import bodies
-from woz_tui.console.bodies.seen import seen_bodies
+from woz_tui.console.bodies.body_outlines import bodies
+from woz_tui.console.bodies.body_state import seen_bodies
+from woz_tui.console.bodies.full_body import full_rows
 from woz_tui.console.cells import Row
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.screens.drawing import Drawing

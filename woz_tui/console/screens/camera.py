@@ -10,14 +10,14 @@ from textual.app import ComposeResult
 from textual.containers import Vertical
 from textual.widget import Widget
 
-from woz_tui.console.camera.frames import CELL, Room, room_for
-from woz_tui.console.camera.views import View
-from woz_tui.console.camera.watching import STALE_S, Watching
-from woz_tui.console.camera.ways import Means, depth_of, view_for
+from woz_tui.console.camera.drawing_methods import Means, depth_of, view_for
+from woz_tui.console.camera.picture_requests import STALE_S, Watching
+from woz_tui.console.camera.picture_sizes import CELL, Room, room_for
+from woz_tui.console.camera.picture_widgets import View
 from woz_tui.console.cells import Cells, Row, clean, cut
 from woz_tui.console.screens.dialog import Dialog
-from woz_tui.core.pictures import PictureShown
-from woz_tui.core.requests import AskVerb
+from woz_tui.protocol.camera_pictures import PictureShown
+from woz_tui.protocol.requests import AskVerb
 
 #: How often is looked whether the next picture may be asked for, in seconds.
 _LOOK_S = 0.05

@@ -24,21 +24,21 @@ from textual.widgets import Input, Static
 
 from woz_tui.console.cells import Row, clean, hung
 from woz_tui.console.keyboard import OwnKey
-from woz_tui.console.thrift import ThriftyScreen
-from woz_tui.core.requests import Reply
+from woz_tui.console.partial_update import ThriftyScreen
+from woz_tui.protocol.requests import Reply
 
 if TYPE_CHECKING:
-    from woz_tui.console.camera.side import Side
-    from woz_tui.console.caps import Cap
-    from woz_tui.console.desk import Desk
-    from woz_tui.console.feed import Feed
+    from woz_tui.config.keys.keymap import KeyMap
+    from woz_tui.config.keys.terminals import Terminal
+    from woz_tui.console.camera.terminal_graphics import Side
+    from woz_tui.console.console_state import ConsoleState
     from woz_tui.console.glyphs import Glyphs
+    from woz_tui.console.key_caps import Cap
     from woz_tui.console.keyboard import Keyboard
-    from woz_tui.console.look import Look
-    from woz_tui.console.state import ConsoleState
-    from woz_tui.core.clock import Clock
-    from woz_tui.experiment.keymap import KeyMap
-    from woz_tui.experiment.terminals import Terminal
+    from woz_tui.console.message_feed import Feed
+    from woz_tui.console.robot_requests import Desk
+    from woz_tui.console.theme import Look
+    from woz_tui.system.clock import Clock
 
 #: Whom a command serves: the console that plays the robot; also one that watches; also a replay;
 #: a replay alone.

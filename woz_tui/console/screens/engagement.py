@@ -10,15 +10,15 @@ from dataclasses import replace
 
 from textual import events
 
+from woz_tui.config.keys.textual_names import from_textual
+from woz_tui.config.session_verbs import ENGAGEMENT
 from woz_tui.console.cells import Row
-from woz_tui.console.engagement.hand import BY_KEY, KEYS
-from woz_tui.console.engagement.legend import legend_rows
-from woz_tui.console.engagement.whole import whole_rows
+from woz_tui.console.engagement.full_engagement import whole_rows
+from woz_tui.console.engagement.key_legend import legend_rows
+from woz_tui.console.engagement.wizard_overrides import BY_KEY, KEYS
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.screens.drawing import Drawing
-from woz_tui.console.screens.orders import steer
-from woz_tui.experiment.textual_names import from_textual
-from woz_tui.experiment.verbs import ENGAGEMENT
+from woz_tui.console.screens.engagement_questions import steer
 
 _TAKE = frozenset(("tab", "shift+tab"))
 _HINTS = {

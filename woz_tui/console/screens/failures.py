@@ -7,7 +7,7 @@ from typing import ClassVar
 from textual.binding import Binding, BindingType
 
 from woz_tui.console.cells import Row
-from woz_tui.console.figures import elapsed
+from woz_tui.console.number_text import elapsed
 from woz_tui.console.screens.dialog import ConsoleApp, Report
 from woz_tui.console.screens.lost import open_lost
 

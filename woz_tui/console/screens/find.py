@@ -12,14 +12,14 @@ from rich.cells import cell_len
 from textual.content import Content
 from textual.fuzzy import Matcher
 
-from woz_tui.console.caps import Cap, caption, key_name
 from woz_tui.console.cells import clean, fit
-from woz_tui.console.engagement.hand import ORDERS, is_offered
-from woz_tui.console.robot.orders import orders_of
+from woz_tui.console.engagement.wizard_overrides import ORDERS, is_offered
+from woz_tui.console.key_caps import Cap, caption, key_name
+from woz_tui.console.robot_settings.driver_verbs import orders_of
 from woz_tui.console.screens.choice import Search
-from woz_tui.console.screens.orders import steer
-from woz_tui.console.sentence import quoted
-from woz_tui.core.requests import AskLock, AskPhase, AskVerb
+from woz_tui.console.screens.engagement_questions import steer
+from woz_tui.console.sentence_rows import quoted
+from woz_tui.protocol.requests import AskLock, AskPhase, AskVerb
 
 #: Cells for a key and for a name at the most.
 KEY, LABEL = 7, 38

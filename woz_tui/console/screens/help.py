@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from woz_tui.console.caps import Cap, cap_of, caption, key_name
 from woz_tui.console.cells import Row, fit
-from woz_tui.console.engagement.hand import ORDERS, is_offered
+from woz_tui.console.engagement.wizard_overrides import ORDERS, is_offered
+from woz_tui.console.key_caps import Cap, cap_of, caption, key_name
 from woz_tui.console.screens.dialog import Report
 
 KEY = 8

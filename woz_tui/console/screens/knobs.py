@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from woz_tui.console.bodies.board import Board, board_rows
-from woz_tui.console.bodies.outlines import PanelOutline, boards
+from woz_tui.console.bodies.body_outlines import PanelOutline, boards
+from woz_tui.console.bodies.midi_board import Board, board_rows
 from woz_tui.console.cells import Row, clean
-from woz_tui.console.figures import age
 from woz_tui.console.glyphs import Frame
+from woz_tui.console.number_text import age
 from woz_tui.console.screens.drawing import Drawing
-from woz_tui.core.messages import ControlsMoved
+from woz_tui.protocol.messages import ControlsMoved
 
 
 class KnobsDialog(Drawing):

@@ -10,8 +10,8 @@ from woz_tui.console.cells import Row, clean
 from woz_tui.console.screens.choice import Choice
 from woz_tui.console.screens.trial import OfferDialog, progress
 from woz_tui.console.screens.typed import KeepTypedDialog, has_typed
-from woz_tui.console.study.picture import Study
-from woz_tui.record.names import gets_participant
+from woz_tui.console.study.study_view import Study
+from woz_tui.log.file_names import gets_participant
 
 
 class LeaveDialog(Choice):

@@ -11,7 +11,7 @@ from woz_tui.console.cells import Row
 from woz_tui.console.screens.choice import Choice
 from woz_tui.console.screens.dialog import ConsoleApp
 from woz_tui.console.screens.typed import has_typed
-from woz_tui.record.names import present
+from woz_tui.log.file_names import present
 
 
 def open_lost(app: ConsoleApp) -> None:

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from textual.content import Content
 
 from woz_tui.console.cells import Row, fit
-from woz_tui.console.figures import elapsed
+from woz_tui.console.event_sentences import Event
+from woz_tui.console.number_text import elapsed
 from woz_tui.console.screens.choice import Choice
 from woz_tui.console.screens.dialog import content
-from woz_tui.console.sentences import Event
-from woz_tui.core.requests import AskMistake
+from woz_tui.protocol.requests import AskMistake
 
 #: So many of the last actions are offered.
 OFFERED = 40

@@ -11,9 +11,9 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from woz_tui.console.cells import Row, clean
-from woz_tui.console.robot.names import begin_with, holding, meant
+from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.robot_settings.name_completion import begin_with, holding, meant
 from woz_tui.console.screens.dialog import ConsoleApp, Entry, content, plain
-from woz_tui.console.state import ConsoleState
 
 #: Lines of matching names under the field.
 MATCHES = 8

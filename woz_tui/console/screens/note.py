@@ -5,7 +5,7 @@ from __future__ import annotations
 from textual.widgets import Input
 
 from woz_tui.console.screens.dialog import Entry
-from woz_tui.core.requests import AskNote
+from woz_tui.protocol.requests import AskNote
 
 
 class NoteDialog(Entry):

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from textual import events
 
-from woz_tui.console.caps import Cap, caption, key_name
+from woz_tui.config.keys.textual_names import from_textual
 from woz_tui.console.cells import Row
+from woz_tui.console.key_caps import Cap, caption, key_name
 from woz_tui.console.screens.dialog import Report
-from woz_tui.console.script import upcoming
-from woz_tui.console.sentence import KEPT, step_words
-from woz_tui.experiment.textual_names import from_textual
+from woz_tui.console.script_row import upcoming
+from woz_tui.console.sentence_rows import KEPT, step_words
 from woz_tui.session.variables import UNTOLD
 
 

@@ -9,10 +9,10 @@ from textual.content import Content
 from textual.widgets import OptionList
 
 from woz_tui.console.cells import Row, clean, fit
-from woz_tui.console.figures import elapsed
+from woz_tui.console.number_text import elapsed
 from woz_tui.console.screens.choice import Choice
-from woz_tui.core.requests import AskPhase
-from woz_tui.core.views import PhaseView
+from woz_tui.protocol.panels import PhaseView
+from woz_tui.protocol.requests import AskPhase
 
 #: Cells of a phase's title at the most.
 TITLE = 26

@@ -14,17 +14,17 @@ from textual.widget import Widget
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
-from woz_tui.console.caps import Cap
+from woz_tui.config.keys.terminals import Terminal
 from woz_tui.console.cells import Row, clean
-from woz_tui.console.engagement.words import signs_of, unsensed
+from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.engagement.engagement_text import signs_of, unsensed
+from woz_tui.console.key_caps import Cap
 from woz_tui.console.screens.dialog import Report, refusal
-from woz_tui.console.state import ConsoleState
-from woz_tui.console.status import SLOW_LINE_US
-from woz_tui.core.driver import Finding
-from woz_tui.core.machine.terminal import environment, multiplexers
-from woz_tui.core.messages import EngagementShown
-from woz_tui.core.requests import AskCheck, AskPreflight, Reply
-from woz_tui.experiment.terminals import Terminal
+from woz_tui.console.status_rows import SLOW_LINE_US
+from woz_tui.drivers.contract import Finding
+from woz_tui.machine.terminal_check import environment, multiplexers
+from woz_tui.protocol.messages import EngagementShown
+from woz_tui.protocol.requests import AskCheck, AskPreflight, Reply
 
 _LOOKS = {"ok": "good", "info": "muted", "warning": "warn", "error": "bad"}
 #: The hint where the file has a list of its own.

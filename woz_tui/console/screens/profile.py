@@ -9,9 +9,9 @@ from textual.content import Content
 from textual.widgets import OptionList
 
 from woz_tui.console.cells import Row, clean, fit
-from woz_tui.console.profiles import EVERYTHING
+from woz_tui.console.profile_view import EVERYTHING
 from woz_tui.console.screens.choice import Choice
-from woz_tui.core.requests import AskProfile
+from woz_tui.protocol.requests import AskProfile
 
 #: Cells of a profile's name at the most.
 NAME = 20

@@ -9,7 +9,7 @@ from textual.widget import Widget
 
 from woz_tui.console.screens.dialog import Dialog
 from woz_tui.console.screens.trial import offer_due
-from woz_tui.console.study.sheet import Sheet, thanks
+from woz_tui.console.study.questionnaire_widget import Sheet, thanks
 
 
 class QuestionnaireDialog(Dialog):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from woz_tui.console.caps import key_name
 from woz_tui.console.cells import Row
-from woz_tui.console.figures import seconds
+from woz_tui.console.command_text import words
+from woz_tui.console.key_caps import key_name
+from woz_tui.console.number_text import seconds
 from woz_tui.console.screens.dialog import Report
-from woz_tui.console.wording import words
 from woz_tui.timeline.episodes import Command
 
 

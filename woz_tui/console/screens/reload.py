@@ -8,7 +8,7 @@ from textual.binding import Binding, BindingType
 
 from woz_tui.console.cells import Row
 from woz_tui.console.screens.dialog import Report
-from woz_tui.core.requests import AskReload, Reply
+from woz_tui.protocol.requests import AskReload, Reply
 
 
 class ReloadDialog(Report):

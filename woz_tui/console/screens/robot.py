@@ -13,19 +13,25 @@ from textual import events
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
+from woz_tui.config.keys.textual_names import from_textual
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.glyphs import Frame
-from woz_tui.console.robot.hand import Hand
-from woz_tui.console.robot.lines import CONNECTION, Line, What
-from woz_tui.console.robot.rows import Place, list_room, scrolled, settings_rows
-from woz_tui.console.robot.swatch import Swatches
-from woz_tui.console.robot.trouble import is_stale
-from woz_tui.console.robot.values import WrongValue, about, next_value, typed_value, value_text
-from woz_tui.console.robot.view import Viewer
+from woz_tui.console.robot_settings.colour_swatch import Swatches
+from woz_tui.console.robot_settings.setting_lines import CONNECTION, Line, What
+from woz_tui.console.robot_settings.setting_requests import Hand
+from woz_tui.console.robot_settings.setting_rows import Place, list_room, scrolled, settings_rows
+from woz_tui.console.robot_settings.setting_values import (
+    WrongValue,
+    about,
+    next_value,
+    typed_value,
+    value_text,
+)
+from woz_tui.console.robot_settings.setting_view import Viewer
+from woz_tui.console.robot_settings.settings_status import is_stale
 from woz_tui.console.screens.dialog import Entry, plain
 from woz_tui.console.screens.drawing import Drawing
-from woz_tui.core.messages import Json
-from woz_tui.experiment.textual_names import from_textual
+from woz_tui.protocol.messages import Json
 
 _ROBOTS = {"tab": 1, "shift+tab": -1}
 _LINES = {"up": -1, "down": 1}

@@ -12,10 +12,17 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from woz_tui.console.cells import Row, clean, fit
-from woz_tui.console.robot.tags import Begun, Numbered, Offer, begun_tag, completed, offers
+from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.robot_settings.speech_tags import (
+    Begun,
+    Numbered,
+    Offer,
+    begun_tag,
+    completed,
+    offers,
+)
 from woz_tui.console.screens.dialog import Entry, content, plain
-from woz_tui.console.state import ConsoleState
-from woz_tui.core.robots import RobotOutline
+from woz_tui.protocol.robot_outline import RobotOutline
 from woz_tui.session.variables import UNTOLD
 
 #: Lines of matching utterances under the field, and of matching tags or animations.

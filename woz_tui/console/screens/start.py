@@ -12,12 +12,12 @@ from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Input, RadioButton, RadioSet, Static
 
+from woz_tui.config.participant_pattern import example
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.glyphs import Glyphs
 from woz_tui.console.screens.dialog import Form, content, plain, refusal
 from woz_tui.console.screens.trial import order_row
-from woz_tui.core.requests import AskAssign, AskProposal, AskSet, Reply
-from woz_tui.experiment.pattern import example
+from woz_tui.protocol.requests import AskAssign, AskProposal, AskSet, Reply
 
 #: What a code may look like if the experiment file does not say.
 PATTERN = r"P\d\d"

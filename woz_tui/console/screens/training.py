@@ -10,8 +10,8 @@ from woz_tui.console.cells import Row
 from woz_tui.console.screens.choice import Choice
 from woz_tui.console.screens.dialog import ConsoleApp
 from woz_tui.console.screens.trial import TrialDialog
-from woz_tui.core import messages as m
-from woz_tui.core.requests import AskTraining
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.requests import AskTraining
 
 
 def open_training(app: ConsoleApp) -> None:

@@ -11,14 +11,14 @@ from textual.widget import Widget
 from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
 
+from woz_tui.config.due_questionnaires import OVER
 from woz_tui.console.cells import Row, clean, fit
-from woz_tui.console.figures import elapsed
+from woz_tui.console.number_text import elapsed
 from woz_tui.console.screens.choice import Choice
 from woz_tui.console.screens.dialog import ConsoleApp, Dialog, content
-from woz_tui.console.study.picture import Study
-from woz_tui.console.study.questions import Asked
-from woz_tui.core.requests import AskQuestionnaire, AskTrial, Reply
-from woz_tui.experiment.due import OVER
+from woz_tui.console.study.questionnaires import Asked
+from woz_tui.console.study.study_view import Study
+from woz_tui.protocol.requests import AskQuestionnaire, AskTrial, Reply
 
 #: Questionnaires that have a digit of their own.
 _NUMBERED = 9

@@ -8,10 +8,10 @@ from typing import ClassVar
 from textual.binding import Binding, BindingType
 
 from woz_tui.console.cells import Row
+from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.screens.dialog import Report
-from woz_tui.console.state import ConsoleState
-from woz_tui.core.requests import AskKeepTyped, Reply
-from woz_tui.session.typed import NAME, PANEL
+from woz_tui.protocol.requests import AskKeepTyped, Reply
+from woz_tui.session.typed_actions import NAME, PANEL
 
 _LOOKS = {"+++": "muted", "---": "muted", "@@ ": "muted"}
 

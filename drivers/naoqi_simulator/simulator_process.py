@@ -1,0 +1,209 @@
+"""The stand-in as a process: `python -m naoqi_simulator`."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import contextlib
+import json
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, Protocol
+
+from naoqi_simulator.faults import Desk
+from naoqi_simulator.life import STATES
+from naoqi_simulator.pepper import Pepper
+from naoqi_simulator.robot_time import PacedTime
+from naoqi_simulator.service_host import Host
+from naoqi_simulator.service_table import Refused, Service
+from naoqi_simulator.test_service import StandIn
+from naoqi_simulator.world import Clients, Options, World
+
+#: Makes what carries the services.
+Hosting = Callable[[Desk], "Carrier"]
+
+EPILOG = """\
+The first line on standard output says where it listens: {"address": "tcp://127.0.0.1:PORT"}.
+
+To rehearse: start it with `--port 9559`, write `robots: [127.0.0.1]` in the robot file, and play.
+Or write `robots: [simulated]`, and the driver starts one by itself.
+
+--control takes one JSON object a line on standard input and answers one a line:
+  {"do": "get", "name": "state"}                        everything that can be seen
+  {"do": "set", "name": "front", "value": 0.3}          something stands 0.3 m ahead
+  {"do": "set", "name": "drift", "value": true}         it changes its autonomy by itself now
+  {"do": "person", "who": {"distance": 1.2, "talking": true, "name": "Ada"}}
+  {"do": "person", "who": null}                         nobody; "auto": by the seed again
+  {"do": "touch", "x": 0.5, "y": 0.5}                   somebody touches the tablet
+  {"do": "fault", "kind": "slow:300", "seconds": 5}     every answer 300 ms late
+  {"do": "trace"}, {"do": "clear"}
+Faults: killed, frozen, deaf, slow:MS, refuse:SERVICE.METHOD,...=TEXT, says-no (moves),
+moody, invalid-signature (ALMemory), none. The service StandIn on the wire does the same.
+"""
+
+
+class Carrier(Clients, Protocol):
+    """What carries the services: `Host`, or a test's."""
+
+    def offer(self, services: Mapping[str, Service]) -> None:
+        """Offer all services as soon as it listens."""
+        ...
+
+    async def listen(self, host: str, port: int) -> str:
+        """Listen and return the address. Raises OSError when that port cannot be had."""
+        ...
+
+    async def close(self) -> None:
+        """Hang up on everybody."""
+        ...
+
+
+def parser() -> argparse.ArgumentParser:
+    """What the command line takes."""
+    made = argparse.ArgumentParser(
+        prog="python -m naoqi_simulator",
+        description="A simulated Pepper that speaks NAOqi's protocol.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    add = made.add_argument
+    add("--host", default="127.0.0.1", help="address to listen on (default: this machine only)")
+    add("--port", type=int, default=0, help="0: any that is free")
+    add("--server", help=argparse.SUPPRESS)  # there were two; older calls name one
+    add("--pace", type=float, default=1.0, help="how fast its time passes; 10: ten times as fast")
+    add("--seed", type=int, default=7, help="of the visitors and of moods")
+    add("--visitors", choices=("seeded", "none"), default="seeded", help="people who come and go")
+    add("--life", choices=STATES, default="solitary", help="autonomous life at the start")
+    add("--moody", action="store_true", help="it changes its autonomy by itself now and then")
+    add("--naoqi", default="2.5.10.7", metavar="VERSION", help="what ALSystem says it is")
+    add("--subscriber", action="store_true", help="ALMemory.subscriber works, unlike in 2.5.8")
+    add("--files", type=Path, help="folder that is the root of its file system")
+    add("--control", action="store_true", help="orders on standard input, see below")
+    return made
+
+
+def main(arguments: list[str] | None = None, hosting: Hosting = Host) -> int:
+    """Run until SIGTERM, SIGINT, or the end of the orders."""
+    given = parser().parse_args(arguments)
+    if given.server == "qi":
+        sys.stderr.write("--server qi: the package qi is not used; it serves by itself\n")
+    out = _own_output()
+    try:
+        asyncio.run(_serve(given, out, hosting))
+    except (OSError, ValueError) as error:
+        sys.stderr.write(f"{error}\n")
+        return 2
+    finally:
+        os.close(out)
+    # The thread that reads orders may still be busy; nothing of ours is left to save.
+    sys.stderr.flush()
+    os._exit(0)
+
+
+def _own_output() -> int:
+    """Our own standard output: whatever a library prints goes to standard error from here on."""
+    out = os.dup(1)
+    os.dup2(2, 1)
+    return out
+
+
+async def _serve(given: argparse.Namespace, out: int, hosting: Hosting) -> None:
+    loop = asyncio.get_running_loop()
+    options = Options(
+        seed=given.seed,
+        visitors=given.visitors == "seeded",
+        life=given.life,
+        moody=given.moody,
+        invalid_signature=not given.subscriber,
+        version=given.naoqi,
+        files=given.files,
+    )
+    pepper = Pepper(World(PacedTime(given.pace), options))
+    host, address = await start(pepper, given.host, given.port, hosting)
+    ended = asyncio.Event()
+    for one in (signal.SIGTERM, signal.SIGINT):
+        loop.add_signal_handler(one, ended.set)
+    os.write(out, json.dumps({"address": address}).encode() + b"\n")
+    tasks = {asyncio.ensure_future(pepper.live()), asyncio.ensure_future(ended.wait())}
+    if given.control:
+        tasks.add(asyncio.ensure_future(Control(pepper, out).run()))
+    done, going = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+    for task in going:
+        task.cancel()
+    await host.close()
+    for task in done:
+        task.result()
+
+
+async def start(
+    pepper: Pepper, host: str = "127.0.0.1", port: int = 0, hosting: Hosting = Host
+) -> tuple[Carrier, str]:
+    """Let a robot be reached; how to hang up, and the address. Raises OSError."""
+    hosted = hosting(pepper.world.desk)
+    hosted.offer(pepper.services)
+    address = await hosted.listen(host, port)
+    pepper.world.clients = hosted
+    return hosted, address
+
+
+# -- orders: the service StandIn by JSON lines on standard input and output ------------------------
+
+
+class Control:
+    """Reads orders, answers each with `{"ok": ...}` or `{"error": ...}`, in order."""
+
+    def __init__(self, pepper: Pepper, out: int) -> None:
+        self._standin, self._out = pepper.standin, out
+
+    async def run(self) -> None:
+        """Until nobody can give orders any more; then the robot ends, too."""
+        lines: asyncio.Queue[bytes] = asyncio.Queue()
+        loop = asyncio.get_running_loop()
+        # A thread, because standard input may be a file; a daemon, because nothing ends its read.
+        threading.Thread(target=_read_lines, args=(loop, lines), daemon=True).start()
+        while line := await lines.get():
+            self._answer(line)
+
+    def _answer(self, line: bytes) -> None:
+        try:
+            answer: dict[str, Any] = {"ok": carry_out(self._standin, json.loads(line))}
+        except Refused as refused:
+            answer = {"error": str(refused)}
+        except (ValueError, TypeError, KeyError, AttributeError) as error:
+            answer = {"error": f"not understood: {line!r}: {error!r}"}
+        data = json.dumps(answer).encode() + b"\n"
+        while data:
+            data = data[os.write(self._out, data) :]
+
+
+def _read_lines(loop: asyncio.AbstractEventLoop, lines: asyncio.Queue[bytes]) -> None:
+    """Hand on every line of standard input, and nothing at its end."""
+    rest = b""
+    # The loop may be gone before the last line.
+    with contextlib.suppress(RuntimeError):
+        while data := os.read(0, 1 << 16):
+            *whole, rest = (rest + data).split(b"\n")
+            for line in whole:
+                if line.strip():
+                    loop.call_soon_threadsafe(lines.put_nowait, line)
+        loop.call_soon_threadsafe(lines.put_nowait, b"")
+
+
+def carry_out(standin: StandIn, order: Mapping[str, Any]) -> Any:
+    """Carry out one order: `{"do": "get", "name": "state"}`. Raises Refused."""
+    orders: Mapping[str, Callable[[], Any]] = {
+        "trace": standin.trace,
+        "clear": standin.clear,
+        "get": lambda: json.loads(standin.get(order["name"])),
+        "set": lambda: standin.set(order["name"], json.dumps(order["value"])),
+        "touch": lambda: standin.touch(order["x"], order["y"]),
+        "person": lambda: standin.person(json.dumps(order["who"])),
+        "fault": lambda: standin.fault(order["kind"], order.get("seconds", 0.0)),
+    }
+    if order["do"] not in orders:
+        raise Refused(f"no order {order['do']!r}; there is {', '.join(orders)}")
+    return orders[order["do"]]()

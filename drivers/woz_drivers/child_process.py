@@ -1,0 +1,187 @@
+"""A child process that is never left behind.
+
+It leads a process group of its own, so that it dies with everything it started and a Ctrl-C in the
+terminal does not reach it. When the robot process itself is killed the kernel kills the child, and
+`guard` what the child had started.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import shutil
+import signal
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import cast
+
+from woz_drivers import command_lines
+from woz_drivers.orphan_guard import guard
+from woz_tui.drivers.contract import DriverError
+
+#: How long the last words of a dead child may take to arrive, in seconds.
+_LAST_WORDS_S = 0.2
+#: How much of what a child says on stderr is kept, in bytes.
+_KEPT = 4096
+
+
+class Child(asyncio.SubprocessProtocol):
+    """One running child. `on_output(data)`: what it writes to stdout, in the event loop."""
+
+    def __init__(self, program: str, on_output: Callable[[bytes], None] | None = None) -> None:
+        self.program = program
+        self._on_output = on_output
+        self._stderr = b""
+        self._transport: asyncio.SubprocessTransport | None = None
+        self._exited = asyncio.Event()
+        self._stdout_closed, self._stderr_closed = asyncio.Event(), asyncio.Event()
+
+    # -- called by asyncio ---------------------------------------------------------------------
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """The child runs."""
+        self._transport = cast(asyncio.SubprocessTransport, transport)
+
+    def pipe_data_received(self, fd: int, data: bytes) -> None:
+        """It wrote something."""
+        if fd == 1 and self._on_output is not None:
+            self._on_output(data)
+        elif fd == 2:
+            self._stderr = (self._stderr + data)[-_KEPT:]
+
+    def pipe_connection_lost(self, fd: int, exc: Exception | None) -> None:
+        """It closed one of its pipes."""
+        if fd == 1:
+            self._stdout_closed.set()
+        elif fd == 2:
+            self._stderr_closed.set()
+
+    def process_exited(self) -> None:
+        """It has ended."""
+        self._exited.set()
+
+    # -- for whoever started it ----------------------------------------------------------------
+
+    @property
+    def running(self) -> bool:
+        """Whether it has not ended yet."""
+        return not self._exited.is_set()
+
+    @property
+    def last_line(self) -> str:
+        """The last line it wrote to stderr, or ''. Progress that overwrites itself counts once."""
+        lines = self._stderr.replace(b"\r", b"\n").split(b"\n")
+        spoken = [line.strip() for line in lines if line.strip()]
+        return spoken[-1].decode("utf-8", "replace")[:300] if spoken else ""
+
+    def says(self, text: str) -> None:
+        """Give it `text` (UTF-8) on stdin and close that."""
+        pipe = self._pipe(0)
+        if isinstance(pipe, asyncio.WriteTransport):
+            pipe.write(text.encode())
+            pipe.close()
+
+    def hold(self, held: bool) -> None:
+        """Stop fetching its output, or go on; a piece that was fetched already still arrives."""
+        pipe = self._pipe(1)
+        if isinstance(pipe, asyncio.ReadTransport) and not pipe.is_closing():
+            if held:
+                pipe.pause_reading()
+            else:
+                pipe.resume_reading()
+
+    async def wait(self) -> int:
+        """Its exit status, once it has ended and its last words have come; negative: the signal
+        that ended it.
+        """
+        await self._exited.wait()
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(_LAST_WORDS_S):
+                await self._stderr_closed.wait()
+        assert self._transport is not None
+        status = self._transport.get_returncode()
+        assert status is not None
+        return status
+
+    async def said_all(self) -> bool:
+        """Whether everything that it wrote to stdout has come; waits a moment for the rest. It has
+        not while its output is held, or while something that it started may still write.
+        """
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(_LAST_WORDS_S):
+                await self._stdout_closed.wait()
+        return self._stdout_closed.is_set()
+
+    def kill(self) -> None:
+        """End it and everything it started, at once."""
+        assert self._transport is not None
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(self._transport.get_pid(), signal.SIGKILL)
+
+    async def gone(self) -> None:
+        """Kill what is left of it and of its children, return when it has been buried."""
+        self.kill()
+        assert self._transport is not None
+        try:
+            await self._exited.wait()
+            guard.release(self._transport.get_pid())
+        finally:
+            self._transport.close()
+
+    def _pipe(self, fd: int) -> asyncio.BaseTransport | None:
+        assert self._transport is not None
+        return self._transport.get_pipe_transport(fd)
+
+
+async def start(
+    words: Sequence[str],
+    folder: Path,
+    *,
+    on_output: Callable[[bytes], None] | None = None,
+    text: str | None = None,
+    humble: bool = False,
+) -> Child:
+    """Run a command in `folder`; `text` goes to its stdin. The caller must await `gone()`.
+
+    A `humble` one gets the processor only when the robot does not need it.
+
+    Raises `ProgramMissing`, or `DriverError` if the system refuses to start it.
+    """
+    path = command_lines.find(words[0], folder)
+    nothing = asyncio.subprocess.DEVNULL
+    try:
+        running, child = await asyncio.get_running_loop().subprocess_exec(
+            lambda: Child(words[0], on_output),
+            *_bound_to_us(),
+            *(_humbly() if humble else ()),
+            path,
+            *words[1:],
+            stdin=nothing if text is None else asyncio.subprocess.PIPE,
+            stdout=nothing if on_output is None else asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.PIPE,
+            cwd=folder,
+            start_new_session=True,
+        )
+    except (OSError, ValueError) as error:
+        raise DriverError(f"{words[0]} cannot be started: {error}") from error
+    guard.watch(running.get_pid())
+    if text is not None:
+        child.says(text)
+    return child
+
+
+def _bound_to_us() -> tuple[str, ...]:
+    """What makes the kernel kill the child with us (prctl PR_SET_PDEATHSIG), as a prefix.
+
+    util-linux does it after the exec: Python code between fork and exec (`preexec_fn`) is not
+    safe in a process with threads.
+    """
+    setpriv = shutil.which("setpriv")
+    return (setpriv, "--pdeathsig", "KILL", "--") if setpriv is not None else ()
+
+
+def _humbly() -> tuple[str, ...]:
+    """What gives a child the lowest priority, as a prefix."""
+    nice = shutil.which("nice")
+    return (nice, "-n", "19") if nice is not None else ()

@@ -1,0 +1,209 @@
+"""Looking after servos once a second, one question a tick: alarms, torque, heat, load, voltage."""
+
+from __future__ import annotations
+
+import abc
+from collections import Counter, deque
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+from woz_drivers.dynamixel import control_tables
+from woz_drivers.dynamixel import servo as servos
+from woz_drivers.dynamixel.servo import Servo, SilentError, Standing, UnfitError
+from woz_drivers.dynamixel.settings import Settings
+from woz_drivers.dynamixel.wire import Answer, Wire
+from woz_tui.drivers.contract import DriverContext, Health
+
+#: Every servo is looked after once in so many seconds.
+ROUND_S = 1.0
+#: A warning is repeated only after the value has fallen back by this share of its limit.
+EASING = 0.05
+
+X_REMEDY = "remove the load and let it cool, then `reboot` and `torque: on`"
+POWER_REMEDY = (
+    "check its power supply and plugs, make sure that nobody is in reach, then `torque: on`"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Bound:
+    """A value worth a warning beyond `limit`; `above` says on which side."""
+
+    kind: str
+    limit: float | None
+    unit: str
+    above: bool
+
+    def crossed(self, value: float) -> bool:
+        """Beyond the limit."""
+        if self.limit is None:
+            return False
+        return value > self.limit if self.above else value < self.limit
+
+    def eased(self, value: float) -> bool:
+        """Back by a margin."""
+        if self.limit is None:
+            return True
+        margin = abs(self.limit) * EASING
+        return value < self.limit - margin if self.above else value > self.limit + margin
+
+
+class Upkeep(abc.ABC):
+    """The servos of a chain, and the chores that look after them; belongs to the loop's thread."""
+
+    def __init__(self, wire: Wire, settings: Settings, context: DriverContext) -> None:
+        self.wire = wire
+        self.settings = settings
+        self.servos = {name: Servo(name, joint) for name, joint in settings.joints.items()}
+        self._context = context
+        self._chores: deque[Callable[[], None]] = deque()
+        self._next_round = 0.0
+        self._warned: set[tuple[str, str]] = set()
+        self._bounds = {
+            "temperature": [Bound("temperature", settings.temperature_warning, "C", above=True)],
+            "load": [Bound("load", settings.load_warning, "%", above=True)],
+            "voltage": [
+                Bound("voltage", settings.voltage_low, "V", above=False),
+                Bound("voltage", settings.voltage_high, "V", above=True),
+            ],
+        }
+
+    @abc.abstractmethod
+    def let_go(self, servo: Servo, why: str) -> None:
+        """A joint cannot take part any more: it lost its torque or stopped by itself."""
+
+    def one_chore(self, now: float) -> None:
+        """Ask one servo one thing, if it is time; a round takes two ticks a servo."""
+        if not self._chores and now >= self._next_round:
+            self._next_round = now + ROUND_S
+            for servo in self.servos.values():
+                if servo.standing is Standing.READY:
+                    self._chores.append(lambda servo=servo: self._status(servo))  # type: ignore[misc]
+                    self._chores.append(lambda servo=servo: self._sensors(servo))  # type: ignore[misc]
+        if self._chores:
+            self._chores.popleft()()
+
+    # -- alarms, torque, watchdog --------------------------------------------------------------
+
+    def _status(self, servo: Servo) -> None:
+        if servo.standing is not Standing.READY or servo.model is None:
+            return
+        table = servo.model.table
+        answer = self.wire.read(servo.joint.id, table.status_block())
+        if answer is None:
+            return
+        self._alarms(servo, table, answer)
+        self.check_torque(servo, table, answer)
+        if table.watchdog is not None:
+            self._watchdog(servo, table.watchdog.within(table.status_block(), answer.data))
+
+    def check_torque(self, servo: Servo, table: control_tables.Table, status: Answer) -> None:
+        """Compare the torque with what it should be: off by itself, or on without a command."""
+        if servo.torque and not servos.holds(servo, table, status.data):
+            self._alarms(servo, table, status)
+            self._went_limp(servo)
+        if not servo.torque and servos.enabled(table, status.data):
+            self.wire.write(servo.joint.id, table.torque, 0)  # unanswered: the next look finds it
+
+    def _alarms(self, servo: Servo, table: control_tables.Table, status: Answer) -> None:
+        block = table.status_block()
+        bits = status.error if table.alarm is None else table.alarm.within(block, status.data)
+        alarms = tuple(control_tables.alarms(table, bits))
+        if alarms == servo.alarms:
+            return
+        servo.alarms = alarms
+        if alarms:
+            self._context.notice("error", f"{servo.label}: {', '.join(alarms)}", _remedy(servo))
+        else:
+            self._context.notice("info", f"{servo.label}: the alarm is over")
+
+    def _went_limp(self, servo: Servo) -> None:
+        servo.torque = False
+        why = f"lost its torque ({', '.join(servo.alarms) or 'it may have restarted'})"
+        self.let_go(servo, why)
+        remedy = _remedy(servo) if servo.alarms else POWER_REMEDY
+        self._context.notice("error", f"{servo.label} {why}", remedy)
+
+    def _watchdog(self, servo: Servo, value: int) -> None:
+        """Clear it if it bit; set it again also where that was cut short the last time."""
+        if value == servos.watchdog_units(self.settings.watchdog):
+            return
+        assert servo.model is not None
+        bitten = value == control_tables.WATCHDOG_BITTEN
+        if bitten:
+            self.let_go(servo, "stopped by itself: its bus watchdog bit")
+        try:
+            line = servos.Line(self.wire, servo.joint.id, servo.model.table)
+            servos.rearm(line, self.settings.watchdog)
+        except (SilentError, UnfitError):
+            return  # the next round finds it again
+        finally:
+            servo.written = None
+        if bitten:
+            self._context.notice(
+                "warning",
+                f"{servo.label} stopped by itself: it received nothing for"
+                f" {self.settings.watchdog} ms",
+                "the computer was too busy; close other programs, or raise `watchdog`",
+            )
+
+    # -- heat, load, voltage -------------------------------------------------------------------
+
+    def _sensors(self, servo: Servo) -> None:
+        if servo.standing is not Standing.READY or servo.model is None:
+            return
+        table = servo.model.table
+        block = table.sensor_block()
+        answer = self.wire.read(servo.joint.id, block)
+        if answer is None:
+            return
+        heat = table.temperature.within(block, answer.data)
+        volt = table.voltage.within(block, answer.data)
+        load = signed_load(table, table.load.within(block, answer.data))
+        self._publish(servo, "temperature", float(heat), "C", heat)
+        self._publish(servo, "voltage", volt * control_tables.VOLT, "V", volt)
+        self._publish(servo, "load", 100.0 * abs(load) / servo.model.full_load, "%", load)
+
+    def _publish(self, servo: Servo, kind: str, value: float, unit: str, raw: int) -> None:
+        self._context.reading(f"{kind}.{servo.name}", round(value, 2), unit=unit, raw=raw)
+        for bound in self._bounds[kind]:
+            key = (servo.name, f"{bound.kind} {'above' if bound.above else 'below'}")
+            if bound.crossed(value) and key not in self._warned:
+                self._warned.add(key)
+                side = "above" if bound.above else "below"
+                self._context.notice(
+                    "warning",
+                    f"{servo.label}: {kind} {value:.4g} {unit}, {side} {bound.limit:g} {unit}",
+                    "let it rest, or take some load off",
+                )
+            elif bound.eased(value):
+                self._warned.discard(key)
+
+
+def report(settings: Settings, servos_: Iterable[Servo]) -> tuple[Health, str, str]:
+    """How the chain is, for `DriverContext.health`: a fault of any servo is one of the whole."""
+    known = list(servos_)
+    faults = [f"{servo.label} {servo.trouble}" for servo in known if servo.trouble]
+    remedies = [servo.remedy for servo in known if servo.trouble and servo.remedy]
+    for servo in known:
+        if servo.alarms and not servo.trouble:
+            faults.append(f"{servo.label}: {', '.join(servo.alarms)}")
+            remedies.append(_remedy(servo))
+    if faults:
+        return Health.FAULTED, "; ".join(faults), "; ".join(dict.fromkeys(remedies))
+    models = Counter(servo.model.name for servo in known if servo.model is not None)
+    found = ", ".join(f"{count} x {name}" for name, count in sorted(models.items()))
+    return Health.CONNECTED, f"{settings.port}: {found}", ""
+
+
+def signed_load(table: control_tables.Table, raw: int) -> int:
+    """The load register as a signed number."""
+    if table.load_sign_bit is None:
+        return raw
+    sign = 1 << table.load_sign_bit
+    return -(raw & (sign - 1)) if raw & sign else raw & (sign - 1)
+
+
+def _remedy(servo: Servo) -> str:
+    old = servo.model is not None and servo.model.table.protocol == 1
+    return servos.PROTOCOL_1_REMEDY if old else X_REMEDY

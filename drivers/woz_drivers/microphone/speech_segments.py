@@ -1,0 +1,260 @@
+"""Segments of speech: told in order, with the times of their sound, kept as files if wanted."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+
+from woz_drivers import pcm_audio
+from woz_drivers.microphone.segment_files import SegmentFiles
+from woz_drivers.microphone.speech_detection import BLOCK_S
+from woz_drivers.microphone.transcriber import Heard, Transcriber
+from woz_tui.drivers.contract import DriverContext
+from woz_tui.protocol.messages import SpeechEnded, SpeechStarted
+from woz_tui.sensing.speech_endpoint import Ended, Started
+
+BLOCK_US = round(BLOCK_S * 1_000_000)
+
+#: The promptest block of this many, and of as many before them, tells what the clock said when the
+#: sound began: 5 s. A converter's clock drifts by a millisecond in that time at most.
+_WINDOW = 250
+#: The end of an utterance is told after this time at most, in seconds, file or no file: the robot
+#: reacts to it.
+_FILE_S = 0.15
+
+
+@dataclass(frozen=True, slots=True)
+class _Block:
+    """A block on the tape: its RMS, and its sound if that is wanted."""
+
+    level: float
+    pcm: bytes
+
+
+@dataclass(slots=True)
+class _Ending:
+    """The end of a segment whose file may be on its way; the end is told without it when `late`."""
+
+    told: SpeechEnded
+    file: asyncio.Future[Path] | None
+    name: str
+    clock_us: int
+    late: bool = False
+    timer: asyncio.TimerHandle | None = None
+
+
+class Segments:
+    """The tape of the last seconds, and what is cut out of it.
+
+    `keep`: WAV files of what is said stay in the session's folder for media. With a `transcriber`
+    each segment is understood too.
+    """
+
+    def __init__(
+        self,
+        driver: str,
+        rate: int,
+        context: DriverContext,
+        keep: bool,
+        transcriber: Transcriber | None,
+    ) -> None:
+        self._driver = driver
+        self._context = context
+        self._keep = keep
+        self._transcriber = transcriber
+        self._files = SegmentFiles(rate, self._unsafe)
+        self._time = SoundTime()
+        self._tape: deque[_Block] = deque()
+        self._first = 0
+        self._segment = 0
+        self._began = 0
+        self._complained = False
+        self._unsafe_told = False
+        self._untold: deque[SpeechStarted | _Ending] = deque()
+
+    def forget(self) -> None:
+        """A new stream begins, with block 0."""
+        self._time.forget()
+        self._tape.clear()
+        self._first = 0
+
+    def gap(self) -> None:
+        """Sound is missing between the last block and the next."""
+        self._time.forget()
+
+    def take(self, samples: pcm_audio.Samples, level: float, clock_us: int) -> None:
+        """The next block, and the clock when it came."""
+        wanted = self._keep or self._transcriber is not None
+        pcm = pcm_audio.encode(samples, "S16_LE") if wanted else b""
+        self._tape.append(_Block(level, pcm))
+        self._time.arrived(self._first + len(self._tape) - 1, clock_us)
+
+    def happened(self, event: Started | Ended | None, earliest: int) -> None:
+        """What began or ended with that block; blocks before `earliest` are not needed any more."""
+        if isinstance(event, Started):
+            self._started(event)
+        elif isinstance(event, Ended):
+            self.ended(event, "cut: it goes on in the next segment" if event.cut else "")
+        while self._first < earliest and self._tape:
+            self._tape.popleft()
+            self._first += 1
+
+    def ended(self, event: Ended, detail: str) -> None:
+        """A segment is over; `detail` says why, where it is not because of silence."""
+        blocks = [self._tape[n - self._first] for n in range(event.first, event.last + 1)]
+        told = SpeechEnded(
+            driver=self._driver,
+            segment=self._segment,
+            began=self._began,
+            ended=self._began + len(blocks) * BLOCK_US,
+            loudest=max(block.level for block in blocks),
+            detail=detail,
+        )
+        name = f"{self._driver}-{self._segment:04d}.wav"
+        media = self._context.media
+        file = self._save(blocks, media / name)
+        ending = _Ending(told, file, f"{media.name}/{name}", self._context.clock.now_us())
+        ending.late = not self._keep
+        if file is not None and not ending.late:
+            file.add_done_callback(lambda _: self._tell())
+            ending.timer = asyncio.get_running_loop().call_later(
+                _FILE_S, self._wait_no_more, ending
+            )
+        self._untold.append(ending)
+        self._tell()
+
+    async def close(self) -> None:
+        """Tell what is left to tell, whatever the disk does; lent files are deleted."""
+        for told in self._untold:
+            if isinstance(told, _Ending):
+                told.late = True
+        self._tell()
+        if self._transcriber is not None:
+            await self._transcriber.close()
+        self._files.close()
+
+    # -- telling, in order ---------------------------------------------------------------------
+
+    def _started(self, event: Started) -> None:
+        self._segment += 1
+        self._began = self._context.t(self._time.begins(event.first))
+        told = SpeechStarted(driver=self._driver, segment=self._segment, began=self._began)
+        self._untold.append(told)
+        self._tell()
+
+    def _wait_no_more(self, ending: _Ending) -> None:
+        ending.late = True
+        self._tell()
+
+    def _tell(self) -> None:
+        """Tell what has happened, up to the first end whose file is still being written."""
+        while self._untold:
+            told = self._untold[0]
+            if isinstance(told, _Ending) and not (told.late or _written(told)):
+                return
+            self._untold.popleft()
+            if isinstance(told, _Ending):
+                self._tell_end(told)
+            else:
+                self._context.tell(told)
+
+    def _tell_end(self, ending: _Ending) -> None:
+        if ending.timer is not None:
+            ending.timer.cancel()
+        self._context.tell(self._with_file(ending))
+        if self._transcriber is not None and ending.file is not None:
+            back = None if self._keep else self._files.give_back
+            segment = ending.told.segment
+            self._transcriber.add(Heard(segment, ending.file, ending.clock_us, back))
+
+    # -- files ---------------------------------------------------------------------------------
+
+    def _save(self, blocks: Sequence[_Block], path: Path) -> asyncio.Future[Path] | None:
+        pcm = b"".join(block.pcm for block in blocks)
+        if self._keep:
+            return self._files.keep(path, pcm)
+        return self._files.lend(path.name, pcm) if self._transcriber is not None else None
+
+    def _with_file(self, ending: _Ending) -> SpeechEnded:
+        """The end of a segment with its file, or with why there is none."""
+        told, file = ending.told, ending.file
+        if not self._keep or file is None:
+            return told
+        if not file.done():
+            return _because(told, f"the disk is slow: {ending.name} is still being written")
+        error = file.exception()
+        self._complain(error)
+        if error is not None:
+            return _because(told, f"not kept: {_reason(error)}")
+        return msgspec.structs.replace(told, file=ending.name)
+
+    def _complain(self, error: BaseException | None) -> None:
+        """Tell the wizard once, and again only after a file could be kept in between."""
+        if error is not None and not self._complained:
+            self._context.notice(
+                "warning",
+                f"speech is not kept: {_reason(error)}",
+                "make room beside the log; everything else goes on",
+            )
+        self._complained = error is not None
+
+    def _unsafe(self, error: OSError) -> None:
+        """Tell the wizard once that the disk has not taken what it was given."""
+        if not self._unsafe_told:
+            self._context.notice(
+                "warning",
+                f"a file of speech may be lost in a power cut: {_reason(error)}",
+                "the disk may be failing: copy the recordings soon; everything else goes on",
+            )
+        self._unsafe_told = True
+
+
+def _written(ending: _Ending) -> bool:
+    """Whether there is nothing to wait for: the file is there, or will never be."""
+    return ending.file is None or ending.file.done()
+
+
+def _because(told: SpeechEnded, why: str) -> SpeechEnded:
+    detail = f"{told.detail}; {why}" if told.detail else why
+    return msgspec.structs.replace(told, detail=detail)
+
+
+def _reason(error: BaseException) -> str:
+    return (isinstance(error, OSError) and error.strerror) or str(error)
+
+
+class SoundTime:
+    """Ties the blocks of a stream to a clock.
+
+    A block can be late, because pipes and busy machines hold it back, but never early: of the
+    blocks of the last seconds, that which took the least time to arrive is right for all of them.
+    """
+
+    def __init__(self) -> None:
+        self.forget()
+
+    def forget(self) -> None:
+        """A new stream begins, or the old one after a gap."""
+        self._count = 0
+        self._before: int | None = None
+        self._now: int | None = None
+
+    def arrived(self, block: int, clock_us: int) -> None:
+        """Block number `block` has come; `clock_us` is a reading of the clock."""
+        zero = clock_us - (block + 1) * BLOCK_US
+        if self._count == _WINDOW:
+            self._before, self._now, self._count = self._now, None, 0
+        self._count += 1
+        self._now = zero if self._now is None else min(self._now, zero)
+
+    def begins(self, block: int) -> int:
+        """When a block's first sample was heard, on the clock; blocks to come included."""
+        known = [zero for zero in (self._before, self._now) if zero is not None]
+        if not known:
+            raise ValueError("no block has arrived yet")
+        return min(known) + block * BLOCK_US

@@ -1,0 +1,389 @@
+"""The connection to the robot that is being played: kept, watched, found again.
+
+What is promised about calls, and what cannot be:
+
+- Every call ends exactly once: with its value, with the robot's refusal, or with `DeviceLostError`.
+  A robot that was killed is known at once; one that is frozen or cut off after at most 2 s, and all
+  calls under way end in that moment.
+- A call is sent only while the robot is known to be alive: it was heard within the last 0.02 s
+  (`connection_line.FRESH_S`), or it has just answered a question that was asked for this call. If
+  it is silent, the call is refused and never sent. Only calls that end something (`HALTS`) are sent
+  in any case, because late they do no harm.
+- What was sent into a cut cable is forgotten by this machine within 1.5 s and on closing: it does
+  not arrive when the cable is plugged in again.
+- What cannot be promised: a call that was sent to a robot that froze less than 0.02 s ago (or while
+  its question was being answered) lies in the robot's own memory, and NAOqi carries it out when it
+  wakes, although it was reported as lost. So does a call that it had begun before it froze.
+  Therefore the first thing after every reconnection, before any other call is let through, is to
+  end all speech, sound and motion. Nothing has a way to take back what has no end of its own: the
+  colour of an eye may change late.
+- A call that was not answered in time (`within`) while the robot is alive may still be carried out;
+  the robot is asked to cancel it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Awaitable, Callable, Coroutine, Iterator
+from typing import Any, TypeVar
+
+from woz_drivers.pepper.address import Address, parse
+from woz_drivers.pepper.naoqi_link import (
+    Gone,
+    Methods,
+    Missing,
+    RefusedError,
+    Said,
+    Unanswered,
+    Unsubscribe,
+    open_link,
+)
+from woz_drivers.pepper.parts import LOOK_S, WITHIN_S, Absent
+from woz_drivers.pepper.robot_line import HALTS, Line, silence, until_services
+from woz_drivers.pepper.served_files import Files
+from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.pepper.simulated_robot import SimulatedRobot
+from woz_tui.drivers.contract import (
+    DeviceLostError,
+    DriverContext,
+    DriverError,
+    Health,
+    RejectedError,
+)
+
+#: Pauses between attempts, in seconds: doubled up to the longest.
+_FIRST_PAUSE_S = 0.1
+_LONGEST_PAUSE_S = 1.0
+#: How long the parts may take to apply what the settings say, in seconds.
+_APPLIED_WITHIN_S = 10.0
+#: From one question about a setting to the next: twenty at once would keep the robot, and this
+#: machine, from a command for several milliseconds.
+SPACING_S = 0.004
+_T = TypeVar("_T")
+
+
+class Connection:
+    """Implements `parts.Robot`. Made in the event loop; begins with `start`, ends with `close`.
+
+    `on_connected` is awaited after each connection, once the robot is silent and its services are
+    there; `on_lost` is called when such a connection is gone.
+    """
+
+    def __init__(
+        self,
+        settings: PepperSettings,
+        context: DriverContext,
+        *,
+        on_connected: Callable[[], Awaitable[None]],
+        on_lost: Callable[[], None],
+    ) -> None:
+        self._settings = settings
+        self._context = context
+        self._on_connected = on_connected
+        self._on_lost = on_lost
+        self._simulated = SimulatedRobot(settings.pace, context.folder)
+        self.files = Files(self, settings.tablet, context)
+        self._address: Address | None = None
+        self._line: Line | None = None
+        self._keeper: asyncio.Task[None] | None = None
+        self._changing = asyncio.Lock()
+        self._changes: set[asyncio.Task[Any]] = set()
+        self._closed = False
+        self._met: set[Address] = set()
+        self._absent: dict[Address, frozenset[str]] = {}
+        self._why = DeviceLostError("no robot is connected", "take one with `connect`")
+        #: When a question about a setting was asked last, or is going to be.
+        self._turn = float("-inf")
+
+    # -- for the driver ------------------------------------------------------------------------
+
+    def start(self) -> None:
+        """Begin with the first robot, if the settings say so; return at once."""
+        if not self._settings.connect or not self._settings.robots:
+            self._tell(Health.LOST, self._why)
+            return
+        try:
+            self._keep(parse(self._settings.robots[0]))
+        except RejectedError as error:
+            self._tell(Health.FAULTED, DeviceLostError(f"robots: {error.what}", error.remedy))
+
+    async def connect(self, robot: str = "") -> None:
+        """Take another robot (empty: the first of the settings); return when it is there.
+
+        Raises `RejectedError` for what is no address, `DeviceLostError` if the first attempt fails;
+        it is tried again even so.
+        """
+        first = await self._whole(self._taken(self.named(robot)))
+        await asyncio.shield(first)
+
+    async def disconnect(self) -> None:
+        """Let the robot go, and do not look for it until `connect`."""
+        await self._whole(self._left())
+
+    def leaving(self, leaves: bool) -> None:
+        """Whether this robot is about to be let go: then only what ends something is sent to it."""
+        if self._line is not None:
+            self._line.leaving = leaves
+
+    async def close(self) -> None:
+        """End everything; never waits for the robot."""
+        self._closed = True
+        async with self._changing:
+            await self._let_go(DeviceLostError("the session is over"))
+        await self.files.close()
+        await self._simulated.close()
+
+    def named(self, robot: str) -> Address:
+        """Which robot `connect` would take. Raises `RejectedError` for what is no address."""
+        return parse(robot or (self._settings.robots[0] if self._settings.robots else ""))
+
+    @property
+    def robot(self) -> str:
+        """Which robot is being played, as shown; empty: none."""
+        return self._address.shown if self._address is not None else ""
+
+    # -- for the parts: `parts.Robot` ----------------------------------------------------------
+
+    @property
+    def there(self) -> bool:
+        """Whether it is connected and answers."""
+        return self._line is not None and not self._line.pulse.silent
+
+    def alert(self) -> None:
+        """The wizard plays: what comes next shall not have to wait for a sign of life."""
+        if self._line is not None:
+            self._line.pulse.alert()
+
+    @property
+    def local_host(self) -> str:
+        """This machine's address as the robot reaches it; empty while not connected."""
+        return self._line.link.local_host if self._line is not None else ""
+
+    async def call(self, service: str, method: str, *args: Any, within: float = WITHIN_S) -> Any:
+        """Call a method; raises `DeviceLostError`, or `DriverError` with the robot's own words."""
+        line = self._need()
+        what = f"{service}.{method}"
+        with self._in_words(line, what):
+            if what not in HALTS:
+                await line.pulse.fresh()
+            line.refuse_if_leaving(what)
+            value = await line.link.call(service, method, *args, within=within)
+        line.pulse.heard()
+        return value
+
+    async def ask(self, service: str, method: str, *args: Any) -> Any:
+        """A question about a setting, in its turn: `SPACING_S` after the one before."""
+        now = asyncio.get_running_loop().time()
+        self._turn = max(now, self._turn + SPACING_S)
+        if self._turn > now:
+            await asyncio.sleep(self._turn - now)
+        return await self.call(service, method, *args, within=LOOK_S)
+
+    async def probe(self) -> None:
+        """Return when the robot has answered a question asked now. Raises `DeviceLostError`."""
+        line = self._need()
+        with self._in_words(line, "a question"):
+            await line.pulse.ask()
+
+    async def listen(self, service: str, signal: str, heard: Callable[..., None]) -> Unsubscribe:
+        """Hear a signal until the connection is lost. Raises as `call`."""
+        line = self._need()
+
+        def come(*values: Any) -> None:
+            line.pulse.heard()
+            heard(*values)
+
+        with self._in_words(line, f"{service}.{signal}"):
+            await line.pulse.fresh()
+            return await line.link.listen(service, signal, come)
+
+    async def serve(self, name: str, methods: Methods) -> Unsubscribe:
+        """Offer the robot a service of ours until the connection is lost. Raises as `call`."""
+        line = self._need()
+        with self._in_words(line, f"the service {name} of ours"):
+            await line.pulse.fresh()
+            return await line.link.serve(name, methods)
+
+    def _need(self) -> Line:
+        if self._line is None:
+            raise DeviceLostError(self._why.what, self._why.remedy)
+        return self._line
+
+    @contextlib.contextmanager
+    def _in_words(self, line: Line, what: str) -> Iterator[None]:
+        """What a link raises, as sentences for the wizard."""
+        try:
+            yield
+        except Missing as missing:
+            raise Absent(
+                str(missing), "after its start they come one by one; else it is without"
+            ) from None
+        except Said as said:
+            raise DriverError(f"the robot refused {said}") from None
+        except Unanswered:
+            raise DeviceLostError(
+                f"the robot did not answer {what} in time; it may still do it",
+                "stop it if it moves unexpectedly",
+            ) from None
+        except Gone as gone:
+            raise line.lost(str(gone)) from None
+
+    # -- keeping it ----------------------------------------------------------------------------
+
+    async def _whole(self, change: Coroutine[Any, Any, _T]) -> _T:
+        """Carry a change of robot to its end, even if a stop comes while one is let go: else none
+        would be looked for, and the last that was told would be that the old one is there.
+        """
+        task = asyncio.create_task(change)
+        self._changes.add(task)
+        task.add_done_callback(self._changes.discard)
+        task.add_done_callback(lambda done: done.cancelled() or done.exception())
+        return await asyncio.shield(task)
+
+    async def _taken(self, address: Address) -> asyncio.Future[None]:
+        async with self._changing:
+            if self._closed:
+                raise DeviceLostError("the session is over")
+            await self._let_go(
+                DeviceLostError(f"{address.shown} is being connected", "wait until it is there")
+            )
+            return self._keep(address)
+
+    async def _left(self) -> None:
+        shown = self.robot or "no robot"
+        async with self._changing:
+            why = DeviceLostError(
+                f"{shown}: disconnected by the wizard", "connect to a robot with `connect`"
+            )
+            await self._let_go(why)
+            self._address = None
+            self._tell(Health.LOST, why)
+
+    def _keep(self, address: Address) -> asyncio.Future[None]:
+        """Look after this robot from now on; the result is that of the first attempt."""
+        first: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        first.add_done_callback(lambda done: done.cancelled() or done.exception())
+        self._address = address
+        self._keeper = asyncio.create_task(self._keeping(address, first))
+        self._keeper.add_done_callback(lambda keeper: self._kept(keeper, first))
+        return first
+
+    def _kept(self, keeper: asyncio.Task[None], first: asyncio.Future[None]) -> None:
+        """Nobody waits for it any more, and a mistake of ours does not end it in silence."""
+        error = None if keeper.cancelled() else keeper.exception()
+        if error is not None:
+            what = f"the connection ended because of an error in this program: {error!r}"
+            self._tell(
+                Health.FAULTED, DeviceLostError(what, "take the robot again; please report it")
+            )
+        self._failed(first, self._why)
+
+    async def _let_go(self, why: DeviceLostError) -> None:
+        """Close what there is; calls under way end with `why`."""
+        self._why = why
+        if self._line is not None:
+            self._line.why = why
+        keeper, self._keeper = self._keeper, None
+        if keeper is not None:
+            keeper.cancel()
+            await asyncio.gather(keeper, return_exceptions=True)
+        if self._address is not None and self._address.simulated:
+            await self._simulated.close()
+
+    async def _keeping(self, address: Address, first: asyncio.Future[None]) -> None:
+        """Connect, watch, connect again; ends when there is no use in trying."""
+        pause = _FIRST_PAUSE_S
+        self._why = DeviceLostError(f"{address.shown} is not found yet", "wait until it is there")
+        self._context.health(Health.CONNECTING, f"connecting to {address.shown}")
+        while True:
+            try:
+                line = await self._opened(address)
+            except RefusedError as refused:
+                self._failed(first, refused)
+                self._tell(Health.FAULTED, refused)
+                return
+            except DriverError as error:
+                self._failed(first, error)
+                self._tell(Health.LOST, error)
+            else:
+                was_there = await self._served(line, first)
+                pause = _FIRST_PAUSE_S if was_there else pause
+            await asyncio.sleep(pause)
+            pause = min(2 * pause, _LONGEST_PAUSE_S)
+
+    async def _opened(self, address: Address) -> Line:
+        real = await self._simulated.address() if address.simulated else address
+        link = await open_link(real, self._settings)
+        return Line(link, address, self._settings.heartbeat)
+
+    async def _served(self, line: Line, first: asyncio.Future[None]) -> bool:
+        """Watch this connection until it is lost; tells whether it had been ready."""
+        getting_ready = asyncio.create_task(self._get_ready(line, first))
+        try:
+            line.why = await line.until_lost(getting_ready)
+            self._failed(first, line.why)
+            self._tell(Health.LOST, line.why)
+        finally:
+            was_there = self._line is line
+            self._line = None
+            getting_ready.cancel()
+            await line.link.close()
+            await asyncio.gather(getting_ready, return_exceptions=True)
+            if was_there:
+                self._on_lost()
+        return was_there
+
+    async def _get_ready(self, line: Line, first: asyncio.Future[None]) -> None:
+        """Wait for its services, silence it, let calls through, have the settings applied."""
+        address = line.address
+        known = self._absent.get(address, frozenset())
+        self._absent[address] = await until_services(line, known, self._starting)
+        if address in self._met:
+            await silence(line)
+        else:
+            self._tell_certificate(line)
+        self._met.add(address)
+        self._line = line
+        await self.files.connected()
+        try:
+            async with asyncio.timeout(_APPLIED_WITHIN_S):
+                await self._on_connected()
+        except TimeoutError:
+            self._context.notice(
+                "warning",
+                f"{line.shown} did not take all settings within {_APPLIED_WITHIN_S:g} s",
+                "compare what is shown, and set again what is missing",
+            )
+        except DriverError as error:
+            if not line.leaving:  # else the wizard has just said so
+                self._context.notice("warning", f"{line.shown}: {error.what}", error.remedy)
+        absent = ", ".join(sorted(self._absent[address]))
+        detail = f"{line.shown}; without {absent}" if absent else line.shown
+        self._context.health(Health.CONNECTED, detail)
+        if not first.done():
+            first.set_result(None)
+
+    def _tell_certificate(self, line: Line) -> None:
+        """Once for each robot on a secured line of which the file does not say what to trust."""
+        found = line.link.certificate
+        if found and not self._settings.trusted:
+            self._context.notice(
+                "info",
+                f"{line.shown} shows the certificate {found}; any is accepted",
+                f"set `trusted: {found}` to be sure which robot it is",
+            )
+
+    def _starting(self, line: Line, missing: frozenset[str]) -> None:
+        """It has just been started: services come up one after the other."""
+        names = ", ".join(sorted(missing))
+        self._why = DeviceLostError(f"{line.shown} is starting: waiting for {names}", "wait")
+        self._context.health(Health.CONNECTING, self._why.what, "it takes a minute or two")
+
+    def _failed(self, first: asyncio.Future[None], error: DriverError) -> None:
+        if not first.done():
+            first.set_exception(error)
+
+    def _tell(self, health: Health, error: DriverError) -> None:
+        self._why = DeviceLostError(error.what, error.remedy)
+        self._context.health(health, error.what, error.remedy)

@@ -1,0 +1,291 @@
+"""One connection to one robot, from its opening to its loss, and how it is got ready."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Callable
+from typing import Protocol
+
+from woz_drivers.pepper.address import Address
+from woz_drivers.pepper.naoqi_link import Gone, Link, Said, Unanswered
+from woz_tui.drivers.contract import DeviceLostError
+
+#: What only ends something. Sent even to a robot that is silent.
+HALTS = frozenset(
+    {
+        "ALMotion.stopMove",
+        "ALMotion.killAll",
+        "ALMotion.killMove",
+        "ALMotion.killTasksUsingResources",
+        "ALRobotPosture.stopMove",
+        "ALTextToSpeech.stopAll",
+        "ALAudioPlayer.stopAll",
+        "ALAudioRecorder.stopMicrophonesRecording",
+        "ALBehaviorManager.stopAllBehaviors",
+        "ALBehaviorManager.stopBehavior",
+        "ALTabletService.stopVideo",
+    }
+)
+#: What a robot that is being let go is still asked: the stop, and whether it stands still.
+FAREWELL = HALTS | {
+    "ALMotion.getRobotVelocity",
+    "ALBehaviorManager.isBehaviorRunning",
+    "ALLeds.fadeRGB",
+}
+#: What is ended after a reconnection, before anything else: what the robot still had to do.
+_SILENCE = (
+    ("ALMotion", "stopMove"),
+    ("ALMotion", "killAll"),
+    ("ALTextToSpeech", "stopAll"),
+    ("ALAudioPlayer", "stopAll"),
+)
+_SILENT_WITHIN_S = 1.0
+
+#: Without these there is nothing to play.
+ESSENTIAL = frozenset({"ALMemory", "ALMotion", "ALTextToSpeech"})
+#: What the driver uses; a robot may be without some of them.
+WANTED = ESSENTIAL | {
+    *("ALAnimatedSpeech", "ALAnimationPlayer", "ALRobotPosture", "ALLeds", "ALTabletService"),
+    *("ALAutonomousLife", "ALBasicAwareness", "ALAutonomousBlinking"),
+    *("ALListeningMovement", "ALSpeakingMovement"),
+    *("ALAudioPlayer", "ALAudioDevice", "ALAudioRecorder", "ALVideoDevice", "ALSonar"),
+}
+#: A robot that is starting is looked at this often; what has not come so long after the last
+#: service that came is taken for missing. In seconds.
+_LOOK_S = 0.25
+_COMES_WITHIN_S = 3.0
+_ANSWERS_WITHIN_S = 2.0
+
+_LOOKED_FOR = "the program keeps searching for it; check its power and the network"
+
+
+class Line:
+    """A link with its pulse, and why it ended."""
+
+    def __init__(self, link: Link, address: Address, heartbeat: float) -> None:
+        self.link = link
+        self.address = address
+        self.pulse = Pulse(link, heartbeat)
+        #: Set when it has ended.
+        self.why: DeviceLostError | None = None
+        #: The wizard lets it go: what goes on must not begin anything behind the last stop.
+        self.leaving = False
+
+    @property
+    def shown(self) -> str:
+        """Which robot."""
+        return self.address.shown
+
+    def lost(self, reason: str) -> DeviceLostError:
+        """What those are told whose calls ended with it."""
+        if self.why is not None:
+            return DeviceLostError(self.why.what, self.why.remedy)
+        return DeviceLostError(f"{self.shown} is lost: {reason}", _LOOKED_FOR)
+
+    def refuse_if_leaving(self, what: str) -> None:
+        """Raise `DeviceLostError` for a call that would begin something on a robot that is being
+        let go.
+        """
+        if self.leaving and what not in FAREWELL:
+            raise DeviceLostError(
+                f"{self.shown} is being disconnected; nothing was sent", "connect again"
+            )
+
+    async def until_lost(self, getting_ready: asyncio.Task[None]) -> DeviceLostError:
+        """Return when the connection is gone, the robot does not answer, or cannot be got ready."""
+        dead = asyncio.create_task(self.pulse.until_dead())
+        waiting: set[asyncio.Future[object]] = {dead, self.link.lost, getting_ready}  # type: ignore[arg-type]
+        try:
+            while waiting & {dead, self.link.lost} == {dead, self.link.lost}:
+                done, waiting = await asyncio.wait(waiting, return_when=asyncio.FIRST_COMPLETED)
+                if getting_ready in done and (error := getting_ready.exception()) is not None:
+                    return self.lost(f"it could not be prepared: {error!r}")
+            return self.lost(dead.result() if dead.done() else self.link.lost.result())
+        finally:
+            dead.cancel()
+
+
+async def silence(line: Line) -> None:
+    """End speech, sound and motion. Raises `Unanswered` or `Gone` if that is not known to work."""
+    calls = (line.link.call(*halt, within=_SILENT_WITHIN_S) for halt in _SILENCE)
+    done = await asyncio.gather(*calls, return_exceptions=True)
+    for one in done:
+        # A robot that refuses has nothing to end there.
+        if isinstance(one, BaseException) and not isinstance(one, Said):
+            raise one
+    line.pulse.heard()
+
+
+async def until_services(
+    line: Line, known: frozenset[str], waiting: Callable[[Line, frozenset[str]], None]
+) -> frozenset[str]:
+    """Wait while services come up; returns those that this robot seems to be without.
+
+    Args:
+        line: The connection.
+        known: What was missing last time: not waited for.
+        waiting: Told of what is waited for, whenever that changes.
+    """
+    loop = asyncio.get_running_loop()
+    missing: frozenset[str] = frozenset()
+    changed = loop.time()
+    while True:
+        try:
+            there = await line.link.services(_ANSWERS_WITHIN_S)
+        except Unanswered:
+            continue
+        line.pulse.heard()
+        if WANTED - there != missing:
+            missing = frozenset(WANTED - there)
+            changed = loop.time()
+            if missing - known:
+                waiting(line, missing)
+        late = loop.time() - changed > _COMES_WITHIN_S or missing <= known
+        if not missing or (late and not missing & ESSENTIAL):
+            return missing
+        await asyncio.sleep(_LOOK_S)
+
+
+# -- whether the robot is alive: it is asked whenever nothing was heard of it ----------------------
+
+#: A call is sent only if the robot was heard so lately, else it is asked first, in seconds: calls
+#: made together ask once. What is sent in this time after a robot froze runs when it wakes.
+FRESH_S = 0.02
+#: For so long after something the wizard did the robot is asked this often, in seconds: what comes
+#: next need not wait for an answer first.
+ALERT_S, ALERT_BEAT_S = 2.0, 0.012
+#: A question open for longer means: silent, nothing is sent, in seconds.
+SILENT_S = 0.25
+#: A question open for so long means: gone, in seconds; less with a lazy heartbeat, so that both
+#: together stay below `KNOWN_S`.
+ANSWER_S = 1.0
+KNOWN_S = 1.9
+#: If this process itself slept for so long, the answer may lie in its own socket, in seconds.
+_OVERSLEPT_S = 0.1
+
+
+class Asked(Protocol):
+    """What is asked: a `Link`."""
+
+    async def ask(self, within: float) -> None:
+        """See `Link.ask`."""
+        ...
+
+
+class Pulse:
+    """The life of one link, by the time of the event loop."""
+
+    def __init__(self, link: Asked, heartbeat: float) -> None:
+        self._link = link
+        self._loop = asyncio.get_running_loop()
+        self._heartbeat = heartbeat
+        self._patience = min(ANSWER_S, KNOWN_S - heartbeat)
+        self._heard = self._loop.time()
+        self._question: asyncio.Task[None] | None = None
+        self._asked = 0.0
+        self._alert_until = 0.0
+        #: Since when nothing was heard with a question open.
+        self._unanswered: float | None = None
+
+    @property
+    def silent(self) -> bool:
+        """Whether a question has been open for too long."""
+        since = self._unanswered
+        return since is not None and self._loop.time() - since > SILENT_S
+
+    def heard(self) -> None:
+        """Something came from the robot."""
+        self._heard = self._loop.time()
+        self._unanswered = None if self._question is None else self._heard
+
+    def alert(self) -> None:
+        """The wizard plays: be ready for the next key."""
+        self._alert_until = self._loop.time() + ALERT_S
+
+    @property
+    def _beat(self) -> float:
+        """How long the robot may be silent now before it is asked."""
+        alert = self._loop.time() < self._alert_until
+        return min(ALERT_BEAT_S, self._heartbeat) if alert else self._heartbeat
+
+    async def until_dead(self) -> str:
+        """Watch; returns why the robot counts as gone."""
+        limit, overslept = self._heartbeat + self._patience, False
+        while True:
+            quiet = self._loop.time() - self._heard
+            if (left := self._beat - quiet) > 0:
+                await asyncio.sleep(left)
+                continue
+            try:
+                # Less where it has answered something else since it was asked before.
+                await asyncio.shield(self._ask(max(SILENT_S, min(self._patience, limit - quiet))))
+            except Unanswered:
+                if self._heard > self._asked:
+                    continue
+                if overslept or not self._has_overslept():
+                    return f"the robot has not answered for {self._loop.time() - self._heard:.1f} s"
+                overslept = True
+            except Gone as gone:
+                return str(gone)
+            else:
+                overslept = False
+
+    async def fresh(self) -> None:
+        """Return at once if the robot was heard just now, else when it answers a question.
+
+        Raises `DeviceLostError` at once if it is silent, later if it stays so, or `Gone`.
+        """
+        if self._loop.time() - self._heard > FRESH_S:
+            await self._answer_within(self._patience)
+
+    async def ask(self) -> None:
+        """Ask now; return on the answer. Raises `DeviceLostError` if it does not come at once, or
+        `Gone`.
+        """
+        await self._answer_within(SILENT_S)
+
+    async def _answer_within(self, seconds: float) -> None:
+        if self.silent:
+            raise _silent()
+        try:
+            # Not `wait_for`: until Python 3.12 a cancellation that comes together with the answer
+            # is lost in it, and what a stop has just ended would be sent.
+            async with asyncio.timeout(seconds):
+                await asyncio.shield(self._ask(self._patience))
+        except (TimeoutError, Unanswered):
+            raise _silent() from None
+
+    # -- the question --------------------------------------------------------------------------
+
+    def _ask(self, patience: float) -> asyncio.Task[None]:
+        """The open question, or a new one."""
+        if self._question is None:
+            self._asked = self._loop.time()
+            if self._unanswered is None:
+                self._unanswered = self._asked
+            self._question = self._loop.create_task(self._asking(patience))
+            self._question.add_done_callback(self._answered)
+        return self._question
+
+    async def _asking(self, patience: float) -> None:
+        with contextlib.suppress(Said):  # that is an answer, too
+            await self._link.ask(patience)
+        self.heard()
+
+    def _answered(self, question: asyncio.Task[None]) -> None:
+        self._question = None
+        # Its error is fetched here, where nobody may be waiting for it.
+        if not question.cancelled() and question.exception() is None:
+            self._unanswered = None
+
+    def _has_overslept(self) -> bool:
+        """Whether the answer may have come while this process did not run."""
+        return self._loop.time() - self._asked - self._patience > _OVERSLEPT_S
+
+
+def _silent() -> DeviceLostError:
+    return DeviceLostError(
+        "the robot does not answer at the moment; nothing was sent",
+        "wait: the program keeps trying and connects again by itself",
+    )

@@ -1,0 +1,95 @@
+"""Any call of any service of the robot, for what no verb is made for."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from woz_drivers.pepper.parts import Part
+from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.simulated.argument_values import text
+from woz_tui.drivers.contract import Argument, Job, RejectedError, Verb
+from woz_tui.protocol.messages import Json
+
+#: Its own: a call that never returns must not keep the wizard from letting the robot go.
+LANE = "naoqi"
+LIMIT_S = 60.0
+#: Characters of a result that are kept.
+_LONGEST = 50_000
+_CALL = re.compile(r"(?P<service>\w+)\.(?P<method>\w+)", re.ASCII)
+
+
+class NaoqiCall(Part):
+    """The verb `naoqi`."""
+
+    name = "calls"
+
+    @classmethod
+    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+        """`naoqi`."""
+        return (
+            Verb(
+                "naoqi",
+                "call any method of any service of the robot",
+                (
+                    Argument("call", "text", "Service.method, as ALMotion.getSummary", True),
+                    Argument("args", "text", 'a JSON list, as ["Head", 0.5]', False, "[]"),
+                ),
+                lane=LANE,
+                limit_s=LIMIT_S + 5.0,
+            ),
+        )
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Call it; what the robot returns is in the result."""
+        service, method = named(text(job.args, "call"))
+        args = listed(text(job.args, "args") or "[]")
+        result = await self._robot.call(service, method, *args, within=LIMIT_S)
+        return {"call": f"{service}.{method}", "args": args, "result": _short(_plain(result))}
+
+
+def named(call: str) -> tuple[str, str]:
+    """Service and method. Raises `RejectedError`."""
+    found = _CALL.fullmatch(call.strip())
+    if found is None:
+        raise RejectedError(f"{call!r} is no call", "write Service.method: ALMotion.getSummary")
+    return found["service"], found["method"]
+
+
+def listed(written: str) -> list[Json]:
+    """Arguments written as a JSON list. Raises `RejectedError`."""
+    try:
+        args = json.loads(written)
+    except ValueError as error:
+        raise RejectedError(
+            f"args is no JSON list: {error}", "write for example args: '[\"Head\", 0.5]'"
+        ) from None
+    if not isinstance(args, list):
+        raise RejectedError(
+            f"args must be a list, not {written}", f"put it in brackets: [{written}]"
+        )
+    return args
+
+
+def _short(result: Json) -> Json:
+    """A result as it is, or the beginning of its text: it goes into the log and to every screen."""
+    written = json.dumps(result, ensure_ascii=False)
+    if len(written) <= _LONGEST:
+        return result
+    return f"{written[:_LONGEST]}… ({len(written)} characters)"
+
+
+def _plain(value: Any) -> Json:
+    """What can stand in a log; raw bytes are only counted."""
+    match value:
+        case bytes() | bytearray():
+            return f"{len(value)} bytes"
+        case list() | tuple():
+            return [_plain(one) for one in value]
+        case Mapping():
+            return {str(name): _plain(one) for name, one in value.items()}
+        case None | bool() | int() | float() | str():
+            return value
+    return str(value)

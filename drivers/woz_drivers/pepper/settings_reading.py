@@ -1,0 +1,348 @@
+"""What the robot has set: read back all the time, compared with what was asked for, and looked at
+for what works against each other or against the wizard; told on a change.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping, Sequence
+
+from woz_drivers.pepper.address import parse
+from woz_drivers.pepper.eyes import Color
+from woz_drivers.pepper.parts import Part
+from woz_drivers.pepper.robot_connection import Connection
+from woz_drivers.pepper.robot_settings import SETTINGS
+from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.simulated.argument_values import color as color_of
+from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, Job, RejectedError
+from woz_tui.protocol.messages import Json, SettingsShown
+from woz_tui.system.clock import Clock
+
+#: At most so long from one reading to the next.
+EVERY_S = 0.9
+#: After a verb so long passes before its settings are read: in a burst of keys they are read once,
+#: and the next key does not wait behind the questions that the last one raised.
+LULL_S = 0.1
+
+log = logging.getLogger(__name__)
+
+
+class Reading:
+    """A loop while the robot is there. A part whose robot does not answer hides no other."""
+
+    def __init__(
+        self,
+        connection: Connection,
+        parts: Sequence[Part],
+        settings: PepperSettings,
+        context: DriverContext,
+    ) -> None:
+        self._connection = connection
+        self._parts = parts
+        self._context = context
+        self._wanted = Wanted(settings)
+        self._names = _names(settings)
+        self._uses = Uses(context.clock)
+        self._soon = asyncio.Event()
+        self._loop: asyncio.Task[None] | None = None
+        self._told: SettingsShown | None = None
+        self._broken: set[str] = set()
+
+    def begin(self) -> None:
+        """The robot is there: read."""
+        self.end()
+        self._loop = asyncio.get_running_loop().create_task(self._run(), name="pepper settings")
+
+    def end(self) -> None:
+        """The robot is gone: nothing is known of its settings."""
+        if self._loop is not None:
+            self._loop.cancel()
+            self._loop = None
+            self._tell({"robot": self._robot()}, {}, [])
+
+    def soon(self) -> None:
+        """Something has just changed: read after a lull, not at the end of the pause."""
+        self._soon.set()
+
+    def using(self, verb: str) -> contextlib.AbstractContextManager[None]:
+        """While a verb is performed: it counts for what may be in conflict, and a while longer."""
+        return self._uses.of(verb)
+
+    def noticed(self, job: Job) -> None:
+        """A verb was performed: what it set is wanted, and looked at soon."""
+        self._wanted.note(job.verb, job.args)
+        self._soon.set()
+
+    async def close(self) -> None:
+        """Read no more."""
+        loop, self._loop = self._loop, None
+        if loop is not None:
+            loop.cancel()
+            await asyncio.wait([loop])
+
+    async def _run(self) -> None:
+        while self._loop is asyncio.current_task():
+            self._soon.clear()
+            values = await self._values()
+            against = conflicts(values, self._uses.now(), self._wanted.by_name)
+            self._tell(values, self._wanted.differing(values), against)
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(EVERY_S):
+                    await self._soon.wait()
+                    await asyncio.sleep(LULL_S)
+
+    async def _values(self) -> dict[str, Json]:
+        values: dict[str, Json] = {"robot": self._robot()}
+        read = await asyncio.gather(*(part.read() for part in self._parts), return_exceptions=True)
+        for part, found in zip(self._parts, read, strict=True):
+            if isinstance(found, Mapping):
+                values |= found
+            elif not isinstance(found, DriverError):
+                self._complain(part.name, found)
+        return {name: _steady(name, value) for name, value in values.items()}
+
+    def _robot(self) -> str:
+        """As the robot file writes it, where it does."""
+        return self._names.get(self._connection.robot, self._connection.robot)
+
+    def _complain(self, part: str, error: BaseException) -> None:
+        """A mistake of ours: told once, and the others are still read."""
+        if part not in self._broken:
+            self._broken.add(part)
+            log.error("reading the settings of %s failed", part, exc_info=error)
+            self._context.notice(
+                "error",
+                f"settings of {part} cannot be read: {error!r}",
+                "this is an error in the driver; the traceback is in the log file of the"
+                " robot process",
+            )
+
+    def _tell(self, values: dict[str, Json], wanted: dict[str, Json], against: list[str]) -> None:
+        shown = SettingsShown(values=values, wanted=wanted, conflicts=against)
+        if shown != self._told:
+            self._told = shown
+            self._context.show(shown)
+
+
+def _names(settings: PepperSettings) -> dict[str, str]:
+    """How the connection calls each robot of the file, and how the file does."""
+    names = {}
+    for text in settings.robots:
+        with contextlib.suppress(RejectedError):
+            names[parse(text).shown] = text
+    return names
+
+
+def _steady(name: str, value: Json) -> Json:
+    """Without digits that nobody wants to be told of: a battery never stands still."""
+    if not isinstance(value, float):
+        return value
+    return round(value, 2 if name == "battery" else 3)
+
+
+# -- what was asked for ----------------------------------------------------------------------------
+
+#: Two numbers closer than this are the same: NAOqi counts in single precision.
+CLOSE = 0.006
+#: Blinking changes the eyes for a moment: only what is so in two readings running is told.
+FLEETING = frozenset(("eyes", "eyes_brightness"))
+#: Not compared: there is no other robot while one is connected, every animation changes the
+#: posture, and what the tablet shows has another name there.
+NEVER = frozenset(("robot", "posture", "tablet", "sound", "microphones"))
+#: Breathing of the whole body, and what is set behind it for parts of it.
+WHOLE = "body_breathing"
+PARTS = ("head_breathing", "arms_breathing", "legs_breathing")
+
+
+class Wanted:
+    """By name what was asked for: by the robot file, or by a command since."""
+
+    def __init__(self, settings: PepperSettings) -> None:
+        self._by_argument = {
+            (one.verb, one.argument): one for one in SETTINGS.values() if one.name not in NEVER
+        }
+        self._asked = settings.initial_values(SETTINGS.values())
+        if "eyes" in self._asked:
+            self._asked["eyes"] = _color(settings.eyes)
+        self._doubted: frozenset[str] = frozenset()
+
+    @property
+    def by_name(self) -> Mapping[str, Json]:
+        """Every wanted value, by the name of its setting."""
+        return self._asked
+
+    def note(self, verb: str, args: Mapping[str, Json]) -> None:
+        """A command was carried out: what it set is wanted from now on."""
+        for argument, value in args.items():
+            line = self._by_argument.get((verb, argument))
+            if line is not None and value is not None:
+                self._asked[line.name] = _color(value) if line.kind == "color" else value
+                if line.name == "state":  # it wakes the robot up, or puts it to rest
+                    self._asked.pop("awake", None)
+
+    def differing(self, values: Mapping[str, Json]) -> dict[str, Json]:
+        """What was asked for, of those settings that the robot has otherwise."""
+        found = {
+            name: value
+            for name, value in self._asked.items()
+            if name in values and not _same(name, values[name], value)
+        }
+        whole = self._asked.get(WHOLE)
+        if any(self._asked.get(part, whole) != whole for part in PARTS):
+            found.pop(WHOLE, None)  # the parts say what is wanted; what the whole says is open
+        doubted = frozenset(found) & FLEETING
+        told = {
+            name: value
+            for name, value in found.items()
+            if name not in doubted or name in self._doubted
+        }
+        self._doubted = doubted
+        return told
+
+
+def _color(value: Json) -> Json:
+    try:
+        return color_of({"color": value}, "color")
+    except RejectedError:
+        return value
+
+
+def _same(name: str, has: Json, wants: Json) -> bool:
+    if name == "eyes" and isinstance(has, str) and isinstance(wants, str):
+        return has == wants or Color.of(has).close_to(Color.of(wants))
+    if isinstance(has, bool) or isinstance(wants, bool):
+        return has == wants
+    if isinstance(has, int | float) and isinstance(wants, int | float):
+        return abs(has - wants) <= CLOSE
+    return has == wants
+
+
+# -- conflicts -------------------------------------------------------------------------------------
+
+#: Closer than this the robot touches what it passes, in metres; 0.1 is what NAOqi begins with.
+NEAR_M = 0.1
+#: States of autonomous life in which the robot begins things by itself.
+BUSY = ("solitary", "interactive")
+STEERS_HEAD = ("gaze", "nudge")
+GESTURES = ("play", "pose")
+#: What the wizard did longer ago than this, in seconds, nothing works against any more.
+RECENT_S = 60.0
+
+
+class Uses:
+    """Which verbs the wizard uses: those under way, and those that ended within `RECENT_S`.
+
+    So a sentence about a verb, once told, stays for a minute at least, and goes only after a minute
+    without that verb: what a wizard does again and again leaves the status line alone.
+    """
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._going: Counter[str] = Counter()
+        self._ended_us: dict[str, int] = {}
+
+    @contextlib.contextmanager
+    def of(self, verb: str) -> Iterator[None]:
+        """While it is carried out. What was refused, or found no robot, was not used."""
+        self._going[verb] += 1
+        used = True
+        try:
+            yield
+        except (RejectedError, DeviceLostError):
+            used = False
+            raise
+        finally:
+            self._going[verb] -= 1
+            if used:
+                self._ended_us[verb] = self._clock.now_us()
+
+    def now(self) -> frozenset[str]:
+        """The verbs that count at this moment."""
+        since = self._clock.now_us() - round(RECENT_S * 1_000_000)
+        recent = (verb for verb, ended in self._ended_us.items() if ended > since)
+        return frozenset((*(+self._going), *recent))
+
+
+def conflicts(
+    values: Mapping[str, Json], used: Collection[str], asked: Mapping[str, Json] | None = None
+) -> list[str]:
+    """What may surprise the wizard.
+
+    Args:
+        values: Settings as the robot has them; what is missing is unknown and no conflict.
+        used: Verbs that the wizard uses (`Uses.now`). What may hurt somebody, or keeps the robot
+            from obeying, does not depend on them.
+        asked: Settings that the file or the wizard asked for.
+    """
+    # What may hurt somebody or keeps the robot from obeying comes first: a console with little room
+    # shows the first ones.
+    said = [*_distances(values), *_asleep(values), *_head(values, used), *_arms(values, used)]
+    eyes = _blinks(values, asked or {}) or _eyes(values, used)
+    return [*said, *eyes, *_life(values)]
+
+
+def _life(values: Mapping[str, Json]) -> list[str]:
+    state = values.get("state")
+    if state in BUSY:
+        return [f"autonomous life is {state}: the robot moves and talks by itself"]
+    if state == "safeguard":
+        return ["autonomous life is safeguard: the robot protects itself and may not obey"]
+    return []
+
+
+def _asleep(values: Mapping[str, Json]) -> list[str]:
+    if values.get("awake") is not False or values.get("state") in (*BUSY, "safeguard"):
+        return []
+    return ["the motors are off: nothing moves until the robot is woken up"]
+
+
+def _head(values: Mapping[str, Json], used: Collection[str]) -> list[str]:
+    if not any(verb in used for verb in STEERS_HEAD):
+        return []
+    said = []
+    if values.get("awareness") is True:
+        said.append("awareness turns the head away from where the wizard has turned it")
+    if _breathes(values, "head_breathing"):
+        said.append("the head breathes while the wizard turns it")
+    return said
+
+
+def _arms(values: Mapping[str, Json], used: Collection[str]) -> list[str]:
+    said = []
+    if any(verb in used for verb in GESTURES) and _breathes(values, "arms_breathing"):
+        said.append("the arms breathe: animations and poses begin and end with a jerk")
+    if "say" in used and values.get("speaking_movement") is True:
+        said.append("speaking movement adds gestures of its own to those in a sentence's tags")
+    return said
+
+
+def _eyes(values: Mapping[str, Json], used: Collection[str]) -> list[str]:
+    if "eyes" in used and values.get("blinking") is True:
+        return ["blinking darkens the eyes now and then, whatever their colour"]
+    return []
+
+
+def _blinks(values: Mapping[str, Json], asked: Mapping[str, Json]) -> list[str]:
+    """The example of WoZ4U's paper. Where nobody asked for it, nobody waits for it either."""
+    state = values.get("state")
+    if not (values.get("blinking") is True and asked.get("blinking") is True):
+        return []
+    if state in (None, "interactive"):
+        return []
+    return [f"a Pepper blinks only while autonomous life is interactive, not {state}"]
+
+
+def _distances(values: Mapping[str, Json]) -> list[str]:
+    said = []
+    for name in ("tangential", "orthogonal"):
+        metres = values.get(name)
+        if isinstance(metres, int | float) and not isinstance(metres, bool) and metres < NEAR_M:
+            said.append(f"the {name} security distance is {metres:g} m: the robot may hit people")
+    return said
+
+
+def _breathes(values: Mapping[str, Json], part: str) -> bool:
+    return values.get(part) is True or values.get("body_breathing") is True

@@ -1,0 +1,229 @@
+"""The simulated microphone: its end-pointing, and what speech recognition makes of a visitor."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from woz_drivers import room_threshold
+from woz_drivers.simulated.publishing import Publisher
+from woz_drivers.simulated.senses import SENSITIVITY, TICK, Sample
+from woz_tui.drivers.contract import DeviceLostError, DriverContext
+from woz_tui.protocol.messages import Json, SpeechEnded, SpeechStarted, SpeechText
+from woz_tui.sensing.speech_endpoint import Ended, Endpointer, Started
+
+# -- telling --------------------------------------------------------------------------------------
+# What the simulated microphone tells of a visitor's voice, and what it keeps to itself while it is
+# unplugged.
+
+
+class Teller:
+    """Speech as messages. `clock_us` gives the clock at a second of the simulated world."""
+
+    def __init__(
+        self, driver: str, context: DriverContext, clock_us: Callable[[float], int]
+    ) -> None:
+        self._driver = driver
+        self._context = context
+        self._clock_us = clock_us
+        self._open = 0
+        self._began = 0
+        self._understood: set[int] = set()
+
+    def tell(self, speech: Iterable[Speech]) -> None:
+        """What happened, in order."""
+        for one in speech:
+            if one.what == "started":
+                self._start(one)
+            elif one.what == "ended" and one.segment == self._open:
+                self._end(one.ended, one.loudest, "")
+                self._understood.add(one.segment)
+            elif one.what == "text" and one.segment in self._understood:
+                self._understood.discard(one.segment)
+                took_us = self._clock_us(one.t) - self._clock_us(one.ended)
+                self._context.tell(
+                    SpeechText(
+                        driver=self._driver, segment=one.segment, text=one.text, took_us=took_us
+                    )
+                )
+
+    def break_off(self, t: float, why: str) -> None:
+        """The microphone is gone, and whoever spoke will never be heard to have ended."""
+        if self._open:
+            self._end(t, None, f"the sound stopped: {why}")
+        self._understood.clear()
+
+    def _start(self, one: Speech) -> None:
+        self._open = one.segment
+        self._began = self._t(one.began)
+        self._context.tell(
+            SpeechStarted(driver=self._driver, segment=one.segment, began=self._began)
+        )
+
+    def _end(self, t: float, loudest: float | None, detail: str) -> None:
+        segment, self._open = self._open, 0
+        self._context.tell(
+            SpeechEnded(
+                driver=self._driver,
+                segment=segment,
+                began=self._began,
+                ended=self._t(t),
+                loudest=loudest,
+                detail=detail,
+            )
+        )
+
+    def _t(self, t: float) -> int:
+        return self._context.t(self._clock_us(t))
+
+
+# -- ears -----------------------------------------------------------------------------------------
+# The simulated microphone learns the room: `listen_room`, rehearsed without one.
+
+_SENSOR = "loudness"
+
+
+class Listening:
+    """The levels of so many seconds of the simulated world, tick by tick."""
+
+    def __init__(self, seconds: float) -> None:
+        self._wanted = max(1, round(seconds / TICK))
+        self.levels: list[float] = []
+
+    @property
+    def seconds(self) -> float:
+        """How long it takes at the most: it may begin just after a tick."""
+        return (self._wanted + 1) * TICK
+
+    def take(self, level: float) -> None:
+        """The next tick."""
+        if not self.done():
+            self.levels.append(level)
+
+    def done(self) -> bool:
+        """Whether it has heard enough."""
+        return len(self.levels) >= self._wanted
+
+
+class Ears:
+    """What the driver `name` makes of the loudness that it publishes."""
+
+    def __init__(
+        self, name: str, context: DriverContext, publisher: Publisher, hearing: Hearing
+    ) -> None:
+        self._name = name
+        self._context = context
+        self._publisher = publisher
+        self._hearing = hearing
+        self._listening: Listening | None = None
+
+    def tell_threshold(self) -> None:
+        """Publish what counts as speech now."""
+        self._context.reading(room_threshold.THRESHOLD, self._hearing.ends.threshold)
+
+    def hear(self, samples: Sequence[Sample], now: float) -> None:
+        """What the sensors say; a broken one teaches what it says, or nothing."""
+        if self._listening is None or self._publisher.silent(_SENSOR, now):
+            return
+        for sample in samples:
+            if sample.sensor == _SENSOR:
+                level = self._publisher.broken(_SENSOR, sample.value, now)
+                if level is not None and math.isfinite(level):
+                    self._listening.take(level)
+
+    @contextlib.contextmanager
+    def lesson(self, seconds: float) -> Iterator[Listening]:
+        """Listen from now on until the block ends."""
+        self._listening = Listening(seconds)
+        try:
+            yield self._listening
+        finally:
+            self._listening = None
+
+    def adopt(self, heard: Listening) -> dict[str, Json]:
+        """The threshold that follows holds from now on. Raises `DeviceLostError` if not enough was
+        heard.
+        """
+        if not heard.done():
+            raise DeviceLostError(
+                f"{self._name} delivers no sound", "its loudness has a simulated fault"
+            )
+        keeping = "the next session begins with the usual one again"
+        learnt = room_threshold.learn(heard.levels)
+        lesson = room_threshold.Lesson(self._name, learnt, SENSITIVITY, TICK, keeping)
+        told = lesson.tell(self._context, self._hearing.ends.threshold)
+        self._hearing.ends.threshold = lesson.threshold
+        return told
+
+
+# --------------------------------------------------------------------------------------------------
+
+#: Speech begins so many ticks before it is loud, and ends with so many quiet ones: 0.5 and 0.8 s.
+PRE_ROLL, HANG_OVER = 5, 8
+#: A segment has at most so many ticks: a minute.
+LONGEST = 600
+#: So many ticks after its end a segment is understood.
+UNDERSTOOD_AFTER = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Speech:
+    """What happened to segment number `segment`: `what` is started, ended or text. Times in seconds
+    of the simulated world.
+    """
+
+    what: str
+    segment: int
+    t: float
+    began: float = 0.0
+    ended: float = 0.0
+    loudest: float = 0.0
+    text: str = ""
+
+
+class Hearing:
+    """Turns the loudness of one tick after the other into segments of speech."""
+
+    def __init__(self, threshold: float, tick: float) -> None:
+        self._tick = tick
+        self.ends = Endpointer(threshold, HANG_OVER, PRE_ROLL, longest=LONGEST)
+        self._segment = 0
+        self._loudest = 0.0
+        self._words: list[str] = []
+        self._to_come: deque[Speech] = deque()
+
+    def words(self, text: str) -> None:
+        """The visitor begins to say this."""
+        self._words.append(text)
+
+    def take(self, loudness: float) -> list[Speech]:
+        """The loudness of the next tick; what it tells."""
+        event = self.ends.take(loudness)
+        now = self.ends.chunks * self._tick
+        told: list[Speech] = []
+        if isinstance(event, Started):
+            self._segment += 1
+            self._loudest = 0.0
+            told.append(Speech("started", self._segment, now, began=event.first * self._tick))
+        self._loudest = max(self._loudest, loudness)
+        if isinstance(event, Ended):
+            told.append(self._ended(event, now))
+        while self._to_come and self._to_come[0].t <= now + 1e-9:
+            told.append(self._to_come.popleft())
+        return told
+
+    def _ended(self, event: Ended, now: float) -> Speech:
+        text, self._words = " ".join(self._words), []
+        later = now + UNDERSTOOD_AFTER * self._tick
+        self._to_come.append(Speech("text", self._segment, later, ended=now, text=text))
+        return Speech(
+            "ended",
+            self._segment,
+            now,
+            began=event.first * self._tick,
+            ended=(event.last + 1) * self._tick,
+            loudest=self._loudest,
+        )

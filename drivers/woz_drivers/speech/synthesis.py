@@ -1,0 +1,172 @@
+"""From text to a WAV file: recordings first, then the cache, then the synthesiser."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import re
+import tempfile
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from woz_drivers import child_process, command_lines, wav
+from woz_drivers.child_process import Child
+from woz_drivers.speech.cache import SpeechCache, users_folder
+from woz_drivers.speech.settings import SpeechSettings
+from woz_drivers.wav import NoWav, Wav
+from woz_tui.drivers.contract import DriverError, RejectedError
+from woz_tui.system.files import open_regular
+
+#: A synthesiser that takes longer than this hangs, in seconds; large neural voices need a few.
+_SYNTHESIS_S = 25.0
+#: A longer program output than this is no utterance, in bytes.
+_MOST_OUTPUT = 200_000_000
+
+_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]")
+
+
+@dataclass(frozen=True, slots=True)
+class Utterance:
+    """Sound ready to play. `source`: recording, cache or synthesised."""
+
+    path: Path
+    sound: Wav
+    source: str
+
+
+def spoken(text: str) -> str:
+    """What is really said of `text`: on one line, without control characters (espeak-ng takes
+    some for commands) and without the halves of broken characters. `RejectedError` if nothing is
+    left.
+    """
+    clean = " ".join(_CONTROL.sub(" ", text).split())
+    if not clean:
+        raise RejectedError("there is nothing to say", "give say: a text")
+    return clean
+
+
+def read_wav(path: Path) -> Wav:
+    """A WAV file. `RejectedError` says what is wrong with it and how to convert it."""
+    try:
+        with open_regular(path) as file:
+            return wav.parse(file.read())
+    except OSError as error:
+        raise RejectedError(
+            f"{path} cannot be read: {error.strerror}", "check the path and its permissions"
+        ) from error
+    except NoWav as error:
+        raise RejectedError(
+            f"{path} cannot be played: {error}",
+            f"convert it: ffmpeg -i '{path}' -c:a pcm_s16le '{path.with_suffix('.wav')}'",
+        ) from error
+
+
+async def finish(running: Child, seconds: float) -> None:
+    """Wait until a child has ended well; it is gone afterwards, whatever happens. `DriverError`
+    if it fails or takes longer than `seconds`.
+    """
+    try:
+        async with asyncio.timeout(seconds):
+            status = await running.wait()
+    except TimeoutError as error:
+        raise DriverError(
+            f"{running.program} did not end within {seconds:.1f} s and was killed",
+            "try its command in a terminal; check whether another program uses the sound device",
+        ) from error
+    finally:
+        await running.gone()
+    if status != 0:
+        reason = running.last_line or f"exit status {status}"
+        raise DriverError(
+            f"{running.program} failed: {reason}", "try its command in a terminal; `woz doctor`"
+        )
+
+
+class Voice:
+    """Makes utterances of texts with one set of settings; `folder`: the experiment's."""
+
+    def __init__(self, settings: SpeechSettings, folder: Path) -> None:
+        self._settings = settings
+        self._folder = folder
+        cache = Path(settings.cache) if settings.cache else users_folder()
+        self._cache = SpeechCache(cache, settings.cache_megabytes)
+        self._recordings = {
+            " ".join(text.split()): folder / file for text, file in settings.recordings.items()
+        }
+
+    async def utterance(self, text: str) -> Utterance:
+        """The sound of `text` (already through `spoken`). Cancelling it ends the synthesiser."""
+        recording = self._recording(text)
+        if recording is not None:
+            return Utterance(recording, read_wav(recording), "recording")
+        words = self._settings.synthesise_words()
+        path = self._cache.path((*words, *self._settings.values(0).values(), text))
+        known = self._cache.get(path)
+        if known is not None:
+            with contextlib.suppress(NoWav):  # a damaged file is made anew
+                return Utterance(path, wav.parse(known), "cache")
+        made = await self._synthesise(words, text)
+        try:
+            await asyncio.to_thread(self._cache.put, path, made.to_bytes())
+        except OSError as error:
+            raise DriverError(
+                f"no room for synthesised speech in {path.parent}: {error.strerror}",
+                "free some space, or set cache: to another folder",
+            ) from error
+        return Utterance(path, made, "synthesised")
+
+    def _recording(self, text: str) -> Path | None:
+        if text in self._recordings:
+            return self._recordings[text]
+        if not self._settings.recordings_folder:
+            return None
+        folder = self._folder / self._settings.recordings_folder
+        for name in file_names(text):
+            if (folder / name).is_file():
+                return folder / name
+        return None
+
+    async def _synthesise(self, words: Sequence[str], text: str) -> Wav:
+        with _new_file() as path:
+            values = {**self._settings.values(0), "text": text, "wav": str(path)}
+            used = command_lines.placeholders(words, values, "synthesise")
+            output = bytearray()
+
+            def collect(data: bytes) -> None:
+                if len(output) < _MOST_OUTPUT:
+                    output.extend(data)
+
+            running = await child_process.start(
+                command_lines.fill(words, values),
+                self._folder,
+                text=None if "text" in used else text + "\n",
+                on_output=None if "wav" in used else collect,
+            )
+            await finish(running, _SYNTHESIS_S)
+            content = path.read_bytes() if "wav" in used else bytes(output)
+        try:
+            made = wav.parse(content)
+        except NoWav as error:
+            raise DriverError(
+                f"{words[0]} ended without an error, but wrote no sound: {error}",
+                "check the command's options: {wav} or stdout must become a WAV file",
+            ) from error
+        return made
+
+
+def file_names(text: str) -> Iterator[str]:
+    """Under which names a recording of `text` is looked for: as it is, and as plain words."""
+    if "/" not in text and len(text.encode()) <= 250:
+        yield f"{text}.wav"
+    plain = "-".join(re.findall(r"\w+", text.lower()))
+    if plain and len(plain.encode()) <= 250:
+        yield f"{plain}.wav"
+
+
+@contextlib.contextmanager
+def _new_file() -> Iterator[Path]:
+    with tempfile.TemporaryDirectory(prefix="woz-speech-") as folder:
+        path = Path(folder) / "speech.wav"
+        path.touch()
+        yield path

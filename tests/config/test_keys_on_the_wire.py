@@ -1,0 +1,50 @@
+"""The key map and the console's scanner mean the same key by the same bytes."""
+
+from __future__ import annotations
+
+import itertools
+
+import pytest
+
+from woz_tui.config import keys
+from woz_tui.config.keys.chords import NAMED
+from woz_tui.config.keys.terminals import folded
+from woz_tui.console.byte_scanner import Scanner
+from woz_tui.console.input_tokens import Key, Stop
+
+MODIFIERS = ("", "ctrl+", "alt+", "shift+", "ctrl+alt+", "ctrl+shift+", "alt+shift+")
+CHARACTERS = "abcehimqz019278AZ!#+-/:?[]\\^_{@~ éß§"
+
+
+def chords(layout: str) -> list[str]:
+    found = set()
+    for held, base in itertools.product(MODIFIERS, (*NAMED, *CHARACTERS)):
+        found.add(keys.normal(held + (base.strip() or "space"), layout))
+    return sorted(found)
+
+
+def scanned(data: bytes, terminal: keys.Terminal) -> list[str]:
+    """What the console makes of the bytes; `stop` for the stop."""
+    scanner = Scanner(folded(terminal))
+    tokens = [*scanner.feed(data), *scanner.expire()]
+    return [
+        token.chord if isinstance(token, Key) else "stop"
+        for token in tokens
+        if isinstance(token, Key | Stop)
+    ]
+
+
+@pytest.mark.parametrize("layout", sorted(keys.LAYOUTS))
+@pytest.mark.parametrize("terminal", keys.TERMINALS.values(), ids=lambda terminal: terminal.name)
+def test_what_is_said_to_arrive_is_what_the_scanner_sees(
+    terminal: keys.Terminal, layout: str
+) -> None:
+    wrong = []
+    for chord in chords(layout):
+        found = keys.reach(chord, terminal, layout)
+        if found.verdict is keys.Verdict.NEVER:
+            continue
+        expected = ["stop"] if found.verdict is keys.Verdict.STOP else [found.arrives]
+        if scanned(found.data, terminal) != expected:
+            wrong.append((chord, found.data, expected, scanned(found.data, terminal)))
+    assert wrong == []

@@ -1,0 +1,98 @@
+"""Reading WoZ4U files from text, for tests, with the driver that they are for."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from woz_drivers.pepper import Pepper
+from woz_drivers.pepper.settings import PepperSettings
+
+from woz_tui.config.experiment import Action, Experiment, ExperimentError, Panel
+from woz_tui.config.file_text import read as read_source
+from woz_tui.config.loading import TOP_LEVEL, load
+from woz_tui.config.woz4u import opened
+from woz_tui.config.woz4u.yaml_writer import written
+from woz_tui.config.yaml_nodes import Table
+from woz_tui.drivers.contract import Driver
+
+#: The shortest file that is one.
+START = "pepper_ips: [10.0.0.7]\n"
+#: What differs between a file and its conversion: where things stand, and what is told about them.
+_ELSEWHERE = ("place", "path", "sha256", "files", "texts", "warnings")
+
+
+CATALOGUE: Mapping[str, type[Driver]] = {"pepper": Pepper}
+
+
+def read(folder: Path, text: str, start: str = START) -> Experiment:
+    """The experiment of a WoZ4U file that says `text` beside `start`."""
+    path = folder / "config.yaml"
+    path.write_text(start + text, encoding="utf-8")
+    return load(path, CATALOGUE)
+
+
+def problems(folder: Path, text: str, start: str = START) -> list[str]:
+    """Errors of such a file, or if it has none its warnings, without the file's name."""
+    try:
+        found = [*read(folder, text, start).warnings]
+    except ExperimentError as error:
+        found = error.problems
+    return [str(each).removeprefix(f"{folder / 'config.yaml'}:") for each in found]
+
+
+def messages(folder: Path, text: str, start: str = START) -> list[str]:
+    """The same without places."""
+    return [problem.partition(" ")[2] for problem in problems(folder, text, start)]
+
+
+def converted(path: Path) -> str:
+    """A WoZ4U file as text of our own format."""
+    made = opened(read_source(path, str(path)), TOP_LEVEL)
+    assert isinstance(made.root.node, Table)
+    return written(made.root.node, made.remarks)
+
+
+def settings(experiment: Experiment) -> PepperSettings:
+    """What the robot is set to."""
+    (driver,) = experiment.drivers
+    assert isinstance(driver.settings, PepperSettings)
+    return driver.settings
+
+
+def panel(experiment: Experiment, title: str) -> Panel:
+    """The panel with this title."""
+    return next(panel for panel in experiment.panels if panel.title == title)
+
+
+def titles(experiment: Experiment) -> list[str]:
+    """Titles of all panels."""
+    return [panel.title for panel in experiment.panels]
+
+
+def does(action: Action | None) -> list[tuple[str, dict[str, Any]]]:
+    """Verbs and arguments of an action."""
+    assert action is not None
+    return [(call.verb, dict(call.args)) for call in action.calls]
+
+
+def keys(experiment: Experiment) -> dict[str, str]:
+    """Keys of all actions that have one, by their names."""
+    return {a.name: a.key for panel in experiment.panels for a in panel.actions if a.key}
+
+
+def essence(value: Any) -> Any:
+    """A value without what may differ between a file and its conversion."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {
+            item.name: essence(getattr(value, item.name))
+            for item in dataclasses.fields(value)
+            if item.name not in _ELSEWHERE
+        }
+    if isinstance(value, Mapping):
+        return {name: essence(entry) for name, entry in value.items()}
+    if isinstance(value, tuple | list):
+        return [essence(entry) for entry in value]
+    return value

@@ -1,0 +1,141 @@
+"""A WoZ4U file played: what a Pepper at the other end of the wire is asked to do."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.config.woz4u.reading import CATALOGUE, read
+from tests.drivers.heard import until
+from tests.drivers.pepper.connected import patience
+from tests.fakes.naoqi import StandIn, stand_in
+from tests.session.rig import Stage
+from woz_tui.protocol import messages as m
+from woz_tui.session.action_runner import Origin
+from woz_tui.session.participant_identity import AskError, Identity
+
+KEY = Origin("key", "h", "con1")
+#: Longer than anything here takes; a robot that does nothing fails the test.
+PATIENCE_S = 20.0
+
+TEXT = r"""
+autonomous_life_config: {autonomous_state: solitary, tangential_collision: 0.07, blinking: False,
+  basic_awareness: "", listening_movement: True, arms_breathing: "false"}
+volume: 0.4
+voice_speed: 80
+voice_pitch: 1.3
+animated_speech:
+  - {title: Greeting, string: "It&apos;s me {you} ^run(animations/Stand/Gestures/Hey_1) \\pau=200\\ Grüße & #1",
+     key_comb: [ctrl, 3]}
+  - {title: Tale, string: tale.txt}
+gestures: [{title: Nod, gesture: animations/Stand/Gestures/Yes_1}]
+audio_files: [{title: Gong, location: /home/nao/sounds/gong.wav}]
+tablet_items: [{title: Page, file_name: "http://a.example/page"}]
+colors:
+  - {title: Dark, red: 0, green: 0, blue: 0}
+  - {title: Green, red: 0, green: 1, blue: 0.2, is_default: True}
+rasta_anim: {duration: 2}
+random_anim: {duration: 3}
+rotate_anim: {duration: 1}
+lock_gesture_section: "true"
+lock_movement_control_section: "true"
+"""  # noqa: E501
+
+
+class Played:
+    """A session with the file, and the robot."""
+
+    def __init__(self, robot: StandIn, stage: Stage) -> None:
+        self.robot = robot
+        self.stage = stage
+
+    async def play(self, name: str) -> None:
+        """Play an action to its end."""
+        run = self.stage.session.play(name, KEY)
+        async with asyncio.timeout(PATIENCE_S):
+            while not any(isinstance(each, m.ActionDone) and each.run == run for each in self.told):
+                failed = [each for each in self.told if isinstance(each, m.Failed)]
+                assert not failed, failed
+                await asyncio.sleep(0.01)
+
+    @property
+    def told(self) -> list[m.AnyMessage]:
+        return self.stage.lines
+
+    async def asked(self, *names: str) -> list[list[Any]]:
+        """Arguments of all calls of these methods."""
+        return [call.args for call in await self.robot.trace(*names)]
+
+
+@asynccontextmanager
+async def on_the_wire(folder: Path) -> AsyncIterator[Played]:
+    with patience():
+        async with stand_in(pace=50.0) as robot:
+            made = read(folder, TEXT, start=f'pepper_ips: ["{robot.address}"]\n')
+            stage = Stage(folder, identity=Identity(), catalogue=CATALOGUE, made=made)
+            await stage.session.open()
+            stage.session.bus.unwatched = ""
+            try:
+                # Told when all that the file wants has been set.
+                await until(lambda: any(isinstance(one, m.DriverConnected) for one in stage.lines))
+                yield Played(robot, stage)
+            finally:
+                await stage.session.close("test")
+
+
+@pytest.mark.woz4u("pepper_ips", "autonomous_life_config", "volume", "is_default", "colors")
+async def test_what_is_set_on_connect_and_what_the_buttons_do(tmp_path: Path) -> None:
+    (tmp_path / "tale.txt").write_text("One.\n\nTwo.\n", encoding="utf-8")
+    async with on_the_wire(tmp_path) as it:
+        assert await it.asked("ALAutonomousBlinking.setEnabled") == [[False]]
+        assert await it.asked("ALListeningMovement.setEnabled") == [[True]]
+        assert await it.asked("ALBasicAwareness.setEnabled") == []
+        assert await it.asked("ALMotion.setTangentialSecurityDistance") == [[pytest.approx(0.07)]]
+        assert await it.asked("ALMotion.setBreathEnabled") == [["Arms", False]]
+        assert await it.asked("ALTextToSpeech.setVolume") == [[pytest.approx(0.4)]]
+        parameters = await it.asked("ALTextToSpeech.setParameter")
+        assert ["speed", 80.0] in parameters
+        assert any(
+            name == "pitchShift" and value == pytest.approx(1.3) for name, value in parameters
+        )
+        colour = (await it.asked("ALLeds.fadeRGB"))[-1]
+        assert colour == ["FaceLeds", 0.0, 1.0, pytest.approx(0.2), 0.5]
+        assert await it.asked("ALTabletService.hideWebview") == [[]], "there is no default picture"
+
+        await it.play("Greeting")
+        await it.play("Tale")
+        greeting = "It's me {you} ^run(animations/Stand/Gestures/Hey_1) \\pau=200\\ Grüße & #1"
+        said = [args[0] for args in await it.asked("ALAnimatedSpeech.say")]
+        assert said[0].strip() == greeting
+        assert [text.strip() for text in said[1:]] == ["One.", "Two."]
+
+        for name in ("Rasta", "Random", "Rotate Green", "Page"):
+            await it.play(name)
+        # The driver asks for them piece by piece, so that they can be cut short.
+        assert sum([args[-1] for args in await it.asked("ALLeds.rasta")]) == pytest.approx(2)
+        assert sum([args[-1] for args in await it.asked("ALLeds.randomEyes")]) == pytest.approx(3)
+        turned = await it.asked("ALLeds.rotateEyes")
+        assert {args[0] for args in turned} == {0x00FF33}
+        assert sum(args[-1] for args in turned) == pytest.approx(1)
+        assert await it.asked("ALTabletService.showWebview") == [["http://a.example/page"]]
+
+
+@pytest.mark.woz4u("lock_gesture_section", "lock_movement_control_section")
+async def test_locked_sections_ask_the_robot_for_nothing(tmp_path: Path) -> None:
+    async with on_the_wire(tmp_path) as it:
+        session = it.stage.session
+        with pytest.raises(AskError, match="locked"):
+            session.play("Nod", KEY)
+        with pytest.raises(AskError, match="'Gestures' is locked, and with it 'play'"):
+            session.send("play", {"move": "Hey_1"}, "", KEY)
+        for verb, args in (("nudge", {"yaw": 5.0}), ("drive", {"x": 0.1}), ("hip", {"pitch": 2.0})):
+            with pytest.raises(AskError, match=f"'Movement' is locked, and with it '{verb}'"):
+                session.send(verb, args, "", KEY)
+        await it.play("Green")  # so whatever was sent before has arrived
+        assert await it.asked("ALAnimationPlayer.run", "ALMotion.moveTo") == []
+        assert await it.asked("ALMotion.setAngles", "ALMotion.angleInterpolation") == []

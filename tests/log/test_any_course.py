@@ -1,0 +1,67 @@
+"""Whatever happens to the disks, in whatever order: no action is lost, and all come in order."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from tests.log.bench import Bench
+from tests.log.disks import FAULTS
+from woz_tui.log.log_reader import Damage
+from woz_tui.log.verify import verify
+
+STEPS = st.lists(
+    st.one_of(
+        st.tuples(st.just("note"), st.integers(1, 5), st.just("")),
+        st.tuples(st.just("sample"), st.integers(1, 5), st.just("")),
+        st.tuples(st.just("fault"), st.integers(0, 1), st.sampled_from(["", *FAULTS])),
+        st.tuples(st.just("gate"), st.integers(0, 1), st.just("")),
+        st.tuples(st.just("sync"), st.just(0), st.just("")),
+    ),
+    min_size=1,
+    max_size=12,
+)
+
+
+def play(it: Bench, steps: list[tuple[str, int, str]]) -> tuple[list[int], list[int]]:
+    """Carry the steps out; the numbers of all actions and samples."""
+    notes: list[int] = []
+    samples: list[int] = []
+    for what, number, fault in steps:
+        match what:
+            case "note":
+                notes += [it.note() for _ in range(number)]
+            case "sample":
+                samples += [it.sample() for _ in range(number)]
+            case "fault":
+                it.disk.faults[(it.home, it.spill)[number]] = fault
+            case "gate":
+                it.disk.gate.set() if number else it.disk.gate.clear()
+            case "sync":
+                it.recorder.sync(0.01)
+    return notes, samples
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(STEPS)
+def test_no_line_is_lost_and_all_come_in_order(steps: list[tuple[str, int, str]]) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        it = Bench(Path(folder)).begin()
+        try:
+            notes, samples = play(it, steps)
+        finally:
+            it.disk.faults.clear()
+            it.disk.gate.set()
+            whole = it.recorder.close()
+        assert whole
+        damage = Damage()
+        lines = it.lines(damage)
+        assert [line.seq for line in lines] == sorted(notes + samples)
+        assert [line.seq for line in lines if not line.sample] == notes
+        assert damage.skipped == 0
+        assert it.disk.syncs_after_failure == 0
+        verdict = verify(it.recorder.path, places=[it.home, it.spill])
+        assert verdict.damage.missing == 0

@@ -1,0 +1,189 @@
+"""The fast stream and the index say what the slow reader says, whatever has become of the log."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tracemalloc
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+
+from tests.log.bench import STEM, bench
+from tests.log.wounds import (
+    ACTIONS,
+    BLOCKS,
+    LINES,
+    SAMPLES,
+    WOUNDS,
+    Wound,
+    note,
+    sample,
+    wounded,
+    written,
+)
+from woz_tui.log.line_reader import KINDS
+from woz_tui.log.log_index import LogIndex
+from woz_tui.log.log_reader import Damage, Line, read
+from woz_tui.log.message_stream import Item, messages
+from woz_tui.log.sample_blocks import State
+from woz_tui.log.verify import verify
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+
+
+def slow(path: Path, *, samples: bool = True) -> tuple[list[Item], list[Line], Damage]:
+    """What the reader of lines finds."""
+    damage = Damage()
+    lines = list(read(path, damage, places=[], samples=samples))
+    return [line if line.message is None else line.message for line in lines], lines, damage
+
+
+def told(damage: Damage) -> dict[str, Any]:
+    """All of it; files that are read side by side may be told of in any order."""
+    lists = {"places": sorted(damage.places), "kinds": sorted(damage.kinds)}
+    full = len(damage.places) == 20
+    return asdict(damage) | lists | ({"places": "many"} if full else {})
+
+
+def belongs_to_samples(line: Line) -> bool:
+    return line.sample or (line.kind not in KINDS and not line.ts)
+
+
+def state_at(items: list[Item], t_us: int) -> State:
+    """The state by going through everything."""
+    readings = {
+        each.sensor: each for each in items if isinstance(each, m.Reading) if each.t <= t_us
+    }
+    pictures = [each for each in items if isinstance(each, m.EngagementShown) if each.t <= t_us]
+    return State(readings, pictures[-1] if pictures else None)
+
+
+@settings(
+    max_examples=75, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(WOUNDS, WOUNDS, st.sampled_from(BLOCKS), st.integers(-1, LINES * 12))
+@example([], [], 700, LINES * 5)
+@example([], [("line", 9_000, 3)], 700, LINES * 5)
+@example([], [("lines", 9_000, 280)], 700, LINES * 10)
+@example([("strange", 800, 7)], [("strange", 800, 8)], 5_000, LINES * 5)
+def test_stream_and_index_agree_with_the_reader(
+    tmp_path: Path, one: list[Wound], two: list[Wound], block: int, t_us: int
+) -> None:
+    path = written(tmp_path, wounded(ACTIONS, one))
+    written(tmp_path, wounded(SAMPLES, two), f"{STEM}.samples.jsonl")
+    items, lines, damage = slow(path)
+
+    seen = Damage()
+    assert list(messages(path, seen, places=[], samples=True, block=block)) == items
+    assert told(seen) == told(damage)
+    assert told(verify(path, places=[]).damage) == told(damage)
+
+    with LogIndex.open(path, places=[], block=block) as log:
+        assert told(log.damage) == told(damage)
+        rest = [
+            item for item, line in zip(items, lines, strict=True) if not belongs_to_samples(line)
+        ]
+        assert log.actions == rest
+        assert list(log.between(-1, sys.maxsize)) == items
+        until = t_us + 1_000
+        assert list(log.between(t_us, until)) == [each for each in items if t_us < each.t <= until]
+        assert log.at(t_us) == state_at(items, t_us)
+        assert log.at(sys.maxsize) == state_at(items, sys.maxsize)
+
+
+@settings(
+    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(WOUNDS, st.sampled_from(BLOCKS))
+def test_the_stream_agrees_without_samples(tmp_path: Path, wounds: list[Wound], block: int) -> None:
+    path = written(tmp_path, wounded(ACTIONS, wounds))
+    written(tmp_path, SAMPLES, f"{STEM}.samples.jsonl")
+    items, _, damage = slow(path, samples=False)
+    seen = Damage()
+    assert list(messages(path, seen, places=[], block=block)) == items
+    assert told(seen) == told(damage)
+    assert damage.missing == 0, "the samples' numbers are not missing: they were left aside"
+
+
+@settings(
+    max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(WOUNDS, WOUNDS)
+def test_what_was_not_touched_is_there_and_what_is_lost_is_named(
+    tmp_path: Path, one: list[Wound], two: list[Wound]
+) -> None:
+    actions, samples = wounded(ACTIONS, one), wounded(SAMPLES, two)
+    path = written(tmp_path, actions)
+    written(tmp_path, samples, f"{STEM}.samples.jsonl")
+    _, lines, damage = slow(path)
+    standing = {*actions.split(b"\n"), *samples.split(b"\n")}
+    untouched = standing & {*ACTIONS.splitlines(), *SAMPLES.splitlines()}
+    lost = untouched - {codec.encode(line.message)[:-1] for line in lines if line.message}
+    assert len(lost) <= damage.misplaced + damage.conflicting
+    there = {line.seq for line in lines}
+    named = {number for first, last in damage.gaps for number in range(first, min(last, LINES) + 1)}
+    expected = set(range(min(max(there, default=0), LINES)))
+    assert expected - there <= named or len(damage.gaps) == 20
+
+
+def test_samples_that_are_not_wanted_are_not_opened(tmp_path: Path) -> None:
+    with bench(tmp_path) as it:
+        it.sample()
+        it.note("before")
+        it.disk.faults[it.home] = "full"
+        it.note("after")
+        it.sample()
+        it.recorder.close()
+        path = it.recorder.path
+    program = """if True:
+        import sys
+        from pathlib import Path
+        from woz_tui.log.log_reader import read
+        from woz_tui.log.message_stream import messages
+        opened = []
+        sys.addaudithook(lambda what, args: opened.append(args[0]) if what == "open" else None)
+        log = Path(sys.argv[1])
+        for message in messages(log, places=[]):
+            print(message.text)
+        for line in read(log, places=[], samples=False):
+            print(line.fields["text"])
+        assert any(str(name).endswith(".2.jsonl") for name in opened)
+        assert not any(".samples." in str(name) for name in opened), opened
+    """
+    done = subprocess.run(
+        [sys.executable, "-c", program, str(path)], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout.split()) == (0, ["before", "after"] * 2), done.stderr
+
+
+def test_a_file_of_samples_leads_to_the_actions(tmp_path: Path) -> None:
+    written(tmp_path, note(0))
+    path = written(tmp_path, sample(1), f"{STEM}.samples.jsonl")
+    assert [each.seq for each in messages(path, places=[])] == [0]
+    assert [each.seq for each in messages(path, places=[], samples=True)] == [0, 1]
+
+
+def test_errors_come_at_once(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match="no such log"):
+        messages(tmp_path / "x.jsonl")
+    with pytest.raises(ValueError, match=r"\.jsonl"):
+        LogIndex.open(written(tmp_path, b"", "notes.txt"))
+
+
+@pytest.mark.parametrize("samples", [False, True])
+def test_memory_stays_flat(tmp_path: Path, samples: bool) -> None:
+    path = written(tmp_path, b"".join(note(2 * n) for n in range(30_000)))
+    written(tmp_path, b"".join(sample(2 * n + 1) for n in range(30_000)), f"{STEM}.samples.jsonl")
+    tracemalloc.start()
+    try:
+        count = sum(1 for _ in messages(path, places=[], samples=samples, block=1 << 15))
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert count == 30_000 * (1 + samples)
+    assert peak < path.stat().st_size / 2

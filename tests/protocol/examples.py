@@ -1,0 +1,455 @@
+"""One instance of everything that goes over the wire, as it might stand in a real session.
+
+The golden files beside this are made from these: `python -m tests.protocol.examples` writes them. A
+golden file that changes means that logs and programs of yesterday are read differently today:
+think of them before you write the files anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import msgspec
+
+from tests.protocol.study_examples import BEGINNING, COURSE
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol import welcome as s
+from woz_tui.protocol.camera_pictures import PictureShown
+from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
+from woz_tui.system.clock import timestamp
+
+GOLDEN = Path(__file__).parent / "golden"
+BEGIN = datetime(2026, 3, 1, 10, 0, 0, tzinfo=UTC)
+SHA = "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"
+
+_MESSAGES: tuple[m.AnyMessage, ...] = (
+    m.SessionStart(
+        session="S01",
+        participant="P07",
+        condition="warm",
+        wizard="W2",
+        software={"name": "woz-tui", "version": "0.1.0"},
+        experiment="museum.yaml",
+        experiment_sha256=SHA,
+        seed=1207,
+        clock={
+            "source": "monotonic",
+            "unit": "us",
+            "wall_at_t0": timestamp(BEGIN),
+            "boot_id": "6ba7b810-9dad-11d1-80b4-00c04fd430c8",
+        },
+        spill=["/mnt/stick/spill", "../spill"],
+    ),
+    m.ClockTie(wall=timestamp(BEGIN)),
+    m.ConsoleAttached(console="con1", role="wizard"),
+    m.DriverConnecting(driver="head", detail="looking for /dev/serial/by-id/usb-U2D2"),
+    m.DriverConnected(driver="head", detail="4 servos at 1 Mbit/s"),
+    m.RecorderState(level="ok", lag_us=8200, path="2026-03-01T10-00-00_P07_S01.jsonl"),
+    m.Notice(level="warning", text="the disk is slow", remedy="close other programs"),
+    m.SessionChanged(condition="cold", trial=2),
+    m.ActionsFilled(
+        actions={
+            "Hello": [
+                [
+                    m.FilledCall(
+                        verb="say",
+                        args={"text": "Grüß Gott, P07!"},
+                        driver="voice",
+                        tells=("condition",),
+                        unfilled={"text": "..."},
+                    ),
+                    m.FilledCall(verb="play", args={"move": "nod"}, driver="head"),
+                ],
+                0.5,
+            ]
+        }
+    ),
+    m.ActionRequested(
+        run="a00001", action="Hello", panel="Speech", source="key", key="h", console="con1"
+    ),
+    m.Command(
+        command="c00001",
+        run="a00001",
+        action="Hello",
+        panel="Speech",
+        verb="say",
+        args={"text": "Grüß Gott, P07!"},
+        driver="voice",
+        source="key",
+        key="h",
+        deadline_us=19_000_000,
+        limit_s=20.0,
+        when_busy="replace",
+    ),
+    m.Dispatched(command="c00001", driver="voice", latency_us=1900),
+    m.Progress(command="c00001", driver="voice", expected_us=1_450_000),
+    m.Done(
+        command="c00001",
+        driver="voice",
+        sent={"text": "Grüß Gott, P07!", "seconds": 1.45},
+        latency_us=1900,
+        duration_us=1_462_000,
+    ),
+    m.ActionDone(run="a00001", action="Hello"),
+    m.Superseded(command="c00002", driver="head", by="c00003", reason="a newer setpoint"),
+    m.TimedOut(command="c00003", driver="head", reason="still running after 30 s"),
+    m.LaneFaulted(driver="head", lane="body", command="c00003"),
+    m.LaneRecovered(driver="head", lane="body"),
+    m.Failed(
+        command="c00004", driver="head", reason="servo 3 overheated", remedy="let it cool down"
+    ),
+    m.ActionFailed(run="a00003", action="Nod", reason="c00004: servo 3 overheated"),
+    m.Refused(command="c00005", driver="base", code="late", reason="it waited 10 s in the queue"),
+    m.ActionRefused(run="a00004", action="Map", reason="the panel 'Places' is locked"),
+    m.DriverLost(driver="head", detail="the port vanished", remedy="plug the cable in"),
+    m.DriverFaulted(driver="head", detail="servo 3: overheated", remedy="let it cool down"),
+    m.Reading(sensor="distance", value=0.83, driver="range", unit="m", raw=831.0),
+    m.Reading(sensor="distance", value=None, driver="range", unit="m", bad=["value"]),
+    m.Reading(sensor="identity", value=None, text="visitor-3", driver="camera"),
+    m.SensorChanged(sensor="distance", state="stale", was="ok", why="no value for 3 s"),
+    m.SpeechStarted(driver="ears", segment=1, began=7_100_000),
+    m.SpeechEnded(
+        driver="ears",
+        segment=1,
+        began=7_100_000,
+        ended=9_300_000,
+        file="2026-03-01T10-00-00_P07_S01.media/speech-0001.wav",
+        loudest=0.41,
+    ),
+    m.SpeechText(driver="ears", segment=1, text="Was ist das für ein Bild?", took_us=840_000),
+    m.SpeechEnded(
+        driver="ears", segment=2, began=9_400_000, ended=9_900_000, detail="the disk is full"
+    ),
+    m.SpeechText(driver="ears", segment=2, text="", detail="transcribe ended with status 1"),
+    m.VisitorChanged(visitor="V012", what="learnt", about={"age_group": "child"}),
+    m.VisitorChanged(visitor="V013", what="renamed", was="V012"),
+    m.EngagementAdopted(
+        settings={"signs": ["presence", "gaze"], "samples": 8, "timeouts": {"approach": None}}
+    ),
+    m.EngagementChanged(
+        was="PersonDetected",
+        now="EngagedWithKnown",
+        outcome="recognized",
+        why="present, looks (5 of 8), near 0.83 m, V013",
+        verdicts={"presence": 1, "gaze": 1, "distance": 1, "identity": "V013"},
+        visitor="V013",
+        forced=True,
+    ),
+    m.EngagementShown(
+        state="RobotThinks",
+        since=8_200_000,
+        trail=["EngagedWithKnown", "UserSpeaks", "RobotThinks"],
+        signs={
+            "presence": m.SignShown(raw=1.0, verdict=1, count=8, needed=4, places=8, filter="fifo"),
+            "gaze": m.SignShown(verdict=0, needed=4, places=8, filter="fifo", stale=True),
+            "distance": m.SignShown(
+                raw=0.83, verdict=1, count=97, needed=50, places=100, filter="joint"
+            ),
+            "identity": m.SignShown(
+                raw_name="V013", name="V013", count=6, needed=5, places=10, forced=True
+            ),
+        },
+        run="hold",
+        uses=["presence", "gaze", "distance"],
+        social_distance=1.3,
+        engaged=True,
+        next="RobotReplies",
+        waits_since=8_200_000,
+        visitor="V013",
+        attempt=1,
+        attention="sound from the left",
+    ),
+    m.ModeChanged(driver="body", was="normal", now="demo", why="the wizard chose it"),
+    m.FaceShown(
+        driver="body",
+        width=8,
+        rows="00 3c 7e 66 66 7e 3c 00",
+        emotion="happy",
+        intensity=0.75,
+        brightness=0.5,
+    ),
+    m.BodyChanged(driver="body", values={"mode": "demo", "tempo": 2.133, "breathing": True}),
+    m.ControlsMoved(
+        driver="panel",
+        values={"pitch": 66, "tempo": 3},
+        waiting=["tempo"],
+        targets={"tempo": 40},
+        lit=["demo"],
+    ),
+    m.SettingsShown(
+        driver="pepper",
+        values={"state": "interactive", "volume": 0.7, "blinking": True, "tablet": None},
+        wanted={"state": "solitary"},
+        conflicts=["Awareness is off, so engagement has nothing to follow."],
+    ),
+    m.Marker(text="smile"),
+    m.Note(text="the visitor's phone rang"),
+    m.Mistake(run="a00001", action="Hello", text="too early"),
+    m.ScriptMoved(position=3),
+    m.PhaseChanged(phase="opening", source="trial", planned_us=120_000_000),
+    m.ScriptMoved(position=1, phase="opening", played=[0, 3], halted="failed"),
+    m.PanelLocked(panel="Drive", locked=True),
+    m.PanelLocked(panel="Whales", locked=True, source="phase"),
+    m.ProfileChanged(profile="child", source="palette"),
+    m.ExperimentReloaded(experiment_sha256=SHA, changes=["Speech: 'Bye' is new"]),
+    m.StopPressed(source="key"),
+    m.Stopped(command="c00006", driver="voice", reason="stop pressed"),
+    m.ActionStopped(run="a00005", action="Bye", reason="stop pressed"),
+    m.ActionSuperseded(run="a00006", action="Map", reason='replaced by "Bye"', by="a00007"),
+    m.StopConfirmed(
+        confirmed=["voice"],
+        missing=["pepper", "base"],
+        elapsed_us=500_000,
+        parts={"pepper": ["speech", "motion"]},
+        missing_parts={"pepper": ["tablet"]},
+        unreached=["base"],
+    ),
+    m.StopReleased(source="key"),
+    m.ConsoleLost(console="con1", role="wizard", why="closed"),
+    m.Segment(
+        log="2026-03-01T10-00-00_P07_S01",
+        session="S01",
+        number=1,
+        previous="2026-03-01T10-00-00_P07_S01.jsonl",
+        copied=True,
+        reason="no space left on device",
+        dropped=2,
+        dropped_samples=40,
+    ),
+    *BEGINNING,
+    *COURSE,
+    m.ConsoleAttached(console="con2", role="program", name="stimulus", sees="all"),
+    m.Command(
+        command="c00013",
+        verb="say",
+        args={"text": "How lovely that you are here!"},
+        driver="voice",
+        source="key",
+        tells=("condition",),
+        unfilled={"text": "{greeting}"},
+    ),
+    m.Notice(
+        level="warning",
+        text="voice: it cannot say 'How lovely that you are here!'",
+        driver="voice",
+        tells=("request",),
+    ),
+    m.ExperimentReloaded(
+        experiment_sha256=SHA,
+        changes=["Speech: 'Bye' is new", "conditions are warm, cold, none"],
+        telling=["conditions are warm, cold, none"],
+    ),
+    m.Checkpoint(sha256=SHA, lines=42),
+    m.SessionEnd(reason="wizard", sha256=SHA),
+    m.Segment(
+        log="2026-03-01T10-00-00_P07_S01",
+        session="S01",
+        number=1,
+        next_file="/mnt/stick/spill/2026-03-01T10-00-00_P07_S01.2.jsonl",
+        reason="the disk is full",
+    ),
+)
+
+_PANELS = [
+    PanelView(
+        title="Speech",
+        actions=[
+            ActionView(
+                name="Hello",
+                label="Hello",
+                key="h",
+                help="greet by code",
+                verbs=["say", "play"],
+                utterances=["Grüß Gott, {participant}!"],
+            ),
+            ActionView(name="Bye", label="Good bye", locked=True),
+        ],
+    ),
+    PanelView(title="Drive", actions=[], locked=True),
+]
+
+REQUESTS: tuple[r.AnyRequest, ...] = (
+    r.Hello(ref=1, role="wizard", name="laptop", stream="actions", take_over=True),
+    r.Hello(ref=2, role="program", name="stimulus", sees="all"),
+    r.Beat(ref=2),
+    r.Beat(ref=3, line_ok=False),
+    r.AskAction(ref=4, sent_us=5_400_000_000, action="Hello", source="key", key="h", age_us=2300),
+    r.AskAction(ref=5, action="Map", source="key", key="m", age_us=4_000_000, stale=True),
+    r.AskVerb(
+        ref=6,
+        verb="gaze",
+        args={"yaw": 12.5, "pitch": -3},
+        on="head",
+        source="palette",
+        key="left",
+        age_us=12_000,
+        when_busy="replace",
+    ),
+    r.AskVerb(ref=19, verb="drive", args={"x": 0.2}, source="key", key="alt+up", stale=True),
+    r.AskStop(ref=7, source="key"),
+    r.AskRelease(ref=8, source="key"),
+    r.AskScript(ref=9, key="space", age_us=800),
+    r.AskScript(ref=20, key="space", stale=True),
+    r.AskScript(ref=10, play=False, to=0),
+    r.AskCancel(ref=11, run="a00001"),
+    r.AskEmptyQueue(ref=12),
+    r.AskTakeOver(ref=13),
+    r.AskSet(ref=12, participant="P08", condition="warm", trial=1),
+    r.AskMarker(ref=13, text="smile"),
+    r.AskNote(ref=14, text="the visitor's phone rang"),
+    r.AskMistake(ref=15, run="a00001", text="too early"),
+    r.AskLock(ref=16, panel="Drive", locked=False),
+    r.AskProfile(ref=21, profile="child", source="palette"),
+    r.AskPhase(ref=36, phase="whales", source="palette"),
+    r.AskPhase(ref=37, source="key", key=")", age_us=4_000_000, stale=True),
+    r.AskReload(ref=17, dry_run=True),
+    r.AskKeepTyped(ref=38, dry_run=True),
+    r.AskPreflight(ref=18),
+    r.AskEnd(ref=19, reason="the visitor has left"),
+    r.AskProposal(ref=22, participant="P08"),
+    r.AskAssign(ref=23, participant="P08", order=["cold", "warm"]),
+    r.AskTrial(ref=24, what="aborted", text="the head fell asleep"),
+    r.AskQuestionnaire(ref=25, questionnaire="robot", source="participant"),
+    r.AskQuestionnaire(ref=31, questionnaire="robot", what="declined"),
+    r.AskAnswer(ref=26, questionnaire="robot", item="friendly", value=6.0, answered_us=2_300_000),
+    r.AskAnswer(ref=27, questionnaire="robot", item="else", skipped=True),
+    r.AskAnswer(ref=32, questionnaire="robot", item="else", text="it blinked"),
+    r.AskTraining(ref=31),
+    r.AskCheck(ref=28, check="the camera sees the whole table", ok=False, text="lamp in the way"),
+    r.AskReplay(ref=29, what="seek", by_s=-5.0),
+    r.AskReplay(ref=30, what="go", to="12:34"),
+    r.AskPicture(ref=33, driver="eye", width=76, height=40, after=17),
+    r.AskPicture(ref=34, width=640, height=480, format="sixel", rate=2.5),
+)
+
+
+def messages() -> list[m.AnyMessage]:
+    """The session's messages as the hub would have stamped them, 250 ms apart."""
+    return [_stamped(number, message) for number, message in enumerate(_MESSAGES)]
+
+
+def _stamped(number: int, message: m.AnyMessage) -> m.AnyMessage:
+    wall = timestamp(BEGIN + timedelta(milliseconds=250 * number))
+    if isinstance(message, m.Segment):
+        return msgspec.structs.replace(message, ts=wall)
+    return msgspec.structs.replace(
+        message, seq=number, t=250_000 * number, ts="" if codec.is_sample(message) else wall
+    )
+
+
+def answers() -> list[r.AnyAnswer]:
+    """What the host says beside the stream."""
+    stream = messages()
+    return [
+        r.Welcome(
+            protocol=r.PROTOCOL,
+            console="con1",
+            role="wizard",
+            seq=4,
+            t=1_100_000,
+            title="Museum guide",
+            log="recordings/2026-03-01T10-00-00_P07_S01.jsonl",
+            panels=_PANELS,
+            script=["Hello", "Map"],
+            verbs={"voice": ["say"], "head": ["gaze", "play"]},
+            variables=["condition", "participant"],
+            conditions=["warm", "cold"],
+            keyboard="us",
+            drivers=["voice", "head"],
+            state=[_raw(stream[0]), _raw(stream[4])],
+            recent=[_raw(stream[2])],
+            settings=s.Settings(
+                dead_man=3.0,
+                stale_after=1.5,
+                profiles=["child"],
+                allows={"child": s.Allowance(panels=["Speech"], hide=True)},
+                outlines={
+                    "panel": {"kind": "panel", "controls": ["pitch", "tempo"]},
+                },
+            ),
+            boot_id="6ba7b810-9dad-11d1-80b4-00c04fd430c8",
+        ),
+        r.Reply(ref=4, ok=True, run="a00001"),
+        r.Reply(
+            ref=5, ok=False, reason="too late: the key was pressed 4.0 s ago", hint="press it again"
+        ),
+        r.Reply(ref=6, ok=False, reason="no participant is set", command="start"),
+        r.Reply(ref=17, ok=True, data=["Speech: 'Bye' is new"]),
+        r.Pulse(t=2_000_000),
+        r.Pulse(t=3_000_000, dropped=40),
+        r.Pulse(t=3_000_000, rate=0.0),
+        r.Replaying(
+            t=3_000_000,
+            length_us=60_000_000,
+            rate=4.0,
+            paused=False,
+            marks=[(2_000_000, "smile")],
+            sorts=["marker"],
+        ),
+        r.Replaying(
+            t=60_000_000, length_us=60_000_000, rate=1.0, paused=True, ended=True, cut_us=9_000_000
+        ),
+        r.PanelsChanged(
+            variables=["participant"],
+            stale_after=1.5,
+            dead_man=3.0,
+            participant_pattern="P\\d\\d",
+            title="Museum guide",
+            panels=_PANELS,
+            script=["Hello"],
+            verbs={"voice": ["say"]},
+            conditions=["warm", "cold"],
+            keyboard="de",
+            values={"participant": "P07", "room": "the room of the sea"},
+            steps={"head": 8.0, "hip": 3.0, "drive": 0.2, "turn": 15.0},
+            repairs=[ActionView(name="repair yes", label="yes", verbs=["say"])],
+            profiles=["child"],
+            profile="child",
+            allows={"child": s.Allowance(panels=["Speech"], hide=True)},
+            engagement=s.ModelLimits({"listening": 60.0}, handshake=60.0, attempts=3),
+            phases=[PhaseView(name="whales", panels=["Speech"], after=["opening"], planned=120.0)],
+            sensors=["engagement", "distance"],
+            study=s.StudySettings(design=s.DesignView("latin-square", within=True, trials=3)),
+        ),
+        PictureShown(
+            ref=34,
+            driver="eye",
+            cameras=["eye"],
+            number=18,
+            t=3_100_000,
+            width=2,
+            height=1,
+            camera_width=640,
+            camera_height=480,
+            format="sixel",
+            data='\x1bP0;1;0q"1;1;2;1#0;2;0;100;0#0@@\x1b\\',
+        ),
+        PictureShown(ref=35, driver="eye", cameras=["eye"], why="eye gave no new picture"),
+    ]
+
+
+def _raw(message: m.AnyMessage) -> msgspec.Raw:
+    return msgspec.Raw(codec.encode(message).rstrip())
+
+
+def golden() -> dict[str, bytes]:
+    """What each golden file should hold."""
+    return {
+        "messages.jsonl": _lines(messages()),
+        "requests.jsonl": _lines(REQUESTS),
+        "answers.jsonl": _lines(answers()),
+    }
+
+
+def _lines(instances: Iterable[msgspec.Struct]) -> bytes:
+    return b"".join(map(codec.encode, instances))
+
+
+if __name__ == "__main__":
+    GOLDEN.mkdir(exist_ok=True)
+    for name, content in golden().items():
+        (GOLDEN / name).write_bytes(content)

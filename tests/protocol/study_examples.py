@@ -1,0 +1,107 @@
+"""What the experiment around the robot leaves in a log: one of each, for both golden files."""
+
+from __future__ import annotations
+
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.panels import ActionView, PanelView
+from woz_tui.protocol.welcome import Settings
+
+SHA = "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"
+
+#: What a log says of itself, right after its first line.
+BEGINNING: tuple[m.AnyMessage, ...] = (
+    m.ExperimentFiles(
+        experiment_sha256=SHA,
+        files={"museum.yaml": "title: Museum guide\nrobot: simulated\n"},
+        left_out=["moves/dance.json"],
+    ),
+    m.SessionPlan(
+        title="Museum guide",
+        panels=[PanelView(title="Speech", actions=[ActionView(name="Hello", label="Hello")])],
+        script=["Hello"],
+        verbs={"voice": ["say"]},
+        variables=["participant"],
+        conditions=["warm", "cold"],
+        keyboard="us",
+        drivers=["voice"],
+        settings=Settings(dead_man=3.0),
+    ),
+    m.PreflightChecked(check="head", level="ok", detail="3 servos", source="robot"),
+    m.PreflightChecked(check="the camera sees the whole table", level="ok", source="wizard"),
+    m.ConditionsAssigned(
+        participant="P07",
+        order=["warm", "cold"],
+        method="latin-square",
+        row=0,
+        why="row 0 was given 3 times, row 1 4 times",
+    ),
+    m.ShapingChanged(floor_us=800_000, jitter_us=400_000, cues=["speech"]),
+    m.PerceptionChanged(hidden=["distance"], blurred=["transcript"]),
+)
+
+#: The course of a trial, a training, a re-run.
+COURSE: tuple[m.AnyMessage, ...] = (
+    m.TrialStarted(trial=1, condition="warm", planned=4),
+    m.ActionHeld(run="a00007", action="Hello", sort="speech", cued=9_000_000, until=9_950_000),
+    m.CueGiven(
+        cue="q0001",
+        sort="question",
+        text="How long is the whale?",
+        expects=["Exhibit"],
+        window_us=4_000_000,
+    ),
+    m.CueAnswered(
+        cue="q0001", judged="right", action="Exhibit", run="a00008", reaction_us=1_204_000
+    ),
+    m.CueAnswered(cue="", judged="uncalled", action="Bye", run="a00009"),
+    m.TrialEnded(trial=1, outcome="done", text="the phone rang once"),
+    m.BreakStarted(text="a glass of water"),
+    m.BreakEnded(text="five minutes"),
+    m.QuestionnaireStarted(
+        questionnaire="robot",
+        title="How was the robot?",
+        items=[
+            {
+                "name": "friendly",
+                "question": "The robot was friendly.",
+                "low": 1,
+                "high": 7,
+                "ends": ["not at all", "very much"],
+            },
+            {"name": "else", "question": "Anything else?", "text": True, "optional": True},
+        ],
+        trial=1,
+        source="participant",
+    ),
+    m.QuestionnaireAnswered(
+        questionnaire="robot",
+        item="friendly",
+        question="The robot was friendly.",
+        value=6.0,
+        answered_us=2_300_000,
+    ),
+    m.QuestionnaireAnswered(
+        questionnaire="robot",
+        item="else",
+        question="Anything else?",
+        text="it blinked",
+        answered_us=8_100_000,
+    ),
+    m.QuestionnaireAnswered(
+        questionnaire="robot", item="age", question="How old are you?", skipped=True
+    ),
+    m.QuestionnaireEnded(questionnaire="robot", reason="done", answered=2),
+    m.TrainingChanged(state="waits", planned=20),
+    m.TrainingChanged(
+        state="over", planned=20, right=15, wrong=3, missed=2, uncalled=1, median_us=1_240_000
+    ),
+    m.RerunStarted(
+        original="2026-02-27T10-00-00_P03_S03.jsonl",
+        original_session="S03",
+        original_sha256=SHA,
+        commands=2,
+    ),
+    m.RerunSent(command="c00012", original_command="c00004", due=20_000_000, late_us=310),
+    m.RerunSkipped(original_command="c00005", reason="it was refused: the stop was pressed"),
+    m.RerunEnded(reason="done", sent_again=1, skipped_commands=1, late_p50_us=310, late_max_us=310),
+)

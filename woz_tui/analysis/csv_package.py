@@ -1,0 +1,157 @@
+"""The tables as CSV files (RFC 4180) with a data dictionary, a Frictionless data package.
+
+UTF-8, commas, one head line, CR LF; an empty cell is a value that does not exist; truth values are
+`true` and `false`. No text is a formula to a spreadsheet. Files are for their owner only, as logs
+are.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TextIO
+
+from woz_tui import __version__
+from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.tables import FIGURES, Cell, Table, answers_wide, rounds_wide
+from woz_tui.system.text_cleaning import cell
+
+if TYPE_CHECKING:
+    from _csv import Writer
+
+#: How texts are kept from being formulas, for the reader of the tables.
+GUARDED = (
+    "Texts that begin with = + - @ ' (or a tab, a line end, a full-width = + - @) have one ' more "
+    "before them, so that spreadsheets do not read them as formulas. Numbers have none. Control "
+    "characters are shown as their pictures (U+2400 and on)."
+)
+DICTIONARY = "datapackage.json"
+#: The same few texts come again and again.
+_cell = lru_cache(maxsize=4096, typed=True)(cell)
+
+
+class TableFiles:
+    """Takes one session after the other and keeps none of them; `finish` completes the files.
+
+    Args:
+        opened: Opens a new text file by its name, line ends as they are given.
+        more: Tables besides `FIGURES`, whose rows are written with `write`.
+    """
+
+    def __init__(self, opened: Callable[[str], TextIO], more: Sequence[Table[Any]] = ()) -> None:
+        self._opened = opened
+        self._tables = (*more, *FIGURES)
+        self._files = ExitStack()
+        self._wide: list[dict[str, Cell]] = []
+        #: What is wrong with logs, by name.
+        self._damage: dict[str, Sequence[str]] = {}
+        self._writers = {table.name: self._begun(table) for table in self._tables}
+
+    def _begun(self, table: Table[Any]) -> Writer:
+        file = self._files.enter_context(self._opened(f"{table.name}.csv"))
+        writer = csv.writer(file, lineterminator="\r\n")
+        writer.writerow([cell(column.name) for column in table.columns])
+        return writer
+
+    def add(self, figures: SessionFigures) -> None:
+        """All figures of one session."""
+        for table in FIGURES:
+            self.write(table, figures, table.rows(figures))
+        self._wide += rounds_wide(figures)
+        if figures.wholeness.sentences:
+            self._damage[figures.stem] = figures.wholeness.sentences
+
+    def write(self, table: Table[Any], figures: SessionFigures, rows: Iterable[object]) -> None:
+        """Rows of one session."""
+        columns = [(column.cell, column.type == "string") for column in table.columns]
+        self._writers[table.name].writerows(
+            [_cell(of(figures, row), text=text) for of, text in columns] for row in rows
+        )
+
+    def finish(self) -> None:
+        """After the last session."""
+        items = [name for row in self._wide for name in row if "." in name]
+        wide = answers_wide(dict.fromkeys(items))
+        writer = self._begun(wide)
+        for row in self._wide:
+            writer.writerow([cell(column.cell(_NONE, row)) for column in wide.columns])
+        package = _package((*self._tables, wide), self._damage)
+        with self._opened(DICTIONARY) as file:
+            file.write(json.dumps(package, indent=2, ensure_ascii=False) + "\n")
+        self.close()
+
+    def close(self) -> None:
+        """Whatever happened: close the files."""
+        self._files.close()
+
+
+#: Rows of the wide table hold their session's codes themselves.
+_NONE: Any = None
+
+
+@contextmanager
+def table_files(folder: Path) -> Iterator[TableFiles]:
+    """The tables in a folder that may be there already; files of these names are replaced.
+
+    Raises:
+        OSError: The folder cannot be made or a file not be written.
+    """
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+
+    def opened(name: str) -> TextIO:
+        flags = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC
+        taken = os.open(folder / name, flags, 0o600)
+        os.fchmod(taken, 0o600)  # also where it was there
+        return os.fdopen(taken, "w", encoding="utf-8", newline="")
+
+    files = TableFiles(opened)
+    try:
+        yield files
+        files.finish()
+    finally:
+        files.close()
+
+
+def _package(tables: Iterable[Table[Any]], damage: Mapping[str, Sequence[str]]) -> dict[str, Any]:
+    """A Frictionless data package, https://specs.frictionlessdata.io/tabular-data-package/."""
+    return {
+        "name": "woz-sessions",
+        "profile": "tabular-data-package",
+        "title": "Sessions of wizard-of-Oz experiments",
+        "description": f"Written by woz-tui {__version__}. {GUARDED}",
+        "resources": [_resource(table) for table in tables],
+        **({"damage": damage} if damage else {}),
+    }
+
+
+def _resource(table: Table[Any]) -> dict[str, Any]:
+    schema: dict[str, Any] = {
+        "fields": [
+            {
+                "name": column.name,
+                "type": column.type,
+                "description": column.meaning,
+                **({"unit": column.unit} if column.unit else {}),
+            }
+            for column in table.columns
+        ],
+        "missingValues": [""],
+    }
+    if table.key:
+        schema["primaryKey"] = list(table.key)
+    return {
+        "name": table.name,
+        "path": f"{table.name}.csv",
+        "description": table.meaning,
+        "profile": "tabular-data-resource",
+        "format": "csv",
+        "mediatype": "text/csv",
+        "encoding": "utf-8",
+        "dialect": {"delimiter": ",", "quoteChar": '"', "doubleQuote": True, "header": True},
+        "schema": schema,
+    }

@@ -1,0 +1,600 @@
+"""What happened in a session, one by one: cues, trials, stops, answers, with times like `t`; and
+where in the timeline each of them is.
+"""
+
+from __future__ import annotations
+
+import bisect
+import json
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from operator import attrgetter
+from typing import Any, TypeVar
+
+from woz_tui.protocol import messages as m
+from woz_tui.timeline import episodes as e
+from woz_tui.timeline.episodes import NOT_COUNTED
+from woz_tui.timeline.timeline import Timeline
+from woz_tui.timeline.trial_context import Context
+
+M = TypeVar("M", bound=m.Message)
+#: Whether what happened in a context counts.
+Counted = Callable[[Context], bool]
+
+#: What can be a cue. `training` are those of `woz train`.
+CUE_TYPES = ("speech", "engagement", "marker", "training")
+#: What can become of a cue.
+CUE_RESULTS = ("answered", "answered_early", "missed", "superseded", "cut")
+#: The name under which an unbroken engagement stands among the visits.
+ENGAGED_VISIT = "engaged"
+#: The source of markers that the preflight list sets.
+PREFLIGHT = "preflight"
+
+
+@dataclass(frozen=True, slots=True)
+class Cue:
+    """Something that wants an answer, and what the wizard made of it.
+
+    Attributes:
+        cue_type: One of `CUE_TYPES`.
+        t: Its moment.
+        what: The state, the number of the utterance, the marker's text, the trained cue's type.
+        result: One of `CUE_RESULTS`.
+        reaction_us: To the act that answered it; None: nothing did.
+        action: Name of that action, or the verb of a command that belonged to none.
+        run: Id of that run, or of the command.
+        echo: It followed within a second of another open cue and stands for the same event, so
+            the figures over all types leave it out.
+        judged: Of trained cues: right, wrong or missed.
+        trial: Number of the trial, -1 outside.
+    """
+
+    cue_type: str
+    t: int
+    what: str
+    result: str
+    reaction_us: int | None = None
+    action: str = ""
+    run: str = ""
+    echo: bool = False
+    judged: str = ""
+    participant: str = ""
+    condition: str = ""
+    trial: int = -1
+    phase: str = ""
+    counted: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """A trial; `end` is None if it never ended, then `outcome` is empty."""
+
+    trial: int
+    participant: str
+    condition: str
+    begin: int
+    end: int | None
+    outcome: str
+    text: str
+    actions: int
+
+    @property
+    def duration(self) -> int | None:
+        """How long it was; None: it never ended."""
+        return None if self.end is None else self.end - self.begin
+
+    @property
+    def counted(self) -> bool:
+        """Whether its data are to be analysed."""
+        return self.outcome not in NOT_COUNTED
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Phase:
+    """A phase, breaks inside it included.
+
+    Attributes:
+        trial: Number of the trial, -1 outside.
+        phase: Its name.
+        end: None if its end is not in the log.
+        planned: How long it was to last; None: nobody said.
+        source: Who began it: key, palette, program; trial or session where it began with that.
+        actions: How many actions were asked for in it.
+        counted: It was in no trial that was aborted or excluded.
+    """
+
+    participant: str
+    condition: str
+    trial: int
+    phase: str
+    begin: int
+    end: int | None
+    planned: int | None
+    source: str
+    actions: int
+    counted: bool
+
+    @property
+    def duration(self) -> int | None:
+        """How long it was; None: its end is not in the log."""
+        return None if self.end is None else self.end - self.begin
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """Something that lasted: a break, a lost driver. `end` is None if it lasted to the end."""
+
+    begin: int
+    end: int | None
+    name: str
+    text: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """A stop. `elapsed_us` and the drivers are None and empty if no confirmation is in the log;
+    a driver of several parts is followed by those in brackets. `unreached`: those of `missing`
+    that were not connected. `released`: when it was over, one of driving alone as soon as it was
+    confirmed; None: it lasted to the end.
+    """
+
+    t: int
+    source: str
+    scope: str
+    confirmed: tuple[str, ...] = ()
+    missing: tuple[str, ...] = ()
+    unreached: tuple[str, ...] = ()
+    elapsed_us: int | None = None
+    released: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """A marker, note or mistake (`sort`); of a mistake also which run of which action."""
+
+    t: int
+    sort: str
+    text: str = ""
+    action: str = ""
+    run: str = ""
+    source: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Visit:
+    """A stay in a state of the engagement model, or (`state` is `engaged`) an unbroken engagement;
+    or the piece of it within one context.
+
+    Attributes:
+        entered_by: The transition that led to it, and `left_by` the one that ended it.
+        visitor: Who was known as it began; of an engagement who was recognised last.
+        forced: The wizard led to it, or decided a verdict on which it rests.
+        why: Why it was entered, in words.
+        changed: It began then; else it is a further piece of what went on.
+        cut: It was not over when the log, or the model, ended.
+        trial: Number of the trial, -1 outside; as participant and condition, of its beginning.
+    """
+
+    state: str
+    begin: int
+    end: int
+    entered_by: str = ""
+    left_by: str = ""
+    visitor: str = ""
+    forced: bool = False
+    why: str = ""
+    changed: bool = True
+    cut: bool = False
+    participant: str = ""
+    condition: str = ""
+    trial: int = -1
+    phase: str = ""
+    counted: bool = True
+
+    @property
+    def duration(self) -> int:
+        """How long it was."""
+        return self.end - self.begin
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Setting:
+    """A robot's setting had one value, within one trial, condition or break.
+
+    Attributes:
+        setting: Its name.
+        value: What the robot had.
+        wanted: What was asked for, where it differs.
+        differs: The robot had something else than what was asked for; None: unknown, since the
+            robot was lost or does not tell it any more.
+        begin: When it was read so.
+        end: When it was read otherwise, the robot was lost, or trial, condition or break changed.
+        changed: It began then; else it goes on from before such a change.
+        cut: It lasted when the log ended.
+        trial: Number of the trial, -1 outside.
+    """
+
+    seq: int
+    driver: str
+    setting: str
+    value: m.Json
+    wanted: m.Json
+    differs: bool | None
+    begin: int
+    end: int
+    changed: bool = True
+    cut: bool = False
+    participant: str = ""
+    condition: str = ""
+    trial: int = -1
+    phase: str = ""
+    counted: bool = True
+
+    @property
+    def duration(self) -> int:
+        """How long it was so."""
+        return self.end - self.begin
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """The last answer to an item in one round of a questionnaire; `t` is when it was given.
+
+    `value` is None for texts and for what was left out; `low` and `high` are None unless the item
+    is a scale. `counted`: it was in no trial that was aborted or excluded.
+    """
+
+    questionnaire: str
+    round: int
+    item: str
+    question: str
+    value: float | None
+    text: str
+    skipped: bool
+    t: int
+    answered_us: int | None
+    low: float | None = None
+    high: float | None = None
+    participant: str = ""
+    condition: str = ""
+    trial: int = -1
+    phase: str = ""
+    counted: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Round:
+    """A questionnaire put to somebody once. `reason`: done, declined, left; empty: no end."""
+
+    questionnaire: str
+    round: int
+    title: str
+    t: int
+    reason: str
+    answered: int
+    items: int
+
+
+@dataclass(frozen=True, slots=True)
+class Restriction:
+    """From `t` on the wizard did not see what is `hidden`, nor legibly what is `blurred`."""
+
+    t: int
+    hidden: tuple[str, ...]
+    blurred: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Shaping:
+    """From `t` on answers to these cues were held back: `floor_us`, and up to `jitter_us` more."""
+
+    t: int
+    floor_us: int
+    jitter_us: int
+    cues: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class PanelOffer:
+    """A panel that the wizard had, as it was at the beginning."""
+
+    title: str
+    actions: tuple[str, ...]
+    locked: bool
+
+
+@dataclass(frozen=True, slots=True)
+class ConsoleChange:
+    """A console came (`why` is empty) or went."""
+
+    t: int
+    console: str
+    role: str
+    lost: bool
+    why: str = ""
+
+
+# -- from the timeline ----------------------------------------------------------------------------
+
+
+def placed(context: Context) -> dict[str, Any]:
+    """Participant, condition, trial and phase, as rows have them."""
+    return {
+        "participant": context.participant,
+        "condition": context.condition,
+        "trial": -1 if context.trial is None else context.trial,
+        "phase": context.phase,
+    }
+
+
+def worded(value: m.Json) -> str:
+    """A setting's or an argument's value: a text as it is, anything else as JSON has it."""
+    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+
+
+def moments(timeline: Timeline, kind: type[M]) -> Iterator[tuple[Context, M]]:
+    """Messages of a kind that stand for themselves, each with its context."""
+    for each in timeline.of(e.Moment):
+        if isinstance(each.message, kind):
+            yield each.context, each.message
+
+
+def trials(timeline: Timeline) -> Iterator[Trial]:
+    """All trials, also those that do not count."""
+    actions = Counter(each.context.run for each in timeline.of(e.Action))
+    for each in timeline.of(e.Trial):
+        yield Trial(
+            trial=each.started.trial,
+            participant=each.context.participant,
+            condition=each.context.condition,
+            begin=each.begin,
+            end=None if each.cut else each.end,
+            outcome="" if each.cut else each.outcome,
+            text=each.text,
+            actions=actions[each.seq],
+        )
+
+
+def phases(timeline: Timeline, counted: Counted) -> Iterator[Phase]:
+    """All phases, also those in trials that do not count."""
+    found = timeline.of(e.Phase)
+    begins = [(each.begin, each.seq) for each in found]
+    actions: Counter[int] = Counter()
+    for act in timeline.of(e.Action) if found else ():
+        if act.context.phase:
+            actions[bisect.bisect_right(begins, (act.begin, act.seq)) - 1] += 1
+    for place, each in enumerate(found):
+        yield Phase(
+            **placed(each.context) | {"phase": each.label},
+            begin=each.begin,
+            end=None if each.cut else each.end,
+            planned=each.changed.planned_us or None,
+            source=each.source,
+            actions=actions[place],
+            counted=counted(each.context),
+        )
+
+
+def breaks(timeline: Timeline) -> Iterator[Span]:
+    """All breaks, inside trials and outside."""
+    for each in timeline.of(e.Break):
+        text = each.ended.text if each.ended is not None else ""
+        yield Span(each.begin, each.end, "break", text or each.started.text)
+
+
+def lost_drivers(timeline: Timeline) -> Iterator[Span]:
+    """Each time a driver was lost or faulted."""
+    for each in timeline.of(e.LostDriver):
+        yield Span(each.begin, None if each.cut else each.end, each.label, each.reason)
+
+
+def drivers(timeline: Timeline) -> dict[str, None]:
+    """Names of all drivers that were ever ready or lost, in the order of the first time."""
+    kinds = m.DriverConnected | m.DriverFaulted | m.DriverLost
+    lines = [each.message for each in timeline.of(e.Moment) if isinstance(each.message, kinds)]
+    lines += [each.lost for each in timeline.of(e.LostDriver)]
+    return dict.fromkeys(line.driver for line in sorted(lines, key=attrgetter("t", "seq")))
+
+
+def stops(timeline: Timeline) -> Iterator[Stop]:
+    """Every press of the stop, who confirmed it, and when it was released."""
+    for each in timeline.of(e.Stop):
+        for press in each.presses:
+            pressed = press.pressed
+            row = Stop(
+                *(pressed.t, pressed.source, pressed.scope),
+                released=None if each.cut else each.end,
+            )
+            yield _confirmed(row, press.confirmations[0]) if press.confirmations else row
+
+
+def _confirmed(row: Stop, message: m.StopConfirmed) -> Stop:
+    unreached = {name: ["not reached"] for name in message.unreached}
+    return replace(
+        row,
+        confirmed=_with_parts(message.confirmed, message.parts),
+        missing=_with_parts(message.missing, {**message.missing_parts, **unreached}),
+        unreached=tuple(message.unreached),
+        elapsed_us=message.elapsed_us,
+    )
+
+
+def _with_parts(names: list[str], parts: Mapping[str, list[str]]) -> tuple[str, ...]:
+    """`pepper (motion, speech)`: names of drivers, with the parts that were named of some."""
+    return tuple(
+        f"{name} ({', '.join(parts[name])})" if parts.get(name) else name for name in names
+    )
+
+
+def marks(timeline: Timeline) -> Iterator[Mark]:
+    """Markers but those of the preflight list, notes and mistakes."""
+    for each in timeline.of(e.Moment):
+        match each.message:
+            case m.Marker() as marker if marker.source != PREFLIGHT:
+                yield Mark(each.begin, "marker", marker.text, source=marker.source)
+            case m.Note() as note:
+                yield Mark(each.begin, "note", note.text)
+            case m.Mistake() as wrong:
+                yield Mark(each.begin, "mistake", wrong.text, wrong.action, wrong.run)
+
+
+def visits(timeline: Timeline) -> list[Visit]:
+    """Stays in states and engagements as they were, by when they were over."""
+    found = [_visit(each, each.state) for each in timeline.of(e.ModelState)]
+    found += [_visit(each, ENGAGED_VISIT) for each in timeline.of(e.Engagement)]
+    return sorted(found, key=lambda visit: visit.end)
+
+
+def stays(timeline: Timeline, counted: Counted) -> Iterator[Visit]:
+    """Stays in states, clipped to contexts."""
+    for each in timeline.of(e.ModelState):
+        parts = timeline.parts(each)
+        for part in parts:
+            yield replace(
+                _visit(each, each.state),
+                **placed(part.context),
+                begin=part.begin,
+                end=part.end,
+                changed=part is parts[0],
+                cut=each.cut and part is parts[-1],
+                counted=counted(part.context),
+            )
+
+
+def _visit(each: e.ModelState | e.Engagement, state: str) -> Visit:
+    entered = each.entered
+    return Visit(
+        **placed(each.context),
+        state=state,
+        begin=each.begin,
+        end=each.begin + each.duration,
+        entered_by=entered.outcome if entered is not None else "",
+        left_by=each.reason,
+        visitor=each.visitor,
+        forced=entered is not None and entered.forced,
+        why=entered.why if entered is not None else "",
+        cut=each.cut,
+    )
+
+
+def settings(timeline: Timeline, counted: Counted) -> list[Setting]:
+    """What robots had set, by context and time; of one moment as the driver lists them."""
+    shown = timeline.state.robots.shown.values()
+    places = {(line.driver, name): at for line in shown for at, name in enumerate(line.values)}
+
+    def order(row: Setting) -> tuple[int, ...]:
+        return row.begin, row.seq, row.end, places.get((row.driver, row.setting), len(places))
+
+    return sorted(_settings(timeline, counted), key=order)
+
+
+def _settings(timeline: Timeline, counted: Counted) -> Iterator[Setting]:
+    for each in timeline.of(e.Setting):
+        parts = timeline.parts(each)
+        for part in parts:
+            yield Setting(
+                **placed(part.context),
+                seq=each.seq,
+                driver=each.driver,
+                setting=each.name,
+                value=each.value,
+                wanted=each.wanted,
+                differs=each.differs,
+                begin=part.begin,
+                end=part.end,
+                changed=part is parts[0],
+                cut=each.cut and part is parts[-1],
+                counted=counted(part.context),
+            )
+
+
+def rounds(timeline: Timeline) -> Iterator[Round]:
+    """Each time a questionnaire was put to somebody."""
+    for each, number in _numbered(timeline):
+        started = each.started
+        yield Round(
+            questionnaire=each.name,
+            round=number,
+            title=started.title if started is not None else "",
+            t=each.begin,
+            reason=each.ended.reason if each.ended is not None else "",
+            answered=sum(not answer.skipped for answer in each.answers.values()),
+            items=len(_items(each)),
+        )
+
+
+def unanswered(timeline: Timeline) -> Iterator[str]:
+    """Titles of the questionnaires that were due and not answered, with the trial before them."""
+    titles = {one.name: one.heading for one in timeline.state.study.settings.questionnaires}
+    for due in timeline.unanswered:
+        after = "at the end" if due.trial < 0 else f"after trial {due.trial}"
+        yield f"{titles.get(due.questionnaire, due.questionnaire)} ({after})"
+
+
+def answers(timeline: Timeline) -> Iterator[Answer]:
+    """The last answers of each round, in the order in which the items were answered first."""
+    for each, number in _numbered(timeline):
+        items = _items(each)
+        place = placed(each.context) | {"trial": -1 if each.trial is None else each.trial}
+        for answer in each.answers.values():
+            item = items.get(answer.item, {})
+            yield Answer(
+                **place,
+                questionnaire=each.name,
+                round=number,
+                item=answer.item,
+                question=answer.question,
+                value=None if answer.skipped else answer.value,
+                text=answer.text,
+                skipped=answer.skipped,
+                t=answer.t,
+                answered_us=answer.answered_us if answer.answered_us >= 0 else None,
+                low=_number(item.get("low")),
+                high=_number(item.get("high")),
+                counted=timeline.counts(each.context),
+            )
+
+
+def _numbered(timeline: Timeline) -> Iterator[tuple[e.Questionnaire, int]]:
+    """Questionnaires, and how often each had been put by then."""
+    put: Counter[str] = Counter()
+    for each in timeline.of(e.Questionnaire):
+        put[each.name] += 1
+        yield each, put[each.name]
+
+
+def _items(put: e.Questionnaire) -> Mapping[str, Mapping[str, Any]]:
+    listed = put.started.items if put.started is not None else []
+    return {str(item.get("name", "")): item for item in listed}
+
+
+def _number(value: object) -> float | None:
+    return float(value) if isinstance(value, int | float) else None
+
+
+def restrictions(timeline: Timeline) -> Iterator[Restriction]:
+    """Each change of what the wizard could see."""
+    lines = [line for _, line in moments(timeline, m.PerceptionChanged)]
+    for each in timeline.of(e.Restriction):
+        lines.append(each.changed)
+        if each.lifted is not None and not (each.lifted.hidden or each.lifted.blurred):
+            lines.append(each.lifted)
+    for line in sorted(lines, key=attrgetter("t", "seq")):
+        yield Restriction(line.t, tuple(line.hidden), tuple(line.blurred))
+
+
+def shapings(timeline: Timeline) -> Iterator[Shaping]:
+    """Each change of how answers were held back."""
+    for _, line in moments(timeline, m.ShapingChanged):
+        yield Shaping(line.t, line.floor_us, line.jitter_us, tuple(line.cues))
+
+
+def consoles(timeline: Timeline) -> Iterator[ConsoleChange]:
+    """Each console that came or went."""
+    for each in timeline.of(e.Moment):
+        match each.message:
+            case m.ConsoleAttached(console=console, role=role):
+                yield ConsoleChange(each.begin, console, role, lost=False)
+            case m.ConsoleLost(console=console, role=role, why=why):
+                yield ConsoleChange(each.begin, console, role, lost=True, why=why)

@@ -1,0 +1,397 @@
+"""The figures of a session, counted over what its timeline has.
+
+What happened counts in the context in which it began, times count in that in which they passed;
+episodes are clipped to trials. Time outside of trials is a part of its own.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+from woz_tui.analysis import event_rows
+from woz_tui.analysis.cue_responses import WAITING, WINDOW_US, cues_of, trained_cues, training_of
+from woz_tui.analysis.durations import Series
+from woz_tui.analysis.event_rows import Cue, PanelOffer, Trial
+from woz_tui.analysis.figure_sums import Tally, part, together
+from woz_tui.analysis.figures import OUTSIDE, SESSION, TRIALS, Part, SessionFigures, Wholeness
+from woz_tui.analysis.manual_actions import Act, acts_of, of_robot
+from woz_tui.analysis.participants import counts_in_means, taking_part
+from woz_tui.protocol import messages as m
+from woz_tui.timeline import episodes as e
+from woz_tui.timeline.timeline import Timeline
+from woz_tui.timeline.trial_context import Context
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """How figures are computed.
+
+    Attributes:
+        window_us: Time after a cue in which an answer counts as one, in microseconds.
+        waiting: States of the engagement model that are cues.
+        all_trials: Also what happened in trials that were aborted or excluded.
+    """
+
+    window_us: int = WINDOW_US
+    waiting: Collection[str] = WAITING
+    all_trials: bool = False
+
+
+DEFAULTS = Options()
+K = TypeVar("K")
+
+
+def figures_of(
+    timeline: Timeline, options: Options = DEFAULTS, path: str = "", stem: str = ""
+) -> SessionFigures:
+    """All figures of a session whose timeline is finished; of its log see `wholeness`."""
+    state = timeline.state
+    start, assigned, ended = state.start, state.study.assigned, state.end
+    trials = tuple(event_rows.trials(timeline))
+    answers = tuple(event_rows.answers(timeline))
+    acts = acts_of(timeline)
+    trained = [*trained_cues(timeline)]
+    cues = [*cues_of(timeline, acts, options.window_us, options.waiting), *trained]
+    counting = _Counting(timeline)
+    counting.count(acts)
+    for context, cue in cues:
+        counting.at(context).cues.append(cue)
+    tallies = counting.tallies
+    people = taking_part(tallies, trials, answers)
+
+    def counted(context: Context) -> bool:
+        return counts_in_means(timeline, people, context)
+
+    whole = _whole(counting, trials, people, options)
+    parts = _parts(timeline, tallies, trials, people, options)
+    conditions = tuple(_each(tally.condition for tally in tallies))
+    plan = _first_plan(timeline)
+    return SessionFigures(
+        path=path,
+        stem=stem,
+        session=start.session if start else "",
+        participant=_named(tallies, people),
+        participants=tuple(_each(_of(tallies, people))),
+        condition=", ".join(conditions),
+        conditions=conditions,
+        wizard=start.wizard if start else "",
+        software=" ".join(filter(None, map(start.software.get, ("name", "version"))))
+        if start
+        else "",
+        schema=start.schema if start else 0,
+        experiment=start.experiment if start else "",
+        experiment_sha256=start.experiment_sha256 if start else "",
+        title=plan.title if plan else "",
+        started=_began(start),
+        duration_us=timeline.end - timeline.begin,
+        ended=(ended.reason or "ended") if ended else "",
+        window_us=options.window_us,
+        all_trials=options.all_trials,
+        whole=whole,
+        parts=tuple(parts),
+        cues=tuple(_listed(cues, counted)),
+        visits=tuple(event_rows.visits(timeline)),
+        stays=tuple(event_rows.stays(timeline, counted)),
+        trials=trials,
+        phases=tuple(event_rows.phases(timeline, counted)),
+        breaks=tuple(event_rows.breaks(timeline)),
+        stops=tuple(event_rows.stops(timeline)),
+        marks=tuple(event_rows.marks(timeline)),
+        answers=answers,
+        rounds=tuple(event_rows.rounds(timeline)),
+        unanswered=tuple(event_rows.unanswered(timeline)),
+        training=training_of(timeline, trained),
+        panels=tuple(_panels(plan)),
+        profiles=tuple(dict.fromkeys(each.label for each in timeline.of(e.Profile))),
+        consoles=tuple(event_rows.consoles(timeline)),
+        lost_drivers=tuple(event_rows.lost_drivers(timeline)),
+        settings=tuple(event_rows.settings(timeline, counted)),
+        drivers=tuple(event_rows.drivers(timeline)),
+        restrictions=tuple(event_rows.restrictions(timeline)),
+        shaping=tuple(event_rows.shapings(timeline)),
+        reloads=sum(1 for _ in event_rows.moments(timeline, m.ExperimentReloaded)),
+        rerun_of=next((each.label for each in reversed(timeline.of(e.Rerun))), ""),
+        order=tuple(assigned.order) if assigned else (),
+        order_method=assigned.method if assigned else "",
+        seed=start.seed if start else None,
+        wholeness=Wholeness(ended=ended is not None),
+    )
+
+
+class _Counting:
+    """Adds up what happened, by participant, condition and run of a trial."""
+
+    def __init__(self, timeline: Timeline) -> None:
+        self._timeline = timeline
+        self._tallies: dict[tuple[str, str, int | None, bool], Tally] = {}
+        #: The same by the `id` of contexts, which the timeline keeps.
+        self._of: dict[int, Tally] = {}
+        for span in timeline.spans:
+            self.at(span.context).us += span.end - span.begin
+
+    def at(self, context: Context) -> Tally:
+        """Where it counts."""
+        found = self._of.get(id(context))
+        if found is None:
+            inside = self._timeline.inside(context)
+            key = (context.participant, context.condition, context.run, inside)
+            tally = Tally(*key[:3], counted=self._timeline.counts(context), inside=inside)
+            found = self._of[id(context)] = self._tallies.setdefault(key, tally)
+        return found
+
+    @property
+    def tallies(self) -> list[Tally]:
+        """All in the order in which they came; those in which nothing was are left out."""
+        found = [tally for tally in self._tallies.values() if not tally.empty]
+        return found or [*self._tallies.values()][:1] or [Tally("", "")]
+
+    def count(self, acts: Sequence[Act]) -> None:
+        """Everything but cues."""
+        self._acts(acts)
+        self._actions()
+        self._commands()
+        self._moments()
+        self._lost_mistakes()
+        self._engagement()
+        self._settings()
+        for spoken in self._timeline.of(e.Utterance):
+            if spoken.ended is not None:
+                self.at(spoken.context).utterances += 1
+                for tally, us in self._pieces(spoken, self.at):
+                    tally.speech.add(us)
+        for stop in self._timeline.of(e.Stop):
+            # A lost console stops the drive: nobody pressed that.
+            self.at(stop.context).stops += stop.label == "all"
+
+    def _acts(self, acts: Sequence[Act]) -> None:
+        before: Act | None = None
+        stretch = 0
+        for act in acts:
+            tally = self.at(act.context)
+            direct, started = type(act) is e.Command, act.latency_us
+            tally.direct += direct
+            tally.by_hand += not direct
+            tally.mistakes += act.mistake is not None
+            if started is not None:
+                tally.press.add(started)
+            # No gap reaches over the border between two trials or conditions.
+            at = self._timeline.contexts.stretch(act.begin, act.seq)
+            if before is not None and stretch == at:
+                tally.gaps.add(act.begin - before.begin)
+            before, stretch = act, at
+
+    def _actions(self) -> None:
+        for action in self._timeline.of(e.Action):
+            tally, request, outcome = self.at(action.context), action.request, action.outcome
+            tally.counts[request.action, request.panel, request.source, outcome] += 1
+            if outcome == e.Outcome.DONE:
+                tally.took.add(action.duration)
+            if action.held is not None:
+                tally.held.add(action.held_us)
+
+    def _commands(self) -> None:
+        for command in self._timeline.of(e.Command):
+            if not of_robot(command):
+                continue
+            verb = self.at(command.context).verb(command.request.verb)
+            verb.ends[command.outcome] += 1
+            latency, duration = command.latency_us, command.duration_us
+            if latency is not None:
+                verb.dispatched.add(latency)
+            if duration is not None:
+                verb.done.add(duration)
+
+    def _moments(self) -> None:
+        for moment in self._timeline.of(e.Moment):
+            match moment.message:
+                case m.Marker(source=source) if source != event_rows.PREFLIGHT:
+                    self.at(moment.context).markers += 1
+                case m.Note():
+                    self.at(moment.context).notes += 1
+                case m.StopPressed(scope="all"):
+                    self.at(moment.context).stops += 1
+                case m.ActionHeld(until=until):
+                    self.at(moment.context).held.add(until - moment.begin)
+                case m.EngagementChanged() as change:
+                    self._transition(moment.context, change)
+
+    def _lost_mistakes(self) -> None:
+        """Those that label an act whose lines are lost; not a knob on its way."""
+        timeline = self._timeline
+        found = {
+            each.run: context
+            for context, each in reversed([*event_rows.moments(timeline, m.Mistake)])
+        }
+        for each in timeline.of(e.Action) if found else ():
+            found.pop(each.request.run, None)
+        for command in timeline.of(e.Command) if found else ():
+            found.pop(command.request.command, None)
+        for run, context in found.items():
+            self.at(context).mistakes += run not in timeline.passed
+
+    # -- times ------------------------------------------------------------------------------------
+
+    def _pieces(self, episode: e.Episode, of: Callable[[Context], K]) -> Iterator[tuple[K, int]]:
+        """Its pieces, each as long as `of` says the same of contexts that follow one another."""
+        last: K | None = None
+        us = 0
+        for span in self._timeline.parts(episode):
+            found = of(span.context)
+            if last is not None and found is not last:
+                yield last, us
+                us = 0
+            last = found
+            us += span.end - span.begin
+        if last is not None:
+            yield last, us
+
+    def _engagement(self) -> None:
+        for state in self._timeline.of(e.ModelState):
+            if state.entered is not None:
+                self._transition(state.context, state.entered)
+            for tally, us in self._pieces(state, self.at):
+                tally.lengths[state.state].add(us)
+                tally.on_us += us
+                tally.state_us[state.state] += us
+        for engaged in self._timeline.of(e.Engagement):
+            for tally, us in self._pieces(engaged, self.at):
+                tally.episodes.add(us)
+                tally.engaged_us += us
+        for off in self._timeline.of(e.ModelOff):
+            for tally, us in self._pieces(off, self.at):
+                tally.off_us += us
+
+    def whole(self, *, every: bool) -> Tally:
+        """All together, but for what does not count unless `every`; nothing is clipped to the
+        trials of which it consists.
+        """
+
+        def counts(context: Context) -> bool:
+            return every or self._timeline.counts(context)
+
+        total = together(tally for tally in self.tallies if every or tally.counted)
+        total.episodes = Series(
+            us
+            for engaged in self._timeline.of(e.Engagement)
+            for counted, us in self._pieces(engaged, counts)
+            if counted
+        )
+        total.lengths.clear()
+        for state in self._timeline.of(e.ModelState):
+            for counted, us in self._pieces(state, counts):
+                if counted:
+                    total.lengths[state.state].add(us)
+        return total
+
+    def _transition(self, context: Context, change: m.EngagementChanged) -> None:
+        tally = self.at(context)
+        tally.transitions[change.was, change.now] += 1
+        tally.forced += change.forced
+
+    def _settings(self) -> None:
+        """Each moment counts once, however many settings are known, or differ."""
+        parts = self._timeline.contexts.parts
+        settings = self._timeline.of(e.Setting)
+        for begin, end in _together(each for each in settings if each.differs is not None):
+            for piece in parts(begin, end, -1):
+                self.at(piece.context).settings_us += piece.end - piece.begin
+        for begin, end in _together(each for each in settings if each.differs):
+            for piece in parts(begin, end, -1):
+                self.at(piece.context).differing_us += piece.end - piece.begin
+
+
+def _together(episodes: Iterable[e.Episode]) -> Iterator[tuple[int, int]]:
+    """The times in which at least one of the episodes, given by their beginning, went on."""
+    begin = end = 0
+    for each in episodes:
+        if each.begin > end:
+            if end > begin:
+                yield begin, end
+            begin = end = each.begin
+        end = max(end, each.begin + each.duration)
+    if end > begin:
+        yield begin, end
+
+
+def _whole(
+    counting: _Counting, trials: Sequence[Trial], people: set[str], options: Options
+) -> Part:
+    every = options.all_trials
+    counted = [tally for tally in counting.tallies if every or tally.counted]
+    conditions = ", ".join(_each(tally.condition for tally in counted))
+    begun = sum(every or trial.counted for trial in trials)
+    return part(counting.whole(every=every), _named(counted, people), conditions, begun)
+
+
+def _parts(
+    timeline: Timeline,
+    tallies: list[Tally],
+    trials: Sequence[Trial],
+    people: set[str],
+    options: Options,
+) -> Iterator[Part]:
+    """Each participant's conditions, then the time outside of trials."""
+    every = options.all_trials
+    begun = Counter(
+        (trial.participant, trial.condition) for trial in trials if every or trial.counted
+    )
+    groups: dict[tuple[str, str, bool], list[Tally]] = {}
+    for tally in tallies:
+        if every or tally.counted:
+            condition = tally.condition if tally.inside else ""
+            groups.setdefault((tally.participant, condition, tally.inside), []).append(tally)
+    scope = TRIALS if timeline.has_trials else SESSION
+    for (participant, condition, inside), found in sorted(groups.items(), key=_outside):
+        yield part(
+            together(found),
+            participant,
+            condition,
+            begun[participant, condition] if inside else 0,
+            counted=participant in people,
+            scope=scope if inside else OUTSIDE,
+        )
+
+
+def _outside(group: tuple[tuple[str, str, bool], object]) -> bool:
+    return not group[0][2]
+
+
+def _listed(cues: Iterable[tuple[Context, Cue]], counted: Callable[[Context], bool]) -> list[Cue]:
+    """All cues by time, with whether they count."""
+    found = [cue if counted(context) else replace(cue, counted=False) for context, cue in cues]
+    return sorted(found, key=lambda cue: cue.t)
+
+
+def _first_plan(timeline: Timeline) -> m.SessionPlan | None:
+    """What consoles were shown at the beginning; None if they never were."""
+    plans = [plan for _, plan in event_rows.moments(timeline, m.SessionPlan)]
+    return next((plan for plan in plans if plan.title), plans[-1] if plans else None)
+
+
+def _panels(plan: m.SessionPlan | None) -> Iterator[PanelOffer]:
+    for panel in plan.panels if plan else ():
+        yield PanelOffer(panel.title, tuple(each.name for each in panel.actions), panel.locked)
+
+
+def _each(names: Iterable[str]) -> dict[str, None]:
+    """Each name once, in the order of the first time; none that is empty."""
+    return dict.fromkeys(name for name in names if name)
+
+
+def _of(tallies: Iterable[Tally], people: set[str]) -> Iterable[str]:
+    return (tally.participant for tally in tallies if tally.participant in people)
+
+
+def _named(tallies: Sequence[Tally], people: set[str]) -> str:
+    """Who took part; all codes that were given if nobody did."""
+    found = _each(_of(tallies, people)) or _each(tally.participant for tally in tallies)
+    return ", ".join(found)
+
+
+def _began(start: m.SessionStart | None) -> str:
+    if start is None:
+        return ""
+    return start.clock.get("wall_at_t0", "") or start.ts

@@ -1,0 +1,276 @@
+"""One session on the page: who and when, damage, figures, timeline, list of events, tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.html import figure_tables
+from woz_tui.analysis.html.distribution_plots import distribution, transitions
+from woz_tui.analysis.html.figure_definitions import defined
+from woz_tui.analysis.html.markup import Child, Markup, json_block, said, tag
+from woz_tui.analysis.html.number_format import DASH, calendar, clock, counted, duration, percent
+from woz_tui.analysis.html.timeline_items import Item, Row, by_time, page_data, rows
+from woz_tui.analysis.html.timeline_picture import picture
+from woz_tui.analysis.html.timeline_styles import SORTS, swatch
+from woz_tui.analysis.session_report import Report
+from woz_tui.analysis.timeline_lanes import Drawing
+
+#: Sorts that are listed even where there are too many events to list all without a script.
+NOTABLE = frozenset(
+    {"failed", "stopped", "refused", "open", "trial", "phase", "left-out", "break"}
+) | {
+    "stop",
+    "lost",
+    "differing",
+    "marker",
+    "note",
+    "mistake",
+    "questionnaire",
+    "console-lost",
+}
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A report in its place on the page: `name` is its address, `alone`: it is the only one."""
+
+    name: str
+    report: Report
+    timeline: Drawing
+    lanes: list[Row]
+    alone: bool
+
+    @property
+    def figures(self) -> SessionFigures:
+        """The report's figures."""
+        return self.report.figures
+
+    @property
+    def title(self) -> str:
+        """Participant, condition, session."""
+        parts = (self.figures.participant, self.figures.condition, self.figures.session)
+        return " · ".join(part for part in parts if part) or self.figures.stem
+
+    @property
+    def events(self) -> int:
+        """How many items its timeline has."""
+        return sum(len(row.items) for row in self.lanes)
+
+
+def entries(reports: Sequence[Report]) -> list[Entry]:
+    """All reports, numbered from 1; a report without a timeline gets an empty one."""
+    found = []
+    for number, report in enumerate(reports, 1):
+        timeline = report.timeline or Drawing(report.figures.duration_us)
+        lanes = rows(timeline)
+        found.append(Entry(f"session-{number}", report, timeline, lanes, len(reports) == 1))
+    return found
+
+
+def section(entry: Entry, *, every_event: bool) -> Markup:
+    """The session; `every_event`: the list of events is whole without a script, too."""
+    figures = entry.figures
+    damage = figures.wholeness.sentences
+    brief = f"{clock(figures.duration_us)}, {counted(figures.whole.acts, 'wizard action')}"
+    summary = tag(
+        "summary",
+        tag("h2", said(entry.title), id=f"{entry.name}-title"),
+        tag("span", brief, class_="brief"),
+        tag("strong", "log damaged", class_="bad") if damage else None,
+    )
+    content = tag("div", _content(entry, every_event), class_="content")
+    return tag(
+        "section",
+        tag("details", summary, content, open=entry.alone),
+        class_="session",
+        id=entry.name,
+        aria_labelledby=f"{entry.name}-title",
+    )
+
+
+def _content(entry: Entry, every_event: bool) -> Iterator[Child]:
+    figures = entry.figures
+    yield _damage(figures)
+    yield tag(
+        "dl",
+        [tag("div", tag("dt", name), tag("dd", value)) for name, value in _who(figures)],
+        class_="who",
+    )
+    yield tag("ul", list(_tiles(figures)), class_="tiles")
+    yield figure_tables.parts(figures)
+    yield _timeline(entry)
+    yield _events(entry, every_event)
+    yield _distributions(figures)
+    yield from _tables(figures)
+    yield json_block(page_data(entry.timeline, entry.lanes, figures.started), f"{entry.name}-data")
+
+
+def _damage(figures: SessionFigures) -> Markup | None:
+    whole = figures.wholeness
+    if not whole.sentences:
+        return None
+    sentences = tag("ul", [tag("li", said(sentence)) for sentence in whole.sentences])
+    return tag("div", tag("h3", "This log is incomplete"), sentences, class_="damage", role="note")
+
+
+def _who(figures: SessionFigures) -> Iterator[tuple[str, Child]]:
+    yield "Session", said(figures.session or DASH)
+    yield "Participant", said(figures.participant or DASH)
+    yield "Condition", said(figures.condition or DASH)
+    if figures.order:
+        yield "Order of conditions", said(f"{', '.join(figures.order)} ({figures.order_method})")
+    yield "Wizard", said(figures.wizard or DASH)
+    yield "Experiment", said(" · ".join(filter(None, (figures.title, figures.experiment))))
+    yield "Experiment file", tag("code", said(figures.experiment_sha256[:12] or DASH))
+    yield "Begin", said(calendar(figures.started, 19) + " UTC" if figures.started else DASH)
+    yield "Length", clock(figures.duration_us)
+    yield "End", said(figures.ended or "not in the log")
+    yield "Software", said(f"{figures.software}, log format {figures.schema}")
+    yield "Log", said(figures.stem)
+    if figures.rerun_of:
+        yield "Runs again", said(figures.rerun_of)
+
+
+def _tiles(figures: SessionFigures) -> Iterator[Markup]:
+    whole = figures.whole
+    reactions = whole.reactions.get("all")
+    yield _tile("acts", str(whole.acts), f"{_rate(whole.per_minute)} a minute")
+    if reactions and reactions.cues:
+        more = f"{reactions.answered} of {reactions.cues} cues, {reactions.missed} missed"
+        yield _tile("reaction", duration(reactions.times.median), more)
+    yield _tile("press", duration(whole.press.median), f"p95 {duration(whole.press.p95)}")
+    if whole.engagement.share is not None:
+        episodes = whole.engagement.episodes
+        more = f"{counted(episodes.n, 'episode')}, median {duration(episodes.median)}"
+        yield _tile("engaged", percent(whole.engagement.share), more)
+    if whole.differing_us:
+        more = f"of a robot: {percent(whole.differing_share)} of the time in which they were known"
+        yield _tile("differing", duration(whole.differing_us), more)
+    yield _tile("mistakes", str(whole.mistakes), f"{percent(whole.mistake_rate)} of wizard actions")
+    ends = whole.outcomes
+    more = f"actions failed: {ends.failed}, refused: {ends.refused}"
+    yield _tile("stops", str(whole.stops), more)
+    if figures.trials:
+        number = sum(trial.counted for trial in figures.trials)
+        yield _tile("trials", str(number), f"of {len(figures.trials)} begun")
+    if figures.training:
+        training = figures.training
+        more = f"{training.right} of {training.cues} cues right, {training.missed} missed, "
+        more += f"{training.wrong} wrong, {training.uncalled} uncalled"
+        yield tag(
+            "li", tag("span", "Training"), tag("b", percent(training.score)), tag("small", more)
+        )
+
+
+def _rate(number: float | None) -> str:
+    return DASH if number is None else f"{number:.1f}"
+
+
+def _tile(name: str, value: str, more: str) -> Markup:
+    return tag("li", defined(name), tag("b", value), tag("small", more))
+
+
+def _timeline(entry: Entry) -> Markup:
+    static = tag("div", picture(entry.timeline, entry.lanes, entry.title), class_="static")
+    used = {item.sort for row in entry.lanes for item in row.items}
+    legend = tag(
+        "p",
+        [tag("span", swatch(sort), look.title) for sort, look in SORTS.items() if sort in used],
+        class_="legend",
+    )
+    caption = tag("figcaption", tag("h3", "Timeline"))
+    inner = tag("div", static, legend, class_="static")
+    return tag("figure", caption, inner, class_="timeline", data_title=entry.title)
+
+
+def _events(entry: Entry, every_event: bool) -> Markup:
+    items = by_time(entry.lanes)
+    listed = [item for item in items if every_event or item.sort in NOTABLE]
+    heads = ("At", "Lane", "What", "Outcome", "Length", "Details")
+    few = (
+        ""
+        if len(listed) == len(items)
+        else (
+            tag(
+                "noscript",
+                tag("p", f"Without JavaScript only {len(listed)} of {len(items)} are listed."),
+            )
+        )
+    )
+    content = tag(
+        "table",
+        tag("caption", f"Events of {entry.title}", class_="unseen"),
+        tag("thead", tag("tr", [tag("th", head, scope="col") for head in heads])),
+        tag("tbody", [_event(entry, item) for item in listed]),
+        class_="events",
+    )
+    name = f"Events of {entry.title}"
+    scroll = tag("div", content, class_="scroll", tabindex=0, role="region", aria_label=name)
+    return tag("div", tag("h3", f"Events ({len(items)})"), few, scroll, class_="list")
+
+
+def _event(entry: Entry, item: Item) -> Markup:
+    end = item.begin if item.end is None else item.end
+    room = max(end - item.begin, 2_000_000)
+    place = "" if entry.alone else f"{entry.name}&"
+    seen = f"t={max(item.begin - room, 0) / 1e6:.3f}-{(end + room) / 1e6:.3f}&n={item.number}"
+    length = "" if item.end is None else duration(item.end - item.begin)
+    return tag(
+        "tr",
+        tag("td", tag("a", clock(item.begin, 3), href=f"#{place}{seen}"), class_="number"),
+        tag("td", said(item.lane), class_="lane-name"),
+        tag("td", swatch(item.sort), said(item.label)),
+        tag("td", SORTS[item.sort].title, class_="lane-name"),
+        tag("td", length, class_="number"),
+        tag(
+            "td",
+            [tag("span", f"{name}: ", said(fact)) for name, fact in item.facts],
+            class_="facts",
+        ),
+        data_number=item.number,
+    )
+
+
+def _distributions(figures: SessionFigures) -> Markup | None:
+    whole = figures.whole
+    shown = [
+        *(
+            ("reaction", f"Reaction to {sort}", found.times)
+            for sort, found in whole.reactions.items()
+            if found.times.n
+        ),
+        *(
+            (name, "", series)
+            for name, series in (("press", whole.press), ("done", whole.took), ("gaps", whole.gaps))
+            if series.n
+        ),
+    ]
+    if not shown:
+        return None
+    drawn = [
+        tag(
+            "figure",
+            tag("figcaption", defined(name, text), tag("small", f" n = {series.n}")),
+            distribution(series, text or name),
+        )
+        for name, text, series in shown
+    ]
+    return tag("div", tag("h3", "Distributions"), tag("div", drawn, class_="plots"))
+
+
+def _tables(figures: SessionFigures) -> Iterator[Markup | None]:
+    yield figure_tables.trials(figures)
+    yield figure_tables.phases(figures)
+    yield figure_tables.settings(figures)
+    yield figure_tables.cues(figures)
+    yield figure_tables.actions(figures)
+    yield figure_tables.verbs(figures)
+    if figures.whole.engagement.states:
+        yield figure_tables.states(figures)
+        yield transitions(figures.whole.engagement.transitions)
+    yield figure_tables.answers(figures)
+    yield figure_tables.marks(figures)
+    yield figure_tables.stops(figures)
+    yield figure_tables.limits(figures)

@@ -1,0 +1,182 @@
+"""A timeline's content as the page has it: numbered items in lanes, with everything to be said."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from statistics import median
+
+from woz_tui.analysis.html.markup import clean
+from woz_tui.analysis.html.timeline_styles import SORTS
+from woz_tui.analysis.timeline_lanes import Curve, Drawing, Instant, Interval, Lane
+from woz_tui.sensing.state_machine import ENGAGED
+from woz_tui.timeline.episodes import NOT_COUNTED, Outcome
+
+#: Points of a curve on the page; more could not be told apart, and would only make it large.
+POINTS = 1500
+#: A curve goes on over pauses of up to this, in microseconds.
+_PAUSE = 1_000_000
+#: What the detail of an interval is called.
+_DETAILS = {"state": "why", "trial": "condition", "stop": "reach"}
+#: Outcomes of commands that look like another one.
+_LOOKS: Mapping[str, str] = {Outcome.TIMED_OUT: "failed", Outcome.SUPERSEDED: "stopped"}
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """Something in a lane. `end` is None for a moment; times in microseconds.
+
+    `facts` are names and values: what else is known of it.
+    """
+
+    number: int
+    lane: str
+    begin: int
+    end: int | None
+    label: str
+    sort: str
+    facts: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A lane: its items by their beginning."""
+
+    title: str
+    sort: str
+    items: tuple[Item, ...]
+
+
+def rows(timeline: Drawing) -> list[Row]:
+    """All lanes; the items are numbered through, from 0."""
+    found: list[Row] = []
+    number = 0
+    for lane in timeline.lanes:
+        things: list[Interval | Instant] = [*lane.intervals, *lane.instants]
+        things.sort(key=_begin)
+        items = tuple(_item(number + place, lane, thing) for place, thing in enumerate(things))
+        number += len(items)
+        found.append(Row(clean(lane.name), lane.sort, items))
+    return found
+
+
+def by_time(lanes: Sequence[Row]) -> list[Item]:
+    """All items, the earliest first."""
+    return sorted(
+        (item for row in lanes for item in row.items), key=lambda it: (it.begin, it.number)
+    )
+
+
+def _begin(thing: Interval | Instant) -> int:
+    return thing.begin if isinstance(thing, Interval) else thing.t
+
+
+def _item(number: int, lane: Lane, thing: Interval | Instant) -> Item:
+    if isinstance(thing, Instant):
+        facts = _stated(detail=thing.detail)
+        return Item(number, lane.name, thing.t, None, clean(thing.label), _known(thing.sort), facts)
+    facts = tuple(_facts(thing))
+    end = max(thing.end, thing.begin)
+    # What was understood says more than the number of the utterance.
+    label = thing.detail or thing.label if thing.sort == "speech" else thing.label
+    return Item(number, lane.name, thing.begin, end, clean(label), _sort(thing), facts)
+
+
+def _facts(thing: Interval) -> Iterator[tuple[str, str]]:
+    yield from ((name, clean(value)) for name, value in thing.facts)
+    if thing.outcome != _sort(thing):
+        yield from _stated(outcome=thing.outcome.replace("_", " "))
+    if thing.sort != "speech":  # whose detail is its label
+        yield from _stated(**{_DETAILS.get(thing.sort, "detail"): thing.detail})
+    yield from _stated(source=thing.source)
+    if thing.cut:
+        yield "end", "end not in the log: drawn to the last moment of the log"
+    yield from _stated(run=thing.run)
+
+
+def _stated(**facts: str) -> tuple[tuple[str, str], ...]:
+    return tuple((name, clean(value)) for name, value in facts.items() if value)
+
+
+def _sort(thing: Interval) -> str:
+    if thing.sort == "action":
+        return _known(_LOOKS.get(thing.outcome, thing.outcome))
+    if thing.sort == "state":
+        return "engaged" if thing.label in ENGAGED else "state"
+    if thing.sort == "trial":
+        return "left-out" if thing.outcome in NOT_COUNTED else "trial"
+    return _known(thing.sort)
+
+
+def _known(sort: str) -> str:
+    name = sort.replace(" ", "-")
+    return name if name in SORTS else "other"
+
+
+def page_data(timeline: Drawing, lanes: Sequence[Row], zero: str) -> dict[str, object]:
+    """What the page's script draws from; see assets/04-lanes.js. Times in seconds."""
+    return {
+        "end": _seconds(timeline.duration_us),
+        "zero": zero,
+        "lanes": [
+            *({"title": row.title, "items": [_array(item) for item in row.items]} for row in lanes),
+            *(drawn for curve in timeline.curves if (drawn := _curve(curve))),
+        ],
+    }
+
+
+def _array(item: Item) -> list[object]:
+    end = None if item.end is None else _seconds(item.end)
+    return [_seconds(item.begin), end, item.label, item.sort, [list(fact) for fact in item.facts]]
+
+
+def _seconds(us: int) -> float:
+    return round(us / 1e6, 4)
+
+
+def thinned(curve: Curve, limit: int = POINTS) -> list[tuple[int, float | None]]:
+    """Times and values of at most `limit` points; None where the curve is interrupted, because
+    nothing was read for much longer than usual.
+    """
+    times = -(-len(curve.values) // limit) or 1
+    step = curve.step_us * times
+    means = [
+        (place // times * step, mean)
+        for place in range(0, len(curve.values), times)
+        if (mean := _mean(curve.values[place : place + times])) is not None
+    ]
+    gaps = [after[0] - before[0] for before, after in pairwise(means)]
+    longest = max(_PAUSE, 4 * median(gaps)) if gaps else 0
+    points: list[tuple[int, float | None]] = []
+    for t, mean in means:
+        if points and t - points[-1][0] > longest:
+            points.append((points[-1][0] + step, None))
+        points.append((t, mean))
+    return points
+
+
+def _mean(values: Sequence[float | None]) -> float | None:
+    there = [value for value in values if value is not None]
+    return float(f"{sum(there) / len(there):.4g}") if there else None
+
+
+def curve_range(points: Sequence[tuple[int, float | None]]) -> tuple[float, float] | None:
+    """What the picture's axis spans: from 0, or below, to the largest; None without values."""
+    there = [value for _, value in points if value is not None]
+    return (min(0.0, *there, 0.0), max(*there, 0.0)) if there else None
+
+
+def _curve(curve: Curve) -> dict[str, object] | None:
+    points = thinned(curve)
+    span = curve_range(points)
+    if span is None:
+        return None
+    low, high = span
+    return {
+        "title": clean(curve.sensor),
+        "unit": clean(curve.unit),
+        "low": low,
+        "high": high,
+        "points": [[_seconds(t), value] for t, value in points],
+    }

@@ -1,0 +1,379 @@
+"""A method section's sentences out of the figures, after the reporting guidelines for studies with
+a wizard: L. D. Riek, Wizard of Oz Studies in HRI, Journal of Human-Robot Interaction 1 (1), 2012.
+
+Every number comes from `study.Facts`. What was not recorded is said or left out, never guessed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+from woz_tui.analysis.durations import Series
+from woz_tui.analysis.english_lists import Some, capital, listed, neither, some, times, was, were
+from woz_tui.analysis.study_figures import Facts, Practice
+
+#: What the guidelines ask for and no log can know.
+BY_HAND = (
+    "who the wizards were and what they knew of the hypotheses",
+    "who the participants were, what they were told, and whether they knew of the wizard",
+    "the robot: what it is, and how autonomous it was",
+    "the place, and the scenario in words",
+    "whether the design was iterative",
+    "what the method leaves open",
+)
+_ORDERS = {
+    "latin-square": "by a Latin square (Williams)",
+    "blocks": "in shuffled blocks",
+    "fixed": "in a fixed order",
+    "hand": "by hand",
+}
+_CUES = {
+    "speech": "the end of the visitor's speech",
+    "engagement": "a change of the visitor's engagement",
+    "marker": "a marker",
+}
+_SOURCES = {
+    "key": "by key",
+    "script": "by the script",
+    "palette": "from the palette",
+    "midi": "on a MIDI panel",
+    "program": "by a program",
+    "phase": "with a phase",
+    "engagement": "by the engagement model itself",
+    "replay": "by a re-run",
+}
+_NAMES = {
+    "transcript": "the transcript of speech",
+    "distance": "the distance",
+    "loudness": "the loudness",
+    "presence": "the presence",
+    "gaze": "the gaze",
+    "identity": "the identity",
+    "direction": "the direction of sound",
+    "engagement": "the engagement model",
+    "joints": "the joints",
+    "face": "the face",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Paragraph:
+    """Sentences about one thing."""
+
+    head: str
+    sentences: tuple[str, ...]
+
+
+def paragraphs(facts: Facts) -> list[Paragraph]:
+    """All that the logs tell; paragraphs without a sentence are left out."""
+    found = [
+        Paragraph("Participants and sessions", tuple(_sessions(facts))),
+        Paragraph("Wizards", tuple(_wizards(facts))),
+        Paragraph("Wizard production", tuple(_production(facts))),
+        Paragraph("Wizard recognition", tuple(_recognition(facts))),
+        Paragraph("Errors and times", tuple(_performance(facts))),
+        Paragraph("Data", tuple(_data(facts))),
+    ]
+    return [each for each in found if each.sentences]
+
+
+# -- paragraphs -----------------------------------------------------------------------------------
+
+
+def _sessions(facts: Facts) -> Iterator[str]:
+    yield from _attended(facts)
+    if facts.deserted:
+        left = f"{Some(facts.deserted, 'session')} without a participant"
+        yield f"{left} {were(facts.deserted)} left out."
+
+
+def _attended(facts: Facts) -> Iterator[str]:
+    if not facts.sessions:
+        yield "The logs contain no session with a participant."
+        return
+    people = len(facts.participants)
+    if people:
+        yield (
+            f"In all, {some(people, 'participant')} took part in {some(facts.sessions, 'session')}"
+            f"{_lengths(facts)}."
+        )
+    else:
+        yield f"There {were(facts.sessions)} {some(facts.sessions, 'session')}{_lengths(facts)}."
+    if facts.unnamed:
+        yield f"No participant was recorded in {some(facts.unnamed, 'session')}."
+    conditions = [(name, len(who)) for name, who in sorted(facts.people.items()) if name]
+    if conditions:
+        told = [
+            f"the condition {name} had {some(count, 'participant')}" for name, count in conditions
+        ]
+        yield f"{capital(listed(told))}."
+    elif people:
+        yield "Conditions were not recorded."
+    yield from _orders(facts)
+    software = [name for name in facts.software if name]
+    file = f" with the experiment file {facts.experiment}" if facts.experiment else ""
+    title = f' ("{facts.title}")' if facts.title and file else ""
+    if software:
+        yield f"The robot was run by {listed(sorted(software))}{file}{title}."
+    for name, count in facts.questionnaires.items():
+        yield f"The questionnaire {name} was given {times(count)}."
+    if facts.declined:
+        yield f"Participants declined {some(facts.declined, 'questionnaire')}."
+
+
+def _lengths(facts: Facts) -> str:
+    lengths = facts.lengths
+    if lengths.mean is None:
+        return ""
+    if lengths.n == 1:
+        return f" of {_minutes(lengths.mean)} min"
+    spread = "" if lengths.sd is None else f" (SD {_minutes(lengths.sd)} min)"
+    return f" of {_minutes(lengths.mean)} min on average{spread}"
+
+
+def _orders(facts: Facts) -> Iterator[str]:
+    told = [
+        f"{_ORDERS.get(method, method)} in {some(count, 'session')}"
+        for method, count in sorted(facts.orders.items())
+    ]
+    if told:
+        yield f"Conditions were assigned {listed(told)}."
+
+
+def _wizards(facts: Facts) -> Iterator[str]:
+    if not facts.sessions:
+        return
+    known = {name: count for name, count in sorted(facts.wizards.items()) if name}
+    if not known:
+        yield "The wizard was not recorded."
+    elif len(known) == 1:
+        [(name, count)] = known.items()
+        led = "all sessions" if count == facts.sessions > 1 else some(count, "session")
+        yield f"The robot was controlled by 1 wizard ({name}), who led {led}."
+    else:
+        led = listed([f"{name} led {some(count, 'session')}" for name, count in known.items()])
+        yield f"The robot was controlled by {len(known)} wizards: {led}."
+    if known and facts.wizards[""]:
+        yield f"No wizard was recorded in {some(facts.wizards[''], 'session')}."
+    yield from _training(facts, [*known])
+
+
+def _training(facts: Facts, wizards: Sequence[str]) -> Iterator[str]:
+    for name in wizards:
+        practice = facts.practice.get(name)
+        if practice is not None:
+            yield _practised(name, practice)
+    untrained = [name for name in wizards if name not in facts.practice]
+    if untrained and facts.practice:
+        yield f"Training of {listed(untrained)} was not recorded."
+    elif untrained:
+        yield f"Training of the {'wizard' if len(wizards) == 1 else 'wizards'} was not recorded."
+
+
+def _practised(name: str, practice: Practice) -> str:
+    told = f"{name} practised in {some(practice.sessions, 'training session')}"
+    last = practice.last
+    if last is None or not last.cues:
+        return f"{told}."
+    when = "" if practice.sessions == 1 else " in the last one"
+    reaction = ""
+    if last.times.median is not None:
+        reaction = f", with a median reaction time of {_seconds(last.times.median)} s"
+    return (
+        f"{told} and answered {last.right} of {some(last.cues, 'cue')}"
+        f" ({_per_cent(last.right, last.cues)}) correctly{when}{reaction}."
+    )
+
+
+def _production(facts: Facts) -> Iterator[str]:
+    if facts.offered:
+        yield (
+            f"The wizard chose from {some(len(facts.offered), 'prepared action')} on"
+            f" {some(len(facts.panels), 'panel')} ({listed([*facts.panels])})."
+        )
+        locked = [title for title, lock in facts.panels.items() if lock]
+        if locked:
+            yield (
+                f"{Some(len(locked), 'panel')} ({listed(locked)}) {were(len(locked))} locked"
+                " unless unlocked on purpose."
+            )
+    elif facts.sessions:
+        yield "What the wizard could choose from was not recorded."
+    for profile, count in sorted(facts.profiles.items()):
+        yield f"The profile {profile} restricted the choice in {some(count, 'session')}."
+    yield from _acted(facts)
+    for (floor, jitter, cues), count in sorted(facts.shaped.items()):
+        named = listed([_CUES.get(cue, cue) for cue in cues], "or") or "any cue"
+        yield (
+            f"In {some(count, 'session')} the robot answered {named} no sooner than"
+            f" {_seconds(floor)} s after it{_jitter(jitter)}."
+        )
+    if facts.held.median is not None:
+        yield (
+            f"Earlier actions were delayed: {some(facts.held.n, 'action')}, by"
+            f" {_seconds(facts.held.median)} s in the median."
+        )
+
+
+def _acted(facts: Facts) -> Iterator[str]:
+    total = sum(facts.outcomes.values())
+    if not total:
+        return
+    sources = [
+        (count, _SOURCES.get(source, f"by {source}"))
+        for source, count in facts.sources.most_common()
+    ]
+    if len(sources) == 1:
+        how = f"{'all ' if total > 1 else ''}{sources[0][1]}"
+    else:
+        how = listed([f"{count} {words}" for count, words in sources])
+    yield f"In all, {some(total, 'action')} {were(total)} asked for, {how}."
+    ends = [
+        f"{count} {one if count == 1 else many}"
+        for end, (one, many) in _ENDS.items()
+        if (count := facts.outcomes[end])
+    ]
+    if len(ends) == 1 and total > 1:
+        yield f"All of them {ends[0].partition(' ')[2]}."
+    elif len(ends) == 1:
+        yield f"It {ends[0].partition(' ')[2]}."
+    else:
+        yield f"Of these, {listed(ends)}."
+    if facts.direct:
+        yield f"Besides, {some(facts.direct, 'improvised action')} {were(facts.direct)} played."
+
+
+_ENDS = {
+    "done": ("was carried out", "were carried out"),
+    "failed": ("failed", "failed"),
+    "stopped": ("was stopped or replaced", "were stopped or replaced"),
+    "superseded": ("was replaced by a newer one", "were replaced by newer ones"),
+    "refused": ("was refused", "were refused"),
+    "open": ("has no end in the log", "have no end in the log"),
+}
+
+
+def _jitter(jitter_us: int) -> str:
+    return f", plus a random 0 to {_seconds(jitter_us)} s" if jitter_us else ""
+
+
+def _recognition(facts: Facts) -> Iterator[str]:
+    if not facts.sessions:
+        return
+    for (hidden, blurred), count in sorted(facts.seen.items()):
+        parts = [f"did not see {listed(_named(hidden), 'or')}"] if hidden else []
+        parts += [f"saw {listed(_named(blurred))} only blurred"] if blurred else []
+        yield f"In {some(count, 'session')} the wizard {listed(parts)}."
+    if not facts.seen:
+        yield "No restriction of the wizard's view was recorded."
+
+
+def _named(names: Sequence[str]) -> list[str]:
+    return [_NAMES.get(name, name) for name in names]
+
+
+def _performance(facts: Facts) -> Iterator[str]:
+    if facts.acts:
+        marked = f"{facts.mistakes} ({_per_cent(facts.mistakes, facts.acts)})"
+        what = "marked as a mistake" if facts.mistakes == 1 else "marked as mistakes"
+        yield f"Of {some(facts.acts, 'wizard action')}, {marked} {was(facts.mistakes)} {what}."
+    yield from _reacted(facts)
+    if facts.press.n:
+        yield (
+            "The time from the request of a wizard action to its start in the robot, the wait"
+            " behind an earlier act included, was"
+            f" {_spread(facts.press, _fine, 'ms')}, over {some(facts.press.n, 'wizard action')}."
+        )
+    if facts.stops:
+        yield (
+            f"The emergency stop was pressed {times(facts.stops)}"
+            f" in {some(facts.stopped_sessions, 'session')}."
+        )
+    if facts.unreached:
+        names = listed([f"{name} ({times(n)})" for name, n in sorted(facts.unreached.items())])
+        yield f"It did not reach {names}, which {was(len(facts.unreached))} not connected."
+
+
+#: Results of cues to which an answer was not due within the window, in words.
+_NOT_DUE = {
+    "answered_early": "answered before they came",
+    "superseded": "superseded",
+    "cut": "cut off by the end",
+}
+
+
+def _reacted(facts: Facts) -> Iterator[str]:
+    cues = sum(facts.results.values())
+    if not cues:
+        return
+    due = facts.results["answered"] + facts.results["missed"]
+    share = ""
+    if due:
+        others = [words for result, words in _NOT_DUE.items() if facts.results[result]]
+        left = f" of those {neither(others)}" if others else ""
+        share = f" ({_per_cent(facts.results['answered'], due)}{left})"
+    yield (
+        f"Of {some(cues, 'cue')} that needed an answer, the wizard answered"
+        f" {facts.results['answered']} within {_seconds(facts.window_us)} s"
+        f"{share}."
+    )
+    if facts.reactions.n:
+        yield f"The reaction time was {_spread(facts.reactions, _seconds, 's')}."
+
+
+def _data(facts: Facts) -> Iterator[str]:
+    if not facts.sessions:
+        return
+    if facts.left_out:
+        told = [
+            f"{count} {was(count)} {outcome}" for outcome, count in sorted(facts.left_out.items())
+        ]
+        yield f"Of {some(facts.trials, 'trial')}, {listed(told)} and left out."
+    if facts.outside:
+        yield (
+            f"In {some(facts.outside, 'session')} there was time outside of trials; figures of what"
+            " the wizard did are of the trials alone."
+        )
+    if facts.reruns:
+        yield f"{Some(facts.reruns, 're-run')} of a session {were(facts.reruns)} left out."
+    if facts.damaged:
+        yield (
+            f"The {'log' if facts.damaged == 1 else 'logs'} of {some(facts.damaged, 'session')}"
+            f" {were(facts.damaged)} damaged; {some(facts.lost, 'line')} {were(facts.lost)} lost."
+        )
+    if facts.open_logs:
+        yield (
+            f"The {'log' if facts.open_logs == 1 else 'logs'} of"
+            f" {some(facts.open_logs, 'session')} {were(facts.open_logs)} cut off before the end."
+        )
+    if not facts.damaged and not facts.open_logs:
+        yield f"No line was lost from the {'log' if facts.sessions == 1 else 'logs'}."
+
+
+# -- words ----------------------------------------------------------------------------------------
+
+
+def _per_cent(part: int, whole: int) -> str:
+    return f"{100 * part / whole:.1f} %"
+
+
+def _seconds(us: float) -> str:
+    return f"{us / 1e6:.2f}".rstrip("0").rstrip(".")
+
+
+def _fine(us: float) -> str:
+    return f"{us / 1e3:.1f}"
+
+
+def _minutes(us: float) -> str:
+    return f"{us / 60e6:.1f}"
+
+
+def _spread(series: Series, form: Callable[[float], str], unit: str) -> str:
+    """Of a series that is not empty."""
+    median, p95, most = (series.quantile(share) or 0.0 for share in (0.5, 0.95, 1.0))
+    return (
+        f"{form(median)} {unit} in the median (95 % quantile {form(p95)} {unit},"
+        f" longest {form(most)} {unit})"
+    )

@@ -1,0 +1,215 @@
+"""Many sessions side by side: by participant and condition, and what each condition amounts to."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from woz_tui.analysis.durations import mean_and_sd
+from woz_tui.analysis.figures import OUTSIDE, SESSION, SessionFigures, Training
+from woz_tui.analysis.measures import MEASURES, measured
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One condition of one participant in one session; `counted`: somebody took part."""
+
+    experiment: str
+    participant: str
+    condition: str
+    session: str
+    values: Mapping[str, float | None]
+    counted: bool = True
+    scope: str = SESSION
+
+
+@dataclass(frozen=True, slots=True)
+class Total:
+    """A figure over participants: of each the mean over their rows, then mean, SD (n - 1) and n."""
+
+    n: int
+    mean: float | None
+    sd: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class ConditionTotal:
+    """All main figures of one condition, by name."""
+
+    condition: str
+    participants: int
+    rows: int
+    values: Mapping[str, Total]
+
+
+@dataclass(frozen=True, slots=True)
+class ItemTotal:
+    """A scale of a questionnaire in one condition: over participants, as in `Total`."""
+
+    questionnaire: str
+    item: str
+    question: str
+    condition: str
+    low: float | None
+    high: float | None
+    total: Total
+
+
+@dataclass(frozen=True, slots=True)
+class Trained:
+    """A session in which a wizard was trained."""
+
+    wizard: str
+    session: str
+    started: str
+    training: Training
+
+
+@dataclass(slots=True)
+class Grouped:
+    """Takes sessions one after the other and keeps their main figures alone."""
+
+    rows: list[Row] = field(default_factory=list)
+    #: Trainings of wizards, and re-runs: no sessions of participants.
+    trainings: list[Trained] = field(default_factory=list)
+    reruns: list[str] = field(default_factory=list)
+    #: Sessions whose log is not whole: who and which, and what is wrong.
+    damaged: list[tuple[str, tuple[str, ...]]] = field(default_factory=list)
+    _items: dict[tuple[str, str, str, str], _Item] = field(default_factory=dict)
+    _hashes: dict[str, set[str]] = field(default_factory=dict)
+    _sessions: Counter[str] = field(default_factory=Counter)
+
+    def add(self, figures: SessionFigures) -> None:
+        """One more session."""
+        experiment = experiment_of(figures)
+        if figures.wholeness.sentences:
+            who = " ".join(filter(None, (figures.session, figures.participant))) or figures.stem
+            self.damaged.append((who, figures.wholeness.sentences))
+        if figures.training is not None:
+            self.trainings.append(
+                Trained(figures.wizard, figures.session, figures.started, figures.training)
+            )
+            return
+        if figures.rerun_of:
+            self.reruns.append(figures.session or figures.stem)
+            return
+        self._sessions[experiment] += 1
+        self._hashes.setdefault(experiment, set()).add(figures.experiment_sha256)
+        for part in figures.parts:
+            self.rows.append(
+                Row(
+                    experiment=experiment,
+                    participant=part.participant,
+                    condition=part.condition,
+                    session=figures.session,
+                    values=measured(part),
+                    counted=part.counted,
+                    scope=part.scope,
+                )
+            )
+        for answer in figures.answers:
+            if answer.value is None or (figures.participant and not answer.participant):
+                continue  # nothing was answered, or nobody was there to do so
+            if not (answer.counted or figures.all_trials):
+                continue
+            key = (experiment, answer.questionnaire, answer.item, answer.condition)
+            item = self._items.get(key)
+            if item is None:
+                item = self._items[key] = _Item(answer.question, answer.low, answer.high)
+            who = _who(answer.participant, figures.session)
+            item.values.setdefault(who, []).append(answer.value)
+
+    @property
+    def sessions(self) -> int:
+        """How many there are of any kind."""
+        return self._sessions.total() + len(self.trainings) + len(self.reruns)
+
+    def sessions_of(self, experiment: str) -> int:
+        """How many of its sessions there are, without trainings and re-runs."""
+        return self._sessions[experiment]
+
+    @property
+    def experiments(self) -> list[str]:
+        """All experiments, in the order in which they came."""
+        return list(dict.fromkeys(row.experiment for row in self.rows))
+
+    def versions(self, experiment: str) -> int:
+        """How many versions of its file there were."""
+        return len(self._hashes.get(experiment, ()))
+
+    def of(self, experiment: str) -> list[Row]:
+        """Its rows, by participant, condition and session; time outside of trials comes last."""
+        rows = [row for row in self.rows if row.experiment == experiment]
+        return sorted(
+            rows,
+            key=lambda row: (row.participant, row.scope == OUTSIDE, row.condition, row.session),
+        )
+
+    def totals(self, experiment: str) -> list[ConditionTotal]:
+        """By condition."""
+        return totals(self.of(experiment))
+
+    def items(self, experiment: str) -> list[ItemTotal]:
+        """Means of all scales, by questionnaire, item and condition."""
+        return [
+            ItemTotal(
+                *(questionnaire, name, item.question, condition, item.low, item.high),
+                total=_total(item.values),
+            )
+            for (of, questionnaire, name, condition), item in self._items.items()
+            if of == experiment
+        ]
+
+
+@dataclass(slots=True)
+class _Item:
+    question: str
+    low: float | None
+    high: float | None
+    #: By participant.
+    values: dict[str, list[float]] = field(default_factory=dict)
+
+
+def experiment_of(figures: SessionFigures) -> str:
+    """The name by which sessions belong together: that of the file, wherever it lay."""
+    return figures.experiment.replace("\\", "/").rsplit("/", 1)[-1]
+
+
+def totals(rows: Sequence[Row]) -> list[ConditionTotal]:
+    """The rows that means contain by condition, in the order of their names."""
+    found = []
+    rows = [row for row in rows if row.counted and row.scope != OUTSIDE]
+    for condition in sorted({row.condition for row in rows}):
+        of_it = [row for row in rows if row.condition == condition]
+        found.append(
+            ConditionTotal(
+                condition=condition,
+                participants=len({_who(row.participant, row.session) for row in of_it}),
+                rows=len(of_it),
+                values={
+                    measure.name: _total(_by_participant(of_it, measure.name))
+                    for measure in MEASURES
+                },
+            )
+        )
+    return found
+
+
+def _by_participant(rows: Iterable[Row], name: str) -> dict[str, list[float]]:
+    values: dict[str, list[float]] = {}
+    for row in rows:
+        value = row.values[name]
+        if value is not None:
+            values.setdefault(_who(row.participant, row.session), []).append(value)
+    return values
+
+
+def _who(participant: str, session: str) -> str:
+    """Sessions without a participant's code are told apart by their own."""
+    return participant or f"session {session}"
+
+
+def _total(values: Mapping[str, Sequence[float]]) -> Total:
+    means = [sum(each) / len(each) for each in values.values() if each]
+    return Total(len(means), *mean_and_sd(means))

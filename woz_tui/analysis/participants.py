@@ -1,0 +1,72 @@
+"""Who took part in a session: not everybody whose code stood in it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+
+from woz_tui.analysis.event_rows import Answer, Trial
+from woz_tui.analysis.figure_sums import Tally
+from woz_tui.analysis.figures import OUTSIDE, Part, SessionFigures
+from woz_tui.timeline.timeline import Timeline
+from woz_tui.timeline.trial_context import Context
+
+#: Somebody with less time than this, and without anything done, was a slip in the code.
+SLIP_US = 10_000_000
+#: What the time without a participant is called in a session that had one.
+NOBODY = "no participant"
+
+
+def taking_part(
+    tallies: Sequence[Tally], trials: Iterable[Trial], answers: Iterable[Answer]
+) -> set[str]:
+    """The participants whose figures count, by code.
+
+    In a session that had a participant the time without one is nobody's, and somebody took part
+    who had a trial, a wizard action, a cue, an answer to a questionnaire, or at least `SLIP_US`. A
+    session in which no code was ever given had one participant, whose code is empty.
+    """
+    codes = {tally.participant for tally in tallies}
+    if codes <= {""}:
+        return {""}
+    times = dict.fromkeys(codes, 0)
+    busy = {trial.participant for trial in trials} | {answer.participant for answer in answers}
+    for tally in tallies:
+        times[tally.participant] += tally.us
+        if tally.by_hand or tally.direct or tally.cues:
+            busy.add(tally.participant)
+    return {code for code, us in times.items() if code and (code in busy or us >= SLIP_US)}
+
+
+def counts_in_means(timeline: Timeline, people: Collection[str], context: Context) -> bool:
+    """Whether means contain what happens in this context: one of `people`, who took part, is
+    there, and in a session with trials it is in one that was neither aborted nor excluded.
+    """
+    return context.participant in people and timeline.inside(context) and timeline.counts(context)
+
+
+def people_of(figures: SessionFigures) -> Collection[str]:
+    """Who took part, by code; in a session without codes, whose code is empty."""
+    return figures.participants if figures.participant else ("",)
+
+
+def called(participant: str, *, counted: bool) -> str:
+    """The code, as a table names it; empty in sessions without codes."""
+    return participant or ("" if counted else NOBODY)
+
+
+def condition_in_words(condition: str, scope: str) -> str:
+    """The condition of a part, as a table names it; empty where there is none."""
+    return "outside trials" if scope == OUTSIDE else condition
+
+
+def not_counted(rows: Iterable[tuple[str, bool]]) -> str:
+    """A sentence about rows (participant, counted) that no mean contains; empty without any."""
+    names = sorted({who for who, counted in rows if not counted})
+    told = ["time before a participant was set"] if "" in names else []
+    told += [f"{who} (less than {SLIP_US / 1e6:g} s and nothing played)" for who in names if who]
+    return f"Excluded: {', '.join(told)}" if told else ""
+
+
+def counted_parts(parts: Iterable[Part]) -> list[Part]:
+    """Those that means contain: of somebody who took part, and not outside of trials."""
+    return [part for part in parts if part.in_means]

@@ -1,0 +1,178 @@
+"""What was played in a session, as far as it can be put beside another one."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+from woz_tui.analysis.event_rows import moments
+from woz_tui.config.session_verbs import ENGAGEMENT
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.action_messages import HANDS
+from woz_tui.timeline.episodes import Action, Command, Episode, Outcome, Rerun
+from woz_tui.timeline.timeline import Timeline
+
+#: Sources of commands that the session asked for: a hand, a program, the engagement model, another
+#: log. With every other one a driver has asked by itself, as a body does for the sound of a move.
+ASKED = HANDS | {ENGAGEMENT, "replay"}
+#: Commands of one driver and verb that follow each other within this time (microseconds), with
+#: nothing between them, are one act: a joystick, a key that is held down.
+STROKE_US = 500_000
+#: Ends that come to the same: a re-run cuts short by itself what a stop has cut short then.
+_CUT = frozenset({Outcome.STOPPED, Outcome.SUPERSEDED})
+
+
+@dataclass(frozen=True, slots=True)
+class Act:
+    """Something that was done: an action by its name, or a command that belongs to none.
+
+    Attributes:
+        id: Its run or command in its own log.
+        name: The action, or `driver.verb`.
+        t: When it was asked for, in microseconds on the axis of its own log.
+        began: When its first command began; -1: none has.
+        end: How it ended: done, failed, refused, timed_out, or cut for what was stopped or made
+            way; empty: the log does not say.
+        args: The arguments of its commands, in order.
+        sent: Those of them that were carried out, as they really went to the hardware.
+        original: The command of the original, in a re-run.
+        late: How much later it began than it was due, in microseconds; 0 where nothing was due.
+    """
+
+    id: str
+    name: str
+    t: int
+    began: int = -1
+    end: str = ""
+    args: tuple[dict[str, m.Json], ...] = ()
+    sent: tuple[dict[str, m.Json], ...] = ()
+    original: str = ""
+    late: int = 0
+
+    @property
+    def moment(self) -> int:
+        """When it began; if it never did, when it was asked for."""
+        return self.began if self.began >= 0 else self.t
+
+
+@dataclass
+class Played:
+    """What of a log can be compared.
+
+    Attributes:
+        name: What its files are called, without their endings.
+        start: Its first line.
+        acts: Actions, and commands that belong to none, in the order in which they were asked for.
+        commands: Each command by itself, in the order in which they began.
+        original: Of which log it is a re-run; empty: of none.
+        skipped: Why commands of the original were left out, by their ids.
+        streams: How many setpoints there were that are no acts of their own: those of knobs, and
+            all but the first of a stream.
+    """
+
+    name: str
+    start: m.SessionStart | None = None
+    acts: list[Act] = field(default_factory=list)
+    commands: list[Act] = field(default_factory=list)
+    original: str = ""
+    skipped: dict[str, str] = field(default_factory=dict)
+    streams: int = 0
+
+
+def played(name: str, messages: Iterable[m.AnyMessage]) -> Played:
+    """What was played, out of a log's messages; samples may be left out.
+
+    What the engagement model was told is left out, and what it had the robot do is in.
+    """
+    timeline = Timeline(passing=True)
+    for message in messages:
+        timeline.take(message)
+    timeline.finish()
+    return _played(name, timeline)
+
+
+def _played(name: str, timeline: Timeline) -> Played:
+    again = {line.command: line for _, line in moments(timeline, m.RerunSent)}
+    of_runs: dict[str, list[Act]] = {}
+    found = Played(name, timeline.state.start)
+    for command in timeline.of(Command):
+        request = command.request
+        if request.driver == ENGAGEMENT or request.source not in ASKED:
+            continue
+        act = _act(command, again.get(request.command))
+        found.commands.append(act)
+        if request.run:
+            of_runs.setdefault(request.run, []).append(act)
+        elif request.passing:
+            found.streams += 1
+        else:
+            found.acts.append(act)
+    runs = {each.request.run: each for each in timeline.of(Action)}
+    found.acts += (_whole(each, of_runs.get(run, ())) for run, each in runs.items())
+    found.acts.sort(key=lambda act: act.t)
+    whole = len(found.acts)
+    found.acts = list(_strokes(found.acts, runs))
+    found.streams += whole - len(found.acts)
+    found.commands.sort(key=lambda act: act.moment)
+    for rerun in timeline.of(Rerun):
+        found.original = rerun.label
+    for _, line in moments(timeline, m.RerunSkipped):
+        found.skipped[line.original_command] = line.reason
+    return found
+
+
+def _act(command: Command, again: m.RerunSent | None) -> Act:
+    request = command.request
+    act = Act(
+        id=request.command,
+        name=f"{request.driver}.{request.verb}",
+        t=command.begin,
+        began=-1 if command.started is None else command.started,
+        end=_end(command),
+        args=(request.args,),
+        sent=({k: v for k, v in command.sent.items() if k in request.args},)
+        if command.outcome == Outcome.DONE
+        else (),
+    )
+    if again is None:
+        return act
+    return replace(act, original=again.original_command, late=act.moment - again.due)
+
+
+def _whole(action: Action, commands: Sequence[Act]) -> Act:
+    return Act(
+        id=action.request.run,
+        name=action.label,
+        t=action.begin,
+        began=min((act.began for act in commands if act.began >= 0), default=-1),
+        end=_end(action),
+        args=tuple(args for act in commands for args in act.args),
+        sent=tuple(sent for act in commands for sent in act.sent),
+    )
+
+
+def _end(episode: Episode) -> str:
+    return "" if episode.cut else "cut" if episode.outcome in _CUT else episode.outcome
+
+
+def _strokes(acts: Iterable[Act], runs: Container[str]) -> Iterator[Act]:
+    """The acts, of each stream of setpoints one."""
+    last: Act | None = None
+    begun: Act | None = None
+    for act in acts:
+        goes_on = (
+            begun is not None
+            and last is not None
+            and act.id not in runs
+            and act.name == last.name
+            and act.t - last.t < STROKE_US
+        )
+        if goes_on and begun is not None:
+            begun = replace(begun, end=act.end, args=(), sent=())
+        else:
+            if begun is not None:
+                yield begun
+            begun = act
+        last = act
+    if begun is not None:
+        yield begun

@@ -1,0 +1,199 @@
+"""What the sessions of one experiment amount to, for the method section of a paper."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+
+from woz_tui.analysis.durations import Series
+from woz_tui.analysis.event_rows import Restriction, Shaping
+from woz_tui.analysis.figure_sums import ALL_CUES
+from woz_tui.analysis.figures import OUTSIDE, Outcomes, Part, SessionFigures, Training
+from woz_tui.analysis.participant_groups import experiment_of
+from woz_tui.analysis.participants import counted_parts
+
+
+@dataclass(slots=True)
+class Practice:
+    """A wizard's training: how many sessions, and the last one of those."""
+
+    sessions: int = 0
+    started: str = ""
+    last: Training | None = None
+
+
+@dataclass(slots=True)
+class Facts:
+    """All of it; grows with each session. Times are microseconds.
+
+    Attributes:
+        sessions: Sessions with participants; trainings and re-runs are not among them.
+        deserted: Sessions in which nobody took part, although a code was given; in nothing else.
+        lengths: Their lengths, without the time in which there was no participant.
+        people: Condition -> participants.
+        unnamed: Sessions without a participant's code.
+        outside: Sessions with time outside of trials, which is in no figure of the wizard's work.
+        wizards: Wizard -> sessions led.
+        unreached: Driver -> how many stops did not reach it, as it was not connected.
+        seen: What the wizard could not see -> in how many sessions.
+        shaped: How answers were held back -> in how many sessions.
+        open_logs: Sessions whose log has no end.
+        damaged: Sessions whose log is damaged otherwise, `lost` the lines that are gone.
+    """
+
+    experiment: str
+    window_us: int
+    title: str = ""
+    sessions: int = 0
+    deserted: int = 0
+    reruns: int = 0
+    lengths: Series = field(default_factory=Series)
+    people: dict[str, set[str]] = field(default_factory=dict)
+    unnamed: int = 0
+    outside: int = 0
+    wizards: Counter[str] = field(default_factory=Counter)
+    practice: dict[str, Practice] = field(default_factory=dict)
+    software: Counter[str] = field(default_factory=Counter)
+    orders: Counter[str] = field(default_factory=Counter)
+    panels: dict[str, bool] = field(default_factory=dict)
+    offered: set[tuple[str, str]] = field(default_factory=set)
+    profiles: Counter[str] = field(default_factory=Counter)
+    sources: Counter[str] = field(default_factory=Counter)
+    outcomes: Counter[str] = field(default_factory=Counter)
+    by_hand: int = 0
+    direct: int = 0
+    mistakes: int = 0
+    press: Series = field(default_factory=Series)
+    results: Counter[str] = field(default_factory=Counter)
+    reactions: Series = field(default_factory=Series)
+    stops: int = 0
+    stopped_sessions: int = 0
+    unreached: Counter[str] = field(default_factory=Counter)
+    held: Series = field(default_factory=Series)
+    seen: Counter[tuple[tuple[str, ...], tuple[str, ...]]] = field(default_factory=Counter)
+    shaped: Counter[tuple[int, int, tuple[str, ...]]] = field(default_factory=Counter)
+    trials: int = 0
+    left_out: Counter[str] = field(default_factory=Counter)
+    questionnaires: Counter[str] = field(default_factory=Counter)
+    declined: int = 0
+    open_logs: int = 0
+    damaged: int = 0
+    lost: int = 0
+
+    def add(self, figures: SessionFigures) -> None:
+        """One more session, in whatever order."""
+        if figures.training is not None:
+            self._practised(figures, figures.training)
+        elif figures.rerun_of:
+            self.reruns += 1
+        elif figures.participant and not figures.participants:
+            self.deserted += 1
+        else:
+            self._session(figures)
+
+    def _practised(self, figures: SessionFigures, training: Training) -> None:
+        practice = self.practice.setdefault(figures.wizard, Practice())
+        practice.sessions += 1
+        if figures.started >= practice.started:
+            practice.started, practice.last = figures.started, training
+
+    def _session(self, figures: SessionFigures) -> None:
+        self.sessions += 1
+        self.title = figures.title or self.title
+        nobodys = sum(part.us for part in figures.parts if not part.counted)
+        self.lengths.add(figures.duration_us - nobodys)
+        self.wizards[figures.wizard] += 1
+        self.software[figures.software] += 1
+        self._people(figures)
+        self._production(figures)
+        self._answers(figures)
+        self._data(figures)
+
+    def _people(self, figures: SessionFigures) -> None:
+        self.unnamed += not figures.participant
+        self.outside += any(part.scope == OUTSIDE for part in figures.parts)
+        for part in counted_parts(figures.parts):
+            if part.participant:
+                self.people.setdefault(part.condition, set()).add(part.participant)
+        if figures.order_method:
+            self.orders[figures.order_method] += 1
+        for each in figures.rounds:
+            self.questionnaires[each.title or each.questionnaire] += 1
+            self.declined += each.reason == "declined"
+
+    def _production(self, figures: SessionFigures) -> None:
+        for panel in figures.panels:
+            self.panels[panel.title] = panel.locked
+            self.offered |= {(panel.title, action) for action in panel.actions}
+        self.profiles.update(figures.profiles)
+        for part in counted_parts(figures.parts):
+            self._produced(part)
+        for shaping in {_shaped(each) for each in figures.shaping} - {(0, 0, ())}:
+            self.shaped[shaping] += 1
+
+    def _produced(self, part: Part) -> None:
+        for count in part.counts:
+            self.sources[count.source] += count.outcomes.total
+        outcomes: Outcomes = part.outcomes
+        for end in Outcomes.__slots__:
+            self.outcomes[end] += getattr(outcomes, end)
+        self.by_hand += part.by_hand
+        self.direct += part.direct
+        self.held.extend(part.held)
+        self.mistakes += part.mistakes
+        self.press.extend(part.press)
+
+    def _answers(self, figures: SessionFigures) -> None:
+        for part in counted_parts(figures.parts):
+            if ALL_CUES in part.reactions:
+                self.results.update(part.reactions[ALL_CUES].results)
+                self.reactions.extend(part.reactions[ALL_CUES].times)
+        stops = sum(stop.scope == "all" for stop in figures.stops)  # not those of driving alone
+        self.stops += stops
+        self.stopped_sessions += bool(stops)
+        self.unreached.update(name for stop in figures.stops for name in stop.unreached)
+        for seen in {_hidden(each) for each in figures.restrictions} - {((), ())}:
+            self.seen[seen] += 1
+
+    def _data(self, figures: SessionFigures) -> None:
+        whole = figures.wholeness
+        people = figures.participants or ("",)
+        trials = [trial for trial in figures.trials if trial.participant in people]
+        self.trials += len(trials)
+        self.left_out.update(trial.outcome for trial in trials if not trial.counted)
+        lost = whole.left_out + whole.dropped + whole.missing
+        self.lost += lost
+        self.damaged += bool(lost)
+        self.open_logs += not whole.ended
+
+    @property
+    def participants(self) -> set[str]:
+        """All of them."""
+        return set().union(*self.people.values())
+
+    @property
+    def acts(self) -> int:
+        """Wizard actions: prepared and improvised ones."""
+        return self.by_hand + self.direct
+
+
+def _hidden(seen: Restriction) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    return tuple(sorted(seen.hidden)), tuple(sorted(seen.blurred))
+
+
+def _shaped(shaping: Shaping) -> tuple[int, int, tuple[str, ...]]:
+    if not shaping.floor_us and not shaping.jitter_us:
+        return 0, 0, ()
+    return shaping.floor_us, shaping.jitter_us, tuple(sorted(shaping.cues))
+
+
+@dataclass(slots=True)
+class Studies:
+    """The facts of each experiment."""
+
+    found: dict[str, Facts] = field(default_factory=dict)
+
+    def add(self, figures: SessionFigures) -> None:
+        """One more session."""
+        name = experiment_of(figures)
+        self.found.setdefault(name, Facts(name, figures.window_us)).add(figures)

@@ -1,1 +1,0 @@
-"""Other programs and devices that play the robot: MIDI panels, BML realizers."""

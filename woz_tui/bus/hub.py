@@ -1,0 +1,169 @@
+"""Where every message passes once: stamped, recorded first, then handed to whoever listens."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import TypeVar
+
+import msgspec
+
+from woz_tui.protocol import codec
+from woz_tui.protocol.messages import AnyMessage, Message
+from woz_tui.system.clock import Clock, timestamp
+
+#: What a listener may have of a message; None: nothing of it.
+See = Callable[[Message], Message | None]
+#: Called with the stamped message and its line before anybody else; must not raise, must not wait.
+Record = Callable[[AnyMessage, bytes], None]
+
+M = TypeVar("M", bound=Message)
+
+
+class Subscription:
+    """A bounded buffer of lines for one listener. The oldest samples go first, acks never.
+
+    A listener that falls so far behind that even without samples `capacity` lines are waiting is
+    marked `overrun`; its owner closes it, and it may come back for the full picture.
+    """
+
+    def __init__(
+        self, capacity: int, samples: bool, wake: Callable[[], None], see: See | None = None
+    ) -> None:
+        self.see = see
+        self._capacity = capacity
+        self._wants_samples = samples
+        self._wake = wake
+        # Two queues: the oldest sample is at hand, however many acks wait. A sample has the number
+        # of acks in front of it; acks are bare lines, which the garbage collector need not visit.
+        self._acks: deque[bytes] = deque()
+        self._samples: deque[tuple[int, bytes]] = deque()
+        self.dropped = 0
+        self.overrun = False
+
+    def offer(self, sample: bool, line: bytes) -> None:
+        """Take a line in, making room by dropping the oldest sample if there is none."""
+        if sample and not self._wants_samples:
+            return
+        waiting = len(self._acks) + len(self._samples)
+        if waiting >= self._capacity:
+            if self._samples:
+                self._samples.popleft()
+                self.dropped += 1
+            elif sample:
+                self.dropped += 1
+                return
+            else:
+                self.overrun = True
+        if sample:
+            self._samples.append((len(self._acks), line))
+        else:
+            self._acks.append(line)
+        if not waiting:
+            self._wake()
+
+    def take(self) -> list[bytes]:
+        """All waiting lines, oldest first."""
+        lines, acks, given = [], list(self._acks), 0
+        for ahead, sample in self._samples:
+            lines += acks[given:ahead]
+            lines.append(sample)
+            given = ahead
+        lines += acks[given:]
+        self._acks.clear()
+        self._samples.clear()
+        return lines
+
+
+class Hub:
+    """Stamps, records and distributes. Used from one thread, the robot process's event loop."""
+
+    def __init__(self, clock: Clock, record: Record) -> None:
+        self._clock = clock
+        self._record = record
+        self._zero_us = clock.now_us()
+        self._seq = 0
+        self._listeners: list[Callable[[AnyMessage], object]] = []
+        self._subscriptions: list[Subscription] = []
+        self._unheard: deque[AnyMessage] = deque()
+        self._telling = False
+
+    @property
+    def seq(self) -> int:
+        """Number of the last message."""
+        return self._seq - 1
+
+    def now(self) -> int:
+        """Microseconds since the session began: the `t` axis."""
+        return self.t(self._clock.now_us())
+
+    def t(self, clock_us: int) -> int:
+        """A time of the clock as microseconds since the session began."""
+        return clock_us - self._zero_us
+
+    def publish(self, message: M) -> M:
+        """Stamp `message`, have it recorded, hand it round; returns it as stamped."""
+        sample = codec.is_sample(message)
+        stamped = msgspec.structs.replace(
+            message,
+            seq=self._seq,
+            t=self.now(),
+            ts="" if sample else timestamp(self._clock.wall()),
+        )
+        self._seq += 1
+        line = codec.encode(stamped)
+        self._record(stamped, line)  # type: ignore[arg-type]
+        seen: dict[See | None, bytes | None] = {None: line}
+        for subscription in self._subscriptions:
+            see = subscription.see
+            if see not in seen:
+                seen[see] = _line(see, stamped, line)
+            if (own := seen[see]) is not None:
+                subscription.offer(sample, own)
+        self._unheard.append(stamped)  # type: ignore[arg-type]
+        self._tell()
+        return stamped
+
+    def _tell(self) -> None:
+        # A listener may publish in its turn; everybody still hears everything in order of `seq`.
+        if self._telling:
+            return
+        self._telling = True
+        try:
+            while self._unheard:
+                message = self._unheard.popleft()
+                for listener in self._listeners:
+                    listener(message)
+        finally:
+            self._telling = False
+
+    def listen(self, listener: Callable[[AnyMessage], object]) -> None:
+        """Call `listener` with every message, in the loop; it must be quick and must not raise."""
+        self._listeners.append(listener)
+
+    def subscribe(
+        self,
+        capacity: int,
+        samples: bool,
+        wake: Callable[[], None],
+        see: See | None = None,
+    ) -> Subscription:
+        """A buffer of coming lines; `wake` is called when it stops being empty. `see` gives what
+        its owner may have of each message; None: all.
+        """
+        subscription = Subscription(capacity, samples, wake, see)
+        self._subscriptions.append(subscription)
+        return subscription
+
+    def unsubscribe(self, subscription: Subscription) -> None:
+        """No more lines for it."""
+        if subscription in self._subscriptions:
+            self._subscriptions.remove(subscription)
+
+
+def _line(see: See | None, message: Message, line: bytes) -> bytes | None:
+    """The line of what may be had of `message`, whose own is `line`."""
+    seen = see(message) if see is not None else message
+    if seen is None:
+        return None
+    return line if seen is message else codec.encode(seen)

@@ -1,0 +1,223 @@
+"""Opening the console on this terminal, for `run`, `demo` and `attach`."""
+
+from __future__ import annotations
+
+import gc
+import locale
+import os
+import sys
+import threading
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from woz_tui.cli.host_start import Launch, LaunchError, RobotProcess
+from woz_tui.config.keys.console_keys import BUILTIN, Builtin
+
+if TYPE_CHECKING:
+    from woz_tui.console.app import Console
+    from woz_tui.console.theme import Look
+
+#: Collecting young objects is quick, a full collection is not: it must not fall into a key press.
+GC_THRESHOLDS = (50_000, 20, 100)
+#: How long a thread may keep the interpreter while another one waits for it, in seconds. Python's
+#: own 5 ms would be added to a stop several times over while the screen is being drawn.
+SWITCH_S = 0.0005
+
+
+@dataclass(frozen=True, slots=True)
+class ScreenOptions:
+    """How the console is opened.
+
+    `restart` are the arguments of `woz host` with which a lost robot process is started again;
+    None if nobody can. `builtins` are the console's own keys, moved by a keymap file or not.
+    `pictures`: how a camera's are drawn. `theme`: its colours, as `add_theme` has them.
+    """
+
+    socket: Path
+    watch: bool = False
+    take_over: bool = False
+    ask_participant: bool = False
+    restart: Sequence[str] | None = None
+    builtins: Sequence[Builtin] = BUILTIN
+    pictures: str = "auto"
+    theme: str = ""
+
+
+def refusal() -> str:
+    """Why the console cannot be opened on this terminal; empty if it can."""
+    from woz_tui.console.leaving import refusal as refused  # noqa: PLC0415
+
+    return refused(sys.stdin, sys.stdout, os.environ)
+
+
+def load_modules() -> None:
+    """Import what the console needs, while the robot process is starting."""
+    import woz_tui.console.app  # noqa: PLC0415
+    import woz_tui.console.wizard_terminal  # noqa: F401, PLC0415
+
+
+def open_console(options: ScreenOptions) -> tuple[str, int]:
+    """Run the console until it is left: see `run_console`."""
+    return run_console(make_console(options))
+
+
+def make_console(options: ScreenOptions) -> Console:
+    """The console, connected and ready to run; nothing has been drawn. Raises `ConnectionError`
+    if the robot process has ended already.
+    """
+    from woz_tui.config.keys.terminals import detected  # noqa: PLC0415
+    from woz_tui.console.app import Console  # noqa: PLC0415
+    from woz_tui.console.host_connection import Link  # noqa: PLC0415
+    from woz_tui.console.keyboard import Keyboard  # noqa: PLC0415
+    from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
+
+    look, stops = found_look(options.theme)
+    link = Link(
+        options.socket,
+        role="watcher" if options.watch else "wizard",
+        name=os.environ.get("TERM", ""),
+        take_over=options.take_over,
+    )
+    link.connect()
+    keyboard = Keyboard(link)
+    for stop in stops:
+        keyboard.stop(stop)
+    app = Console(
+        link,
+        keyboard,
+        look=look,
+        terminal=detected(os.environ),
+        builtins=options.builtins,
+        ask_participant=options.ask_participant,
+        pictures=options.pictures,
+        driver_class=WizardDriver,
+    )
+    if options.restart is not None:
+        app.restart = _restart(list(options.restart), app.call_from_thread, app.news)
+    return app
+
+
+def found_look(theme: str) -> tuple[Look, tuple[str, ...]]:
+    """What suits this terminal, and the stops that were pressed while it was asked.
+
+    `theme` as `add_theme` has it; a choice is remembered.
+    """
+    from woz_tui.console.background_colour import ask_ground  # noqa: PLC0415
+    from woz_tui.console.theme import look_for, remember  # noqa: PLC0415
+
+    stops: tuple[str, ...] = ()
+
+    def light() -> bool | None:
+        nonlocal stops
+        found = ask_ground(sys.stdin.fileno(), sys.stdout.fileno())
+        stops = found.stops
+        return found.light
+
+    if theme:
+        theme = theme.replace("auto", "")
+        remember(theme, os.environ)
+    look = look_for(os.environ, locale.getencoding(), theme=theme, light=light)
+    return look, stops
+
+
+def open_questionnaire(socket: Path, only: str, theme: str = "") -> tuple[str, int]:
+    """Run a participant's own screen until it is left: how (ended, detached), and the exit code.
+
+    `only` is the name of the one questionnaire that is shown; empty: all.
+    """
+    from woz_tui.console.host_connection import Link  # noqa: PLC0415
+    from woz_tui.console.keyboard import Keyboard  # noqa: PLC0415
+    from woz_tui.console.participant_app import Participant  # noqa: PLC0415
+    from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
+
+    look, stops = found_look(theme)
+    link = Link(socket, role="participant", name=os.environ.get("TERM", ""))
+    link.connect()
+    keyboard = Keyboard(link)
+    for stop in stops:
+        keyboard.stop(stop)
+    app = Participant(
+        link,
+        keyboard,
+        only=only,
+        look=look,
+        driver_class=WizardDriver,
+    )
+    favour_keys()
+    return app.run(mouse=False) or "", app.return_code or 0
+
+
+def run_console(app: Console) -> tuple[str, int]:
+    """Run it until it is left: how (ended, detached, lost, failed), and the exit code.
+
+    `failed`: it crashed before the robot process had answered it.
+    """
+    favour_keys()
+    left, code = app.run(mouse=False) or "", app.return_code or 0
+    return ("failed" if code == 1 and not app.picture.welcomed else left), code
+
+
+def favour_keys() -> None:
+    """Tune the interpreter so that the screen's work gives way to the thread that reads keys."""
+    gc.freeze()
+    gc.set_threshold(*GC_THRESHOLDS)
+    sys.setswitchinterval(SWITCH_S)
+
+
+def _restart(
+    arguments: list[str],
+    in_app: Callable[..., object],
+    news: Callable[[str, str], None],
+) -> Callable[[], None]:
+    """Start the robot process again; the link finds it by itself, at the same socket."""
+
+    def start() -> None:
+        try:
+            Launch(arguments).wait()
+        except LaunchError as error:
+            in_app(news, f"the robot process did not start: {error}", "bad")
+
+    return lambda: threading.Thread(target=start, daemon=True).start()
+
+
+#: Without a console the robot process would wait for one for a long time.
+ENDED = "woz: the console did not open; the robot process was ended"
+
+
+@dataclass(frozen=True, slots=True)
+class Opened:
+    """How the console was left (ended, detached, lost, failed), its exit code, and what ran."""
+
+    left: str
+    code: int
+    robot: RobotProcess
+    launch: Launch
+
+
+def open_both(
+    command: list[str], options: Callable[[RobotProcess], ScreenOptions]
+) -> Opened | None:
+    """Start `woz host` with `command` and a console with `options` on it; returns when the
+    console is left. None: the robot process did not start, and its words were printed.
+
+    A robot process whose console does not open is ended.
+    """
+    launch = Launch(command)
+    try:
+        load_modules()
+        robot = launch.wait()
+        console = make_console(options(robot))
+    except LaunchError as error:
+        print(error, file=sys.stderr)
+        return None
+    except BaseException as error:
+        launch.abandon()
+        error.add_note(ENDED)
+        raise
+    left, code = run_console(console)
+    if left == "failed":
+        launch.abandon()
+        print(ENDED, file=sys.stderr)
+    return Opened(left, code, robot, launch)

@@ -1,0 +1,72 @@
+"""Errors that a person can mend are told in sentences, not in tracebacks."""
+
+from __future__ import annotations
+
+import errno
+import sys
+from collections.abc import Callable
+
+_REMEDIES = {
+    errno.EEXIST: "choose another path, or remove the existing file",
+    errno.ENOTDIR: "a part of this path is a file; name a folder",
+    errno.EISDIR: "this is a folder; name a file in it",
+    errno.EACCES: "ask its owner, or choose another path",
+    errno.EROFS: "choose a path that can be written to",
+    errno.ENOSPC: "free space on this disk, or choose another path",
+}
+
+
+def os_sentence(error: OSError) -> str:
+    """`PATH: what is wrong (what to do)`; the error's own words where it names no path."""
+    path = error.filename2 or error.filename
+    if path is None or not error.strerror:
+        return str(error)
+    remedy = _REMEDIES.get(error.errno or 0, "")
+    return f"{path}: {error.strerror[:1].lower()}{error.strerror[1:]}" + (remedy and f" ({remedy})")
+
+
+def of_output(error: Exception) -> bool:
+    """Whether what is printed can go nowhere: that is told at the end, for all commands alike."""
+    if not isinstance(error, OSError):
+        return False
+    full = error.errno in (errno.ENOSPC, errno.EIO, errno.EDQUOT) and error.filename is None
+    return (full and not hasattr(error, "__notes__")) or isinstance(error, BrokenPipeError)
+
+
+def explained(
+    work: Callable[[], int], *more: type[Exception], who: str = "woz", code: int = 1
+) -> int:
+    """Do `work` and return its exit code, or `code` after saying on standard error as `who` what
+    went wrong. `more`: errors of the command's own whose texts are for people.
+    """
+    try:
+        return work()
+    except Exception as error:
+        if of_output(error):
+            raise
+        told = _told(error, who, more)
+        if told is None:
+            raise
+        print(told, *getattr(error, "__notes__", ()), sep="\n", file=sys.stderr)
+    return code
+
+
+def _told(error: Exception, who: str, more: tuple[type[Exception], ...]) -> str | None:
+    """The error in sentences; None if it is a mistake of the program."""
+    # Here, so that what needs no explanation starts without them.
+    from woz_tui.config.experiment import ExperimentError  # noqa: PLC0415
+    from woz_tui.drivers.plugins import PluginError  # noqa: PLC0415
+    from woz_tui.session.participant_identity import AskError  # noqa: PLC0415
+
+    if not isinstance(error, (ExperimentError, AskError, PluginError, OSError, *more)):
+        return None
+    if problems := getattr(error, "problems", ()):
+        return "\n".join(map(str, problems))
+    match error:
+        case AskError():
+            what, remedy = error.reason, error.hint
+        case OSError():
+            what, remedy = os_sentence(error), ""
+        case _:
+            what, remedy = getattr(error, "what", str(error)), getattr(error, "remedy", "")
+    return f"{who}: {what}{f' ({remedy})' if remedy and remedy not in what else ''}"

@@ -1,0 +1,56 @@
+"""What is said of an experiment that is not any more what a session was played with.
+
+Wizards may look at their own sessions while a study still runs. Where they are blind to the
+condition, they are told the places that have changed and no text, because the file says which text
+is whose; `--reveal` shows everything, as it does on the screen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from woz_tui.config.experiment import Experiment, ExperimentError
+from woz_tui.replay import experiment_origin
+from woz_tui.replay.experiment_origin import Origin
+from woz_tui.session.redactor import Redactor
+from woz_tui.session.study_settings import study_settings
+from woz_tui.system.text_cleaning import clean
+
+#: Lines of a difference that are shown at most; the rest is counted.
+DIFFERENCE = 200
+_KEPT = "the wizards of this study are blind to the condition: --reveal shows the texts"
+
+
+def changed(told: Origin, experiment: Experiment, *, reveal: bool) -> list[str]:
+    """The difference between then and now in lines for the terminal; empty: there is none."""
+    kept = experiment_origin.blind(told, experiment) and not reveal
+    lines = experiment_origin.differences(told, experiment, places=kept)
+    if not lines:
+        return []
+    more = len(lines) - DIFFERENCE
+    return [
+        f"woz: {experiment.path} has changed since the session was played:",
+        *map(clean, lines[:DIFFERENCE]),
+        *([f"... {more} more lines"] if more > 0 else []),
+        *([f"woz: {_KEPT}"] if kept else []),
+    ]
+
+
+def wrong(told: Origin, error: ExperimentError, *, reveal: bool) -> Iterator[str]:
+    """The errors that the experiment has now. They quote the file, so a blind wizard is told only
+    where they are.
+    """
+    if not told.blind or reveal:
+        yield from map(str, error.problems)
+        return
+    for problem in error.problems:
+        yield f"{problem.place}: {'warning' if problem.warning else 'an error'}"
+    yield f"woz: {_KEPT}"
+
+
+def redactor_of(told: Origin, experiment: Experiment, *, reveal: bool) -> Redactor:
+    """Hides from the commands of a log what its wizard was not to know."""
+    if reveal:
+        return Redactor()
+    then = told.study
+    return Redactor(then if then is not None and then.blind else study_settings(experiment))

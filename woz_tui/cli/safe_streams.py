@@ -1,0 +1,55 @@
+"""Standard output and standard error for people: nothing that is printed there commands a terminal.
+
+What is printed quotes files, logs and paths, which may hold anything. So that no command has to
+think of it, both streams are replaced before a command begins: by `print`, argparse, logging and
+tracebacks alike. Data is not changed by it: JSON is printed with `json_text`, which escapes.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from typing import Any, TextIO, cast
+
+from woz_tui.system.text_cleaning import clean_lines, escaped
+
+
+class _Cleaned:
+    """A text stream that cleans what is written; all else is the stream's own."""
+
+    def __init__(self, stream: TextIO) -> None:
+        #: The name by which Rich looks for the stream itself: its consoles write colours there.
+        self.rich_proxied_file = stream
+
+    def write(self, text: str) -> int:
+        """Write `text` as a terminal may have it."""
+        self.rich_proxied_file.write(clean_lines(text))
+        return len(text)
+
+    def writelines(self, lines: Any) -> None:
+        """Write each of `lines`."""
+        for line in lines:
+            self.write(line)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.rich_proxied_file, name)
+
+
+def clean_streams() -> None:
+    """From now on what is printed is cleaned, to the end of the process: a traceback, too."""
+    sys.stdout = _cleaned(sys.stdout)
+    sys.stderr = _cleaned(sys.stderr)
+
+
+def _cleaned(stream: TextIO | None) -> Any:
+    return stream if stream is None or isinstance(stream, _Cleaned) else _Cleaned(stream)
+
+
+def beneath(stream: TextIO) -> TextIO:
+    """The stream itself, for who writes a terminal's sequences; texts among them need `clean`."""
+    return cast(TextIO, getattr(stream, "rich_proxied_file", stream))
+
+
+def json_text(value: object, **options: Any) -> str:
+    """`value` as JSON that can be read and may be shown; `options` are those of `json.dumps`."""
+    return escaped(json.dumps(value, ensure_ascii=False, **options))

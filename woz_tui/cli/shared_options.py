@@ -1,0 +1,95 @@
+"""Options that `run`, `demo` and `host` share."""
+
+from __future__ import annotations
+
+import os
+from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from woz_tui.config.keys.console_keys import BUILTIN, Builtin
+from woz_tui.session.participant_identity import Identity
+
+
+def add_session(parser: ArgumentParser) -> None:
+    """Declare the options that say who takes part and where the log goes."""
+    parser.add_argument("--session", default="", help="session code (default: the next free one)")
+    parser.add_argument("--participant", default="", help="participant code (no names)")
+    parser.add_argument("--condition", default="", help="one of the experiment's conditions")
+    parser.add_argument("--wizard", default="", help="the wizard's code")
+    parser.add_argument(
+        "--profile", default="", help="profile of the experiment: which actions the wizard can use"
+    )
+    parser.add_argument("--seed", type=int, default=0, help="seed of all random choices")
+    parser.add_argument(
+        "--recordings", type=Path, default=Path("recordings"), help="folder of the logs"
+    )
+    parser.add_argument(
+        "--spill",
+        type=Path,
+        default=None,
+        help="second folder for the log, used if the first one fails",
+    )
+    parser.add_argument("--name", default="", help="name of the socket (default: the session code)")
+
+
+def add_pictures(parser: ArgumentParser) -> None:
+    """Declare how a camera's pictures are drawn: the same words as `console.camera.ways.WAYS`."""
+    parser.add_argument(
+        "--pictures",
+        choices=("auto", "blocks", "kitty", "sixel", "off"),
+        default="auto",
+        help="how to draw camera pictures (default: the best that the terminal supports)",
+    )
+
+
+def add_theme(parser: ArgumentParser) -> None:
+    """Declare the colours: the same words as `console.look.CHOICES`."""
+    parser.add_argument(
+        "--theme",
+        choices=("auto", "dark", "light", "16"),
+        default="",
+        help="colours, remembered for the next time; 16: the terminal's own; auto: what suits the"
+        " terminal",
+    )
+
+
+def identity(arguments: Namespace) -> Identity:
+    """The codes; the robot process finds a session code where none was given."""
+    return Identity(
+        session=arguments.session,
+        participant=arguments.participant,
+        condition=arguments.condition,
+        wizard=arguments.wizard,
+        seed=arguments.seed,
+    )
+
+
+# -- a wizard's own keymap file --------------------------------------------------------------------
+
+
+def add_keymap(parser: ArgumentParser) -> None:
+    """Declare `--keymap`."""
+    parser.add_argument(
+        "--keymap",
+        type=Path,
+        default=None,
+        help="file that moves the console's own keys (default: ~/.config/woz/keymap.yaml)",
+    )
+
+
+def builtins(arguments: Namespace) -> Sequence[Builtin]:
+    """The console's keys, moved as the file says. Raises `ExperimentError` for a wrong file."""
+    file: Path | None = arguments.keymap
+    if file is None:
+        file = _config() / "woz" / "keymap.yaml"
+        if not file.exists():
+            return BUILTIN
+    from woz_tui.config.keys import load_keymap  # noqa: PLC0415 - few wizards have a file
+
+    return load_keymap(file)
+
+
+def _config() -> Path:
+    configured = os.environ.get("XDG_CONFIG_HOME", "")
+    return Path(configured) if configured else Path.home() / ".config"

@@ -1,0 +1,442 @@
+"""Values for a driver's `Settings`, decoded through its annotations.
+
+The types say everything: what may be left out (a default), what is allowed (`core.fields`), how
+things nest. Supported are text, numbers, booleans, `Path`, enums, `Literal`, optional and united
+simple types, tuples and lists, `dict[str, ...]`, and dataclasses of all these.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import enum
+import functools
+import os
+import pathlib
+import re
+import types
+import typing
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal, TypeVar
+
+from woz_tui.config.experiment import Place, Problem
+from woz_tui.config.file_text import Source
+from woz_tui.config.problems import Report, join
+from woz_tui.config.yaml_cursor import (
+    Spot,
+    document,
+    missing,
+    named_source,
+    read_flag,
+    read_number,
+    read_seconds,
+    read_text,
+    read_whole,
+    read_word,
+)
+from woz_tui.config.yaml_nodes import Items, Node, Scalar, Table, described
+from woz_tui.drivers import fields
+
+#: Stands for a value that could not be read; what is wrong has been reported.
+BAD: Final = object()
+
+N = TypeVar("N")
+
+_SEQUENCES = (tuple, list, Sequence)
+_MAPPINGS = (dict, Mapping)
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Field:
+    """One setting as a file may give it; `name` is how the file spells it."""
+
+    name: str
+    attribute: str
+    annotation: Any
+    required: bool
+    default: Any
+    doc: str
+
+
+@functools.cache
+def fields_of(shape: type) -> tuple[Field, ...]:
+    """The settings of a dataclass, in order. An attribute `from_` is `from` in the file."""
+    hints = typing.get_type_hints(shape, include_extras=True)
+    return tuple(_field(item, hints[item.name]) for item in dataclasses.fields(shape) if item.init)
+
+
+def _field(item: dataclasses.Field[Any], annotation: Any) -> Field:
+    default: Any = dataclasses.MISSING
+    if item.default_factory is not dataclasses.MISSING:
+        default = item.default_factory()
+    elif item.default is not dataclasses.MISSING:
+        default = item.default
+    docs = [note.text for note in split(annotation)[1] if isinstance(note, fields.Doc)]
+    return Field(
+        name=item.name.rstrip("_"),
+        attribute=item.name,
+        annotation=annotation,
+        required=default is dataclasses.MISSING,
+        default=default,
+        doc=docs[0] if docs else "",
+    )
+
+
+def split(annotation: Any) -> tuple[Any, tuple[Any, ...]]:
+    """The bare type and the notes of `Annotated[type, *notes]`."""
+    if typing.get_origin(annotation) is Annotated:
+        bare, *notes = typing.get_args(annotation)
+        return bare, tuple(notes)
+    return annotation, ()
+
+
+def note(notes: Sequence[Any], kind: type[N]) -> N | None:
+    """The first note of one kind."""
+    return next((item for item in notes if isinstance(item, kind)), None)
+
+
+def noted(settings: Any, kind: type) -> Iterator[tuple[str, str]]:
+    """Texts among the settings that have a note of this kind, by name; empty ones are left out."""
+    shape: type = type(settings)
+    for item in fields_of(shape):
+        value = getattr(settings, item.attribute)
+        if value and note(split(item.annotation)[1], kind) is not None:
+            yield item.name, value
+
+
+def read_settings(spot: Spot, shape: type, others: Sequence[str] = ()) -> Any:
+    """An instance of the dataclass `shape`, or `BAD`. Entries that it does not have are errors,
+    except for `others`, which somebody else reads.
+    """
+    table = spot.table("a mapping of settings")
+    if table is None:
+        return BAD
+    values: dict[str, Any] = {}
+    whole = True
+    for item in fields_of(shape):
+        if item.name in others:
+            continue
+        entry = table.pop(item.name, None)
+        if entry is None:
+            if item.required:
+                missing({}, item.name, spot, item.doc)
+                whole = False
+            continue
+        value = read(entry, item.annotation)
+        whole = whole and value is not BAD
+        values[item.attribute] = value
+    for name, entry in table.items():
+        if name not in others:
+            known = dict.fromkeys([*(item.name for item in fields_of(shape)), *others])
+            entry.unknown(known, "settings here are")
+            whole = False
+    return _made(spot, shape, values) if whole else BAD
+
+
+def read_section(spot: Spot | None, shape: type[N], others: Sequence[str] = ()) -> N | None:
+    """A section that is nothing but settings; None if it is not there or wrong."""
+    made: Any = BAD if spot is None else read_settings(spot, shape, others)
+    return None if made is BAD else made
+
+
+def _made(spot: Spot, shape: type, values: dict[str, Any]) -> Any:
+    """The instance, its own cross rules asked. A stranger's rules may raise anything."""
+    try:
+        made = shape(**values)
+        section = made if isinstance(made, fields.Section) else fields.Section()
+        problems = list(section.problems())
+        hints = list(section.warnings())
+        included: Included | None = None if problems else section.included()
+    except Exception as error:  # noqa: BLE001 - a plug-in's code; its failure is the file's error
+        spot.error(str(error) or type(error).__name__)
+        return BAD
+    for say, said in ((spot.report.error, problems), (spot.report.warning, hints)):
+        for path, message in said:
+            full = _below(spot.path, path)
+            say(spot.report.place(full, spot.place.file), full, message)
+    if included is not None and not _taken(spot.report, included):
+        return BAD
+    return BAD if problems else made
+
+
+class Included(typing.Protocol):
+    """Files that settings name and read themselves (`included()`): what is wrong in them, with
+    their lines, and the files, which belong to the experiment from then on.
+    """
+
+    @property
+    def problems(self) -> Sequence[Problem]:
+        """Errors and warnings."""
+
+    @property
+    def sources(self) -> Sequence[Source]:
+        """Every file that was read."""
+
+
+def _taken(report: Report, included: Included) -> bool:
+    """Whether all of the files are right."""
+    for source in included.sources:
+        report.file(source.name)
+        report.included.append(source)
+    for problem in included.problems:
+        report.file(problem.place.file)
+        say = report.warning if problem.warning else report.error
+        say(problem.place, problem.path, problem.message)
+    return all(problem.warning for problem in included.problems)
+
+
+def _below(path: str, inner: str) -> str:
+    if not inner:
+        return path
+    return path + inner if inner.startswith("[") else join(path, inner)
+
+
+def read(spot: Spot, annotation: Any, notes: tuple[Any, ...] = ()) -> Any:
+    """A value of the annotated type, or `BAD`. `notes` are inherited from what holds it."""
+    bare, own = split(annotation)
+    notes = (*own, *notes)
+    origin = typing.get_origin(bare)
+    if origin in (typing.Union, types.UnionType):
+        return _united(spot, typing.get_args(bare), notes)
+    if origin is Literal:
+        return _or_bad(read_word(spot, [str(word) for word in typing.get_args(bare)]))
+    if origin in _SEQUENCES or bare in _SEQUENCES:
+        return _sequence(spot, bare, notes)
+    if origin in _MAPPINGS or bare in _MAPPINGS:
+        return _mapping(spot, bare, notes)
+    if dataclasses.is_dataclass(bare) and isinstance(bare, type):
+        return read_settings(spot, bare)
+    return _simple(spot, bare, notes)
+
+
+def _simple(spot: Spot, bare: Any, notes: tuple[Any, ...]) -> Any:
+    if isinstance(bare, type) and issubclass(bare, enum.Enum):
+        return _enumerated(spot, bare)
+    if bare in (bool, int, float):
+        return _or_bad(_figure(spot, bare, notes))
+    if bare is str or (isinstance(bare, type) and issubclass(bare, pathlib.Path)):
+        text = _text(spot, notes, file=bare is not str)
+        return BAD if text is None else bare(text)
+    if bare is Any or bare is object:
+        return raw(spot.node)
+    spot.error(f"the driver needs a {bare!r} here, which a file cannot contain")
+    return BAD
+
+
+def _figure(spot: Spot, bare: type, notes: tuple[Any, ...]) -> bool | int | float | None:
+    if bare is bool:
+        return read_flag(spot)
+    if bare is int:
+        return read_whole(spot, note(notes, fields.Range))
+    seconds = note(notes, fields.Seconds)
+    if seconds is not None:
+        return read_seconds(spot, fields.Range(seconds.low, seconds.high, "s"))
+    return read_number(spot, note(notes, fields.Range))
+
+
+def _or_bad(value: object) -> Any:
+    return BAD if value is None else value
+
+
+def _text(spot: Spot, notes: tuple[Any, ...], *, file: bool) -> str | None:
+    one_of = note(notes, fields.OneOf)
+    if one_of is not None:
+        return read_word(spot, one_of.choices)
+    pattern = note(notes, fields.Pattern)
+    text = read_text(spot, pattern.meaning if pattern is not None else "text")
+    if text is None:
+        return None
+    if pattern is not None and not re.fullmatch(pattern.regex, text):
+        spot.error(f"expected {pattern.meaning}, not {text!r}")
+        return None
+    path = note(notes, fields.Path) or (fields.Path() if file else None)
+    return text if path is None else resolved(spot, text, must_exist=path.must_exist)
+
+
+def resolved(spot: Spot, text: str, *, must_exist: bool) -> str:
+    """An absolute path; relative ones start at the file they stand in. Missing files warn."""
+    try:
+        base = pathlib.Path(spot.place.file).absolute().parent
+        path = base / pathlib.Path(text).expanduser()
+        if must_exist and not path.exists():
+            spot.warning(f"there is no file {text!r}")
+    except (OSError, RuntimeError, ValueError) as error:
+        spot.error(f"{text!r} is not a path: {error}")
+        return text
+    return str(_straight(path))
+
+
+def _straight(path: pathlib.Path) -> pathlib.Path:
+    """Without `..` on the way, which makes places of errors hard to read; unless a link leads
+    somewhere else.
+    """
+    straight = pathlib.Path(os.path.normpath(path))
+    try:
+        return straight if straight.samefile(path) else path
+    except (OSError, ValueError):
+        return path
+
+
+def _enumerated(spot: Spot, kind: type[enum.Enum]) -> Any:
+    members = {str(member.value): member for member in kind}
+    word = read_word(spot, members)
+    return BAD if word is None else members[word]
+
+
+def _sequence(spot: Spot, bare: Any, notes: tuple[Any, ...]) -> Any:
+    entries = spot.list()
+    if entries is None:
+        return BAD
+    inner = typing.get_args(bare) or (Any,)
+    fixed = typing.get_origin(bare) is tuple and inner[-1] is not Ellipsis
+    if fixed and len(entries) != len(inner):
+        spot.error(f"expected {len(inner)} entries, not {len(entries)}")
+        return BAD
+    kinds = inner if fixed else (inner[0],) * len(entries)
+    values = [read(entry, kind, notes) for entry, kind in zip(entries, kinds, strict=True)]
+    if any(value is BAD for value in values):
+        return BAD
+    if note(notes, fields.Unique) is not None and not _different(entries, values):
+        return BAD
+    return values if (typing.get_origin(bare) or bare) is list else tuple(values)
+
+
+def _different(entries: Sequence[Spot], values: Sequence[Any]) -> bool:
+    """Whether no value stands twice; what does is reported."""
+    twice = [entry for at, entry in enumerate(entries) if values[at] in values[:at]]
+    for entry in twice:
+        entry.error(f"{described(entry.node)} appears twice")
+    return not twice
+
+
+def _mapping(spot: Spot, bare: Any, notes: tuple[Any, ...]) -> Any:
+    table = spot.table()
+    if table is None:
+        return BAD
+    _, inner = typing.get_args(bare) or (str, Any)
+    values = {name: read(entry, inner, notes) for name, entry in table.items()}
+    return BAD if any(value is BAD for value in values.values()) else values
+
+
+def _united(spot: Spot, members: tuple[Any, ...], notes: tuple[Any, ...]) -> Any:
+    """The first type that fits, the narrowest first; text fits nearly always, so it is last."""
+    if type(None) in members and isinstance(spot.node, Scalar) and spot.node.null:
+        return None
+    included = note(notes, fields.Included)
+    if included is not None and isinstance(spot.node, Scalar):
+        return _included(spot, members, included.words)
+    fitting = [kind for kind in members if _fits(spot.node, kind)]
+    fitting.sort(key=_breadth)
+    if len(fitting) == 1:
+        return read(spot, fitting[0], notes)
+    for kind in fitting:
+        attempt = Report()
+        value = read(Spot(spot.node, spot.path, spot.place, attempt), kind, notes)
+        if value is not BAD:
+            return read(spot, kind, notes)
+    kinds = " or ".join(_spoken(kind) for kind in members if kind is not type(None))
+    spot.error(f"expected {kinds}, not {described(spot.node)}")
+    return BAD
+
+
+def _included(spot: Spot, members: tuple[Any, ...], words: Sequence[str]) -> Any:
+    """One of the words that stand for themselves, or what the file holds."""
+    if isinstance(spot.node, Scalar) and spot.node.text in words:
+        return spot.node.text
+    root = include(spot, words)
+    return BAD if root is None else _united(root, members, ())
+
+
+def _fits(node: Node, annotation: Any) -> bool:
+    bare, _ = split(annotation)
+    origin = typing.get_origin(bare) or bare
+    if origin is type(None):
+        return False
+    if isinstance(node, Items):
+        return origin in _SEQUENCES
+    if isinstance(node, Table):
+        return origin in _MAPPINGS or dataclasses.is_dataclass(origin)
+    return origin not in _SEQUENCES + _MAPPINGS and not dataclasses.is_dataclass(origin)
+
+
+def _breadth(annotation: Any) -> int:
+    bare, notes = split(annotation)
+    if bare is str or (isinstance(bare, type) and issubclass(bare, pathlib.Path)):
+        return 5 if note(notes, fields.OneOf) is None else 3
+    return {bool: 0, int: 1, float: 2}.get(bare, 3)
+
+
+def _spoken(annotation: Any) -> str:
+    bare, notes = split(annotation)
+    if (one_of := note(notes, fields.OneOf)) is not None:
+        return "one of " + ", ".join(one_of.choices)
+    if typing.get_origin(bare) is Literal:
+        return "one of " + ", ".join(map(str, typing.get_args(bare)))
+    origin = typing.get_origin(bare) or bare
+    if origin in _SEQUENCES:
+        return "a list"
+    if origin in _MAPPINGS or dataclasses.is_dataclass(origin):
+        return "a mapping"
+    names = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}
+    return names.get(bare, getattr(bare, "__name__", str(bare)).lower())
+
+
+def raw(node: Node) -> Any:
+    """Plain data without a type to go by: numbers, true, false and null as JSON knows them."""
+    match node:
+        case Items():
+            return [raw(item) for item in node.nodes]
+        case Table():
+            return {name: raw(value) for name, _, value in node.items()}
+        case Scalar(plain=True, text=text):
+            return _guess(text)
+        case _:
+            return node.text
+
+
+def _guess(text: str) -> Any:
+    if text in ("", "~", "null"):
+        return None
+    if text in ("true", "false"):
+        return text == "true"
+    if re.fullmatch(r"[-+]?\d{1,15}", text):
+        return int(text)
+    if re.fullmatch(r"[-+]?(\d+\.\d*|\.\d+|\d+)([eE][-+]?\d{1,2})?", text):
+        return float(text)
+    return text
+
+
+def include(spot: Spot, words: Sequence[str] = ()) -> Spot | None:
+    """The root of the file whose path stands at `spot`, or None after saying what is wrong.
+
+    `words` could have stood there too; a misspelt one is no file.
+    """
+    text = read_text(spot, " or ".join(("a file", *words)))
+    if text is None:
+        return None
+    report = spot.report
+    source = named_source(
+        spot,
+        text,
+        pathlib.Path(spot.place.file).absolute().parent,
+        lambda: report.hint(text, words, or_list="without a file there are"),
+    )
+    if source is None:
+        return None
+    report.included.append(source)
+    return document(source, report, "a mapping")
+
+
+def settings_of(shape: type, values: Mapping[str, str], base: Path) -> Any:
+    """An instance of `shape` with the settings `values` as text; relative paths start at `base`.
+
+    Raises `ExperimentError` with every problem, also with those of files that are named.
+    """
+    report = Report()
+    place = Place(str(base / "command line"), 1, 1)
+    report.file(place.file)
+    keys = {name: Scalar(place, name, plain=True) for name in values}
+    entries = {name: Scalar(place, text, plain=True) for name, text in values.items()}
+    made = read_settings(Spot(Table(place, dict(entries), keys), "", place, report), shape)
+    report.fail()
+    return made

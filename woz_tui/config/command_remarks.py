@@ -1,0 +1,139 @@
+"""What can be said of a command that is right by its description: by its driver, which looks at it
+without being connected, and by the log, into which the file goes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from woz_tui.config import utterance_template
+from woz_tui.config.condition_texts import Variables
+from woz_tui.config.experiment import Choice
+from woz_tui.config.yaml_cursor import Spot
+from woz_tui.drivers.contract import UNKNOWN, Finding, Verb, Written
+from woz_tui.drivers.secret_arguments import hidden
+from woz_tui.protocol.messages import Json
+
+if TYPE_CHECKING:
+    from woz_tui.config.robots import Offer
+
+Values = Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Looker:
+    """Looks at commands with their variables filled in.
+
+    Attributes:
+        folder: The experiment file's.
+        values: Texts of the variables, by condition; those that are not there are known in the
+            session only.
+    """
+
+    folder: Path
+    values: Mapping[str, Values]
+
+    @classmethod
+    def of(cls, folder: Path, variables: Variables, conditions: Sequence[str]) -> Looker:
+        """With the experiment's own variables."""
+        always = variables.always
+        each = {
+            condition: {
+                name: _filled(texts[condition], always)
+                for name, texts in variables.by_condition.items()
+                if condition in texts
+            }
+            for condition in conditions or ("",)
+        }
+        return cls(folder, {name: {**always, **depending} for name, depending in each.items()})
+
+    def look(
+        self,
+        offer: Offer,
+        args: Mapping[str, Json],
+        spots: Mapping[str, Spot],
+        verb: Spot,
+        choices: Mapping[str, Choice],
+    ) -> None:
+        """Report what is odd about a command. `spots`: where each argument stands."""
+        if verb.report.hopeless:
+            return
+        for given in self._renderings(args, choices):
+            told = {
+                finding.subject
+                for finding in _findings(offer, Written(offer.verb.name, given, self.folder), verb)
+                if _say(finding, spots.get(finding.subject, verb))
+            }
+            for name in tells(offer.verb, given):
+                if name not in told:
+                    spots.get(name, verb).error(SECRET)
+
+    def _renderings(
+        self, args: Mapping[str, Json], choices: Mapping[str, Choice]
+    ) -> Iterator[dict[str, Json]]:
+        """The arguments as conditions and variants make them, each only once."""
+        found: list[dict[str, Json]] = []
+        for condition, values in self.values.items():
+            variants = {name: choice.of(condition) for name, choice in choices.items()}
+            for index in range(max(map(len, variants.values()), default=1)):
+                chosen = {name: texts[index % len(texts)] for name, texts in variants.items()}
+                given = {n: _rendered(value, values) for n, value in {**args, **chosen}.items()}
+                if given not in found:
+                    found.append(given)
+                    yield given
+
+
+#: Why a file with a secret in it is refused.
+SECRET = "this looks like a password or another secret, and each log contains this file; remove it"
+
+
+def _findings(offer: Offer, written: Written, verb: Spot) -> Iterable[Finding]:
+    """What the driver says. Its code may be a stranger's."""
+    if offer.look is None:
+        return ()
+    try:
+        return [*offer.look(written)]
+    except Exception as error:  # noqa: BLE001 - a plug-in's code; the file is not at fault
+        verb.warning(f"{offer.driver} fails to check this: {error!r}")
+        return ()
+
+
+def _say(finding: Finding, spot: Spot) -> bool:
+    """Report it, unless it has been said here already; whether it is an error."""
+    message = f"{finding.text}; {finding.remedy}" if finding.remedy else finding.text
+    if finding.level == "error":
+        spot.error(message)
+        return True
+    if finding.level == "warning" and not spot.report.says(spot.place, finding.text):
+        spot.warning(message)
+    return False
+
+
+def tells(verb: Verb | None, given: Mapping[str, Json]) -> list[str]:
+    """Names of the arguments with something in them that the verb hides."""
+    known = {name: _guessed(value) for name, value in given.items()}
+    shown = hidden(verb, known)
+    return [name for name, value in known.items() if shown.get(name) != value]
+
+
+def _guessed(value: Json) -> Json:
+    """A text without gaps: a digit fits where a name, a number or a code is meant."""
+    return value.replace(UNKNOWN, "1") if isinstance(value, str) else value
+
+
+def _rendered(value: Json, values: Values) -> Json:
+    match value:
+        case str():
+            return _filled(value, values)
+        case list():
+            return [_rendered(one, values) for one in value]
+        case dict():
+            return {name: _rendered(one, values) for name, one in value.items()}
+    return value
+
+
+def _filled(text: str, values: Values) -> str:
+    return utterance_template.fill(text, lambda name: values.get(name) or UNKNOWN)

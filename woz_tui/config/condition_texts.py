@@ -1,0 +1,132 @@
+"""Texts that are not always the same: another one in each condition, or one of several variants.
+
+variables:
+  exhibit: this whale
+  greeting: {warm: "Hello {participant}, how nice to see you!", cold: "Hello."}
+
+In an action they stand in place:
+
+  say: {warm: "How nice!", cold: {any: ["Well.", "I see."]}}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+from woz_tui.config import utterance_template
+from woz_tui.config.experiment import Choice
+from woz_tui.config.problems import quoted
+from woz_tui.config.yaml_cursor import Spot, read_text
+from woz_tui.config.yaml_nodes import Table
+
+#: What lists variants, where a condition's name could stand.
+ANY = "any"
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Variables:
+    """Values by name, and of those that depend on the condition by name and condition."""
+
+    always: Mapping[str, str] = field(default_factory=dict)
+    by_condition: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+
+    @property
+    def names(self) -> list[str]:
+        """All of them."""
+        return [*self.always, *self.by_condition]
+
+
+def read_variables(
+    spot: Spot | None, filled: Collection[str], conditions: Sequence[str]
+) -> Variables:
+    """The experiment's own; those that are `filled` in are not among them."""
+    table = spot.table("a mapping of names to texts") if spot is not None else None
+    always: dict[str, str] = {}
+    depending: dict[str, dict[str, str]] = {}
+    for name, entry in (table or {}).items():
+        if name in filled:
+            entry.error(f"{name!r} is reserved for the session; choose another name")
+        elif not utterance_template.NAME.fullmatch(name):
+            entry.error(
+                "a variable's name can have letters, digits and _, and cannot begin with a digit"
+            )
+        elif isinstance(entry.node, Table):
+            depending[name] = texts(entry, conditions)
+        else:
+            always[name] = read_text(entry, "text, or a text for each condition") or ""
+    for name, found in depending.items():
+        for condition, entry in (table or {})[name].entries():
+            utterance_template.check(entry, found.get(condition, ""), (*filled, *always))
+    return Variables(always, depending)
+
+
+def is_choice(spot: Spot, conditions: Collection[str]) -> bool:
+    """Whether a mapping says what is chosen, and not something else."""
+    return isinstance(spot.node, Table) and any(
+        name == ANY or name in conditions for name in spot.node.entries
+    )
+
+
+def read_choice(
+    spot: Spot, conditions: Sequence[str], read: Callable[[Spot], str | None]
+) -> Choice | None:
+    """Texts by condition, variants, or variants by condition; None if any of it is wrong. `read`
+    reads one text.
+    """
+    wrong = False
+
+    def variants(entry: Spot) -> tuple[str, ...]:
+        nonlocal wrong
+        table = dict(entry.entries())
+        listed = table[ANY].list("a list of variants") if set(table) == {ANY} else [entry]
+        if listed == []:
+            table[ANY].error("a variant is missing here")
+        found = [read(each) for each in listed or ()]
+        wrong = wrong or not found or None in found
+        return tuple(text for text in found if text is not None)
+
+    table = dict(spot.entries())
+    if ANY in table and ANY in conditions:
+        table[ANY].error(
+            f"{ANY!r} lists variants here and cannot be a condition; rename the condition"
+        )
+        return None
+    if ANY in table and len(table) > 1:
+        under = (
+            f", or under a condition: {{{conditions[0]}: {{{ANY}: [...]}}}}" if conditions else ""
+        )
+        table[ANY].error(f"stands alone{under}")
+        return None
+    chosen = {"": variants(spot)} if ANY in table else _each(spot, conditions, variants)
+    return None if wrong or set(chosen) not in ({""}, {*conditions}) else Choice(chosen)
+
+
+def texts(spot: Spot, conditions: Sequence[str]) -> dict[str, str]:
+    """A text for each condition, none left out; what is wrong is reported."""
+    return _each(spot, conditions, lambda entry: read_text(entry) or "")
+
+
+def _each(spot: Spot, conditions: Sequence[str], read: Callable[[Spot], T]) -> dict[str, T]:
+    if not conditions:
+        spot.error(
+            "depends on the condition, but the file has no conditions; add conditions: [...]"
+        )
+        return {}
+    table = spot.table("a text for each condition") or {}
+    found: dict[str, T] = {}
+    unknown = False
+    for condition, entry in table.items():
+        if condition in conditions:
+            found[condition] = read(entry)
+        else:
+            near = spot.report.hint(condition, conditions, or_list="there are")
+            entry.error(f"there is no condition {quoted(condition)}{near}")
+            unknown = True
+    absent = [condition for condition in conditions if condition not in found]
+    if absent and not unknown:
+        spot.error(f"has nothing for {' and '.join(map(quoted, absent))}")
+    return found

@@ -1,0 +1,319 @@
+"""What an experiment is, once its file has been read and found right.
+
+Everything here is frozen and complete: names are resolved, defaults filled in, paths absolute,
+keys in their normal form (see `keys.py`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any
+
+from woz_tui.config.engagement import EngagementSettings
+from woz_tui.config.study import Study
+from woz_tui.drivers.contract import Verb
+from woz_tui.drivers.fields import Doc, Range, Seconds
+from woz_tui.protocol.messages import Json
+from woz_tui.protocol.welcome import QuestionnaireWords
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where something stands: file, line and column, both counted from 1."""
+
+    file: str
+    line: int
+    column: int
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}:{self.column}"
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One error or warning in a file."""
+
+    place: Place
+    path: str
+    message: str
+    warning: bool = False
+
+    def __str__(self) -> str:
+        warning = "warning: " if self.warning else ""
+        return f"{self.place}: {warning}{self.path}: {self.message}"
+
+
+class ExperimentError(Exception):
+    """The file cannot be used; `problems` holds every reason, sorted by place."""
+
+    def __init__(self, problems: list[Problem]) -> None:
+        super().__init__("\n".join(map(str, problems)))
+        self.problems = problems
+
+
+@dataclass(frozen=True, slots=True)
+class DriverSpec:
+    """One driver of a robot: its name (`head`, or `left.head` with several robots), the entry
+    point it comes from, its decoded settings, what it offers with them.
+    """
+
+    name: str
+    type: str
+    settings: Any
+    verbs: tuple[Verb, ...]
+    sensors: tuple[str, ...]
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """A text that is chosen when its action is played: condition -> its variants. One that does not
+    depend on the condition has them under an empty name.
+    """
+
+    texts: Mapping[str, tuple[str, ...]]
+
+    @property
+    def depends(self) -> bool:
+        """Whether the condition decides."""
+        return "" not in self.texts
+
+    @property
+    def every(self) -> tuple[str, ...]:
+        """All of its texts."""
+        return tuple(text for variants in self.texts.values() for text in variants)
+
+    def of(self, condition: str) -> tuple[str, ...]:
+        """The variants in this condition; nothing if it is none of those that the file names."""
+        return self.texts.get("" if not self.depends else condition, ())
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """One verb, its checked arguments (variables still in place), the driver it goes to.
+
+    `choices` are the arguments that are chosen when it is played; they are not in `args` before.
+    `tells` and `unfilled` as in `messages.Command`, once the variables are filled in.
+    """
+
+    verb: str
+    args: Mapping[str, Json]
+    driver: str
+    place: Place
+    tells: tuple[str, ...] = ()
+    unfilled: Mapping[str, Json] = field(default_factory=dict)
+    choices: Mapping[str, Choice] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Wait:
+    """A pause between steps, in seconds."""
+
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Together:
+    """Calls that begin at the same moment; the step ends when the last one has ended."""
+
+    calls: tuple[Call, ...]
+
+
+Step = Together | Wait
+
+
+@dataclass(frozen=True, slots=True)
+class Action:
+    """What one key does: steps, one after the other.
+
+    `name` is unique in the experiment and is what scripts and programs call it by.
+    `when_busy`: queue, replace or refuse. `locked`: shown but never played. `then`: actions that
+    are likely to follow it.
+    """
+
+    name: str
+    label: str
+    key: str
+    panel: str
+    steps: tuple[Step, ...]
+    place: Place
+    when_busy: str = "queue"
+    help: str = ""
+    locked: bool = False
+    then: tuple[str, ...] = ()
+
+    @property
+    def calls(self) -> list[Call]:
+        """All calls of all its steps, in their order."""
+        return [call for step in self.steps if isinstance(step, Together) for call in step.calls]
+
+
+@dataclass(frozen=True, slots=True)
+class Panel:
+    """A titled group of actions; `locked` panels take no input at all until unlocked.
+
+    `covers`: verbs that nobody's hand may send by itself either while the panel is locked: not by
+    the console's own keys, not from the palette, a control panel or a program.
+    """
+
+    title: str
+    actions: tuple[Action, ...]
+    place: Place
+    locked: bool = False
+    covers: tuple[str, ...] = ()
+
+
+#: How long a phase may be planned to last.
+PLANNED = Seconds(1.0, 86_400.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Phase:
+    """A part of a session or of a trial: what is in front in it, and what Space plays.
+
+    A panel that other phases name and this one does not is folded away; without `panels` all are
+    in front. Without a script of its own the experiment's goes on.
+    """
+
+    name: Annotated[str, Doc("what logs and tables call it (default: the title)")]
+    title: Annotated[str, Doc("what the screen shows (default: the name)")] = ""
+    panels: Annotated[tuple[str, ...], Doc("titles of the panels in front")] = ()
+    script: Annotated[tuple[str, ...], Doc("names of actions; space plays the next one")] = ()
+    on_enter: Annotated[tuple[str, ...], Doc("names of actions played when it begins")] = ()
+    after: Annotated[
+        tuple[str, ...], Doc("phases, one of which must have begun in the trial before this one")
+    ] = ()
+    planned: Annotated[float, PLANNED, Doc("planned duration")] = 0.0
+    lock_others: Annotated[bool, Doc("panels of other phases are locked, not only folded")] = False
+
+    @property
+    def heading(self) -> str:
+        """Its title, or its name."""
+        return self.title or self.name
+
+
+@dataclass(frozen=True, slots=True)
+class Profile:
+    """What a wizard may use: actions of these panels and these actions; by themselves (from keys of
+    the console, the palette, a control panel, a program) these verbs and controls.
+
+    `hide`: what may not be used is not even shown.
+    """
+
+    name: str
+    panels: frozenset[str] = frozenset()
+    actions: frozenset[str] = frozenset()
+    controls: frozenset[str] = frozenset()
+    verbs: frozenset[str] = frozenset()
+    hide: bool = False
+
+    def plays(self, action: Action) -> bool:
+        """Whether the action may be played."""
+        return action.panel in self.panels or action.name in self.actions
+
+
+@dataclass(frozen=True, slots=True)
+class Steps:
+    """How far one press of an arrow key goes."""
+
+    head: Annotated[float, Range(0.1, 90, "°"), Doc("angle of the head for one step")] = 5.0
+    hip: Annotated[float, Range(0.1, 45, "°"), Doc("angle of the hip for one step")] = 3.0
+    drive: Annotated[float, Range(0.01, 5, "m"), Doc("distance of the base for one step")] = 0.1
+    turn: Annotated[float, Range(1, 360, "°"), Doc("angle of the base for one step")] = 10.0
+
+
+@dataclass(frozen=True, slots=True)
+class SessionSettings:
+    """How a session is run."""
+
+    #: Seconds without any console before the robot rests and the session ends.
+    abandon_after: Annotated[
+        float, Seconds(5.0), Doc("the session ends after this time without a console")
+    ] = 600.0
+    #: Seconds a key press may wait in a queue before it is refused as late.
+    deadline: Annotated[
+        float, Seconds(0.1, 600.0), Doc("longest time that a key press can wait in a queue")
+    ] = 10.0
+    #: Seconds a press may take from the terminal to the robot before it counts as stale.
+    stale_after: Annotated[
+        float, Seconds(0.1, 60.0), Doc("age above which a key press is refused")
+    ] = 1.5
+    #: Seconds without a beat of the wizard's console before driving stops.
+    dead_man: Annotated[
+        float, Seconds(1.0, 60.0), Doc("driving stops after this time without the console")
+    ] = 3.0
+
+
+@dataclass(frozen=True, slots=True)
+class Engagement:
+    """The section `engagement`: settings, and what happens when a state is entered.
+
+    `effects`: state -> an action without a key, whose name is `on <state>`. `plays`: state -> names
+    of actions of the panels, which are played as they stand there.
+    """
+
+    settings: EngagementSettings = field(default_factory=EngagementSettings)
+    effects: Mapping[str, Action] = field(default_factory=dict)
+    plays: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Experiment:
+    """A whole experiment, ready to run."""
+
+    title: str
+    path: Path
+    sha256: str
+    drivers: tuple[DriverSpec, ...]
+    panels: tuple[Panel, ...]
+    script: tuple[str, ...] = ()
+    #: In the order in which one follows the other, unless the wizard chooses otherwise.
+    phases: tuple[Phase, ...] = ()
+    #: Regular expression that participant codes match as a whole.
+    participant_pattern: str = "[A-Za-z0-9]{1,16}"
+    conditions: tuple[str, ...] = ()
+    #: Values for `{name}` in utterances, beside the built-in participant, condition and session.
+    variables: Mapping[str, str] = field(default_factory=dict)
+    #: Those whose value depends on the condition: name -> condition -> text.
+    by_condition: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    #: Keyboard layout: us, gb, de, es, fr ...
+    keyboard: str = "us"
+    #: In which the console speaks to participants, and its words.
+    language: str = "en"
+    words: QuestionnaireWords = field(default_factory=QuestionnaireWords)
+    #: Moves that save a dialogue; those without steps depend on what was said.
+    repairs: tuple[Action, ...] = ()
+    session: SessionSettings = field(default_factory=SessionSettings)
+    #: Sensors, and `engagement` or `pose`, that stand first among the meters.
+    sensors: tuple[str, ...] = ()
+    #: Of the arrow keys.
+    steps: Steps = field(default_factory=Steps)
+    #: What wizards may use, by name of the profile.
+    profiles: Mapping[str, Profile] = field(default_factory=dict)
+    #: How the robot tells whether somebody is with it; None: it does not.
+    engagement: Engagement | None = None
+    #: The study around it: design, questionnaires, preflight, shaping, training.
+    study: Study = field(default_factory=Study)
+    #: Every file that was read, for the hash and for watching.
+    files: tuple[Path, ...] = ()
+    #: The text of each of `files`.
+    texts: tuple[str, ...] = ()
+    warnings: tuple[Problem, ...] = ()
+
+    def action(self, name: str) -> Action | None:
+        """The action called `name`, or None."""
+        for panel in self.panels:
+            for action in panel.actions:
+                if action.name == name:
+                    return action
+        return next((action for action in self.repairs if action.name == name), None)
+
+    def phase(self, name: str) -> Phase | None:
+        """The phase called `name`, or None."""
+        return next((phase for phase in self.phases if phase.name == name), None)
+
+    def driver(self, name: str) -> DriverSpec | None:
+        """The driver called `name`, or None."""
+        return next((spec for spec in self.drivers if spec.name == name), None)

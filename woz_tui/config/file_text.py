@@ -1,0 +1,95 @@
+"""A file's text, or a sentence about why there is none."""
+
+from __future__ import annotations
+
+import codecs
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from woz_tui.system.files import NotRegularError, open_regular
+
+#: Bytes. The longest real experiment is a few dozen kilobytes.
+MAX_BYTES = 1 << 20
+
+_UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+#: What YAML allows: no control characters but tab, line feed and carriage return.
+_FORBIDDEN = re.compile(
+    "[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]"
+)
+
+
+class SourceError(Exception):
+    """The file has no usable text; `line` and `column` count from 1."""
+
+    def __init__(self, message: str, line: int = 1, column: int = 1) -> None:
+        super().__init__(message)
+        self.message = message
+        self.line = line
+        self.column = column
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A file as it was read: `name` as the user wrote it, all its bytes, its text."""
+
+    name: str
+    path: Path
+    data: bytes
+    text: str
+
+
+def read(path: Path, name: str, data: bytes | None = None) -> Source:
+    """Read a regular file of at most `MAX_BYTES`, or `data` as if it held that. Raises
+    `SourceError`.
+    """
+    data = _bytes(path) if data is None else _small(data)
+    return Source(name, path, data, text_of(data))
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        with open_regular(path) as file:
+            data = file.read(MAX_BYTES + 1)
+    except FileNotFoundError:
+        raise SourceError("there is no such file") from None
+    except IsADirectoryError:
+        raise SourceError("this is a folder, not a file") from None
+    except NotRegularError:
+        raise SourceError("this is not a file") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise SourceError(f"cannot be read: {reason}") from error
+    return _small(data)
+
+
+def _small(data: bytes) -> bytes:
+    if len(data) > MAX_BYTES:
+        raise SourceError(
+            f"the file is larger than {MAX_BYTES >> 20} MiB; check that it is the right file"
+        )
+    return data
+
+
+def text_of(data: bytes) -> str:
+    """The text in UTF-8, a byte order mark dropped. Raises `SourceError` with the place."""
+    if data.startswith(_UTF16):
+        raise SourceError("the file is saved as UTF-16; save it as UTF-8")
+    data = data.removeprefix(codecs.BOM_UTF8)
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line, column = _position(data[: error.start].decode("utf-8"))
+        raise SourceError(
+            f"byte 0x{data[error.start]:02X} is not UTF-8; save the file as UTF-8", line, column
+        ) from None
+    if match := _FORBIDDEN.search(text):
+        line, column = _position(text[: match.start()])
+        character = f"U+{ord(match.group()):04X}"
+        raise SourceError(f"the invisible character {character} is not allowed here", line, column)
+    return text
+
+
+def _position(before: str) -> tuple[int, int]:
+    lines = before.split("\n")
+    return len(lines), len(lines[-1]) + 1

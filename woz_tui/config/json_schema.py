@@ -1,0 +1,695 @@
+"""JSON Schema (draft 2020-12) of experiment and robot files, so that editors complete and warn.
+
+Made from the same shapes and driver classes by which files are decoded. It is a little more
+generous than `woz check`: verbs and choices that depend on a driver's settings are open, text may
+be anything that YAML would take for a number or a boolean, since here it stays text.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import enum
+import pathlib
+import types
+import typing
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, Literal
+
+from woz_tui.config.actions import WHEN_BUSY
+from woz_tui.config.annotated_decoder import fields_of, note, split
+from woz_tui.config.condition_texts import ANY
+from woz_tui.config.engagement import EngagementSettings
+from woz_tui.config.engagement_effects import ENTERED, ON_ENTER
+from woz_tui.config.experiment import Phase, SessionSettings, Steps
+from woz_tui.config.keys.keyboard_layouts import LAYOUTS
+from woz_tui.config.languages import DEFAULT, SPOKEN, Language
+from woz_tui.config.profiles import FIELDS as PROFILE_FIELDS
+from woz_tui.config.robots import SIMULATED
+from woz_tui.config.session_verbs import WAIT, engagement_verbs, session_verbs
+from woz_tui.config.study import CUES, SORTS, Design, Perception, Shaping, Training
+from woz_tui.config.study_sections import CODE, WHENS
+from woz_tui.drivers import fields
+from woz_tui.drivers.contract import Argument, Driver, Verb
+from woz_tui.protocol.messages import Json
+
+Schema = dict[str, Any]
+
+TEXT: Schema = {"type": ["string", "number", "boolean"]}
+FLAG: Schema = {"enum": [True, False, "yes", "no", "on", "off"]}
+NUMBER: Schema = {"type": "number"}
+SECONDS: Schema = {
+    "oneOf": [
+        {"type": "number", "minimum": 0},
+        {"type": "string", "pattern": r"^\s*[0-9.]+([eE][-+]?[0-9]+)?\s*(ms|s|sec|min|h)?\s*$"},
+    ]
+}
+
+
+def bounds(allowed: fields.Range | None) -> Schema:
+    """`minimum` and `maximum`, as far as there are any."""
+    if allowed is None:
+        return {}
+    bounds = {"minimum": allowed.low, "maximum": allowed.high}
+    return {name: value for name, value in bounds.items() if value is not None}
+
+
+def mapping(properties: Schema, required: Iterable[str] = ()) -> Schema:
+    """An object with these properties and no others."""
+    schema: Schema = {
+        "type": "object",
+        "properties": properties,
+        "additionalProperties": False,
+    }
+    names = list(required)
+    return {**schema, "required": names} if names else schema
+
+
+def either(schemas: Sequence[Schema]) -> Schema:
+    """Any of these; descriptions are left out."""
+    different: list[Schema] = []
+    for schema in schemas:
+        plain: Json = {name: value for name, value in schema.items() if name != "description"}
+        if plain not in different and isinstance(plain, dict):
+            different.append(plain)
+    return different[0] if len(different) == 1 else {"anyOf": different}
+
+
+def settings_schema(shape: type) -> Schema:
+    """The schema of a dataclass of settings, as files give them."""
+    properties = {}
+    for item in fields_of(shape):
+        schema = _type(item.annotation)
+        if item.doc:
+            schema = {**schema, "description": item.doc}
+        default = item.default
+        if isinstance(default, str | int | float | bool) and default != "":
+            schema = {**schema, "default": default}
+        properties[item.name] = schema
+    return mapping(properties, required=required(shape))
+
+
+def required(shape: type) -> tuple[str, ...]:
+    """The names of settings that may not be left out."""
+    return tuple(item.name for item in fields_of(shape) if item.required)
+
+
+def _type(annotation: Any, notes: tuple[Any, ...] = ()) -> Schema:
+    bare, own = split(annotation)
+    notes = (*own, *notes)
+    origin = typing.get_origin(bare) or bare
+    if origin in (typing.Union, types.UnionType):
+        return either([_type(kind, notes) for kind in typing.get_args(bare)])
+    if origin is Literal:
+        return {"enum": [str(word) for word in typing.get_args(bare)]}
+    if origin in (tuple, list, Sequence):
+        inner = typing.get_args(bare) or (Any,)
+        return {"type": "array", "items": either([_type(k, notes) for k in inner if k is not ...])}
+    if origin in (dict, Mapping):
+        inner = typing.get_args(bare) or (str, Any)
+        return {"type": "object", "additionalProperties": _type(inner[1], notes)}
+    if dataclasses.is_dataclass(origin) and isinstance(origin, type):
+        return settings_schema(origin)
+    return _simple(bare, notes)
+
+
+def _simple(bare: Any, notes: tuple[Any, ...]) -> Schema:
+    if isinstance(bare, type) and issubclass(bare, enum.Enum):
+        return {"enum": [str(member.value) for member in bare]}
+    if (one_of := note(notes, fields.OneOf)) is not None and bare is str:
+        return {"enum": list(one_of.choices)}
+    if note(notes, fields.Seconds) is not None and bare is float:
+        return SECONDS
+    if bare in (int, float) and bare is not bool:
+        kind = "integer" if bare is int else "number"
+        return {"type": kind, **bounds(note(notes, fields.Range))}
+    if isinstance(bare, type) and issubclass(bare, pathlib.Path):
+        return {"type": "string"}
+    return {bool: FLAG, str: TEXT, type(None): {"type": "null"}}.get(bare, {})
+
+
+_ONE_OR_MORE: Schema = {"oneOf": [TEXT, {"type": "array", "items": TEXT, "minItems": 1}]}
+_NAME: Schema = {
+    "type": "string",
+    "pattern": f"^{CODE.pattern}$",
+    "description": "name in logs and tables (default: made from the words)",
+}
+#: A text for each condition, by its name.
+BY_CONDITION: Schema = {"type": "object", "additionalProperties": TEXT, "minProperties": 1}
+
+
+def study_properties() -> Schema:
+    """The sections by name."""
+    return {
+        "design": _design(),
+        "questionnaires": {
+            "type": "array",
+            "items": _questionnaire(),
+            "description": "what the participant is asked",
+        },
+        "preflight": {
+            "type": "array",
+            "items": TEXT,
+            "uniqueItems": True,
+            "description": "what a person checks before the first participant",
+        },
+        "shaping": {
+            **settings_schema(Shaping),
+            "description": "delays before the robot answers a cue",
+        },
+        "answers": {
+            "oneOf": [
+                mapping(
+                    {
+                        cue: {**_ONE_OR_MORE, "description": f"what answers the cue {cue}"}
+                        for cue in CUES
+                    }
+                ),
+                _ONE_OR_MORE,
+            ],
+            "description": "verbs or panels that answer a cue in the figures (default: say)",
+        },
+        "perception": {
+            **settings_schema(Perception),
+            "description": "sensor values that are hidden from the wizard",
+        },
+        "training": _training(),
+    }
+
+
+def _design() -> Schema:
+    schema = settings_schema(Design)
+    schema["description"] = "order of conditions for each participant"
+    # Who gets one condition gets it from a shuffled block, unless the file says otherwise.
+    schema["properties"]["order"].pop("default")
+    schema["properties"]["blind"] = {
+        "anyOf": [FLAG, BY_CONDITION],
+        "description": "labels that the wizard sees instead of the conditions; true: letters",
+    }
+    return schema
+
+
+def _scale() -> Schema:
+    ends = {"type": "array", "items": TEXT, "minItems": 2, "maxItems": 2}
+    return {
+        **mapping(
+            {
+                "low": {"type": "integer", "description": "the lowest number"},
+                "high": {"type": "integer", "description": "the highest number"},
+                "ends": {**ends, "description": "labels of the lowest and the highest number"},
+            }
+        ),
+        "description": "whole numbers from low to high, with labels for both ends",
+    }
+
+
+def _questionnaire() -> Schema:
+    item = mapping(
+        {
+            "name": _NAME,
+            "question": {**TEXT, "description": "as the participant reads it"},
+            "scale": _scale(),
+            "text": {**FLAG, "description": "a free text instead of a scale"},
+            "optional": {**FLAG, "description": "can be skipped"},
+        },
+        required=("question",),
+    )
+    schema = mapping(
+        {
+            "name": _NAME,
+            "title": {**TEXT, "description": "title"},
+            "when": {
+                "enum": list(WHENS),
+                "description": "at the end, after each trial or condition, or only when the wizard"
+                " starts it",
+            },
+            "introduction": {**TEXT, "description": "introduction before the first item"},
+            "scale": _scale(),
+            "items": {
+                "type": "array",
+                "items": {"oneOf": [TEXT, item]},
+                "minItems": 1,
+                "description": "questions, in this order",
+            },
+        },
+        required=("items",),
+    )
+    return {**schema, "anyOf": [{"required": ["title"]}, {"required": ["name"]}]}
+
+
+def _training() -> Schema:
+    cue = mapping(
+        {
+            "cue": {"enum": list(SORTS), "description": "what the visitor does"},
+            "says": {**_ONE_OR_MORE, "description": "what the visitor says; one of several"},
+            "answers": {**_ONE_OR_MORE, "description": "names of the correct actions"},
+            "window": {**SECONDS, "description": "time limit for the answer, in seconds"},
+        },
+        required=("cue", "answers"),
+    )
+    schema = settings_schema(Training)
+    schema["description"] = "settings of `woz train`"
+    schema["properties"]["cues"] = {
+        "type": "array",
+        "items": cue,
+        "minItems": 1,
+        "description": "what the visitor does, and which actions answer it",
+    }
+    return schema
+
+
+_DIALECT = "https://json-schema.org/draft/2020-12/schema"
+_JOINTS: Schema = {"type": "object", "additionalProperties": NUMBER, "minProperties": 1}
+_POSES: Schema = {"type": "array", "items": {"type": "object", "minProperties": 1}, "minItems": 1}
+_KINDS: Mapping[str, Schema] = {
+    "flag": FLAG,
+    "seconds": SECONDS,
+    "joints": _JOINTS,
+    "poses": _POSES,
+}
+_ANY = mapping({ANY: {"type": "array", "items": TEXT, "minItems": 1}}, required=(ANY,))
+#: What may stand in the place of a text.
+_CHOSEN: Schema = {
+    "description": "a text for each condition, or {any: [...]}: variants in shuffled order",
+    "anyOf": [
+        _ANY,
+        {"type": "object", "additionalProperties": {"anyOf": [TEXT, _ANY]}, "minProperties": 2},
+    ],
+}
+_KEY: Schema = {
+    "description": "a, A, !, F1, ctrl+a; c r: first c, then r",
+    "oneOf": [
+        {"type": ["string", "integer", "boolean"]},
+        {"type": "array", "items": {"type": ["string", "integer"]}, "minItems": 1},
+    ],
+}
+_ON: Schema = {
+    "description": "driver or robot; a list for several at once",
+    "oneOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}],
+}
+
+
+def experiment_schema(
+    catalogue: Mapping[str, type[Driver]], tell: Callable[[str], None] = lambda text: None
+) -> Schema:
+    """The schema of experiment files for these drivers.
+
+    `tell` hears of drivers whose verbs are left out because nobody knows them.
+    """
+    verbs = _verbs(catalogue, tell)
+    robot = {"oneOf": [{"type": "string"}, {"$ref": "#/$defs/robot"}]}
+    return {
+        "$schema": _DIALECT,
+        "title": "woz-tui experiment",
+        **mapping(
+            {
+                "title": {**TEXT, "description": "name of the experiment"},
+                "robot": {
+                    **robot,
+                    "description": f"{SIMULATED}, a robot file, or drivers right here",
+                },
+                "robots": {
+                    "type": "object",
+                    "description": "several robots by name",
+                    "additionalProperties": robot,
+                    "minProperties": 1,
+                },
+                "participants": {
+                    **mapping(
+                        {
+                            "pattern": {
+                                "type": "string",
+                                "description": "regular expression of codes",
+                            }
+                        }
+                    ),
+                    "description": "what participants' codes look like",
+                },
+                "conditions": {
+                    "type": "array",
+                    "items": TEXT,
+                    "uniqueItems": True,
+                    "description": "what differs between participants or trials",
+                },
+                "variables": {
+                    "type": "object",
+                    "description": "values for {name} in utterances; a mapping gives one for each"
+                    " condition",
+                    "propertyNames": {"pattern": "^[A-Za-z_][A-Za-z0-9_]*$"},
+                    "additionalProperties": {"oneOf": [TEXT, BY_CONDITION]},
+                },
+                "language": {
+                    **TEXT,
+                    "description": "in which the console speaks to participants",
+                    "default": DEFAULT,
+                },
+                "keyboard": {"enum": list(LAYOUTS), "description": "the wizard's keyboard"},
+                "session": {
+                    **settings_schema(SessionSettings),
+                    "description": "time limits of the session",
+                },
+                "sensors": {
+                    "type": "array",
+                    "items": TEXT,
+                    "uniqueItems": True,
+                    "description": "what stands first among the sensors on the screen: their"
+                    " names, engagement, pose",
+                },
+                "steps": {
+                    **settings_schema(Steps),
+                    "description": "size of one step of an arrow key",
+                },
+                "engagement": _engagement(),
+                **study_properties(),
+                "panels": {
+                    "type": "array",
+                    "items": {"$ref": "#/$defs/panel"},
+                    "minItems": 1,
+                    "description": "groups of actions, in the order of the screen",
+                },
+                "profiles": {
+                    "type": "object",
+                    "description": "profiles: what a wizard may use, by name",
+                    "additionalProperties": _profile(),
+                },
+                "script": {
+                    "type": "array",
+                    "items": TEXT,
+                    "description": "names of actions; space plays the next one",
+                },
+                "repairs": _repairs(),
+                "phases": {
+                    "type": "array",
+                    "items": _phase(),
+                    "minItems": 1,
+                    "description": "parts of a trial: panels in front, and which phase may follow",
+                },
+            },
+            required=("title", "panels"),
+        ),
+        "oneOf": [{"required": ["robot"]}, {"required": ["robots"]}],
+        "$defs": {
+            "robot": _robot(catalogue),
+            "panel": _panel(),
+            "action": _action(verbs),
+            "step": _step(verbs),
+            "chosen": _CHOSEN,
+        },
+    }
+
+
+def robot_schema(catalogue: Mapping[str, type[Driver]]) -> Schema:
+    """The schema of robot files for these drivers."""
+    return {"$schema": _DIALECT, "title": "woz-tui robot", **_robot(catalogue)}
+
+
+def included_schema(driver: type[Driver], setting: str) -> Schema:
+    """The schema of files in which a setting of this driver may stand (`core.fields.Included`)."""
+    annotation = next(
+        item for item in fields_of(driver.Settings) if item.name == setting
+    ).annotation
+    shape = next(
+        kind for kind in typing.get_args(split(annotation)[0]) if dataclasses.is_dataclass(kind)
+    )
+    assert isinstance(shape, type)
+    return {"$schema": _DIALECT, "title": f"woz-tui {setting}", **settings_schema(shape)}
+
+
+def _robot(catalogue: Mapping[str, type[Driver]]) -> Schema:
+    kinds = [
+        mapping(
+            {
+                "type": {"const": name, "description": driver.summary},
+                **settings_schema(driver.Settings)["properties"],
+            },
+            required=("type", *required(driver.Settings)),
+        )
+        for name, driver in sorted(catalogue.items())
+    ]
+    drivers = {
+        "type": "object",
+        "description": "drivers by name",
+        "minProperties": 1,
+        "propertyNames": {"pattern": "^[A-Za-z][A-Za-z0-9_-]*$"},
+        "additionalProperties": {
+            "type": "object",
+            "required": ["type"],
+            "properties": {"type": {"enum": sorted(catalogue)}},
+            "oneOf": kinds,
+        },
+    }
+    return mapping({"name": TEXT, "drivers": drivers}, required=("drivers",))
+
+
+def _repairs() -> Schema:
+    """The language, and what is said otherwise."""
+    english = Language(None, pathlib.Path(), []).repairs()
+    return {
+        **mapping(
+            {
+                "language": {
+                    **TEXT,
+                    "description": "of the sentences that are not given here; the file's",
+                },
+                "on": {**TEXT, "description": "who speaks, where several drivers can"},
+                "without": {
+                    "type": "array",
+                    "items": {"enum": list(SPOKEN)},
+                    "description": "those that are left out",
+                },
+                **{
+                    name: {
+                        "type": ["string", "object"],
+                        "description": f"in English: {english[name]}",
+                    }
+                    for name in SPOKEN
+                },
+            }
+        ),
+        "description": "moves that save a dialogue; without this section: repeat and interrupt",
+    }
+
+
+def _engagement() -> Schema:
+    """Settings of the model, and steps or names of actions by state."""
+    step: Schema = {"$ref": "#/$defs/step"}
+    entered: Schema = {"oneOf": [TEXT, step]}
+    on_enter = mapping(
+        {
+            state: {"oneOf": [TEXT, step, {"type": "array", "items": entered, "minItems": 1}]}
+            for state in ENTERED
+        }
+    )
+    schema = settings_schema(EngagementSettings)
+    schema["description"] = "engagement model: whether a visitor is engaged with the robot"
+    schema["properties"][ON_ENTER] = {
+        **on_enter,
+        "description": "on entering a state: steps, or names of actions",
+    }
+    return schema
+
+
+def _profile() -> Schema:
+    names: Schema = {"type": "array", "items": TEXT}
+    allowed = {
+        name: {**names, "description": f"{name} that can be used"} for name in PROFILE_FIELDS
+    }
+    return mapping({**allowed, "hide": {**FLAG, "description": "hide what cannot be used"}})
+
+
+def _phase() -> Schema:
+    schema = settings_schema(Phase)
+    del schema["required"]
+    for field in ("on_enter", "after"):
+        described = schema["properties"][field]["description"]
+        schema["properties"][field] = {**_ONE_OR_MORE, "description": described}
+    return {**schema, "anyOf": [{"required": ["name"]}, {"required": ["title"]}]}
+
+
+def _panel() -> Schema:
+    panel = mapping(
+        {
+            "title": {**TEXT, "description": "unique in the file"},
+            "locked": {**FLAG, "description": "locked until the wizard unlocks it"},
+            "covers": {
+                "type": "array",
+                "items": TEXT,
+                "description": "verbs that cannot be sent by hand while the panel is locked",
+            },
+            "actions": {
+                "type": "array",
+                "items": {"$ref": "#/$defs/action"},
+                "description": "buttons, in this order",
+            },
+        },
+        required=("title",),
+    )
+    return {**panel, "anyOf": [{"required": ["actions"]}, {"required": ["covers"]}]}
+
+
+def _action(verbs: Sequence[Verb]) -> Schema:
+    properties = {
+        **_spoken(verbs),
+        "key": _KEY,
+        "label": {**TEXT, "description": "text on the button"},
+        "name": {**TEXT, "description": "name for scripts and programs (default: the label)"},
+        "help": {**TEXT, "description": "a sentence for the wizard"},
+        "locked": {**FLAG, "description": "shown, but cannot be played"},
+        "when_busy": {
+            "enum": list(WHEN_BUSY),
+            "description": "what the key does while the action is running",
+        },
+        "on": _ON,
+        "then": {**_ONE_OR_MORE, "description": "names of actions to be within reach behind it"},
+        "steps": {
+            "type": "array",
+            "items": {"$ref": "#/$defs/step"},
+            "minItems": 1,
+            "description": "steps run one after the other; verbs in one step run at the same time",
+        },
+    }
+    schema = mapping(properties)
+    schema["anyOf"] = [{"required": ["label"]}, {"required": ["name"]}]
+    return schema
+
+
+def _step(verbs: Sequence[Verb]) -> Schema:
+    wait = {**SECONDS, "description": WAIT.summary}
+    schema = mapping({**_spoken(verbs), "on": _ON, "wait": wait})
+    schema["minProperties"] = 1
+    return schema
+
+
+def _spoken(verbs: Sequence[Verb]) -> Schema:
+    """Every verb, and every argument that may stand beside one."""
+    arguments: dict[str, list[tuple[str, Argument]]] = {}
+    for verb in verbs:
+        for argument in verb.arguments:
+            arguments.setdefault(argument.name, []).append((verb.name, argument))
+    properties = {name: _beside(found) for name, found in arguments.items()}
+    for verb in verbs:
+        properties[verb.name] = _verb(verb, properties.get(verb.name))
+    return properties
+
+
+def _beside(found: Sequence[tuple[str, Argument]]) -> Schema:
+    schema = either([_argument(argument) for _, argument in found])
+    owners = ", ".join(dict.fromkeys(verb for verb, _ in found))
+    summary = next((argument.summary for _, argument in found if argument.summary), "")
+    return {**schema, "description": f"{summary} (of {owners})".strip()}
+
+
+def _verb(verb: Verb, as_argument: Schema | None) -> Schema:
+    """The main argument, or a mapping of arguments, or nothing if none is needed."""
+    under = mapping(
+        {
+            **{
+                argument.name: {**_argument(argument), "description": argument.summary}
+                for argument in verb.arguments
+            },
+            "on": _ON,
+        }
+    )
+    if verb.arguments and verb.arguments[0].kind == "joints":
+        under["additionalProperties"] = NUMBER
+    forms: list[Schema] = [under]
+    if verb.arguments:
+        forms.append(_argument(verb.arguments[0]))
+    if not verb.arguments or not verb.arguments[0].required:
+        forms.append({"type": "null"})
+    if not verb.arguments:
+        forms.append({"const": True})
+    if as_argument is not None:
+        forms.append({name: value for name, value in as_argument.items() if name != "description"})
+    return {**either(forms), "description": verb.summary}
+
+
+def _argument(argument: Argument) -> Schema:
+    if argument.kind in ("number", "whole"):
+        kind = "number" if argument.kind == "number" else "integer"
+        return {"type": kind, **bounds(argument.range)}
+    if argument.kind in _KINDS:
+        return _KINDS[argument.kind]
+    text = {"type": "string"} if argument.kind == "file" else TEXT
+    text = {"enum": list(argument.choices)} if argument.choices else text
+    return {"anyOf": [text, {"$ref": "#/$defs/chosen"}]}
+
+
+def _verbs(catalogue: Mapping[str, type[Driver]], tell: Callable[[str], None]) -> list[Verb]:
+    """All verbs of all drivers, one of each name; choices stay open where settings make them."""
+    merged: dict[str, Verb] = {}
+    for name in sorted(catalogue):
+        try:
+            offered = _sample_verbs(catalogue[name])
+        except Exception as error:  # noqa: BLE001 - a plug-in's code
+            tell(
+                f"the verbs of the driver {name!r} are left out:"
+                f" with sample settings it fails: {type(error).__name__}: {error}"
+            )
+            continue
+        for verb in offered:
+            known = merged.get(verb.name)
+            merged[verb.name] = verb if known is None else _merged(known, verb)
+    return [*merged.values(), *map(_opened, session_verbs()), *engagement_verbs()]
+
+
+def _sample_verbs(driver: type[Driver]) -> Iterable[Verb]:
+    """The verbs with settings as a file would give them at least, and those that a switch brings
+    along; may raise anything.
+    """
+    sample = _sample(driver.Settings)
+    offered = [*driver.verbs(sample)]
+    for item in fields_of(driver.Settings):
+        if split(item.annotation)[0] is bool and item.default is False:
+            # Not every switch goes with this sample; then it has nothing to say here.
+            with contextlib.suppress(Exception):
+                offered += driver.verbs(dataclasses.replace(sample, **{item.attribute: True}))
+    return [_opened(verb) for verb in offered]
+
+
+def _opened(verb: Verb) -> Verb:
+    arguments = tuple(dataclasses.replace(argument, choices=()) for argument in verb.arguments)
+    return dataclasses.replace(verb, arguments=arguments)
+
+
+def _merged(one: Verb, other: Verb) -> Verb:
+    """A verb that takes what either takes, ranges left open where they differ."""
+    known = {argument.name: argument for argument in one.arguments}
+    for argument in other.arguments:
+        first = known.setdefault(argument.name, argument)
+        if first.range != argument.range:
+            known[argument.name] = dataclasses.replace(first, range=None)
+    return dataclasses.replace(one, arguments=tuple(known.values()))
+
+
+def _sample(shape: type) -> Any:
+    """An instance with what is required, and with all parts that can be skipped: a robot may
+    have a face, and its editor shall know what faces can do.
+    """
+    given = (item for item in fields_of(shape) if item.required or _part(item.annotation))
+    return shape(**{item.attribute: _sample_value(item.annotation) for item in given})
+
+
+def _part(annotation: Any) -> type | None:
+    """The dataclass of an annotation such as `FaceShape | None`."""
+    bare, _ = split(annotation)
+    if typing.get_origin(bare) not in (typing.Union, types.UnionType):
+        return None
+    kinds = (kind for kind in typing.get_args(bare) if isinstance(kind, type))
+    return next((kind for kind in kinds if dataclasses.is_dataclass(kind)), None)
+
+
+def _sample_value(annotation: Any) -> Any:
+    bare, notes = split(annotation)
+    if (one_of := note(notes, fields.OneOf)) is not None:
+        return one_of.choices[0]
+    if (allowed := note(notes, fields.Range)) is not None and bare in (int, float):
+        return bare(allowed.low if allowed.low is not None else allowed.high or 0)
+    if (part := _part(annotation)) is not None:
+        return _sample(part)
+    origin = typing.get_origin(bare) or bare
+    if origin in (dict, Mapping):
+        return {"sample": _sample_value(typing.get_args(bare)[1])}
+    if dataclasses.is_dataclass(origin) and isinstance(origin, type):
+        return _sample(origin)
+    return {str: "sample", int: 1, float: 1.0, bool: False, tuple: (), list: []}.get(origin)

@@ -1,0 +1,377 @@
+"""Which key plays which action on the wizard's terminal.
+
+Three rounds, so that nobody's key is taken away:
+
+1. the stop and the console's own keys, but for some that yield where an action wants theirs;
+2. every action whose key arrives as itself; then those whose bytes belong to no other key (on a
+   plain terminal ctrl+shift+a sends ctrl+a, which is harmless while nothing is bound to ctrl+a);
+3. whatever is left gets a *reserve key*: what cannot arrive, what sends the bytes of a key that
+   people press for itself (ctrl+1 sends `1`, ctrl+h is backspace), and the later one of two
+   that arrive alike.
+
+So two actions whose keys look alike on a plain terminal are no error: the one that is itself
+keeps the key, the other one gets a reserve. Reserve keys depend on the action's own key, label and
+name and only give way to keys that are bound, so an edit elsewhere in the file leaves them alone.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import string
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Protocol
+
+from woz_tui.config.experiment import Place
+from woz_tui.config.keys.chords import FUNCTION_KEYS, KeyNameError, normal, parsed
+from woz_tui.config.keys.console_keys import BUILTIN, Builtin
+from woz_tui.config.keys.keyboard_layouts import layout_of
+from woz_tui.config.keys.terminals import NOBODYS, STOPS, Reach, Terminal, Verdict, is_stop, reach
+from woz_tui.config.problems import Report, quoted
+from woz_tui.config.yaml_cursor import Spot, read_text, source_of
+from woz_tui.config.yaml_nodes import Scalar, tree
+
+#: Keys that may stand in for others: they arrive on every terminal and belong to experiments.
+_RESERVES = (
+    *string.ascii_lowercase,
+    *string.digits,
+    *FUNCTION_KEYS,
+    *string.ascii_uppercase,
+    *(f"shift+{key}" for key in FUNCTION_KEYS),
+)
+
+
+class Keyed(Protocol):
+    """An action as the key map needs it; `shape.Action` and the console's view of one are."""
+
+    @property
+    def name(self) -> str: ...  # noqa: D102
+    @property
+    def label(self) -> str: ...  # noqa: D102
+    @property
+    def key(self) -> str: ...  # noqa: D102
+
+
+class Group(Protocol):
+    """A panel as the key map needs it."""
+
+    @property
+    def actions(self) -> Sequence[Keyed]: ...  # noqa: D102
+
+
+@dataclass(frozen=True, slots=True)
+class Assigned:
+    """The key of one action (`name`) or of one of the console's own (`name` is its id).
+
+    `wanted` is what the file says; `press` is the key to press here, empty if there is none;
+    `arrives` is what the console will see, `data` the bytes. `reserve`: `press` stands in for
+    `wanted`, for the reason `why`.
+    """
+
+    name: str
+    wanted: str
+    press: str
+    arrives: str = ""
+    data: bytes = b""
+    reserve: bool = False
+    why: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class KeyMap:
+    """Every key on one terminal. The tables are looked up by what arrives (`c r` for two keys)."""
+
+    actions: Mapping[str, Assigned]
+    builtins: Mapping[str, Assigned]
+    #: What arrives -> name of the action.
+    table: Mapping[str, str]
+    #: What arrives -> id of the console's own key.
+    builtin_table: Mapping[str, str]
+    warnings: tuple[str, ...] = ()
+
+
+def key_map(
+    panels: Iterable[Group],
+    terminal: Terminal,
+    layout: str = "us",
+    builtins: Sequence[Builtin] = BUILTIN,
+) -> KeyMap:
+    """Give every action its key; see the module's text for the rules. Never raises."""
+    actions = [action for panel in panels for action in panel.actions]
+    return _Assignment(terminal, layout).run(actions, builtins)
+
+
+class _Assignment:
+    def __init__(self, terminal: Terminal, layout: str) -> None:
+        self._terminal = terminal
+        self._layout = layout
+        self._owners: dict[str, str] = dict.fromkeys(STOPS, "the stop")
+        self._firsts: dict[str, str] = {}
+        self._actions: dict[str, Assigned] = {}
+        self._builtins: dict[str, Assigned] = {}
+        self._why: dict[str, str] = {}
+        self._warnings: list[str] = []
+
+    def run(self, actions: Sequence[Keyed], builtins: Sequence[Builtin]) -> KeyMap:
+        keyed = {action.name: action for action in actions if action.key}
+        self._place_builtins(builtins, {action.key for action in keyed.values()})
+        for nobodys in (False, True):
+            for action in keyed.values():
+                self._place(action, nobodys=nobodys)
+        for item in sorted(builtins, key=lambda item: item.last):
+            if item.id not in self._builtins:
+                self._why[item.id] = self._why.get(item.id) or f"{item.chord} is taken"
+                candidates = (item.chord, *item.reserves) if item.last else item.reserves
+                self._builtins[item.id] = self._reserve(
+                    item.id, item.chord, item.description, candidates
+                )
+        for action in keyed.values():
+            if action.name not in self._actions:
+                given = self._reserve(action.name, action.key, action.label, _candidates(action))
+                self._actions[action.name] = given
+                if not given.press:
+                    self._warnings.append(
+                        f"no key is left for {action.label!r} ({action.key}: {given.why})"
+                    )
+        for action in actions:
+            self._actions.setdefault(action.name, Assigned(action.name, "", ""))
+        return self._result(actions)
+
+    def _result(self, actions: Sequence[Keyed]) -> KeyMap:
+        ordered = {action.name: self._actions[action.name] for action in actions}
+        return KeyMap(
+            actions=ordered,
+            builtins=self._builtins,
+            table={found.arrives: name for name, found in ordered.items() if found.arrives},
+            builtin_table={
+                found.arrives: name for name, found in self._builtins.items() if found.arrives
+            },
+            warnings=tuple(self._warnings),
+        )
+
+    def _place_builtins(self, builtins: Sequence[Builtin], wanted: set[str]) -> None:
+        """The console's keys where they arrive; one moved onto an action's key goes home.
+
+        Those that yield do so to actions, and to others that were moved onto theirs.
+        """
+        homes = {item.id: item.chord for item in BUILTIN}
+        begun = {chord.split(" ")[0] for chord in wanted}
+        for item in sorted(builtins, key=lambda item: item.yields):
+            chord = item.chord
+            if item.last and homes.get(item.id, chord) == chord:
+                self._why[item.id] = f"{chord} is taken"
+                continue
+            if chord in wanted and homes.get(item.id, chord) != chord:
+                self._warnings.append(
+                    f"the keymap puts {item.description!r} on {chord}, which the experiment uses;"
+                    f" it stays on {homes[item.id]}"
+                )
+                chord = homes[item.id]
+            if item.yields and chord in begun:
+                self._why[item.id] = f"the experiment has an action on {chord}"
+                continue
+            found = reach(chord, self._terminal, self._layout)
+            if found.verdict is Verdict.STOP and not item.movable:
+                self._builtins[item.id] = Assigned(item.id, chord, chord, found.arrives, found.data)
+            elif self._free(found):
+                self._own(found.arrives, item.description)
+                self._builtins[item.id] = Assigned(item.id, chord, chord, found.arrives, found.data)
+            else:
+                self._why[item.id] = found.why
+
+    def _place(self, action: Keyed, *, nobodys: bool) -> None:
+        """The action's own key, if it arrives and is free."""
+        if action.name in self._actions:
+            return
+        if is_stop(action.key, self._layout):
+            self._why[action.name] = f"{action.key} means stop"
+            return
+        found = reach(action.key, self._terminal, self._layout)
+        harmless = found.verdict is Verdict.ARRIVES or (
+            nobodys and found.verdict is Verdict.SAME and _harmless(action.key, found)
+        )
+        taken = self._taken(found.arrives)
+        self._why[action.name] = found.why or taken
+        if not harmless or taken:
+            return
+        self._own(found.arrives, action.label)
+        self._actions[action.name] = Assigned(
+            action.name, action.key, action.key, found.arrives, found.data, why=found.why
+        )
+
+    def _free(self, found: Reach) -> bool:
+        return found.verdict is Verdict.ARRIVES and not self._taken(found.arrives)
+
+    def _taken(self, arrives: str) -> str:
+        """Why nothing can be put on this key any more, or nothing."""
+        first, _, second = arrives.partition(" ")
+        owner = self._owners.get(arrives) or (self._owners.get(first) if second else None)
+        if owner is None and not second and arrives in self._firsts:
+            return f"{arrives} begins {self._firsts[arrives]}"
+        if owner is not None:
+            return f"{first if first in self._owners else arrives} already plays {owner!r}"
+        if second in STOPS:
+            return f"{second} means stop"
+        return ""
+
+    def _own(self, arrives: str, owner: str) -> None:
+        self._owners[arrives] = owner
+        if " " in arrives:
+            self._firsts.setdefault(arrives.split(" ", maxsplit=1)[0], repr(owner))
+
+    def _reserve(self, name: str, wanted: str, owner: str, candidates: Iterable[str]) -> Assigned:
+        """The first candidate that arrives, is free and no part of a stop."""
+        why = self._why.get(name, "")
+        for chord in candidates:
+            found = reach(chord, self._terminal, self._layout)
+            if found.why or not self._free(found) or is_stop(chord, self._layout):
+                continue
+            self._own(found.arrives, owner)
+            own = chord == wanted
+            return Assigned(
+                *(name, wanted, chord, found.arrives, found.data),
+                reserve=not own,
+                why="" if own else why,
+            )
+        return Assigned(name, wanted, "", why=why)
+
+
+def _harmless(chord: str, found: Reach) -> bool:
+    """Whether all bytes of the chord belong to it or to no key that people press for itself."""
+    parts = zip(chord.split(" "), found.arrives.split(" "), strict=True)
+    return all(arrives == part or arrives in NOBODYS for part, arrives in parts)
+
+
+def _candidates(action: Keyed) -> Iterator[str]:
+    """Reserve keys in the order in which this action would like them.
+
+    The wanted key without its modifiers, then letters of the label, then an order of its own that
+    is drawn from the name.
+    """
+    base = parsed(action.key.split(" ")[-1]).base
+    liked = [base, base.upper(), *action.label, *action.label.swapcase()]
+    seen = set()
+    for chord in liked:
+        if chord in _RESERVES and chord not in seen:
+            seen.add(chord)
+            yield chord
+    rest = [chord for chord in _RESERVES if chord not in seen]
+    yield from sorted(rest, key=lambda chord: _draw(action.name, chord))
+
+
+def _draw(name: str, chord: str) -> bytes:
+    return hashlib.sha256(f"{name}\0{chord}".encode("utf-8", "replace")).digest()
+
+
+class FileKeys:
+    """The keys that actions of a file have, in their normal form, each with who plays on it."""
+
+    def __init__(self, layout: str) -> None:
+        self._layout = layout
+        self._builtin = {item.chord: item.description for item in BUILTIN if not item.yields}
+        self._played: dict[str, str] = {}
+        self._begun: dict[str, tuple[str, str]] = {}
+
+    def forbidden(self, key: str) -> str:
+        """Why no action can have this key; empty: one can."""
+        first, _, second = key.partition(" ")
+        if is_stop(key, self._layout):
+            where = "" if {first, second} & set(STOPS) else " on some terminals"
+            return f"{key!r} means stop{where}"
+        own = self._builtin.get(first)
+        return "" if own is None else f"{first!r} is the console's own key ({own})"
+
+    def taken(self, key: str) -> str:
+        """Whose key it is already, in words; empty: nobody's."""
+        first, _, second = key.partition(" ")
+        if key in self._played:
+            return f"{key!r} already plays {self._played[key]}"
+        if second and first in self._played:
+            return f"{key!r} can never be completed: {first!r} plays {self._played[first]}"
+        if not second and key in self._begun:
+            whole, who = self._begun[key]
+            return f"{key!r} begins {whole!r}, which plays {who}"
+        return ""
+
+    def take(self, key: str, label: str, place: Place) -> None:
+        """This action has it."""
+        who = f"{quoted(label)} (line {place.line})"
+        self._played[key] = who
+        first, _, second = key.partition(" ")
+        if second:
+            self._begun.setdefault(first, (key, who))
+
+
+def typeable(chord: str, layout: str) -> bool:
+    """Whether the keyboard has every character of the chord."""
+    keyboard = layout_of(layout)
+    return all(
+        press.named or keyboard.gives(press.base)
+        for press in (parsed(part) for part in chord.split(" "))
+    )
+
+
+# -- a wizard's own keymap -------------------------------------------------------------------------
+
+
+def load_keymap(path: Path, layout: str = "us") -> tuple[Builtin, ...]:
+    """The console's keys with this file's changes (`say: ctrl+g`, ids and keys as `woz check` lists
+    them). Raises `ExperimentError` with every problem.
+
+    The stop cannot be moved, and nothing can be put on its bytes.
+    """
+    report = Report()
+    moved = _read(path, layout, report)
+    result = tuple(replace(item, chord=moved.get(item.id, item.chord)) for item in BUILTIN)
+    _no_two_alike(result, moved, report)
+    report.fail()
+    return result
+
+
+def _read(path: Path, layout: str, report: Report) -> dict[str, str]:
+    source = source_of(path, report)
+    root = tree(source, report) if source is not None else None
+    if root is None or (isinstance(root, Scalar) and root.nothing):
+        return {}
+    start = Place(str(path), 1, 1)
+    table = Spot(root, "", start, report).table("a mapping of ids to keys") or {}
+    known = {item.id: item for item in BUILTIN}
+    moved: dict[str, str] = {}
+    for name, spot in table.items():
+        if name not in known:
+            spot.unknown(known, "known are")
+        elif not known[name].movable:
+            spot.error("the key of the stop cannot be changed")
+        elif (chord := _chord(spot, layout)) is not None:
+            moved[name] = chord
+    return moved
+
+
+def _chord(spot: Spot, layout: str) -> str | None:
+    text = read_text(spot, "a key")
+    if text is None:
+        return None
+    try:
+        chord = normal(text, layout)
+    except KeyNameError as error:
+        spot.error(str(error))
+        return None
+    if is_stop(chord, layout):
+        spot.error(f"{quoted(text)} means stop, and nothing else")
+        return None
+    if " " in chord:
+        spot.error("only one key is possible here, not two after each other")
+        return None
+    return chord
+
+
+def _no_two_alike(builtins: tuple[Builtin, ...], moved: dict[str, str], report: Report) -> None:
+    for item in builtins:
+        if item.id not in moved:
+            continue
+        for other in builtins:
+            yields = other.yields and other.id not in moved
+            if other.id != item.id and other.chord == item.chord and not yields:
+                report.error_at(item.id, f"{item.chord!r} already means {other.description!r}")
+                break

@@ -1,0 +1,126 @@
+"""The language of an experiment: what the console shows to participants by itself, and what the
+robot says to save a dialogue.
+
+Files in `woz_tui/languages`, one for each language; `CODE.language.yaml` beside an experiment is
+another language, or has other words for one of ours. What a file leaves out is English.
+"""
+
+from __future__ import annotations
+
+import string
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import msgspec
+
+from woz_tui.config.file_text import Source, SourceError, read
+from woz_tui.config.problems import Report, quoted
+from woz_tui.config.yaml_cursor import Spot, document, read_filled, read_text
+from woz_tui.protocol.welcome import ENGLISH, QuestionnaireWords
+
+FOLDER = Path(__file__).parents[1] / "languages"
+DEFAULT = "en"
+#: Sections of a language file, each with its words.
+QUESTIONNAIRE, REPAIRS = SECTIONS = ("questionnaire", "repairs")
+#: Repairs that have a sentence.
+SPOKEN = ("filler", "yes", "no", "dont_know", "please_repeat")
+_SUFFIX = ".language.yaml"
+
+
+def shipped() -> tuple[str, ...]:
+    """Codes of the languages that come with woz-tui."""
+    return tuple(sorted(path.stem for path in FOLDER.glob("*.yaml")))
+
+
+class Language:
+    """Reads `language` and the files of it; `sources` collects those beside the experiment."""
+
+    def __init__(self, spot: Spot | None, base: Path, sources: list[Source]) -> None:
+        self.code = DEFAULT
+        self._base, self._sources = base, sources
+        self._sections: list[Mapping[str, Spot]] = []
+        code = read_text(spot, "a language, such as de") if spot is not None else None
+        if spot is None or code is None:
+            return
+        self.code = code
+        own = base / f"{code}{_SUFFIX}"
+        beside = _is_code(code) and own.is_file()
+        if beside:
+            self._open(spot, own)
+        if code in shipped():
+            self._sections.append(_ours(code))
+        elif not beside:
+            known = spot.report.hint(code, shipped(), or_list="there are")
+            file = f"; {own.name} beside the experiment would add it" if _is_code(code) else ""
+            spot.error(f"{quoted(code)} is not known{known}{file}")
+
+    def other(self, spot: Spot) -> Language:
+        """Another language for a part of the same experiment."""
+        return Language(spot, self._base, self._sources)
+
+    def _open(self, spot: Spot, path: Path) -> None:
+        try:
+            source = read(path, str(path))
+        except SourceError as error:
+            spot.error(f"{path.name}: {error.message}")
+            return
+        if all(known.path != path for known in self._sources):
+            self._sources.append(source)
+        root = document(source, spot.report, "sections of words, such as questionnaire: {...}")
+        if root is not None and (table := root.fields(SECTIONS, "sections are", "sections")):
+            self._sections.append(table)
+
+    def section(self, name: str) -> Iterator[Spot]:
+        """This section of each file, that beside the experiment first."""
+        return (table[name] for table in self._sections if name in table)
+
+    def questionnaire(self) -> QuestionnaireWords:
+        """What participants read."""
+        words: dict[str, str] = {}
+        fields = QuestionnaireWords.__struct_fields__
+        for section in self.section(QUESTIONNAIRE):
+            table = section.fields(fields, "words are", "words by their names") or {}
+            for name in (name for name in table if name in fields):
+                text = read_filled(table[name])
+                if text is not None and _fits(table[name], text, getattr(ENGLISH, name)):
+                    words.setdefault(name, text)
+        return msgspec.structs.replace(ENGLISH, **words)
+
+    def repairs(self) -> dict[str, str]:
+        """What the robot says to save a dialogue, by the repair's name."""
+        said: dict[str, str] = {}
+        for section in self.section(REPAIRS):
+            table = section.fields(SPOKEN, "repairs are", "sentences by their names") or {}
+            for name in (name for name in table if name in SPOKEN):
+                text = read_filled(table[name])
+                if text is not None:
+                    said.setdefault(name, text)
+        if len(said) < len(SPOKEN):
+            english = _ours(DEFAULT)[REPAIRS].table() or {}
+            said = {name: read_filled(spot) or "" for name, spot in english.items()} | said
+        return said
+
+
+def _ours(code: str) -> Mapping[str, Spot]:
+    """The sections of a language that comes along; it is right, as a test says."""
+    root = document(read(FOLDER / f"{code}.yaml", code), Report(), "sections")
+    return dict(root.entries()) if root is not None else {}
+
+
+def _is_code(text: str) -> bool:
+    """Whether it may be a part of a file's name."""
+    return text.replace("-", "").isalnum()
+
+
+def _fits(spot: Spot, text: str, english: str) -> bool:
+    """Whether all that stands between braces can be filled in."""
+    known = {name for _, name, _, _ in string.Formatter().parse(english) if name}
+    try:
+        wanted = {name for _, name, _, _ in string.Formatter().parse(text) if name is not None}
+    except ValueError:
+        wanted = {""}
+    if wanted <= known:
+        return True
+    allowed = ", ".join(f"{{{name}}}" for name in sorted(known)) or "nothing"
+    spot.error(f"between braces may stand here: {allowed}")
+    return False

@@ -1,0 +1,209 @@
+"""An experiment file and its robot files into an `Experiment`, or every error at once.
+
+`nodes` reads YAML without guessing at types, `robot` decodes the drivers' settings, which decides
+the verbs, `actions` and `calls` read the panels by them, and `cross_checks` looks across it all.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from woz_tui.config import cross_checks, participant_pattern, utterance_template, woz4u
+from woz_tui.config.actions import PanelReader, StepReader, titles
+from woz_tui.config.annotated_decoder import read_section
+from woz_tui.config.command_remarks import Looker
+from woz_tui.config.condition_texts import read_variables
+from woz_tui.config.driver_request_check import check_asks
+from woz_tui.config.engagement_check import check_engagement
+from woz_tui.config.engagement_effects import EngagementReader
+from woz_tui.config.experiment import Action, Experiment, SessionSettings, Steps
+from woz_tui.config.file_text import Source
+from woz_tui.config.keys.keyboard_layouts import LAYOUTS
+from woz_tui.config.languages import Language
+from woz_tui.config.phases import read_phases
+from woz_tui.config.problems import Report, quoted
+from woz_tui.config.profiles import Known, read_profiles
+from woz_tui.config.repairs import SAY, RepairReader
+from woz_tui.config.robots import Offer, RobotReader, Robots
+from woz_tui.config.sensor_names import published_names, read_shown
+from woz_tui.config.session_verbs import ENGAGEMENT, SESSION, engagement_verbs, session_verbs
+from woz_tui.config.study_sections import SECTIONS, Around, read_study
+from woz_tui.config.verb_calls import Vocabulary
+from woz_tui.config.yaml_cursor import (
+    Spot,
+    document,
+    missing,
+    read_text,
+    read_texts,
+    read_word,
+    source_of,
+)
+from woz_tui.config.yaml_nodes import Table
+from woz_tui.drivers.contract import Driver, Verb
+
+#: Everything that an experiment file may say at its top level.
+TOP_LEVEL = (
+    *("title", "robot", "robots", "participants", "conditions", "variables", "keyboard"),
+    *("language", "session", "sensors", "steps", "panels", "script", "phases", "profiles"),
+    *("engagement", "repairs", *SECTIONS),
+)
+
+
+def load(
+    path: Path, catalogue: Mapping[str, type[Driver]], data: bytes | None = None
+) -> Experiment:
+    """Read and check an experiment file with the drivers of `catalogue`; `data` stands for what the
+    file holds.
+
+    Raises `ExperimentError` with every problem of this file and of the robot files that it names,
+    sorted by place. Nothing else is raised, whatever the files hold.
+    """
+    report = Report()
+    source = source_of(path, report, data)
+    wanted = "title, robot and panels, such as title: Museum guide"
+    root = None if source is None else document(source, report, wanted)
+    if source and root and isinstance(root.node, Table) and woz4u.recognised(root.node, TOP_LEVEL):
+        made = woz4u.opened(source, TOP_LEVEL)
+        root, report = made.root, made.report
+    else:
+        report.fail()
+    assert source is not None  # `fail` has raised otherwise
+    assert root is not None
+    experiment = _Decoder(path, catalogue, report, [source]).read(root)
+    report.fail()
+    return experiment
+
+
+class _Decoder:
+    def __init__(
+        self,
+        path: Path,
+        catalogue: Mapping[str, type[Driver]],
+        report: Report,
+        sources: list[Source],
+    ) -> None:
+        self._path = path
+        self._report = report
+        self._sources = sources
+        self._robots = RobotReader(catalogue, path.parent, report, sources)
+
+    def read(self, root: Spot) -> Experiment:
+        table = root.fields(TOP_LEVEL, "an experiment has", "a mapping") or {}
+        title = missing(table, "title", root)
+        robots = self._robots.read(root, table)
+        conditions = tuple(name for _, name in read_texts(table.get("conditions"), once=True))
+        section = table.get("engagement")
+        filled = (
+            *utterance_template.BUILT_IN,
+            *((utterance_template.VISITOR,) if section is not None else ()),
+        )
+        variables = read_variables(table.get("variables"), filled, conditions)
+        language = Language(table.get("language"), self._path.absolute().parent, self._sources)
+        words = language.questionnaire()
+        keyboard = table.get("keyboard")
+        layout = (keyboard and read_word(keyboard, LAYOUTS)) or "us"
+        panels_spot = missing(table, "panels", root)
+        vocabulary = Vocabulary(
+            robots,
+            _own(session_verbs(conditions, titles(panels_spot)), section),
+            dict.fromkeys((*filled, *variables.names)),
+            Looker.of(self._path.absolute().parent, variables, conditions),
+            conditions,
+        )
+        steps = StepReader(vocabulary)
+        panels = PanelReader(steps, layout)
+        read = tuple(panels.read(panels_spot)) if panels_spot is not None else ()
+        offered = [verb for spec in robots.drivers for verb in spec.verbs]
+        known = Known.of(
+            read,
+            [*offered, *(offer.verb for offer in vocabulary.own.values())],
+            complete=not robots.incomplete,
+        )
+        actions = {draft.action.name: draft.action for draft in panels.drafts}
+        reader = EngagementReader(vocabulary, steps, actions)
+        engagement = reader.read(section) if section is not None else None
+        playable = {*known.verbs, *(panel.title for panel in read)} if known.complete else None
+        around = Around(conditions, actions, _published(robots), playable, section is not None)
+        experiment = Experiment(
+            title=(title and read_text(title)) or "",
+            path=self._path.absolute(),
+            sha256=hashlib.sha256(b"".join(source.data for source in self._sources)).hexdigest(),
+            drivers=tuple(robots.drivers),
+            panels=read,
+            script=tuple(name for _, name in read_texts(table.get("script"))),
+            phases=read_phases(table.get("phases"), [panel.title for panel in read], actions),
+            participant_pattern=_pattern(table.get("participants")),
+            conditions=conditions,
+            variables=variables.always,
+            by_condition=variables.by_condition,
+            keyboard=layout,
+            language=language.code,
+            words=words,
+            repairs=RepairReader(vocabulary, steps, language).read(
+                table.get("repairs"),
+                root.place,
+                any(len(texts) > 1 for draft in panels.drafts for texts in _wordings(draft.action)),
+            ),
+            session=read_section(table.get("session"), SessionSettings) or SessionSettings(),
+            sensors=read_shown(table.get("sensors"), _published(robots), section is not None),
+            steps=read_section(table.get("steps"), Steps) or Steps(),
+            profiles=read_profiles(table.get("profiles"), known),
+            engagement=engagement,
+            study=read_study(table, around),
+            files=tuple(source.path.absolute() for source in self._sources),
+            texts=tuple(source.text for source in self._sources),
+        )
+        check_asks(robots, vocabulary.own, actions, self._report)
+        if engagement is not None:
+            check_engagement(engagement, robots, panels.drafts, self._report)
+        cross_checks.across(experiment, panels.drafts, self._report)
+        cross_checks.covers(experiment, known.verbs if known.complete else None, self._report)
+        return replace(experiment, warnings=tuple(self._report.warnings))
+
+
+def _wordings(action: Action) -> Iterable[tuple[str, ...]]:
+    """What may be said in each condition."""
+    for call in action.calls:
+        for choice in call.choices.values() if call.verb == SAY else ():
+            yield from choice.texts.values()
+
+
+def _own(session: Iterable[Verb], engagement: Spot | None) -> dict[str, Offer]:
+    """Verbs that need no driver: the session's, and with its section the engagement model's."""
+    own = {verb.name: Offer(SESSION, verb) for verb in session}
+    if engagement is not None:
+        own |= {verb.name: Offer(ENGAGEMENT, verb) for verb in engagement_verbs()}
+    return own
+
+
+def _published(robots: Robots) -> set[str] | None:
+    """Names of all sensors; None where a driver is missing, because its settings are not right."""
+    if robots.incomplete:
+        return None
+    return {name for own in published_names(robots.drivers).values() for name in own.values()}
+
+
+def _pattern(spot: Spot | None) -> str:
+    default = str(Experiment.__dataclass_fields__["participant_pattern"].default)
+    example = "a mapping, such as {pattern: 'P\\d\\d'}"
+    table = spot.fields(("pattern",), "participants have", example) if spot is not None else None
+    entry = (table or {}).get("pattern")
+    text = read_text(entry, "a regular expression") if entry is not None else None
+    if entry is None or not text:
+        return default
+    try:
+        re.compile(text)
+    except (re.error, OverflowError, RecursionError) as error:
+        entry.error(f"{quoted(text)} is not a regular expression: {error}")
+        return default
+    if participant_pattern.is_slow(text):
+        entry.warning(
+            f"some codes cannot be compared with {quoted(text)} within"
+            f" {participant_pattern.LIMIT_S * 1000:.0f} ms, and are refused;"
+            f" {participant_pattern.SIMPLER}"
+        )
+    return text

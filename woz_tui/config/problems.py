@@ -1,0 +1,244 @@
+"""Collects everything that is wrong with a file, and where each thing of it stands."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+from woz_tui.config.experiment import ExperimentError, Place, Problem
+from woz_tui.config.file_text import Source
+from woz_tui.drivers.secret_arguments import without_passwords
+
+#: A file with more errors than this is another kind of file; the rest is counted, not listed.
+MAX_PROBLEMS = 200
+#: A longer list of choices helps nobody in a terminal.
+MAX_LISTED = 14
+#: Words among which a near one is looked for.
+MAX_COMPARED = 500
+
+
+class Report:
+    """Problems and places of one experiment and the files it names."""
+
+    def __init__(self) -> None:
+        self._problems: dict[Problem, None] = {}
+        self._files: dict[str, int] = {}
+        self._places: dict[tuple[str, str], Place] = {}
+        #: Problems that say what is missing, by file and path of it; and what was there, misspelt.
+        self._missing: dict[Problem, tuple[str, str]] = {}
+        self._misspelt: set[tuple[str, str]] = set()
+        self._said: set[tuple[Place, str]] = set()
+        #: Files that settings stand in, in the order in which they were read.
+        self.included: list[Source] = []
+
+    def file(self, name: str) -> None:
+        """Files are reported in the order in which they were read."""
+        self._files.setdefault(name, len(self._files))
+
+    def put(self, path: str, place: Place) -> None:
+        """Remember where `path` stands in its file."""
+        self._places[place.file, path] = place
+
+    def knows(self, path: str, file: str) -> bool:
+        """Whether `path` itself stands in this file."""
+        return (file, path) in self._places
+
+    def place(self, path: str, file: str | None = None) -> Place:
+        """Where `path` stands, or the nearest thing that holds it.
+
+        `file` is a name as reported; without it the first file read is meant.
+        """
+        name = next(iter(self._files), "") if file is None else file
+        while (name, path) not in self._places:
+            cut = max(path.rfind("."), path.rfind("["))
+            if cut < 0:
+                return Place(name, 1, 1)
+            path = path[:cut]
+        return self._places[name, path]
+
+    def error(self, place: Place, path: str, message: str) -> None:
+        """One more reason why the file cannot be used."""
+        self._add(place, path, message)
+
+    def error_at(self, path: str, message: str, file: str | None = None) -> None:
+        """`error` where `path` stands."""
+        self.error(self.place(path, file), path, message)
+
+    def warning_at(self, path: str, message: str) -> None:
+        """`warning` where `path` stands."""
+        self.warning(self.place(path), path, message)
+
+    def missing(self, place: Place, path: str, message: str, absent: str) -> None:
+        """Like `error`; not shown if `absent`, the path of what is missing, is there misspelt."""
+        self._missing[self._add(place, path, message)] = (place.file, absent)
+
+    def misspelt(self, file: str, path: str) -> None:
+        """`path` is there after all under a name near to its own, which is reported as such."""
+        self._misspelt.add((file, path))
+
+    def warning(self, place: Place, path: str, message: str) -> None:
+        """Something that works but is probably not meant."""
+        self._add(place, path, message, warning=True)
+
+    def says(self, place: Place, message: str) -> bool:
+        """Whether just this has been said of what stands there, by whatever name."""
+        return (place, _shown(message)) in self._said
+
+    @property
+    def errors(self) -> list[Problem]:
+        """Every error so far, sorted by place."""
+        return [
+            problem
+            for problem in self._sorted(warning=False)
+            if self._missing.get(problem) not in self._misspelt
+        ]
+
+    @property
+    def warnings(self) -> list[Problem]:
+        """Every warning so far, sorted by place."""
+        return self._sorted(warning=True)
+
+    def hint(self, wrong: str, known: Iterable[str], *, or_list: str = "") -> str:
+        """`; did you mean 'x'?` for the nearest known word.
+
+        Without a near one `; <or_list>: a, b, c`, if `or_list` is given.
+        """
+        words = list(known)
+        near = self.nearest(wrong, words)
+        if near is not None:
+            return f"; did you mean {near!r}?"
+        return self.choices(or_list, words) if or_list else ""
+
+    def choices(self, what: str, words: Iterable[str]) -> str:
+        """`; <what>: a, b, c`, as long as anybody will read it."""
+        shown = "" if self.hopeless else listed(words)
+        return f"; {what}: {shown}" if shown else ""
+
+    def nearest(self, wrong: str, known: Iterable[str]) -> str | None:
+        """The known word that was probably meant, as long as anybody will read it: looking for
+        near words takes its time.
+        """
+        return None if self.hopeless else nearest(wrong, known)
+
+    @property
+    def hopeless(self) -> bool:
+        """Whether there is more than anybody will read: what takes its time is left out then."""
+        return len(self._problems) > MAX_PROBLEMS
+
+    def fail(self) -> None:
+        """Raise `ExperimentError` if there was any error."""
+        errors = self.errors
+        if len(errors) > MAX_PROBLEMS:
+            last = errors[MAX_PROBLEMS]
+            rest = f"and {len(errors) - MAX_PROBLEMS} more errors"
+            errors = [*errors[:MAX_PROBLEMS], Problem(last.place, last.path, rest)]
+        if errors:
+            raise ExperimentError(errors)
+
+    def _add(self, place: Place, path: str, message: str, *, warning: bool = False) -> Problem:
+        name = _shown(self._named(place, path)) or "file"
+        problem = Problem(place, name, _shown(message), warning)
+        self._problems.setdefault(problem)
+        self._said.add((place, problem.message))
+        return problem
+
+    def _named(self, place: Place, path: str) -> str:
+        """What stands there by the name that the file itself has for it."""
+        return path
+
+    def _sorted(self, *, warning: bool) -> list[Problem]:
+        def rank(problem: Problem) -> tuple[int, int, int, str]:
+            place = problem.place
+            return (self._files.get(place.file, 0), place.line, place.column, problem.path)
+
+        return sorted((p for p in self._problems if p.warning is warning), key=rank)
+
+
+def _shown(text: str) -> str:
+    """Names in a file may hold anything; a line of a report may not. It is read by others, too."""
+    text = without_passwords(text)
+    if text.isprintable():
+        return text
+    return "".join(
+        sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in text
+    )
+
+
+def join(path: str, name: str) -> str:
+    """The path of the entry `name` below `path`."""
+    return f"{path}.{name}" if path else name
+
+
+def hint(wrong: str, known: Iterable[str]) -> str:
+    """`; did you mean 'x'?` for the nearest known word, or nothing."""
+    near = nearest(wrong, known)
+    return "" if near is None else f"; did you mean {near!r}?"
+
+
+#: Words that people write for ours.
+_MEANT = {
+    ours: theirs.split()
+    for ours, theirs in {
+        "say": "speech speak says text tts talk utter utterance sentence",
+        "play": "gesture animation anim motion movement do",
+        "sound": "audio wav music beep",
+        "emotion": "face expression mood feeling",
+        "pose": "posture joints position",
+        "gaze": "look look_at eyes",
+        "home": "rest reset neutral",
+        "mark": "marker bookmark",
+        "wait": "pause sleep delay",
+        "steps": "sequence then do",
+        "label": "caption button title text name",
+        "help": "description tooltip comment",
+        "key": "hotkey shortcut keys binding",
+        "title": "name experiment study",
+        "robot": "robots device devices driver drivers",
+        "drivers": "devices hardware",
+        "panels": "panel groups pages boards buttons",
+        "actions": "buttons items entries lines commands",
+        "script": "scenario sequence order playlist",
+        "phases": "stages sections parts blocks chapters",
+        "repairs": "fallbacks fillers repair",
+        "language": "lang locale",
+        "keyboard": "layout",
+        "conditions": "condition groups levels arms",
+        "participants": "participant subjects pattern",
+        "variables": "vars values parameters",
+        "design": "counterbalancing counterbalance randomization order",
+        "questionnaires": "questionnaire survey surveys questions",
+        "items": "questions",
+        "preflight": "checklist checks",
+        "training": "practice tutorial",
+        "engagement": "attention interaction",
+        "locked": "disabled hidden",
+        "trials": "repetitions",
+        "seconds": "duration",
+    }.items()
+}
+
+
+def nearest(wrong: str, known: Iterable[str]) -> str | None:
+    """The known word that was probably meant, if one means the same or is near enough."""
+    words = list(dict.fromkeys(known))
+    said = wrong.casefold().replace("-", "_")
+    for ours, theirs in _MEANT.items():
+        if said in theirs and ours in words and said not in words:
+            return ours
+    folded = {word.casefold(): word for word in reversed(words[:MAX_COMPARED])}
+    near = difflib.get_close_matches(wrong.casefold()[:80], folded, n=1, cutoff=0.6)
+    return folded[near[0]] if near else None
+
+
+def listed(words: Iterable[str]) -> str:
+    """`a, b, c`, and dots if there are many more."""
+    shown = list(dict.fromkeys(words))
+    dots = ", ..." if len(shown) > MAX_LISTED else ""
+    return ", ".join(shown[:MAX_LISTED]) + dots
+
+
+def quoted(text: str, limit: int = 40) -> str:
+    """`text` in quotes and on one line, shortened. A password goes while it is still whole."""
+    text = without_passwords(text)
+    shown = text if len(text) <= limit else text[: limit - 3] + "..."
+    return repr(shown)

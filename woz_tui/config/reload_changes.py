@@ -1,0 +1,261 @@
+"""What changed between two readings of an experiment, in words."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from woz_tui.config.experiment import (
+    Action,
+    Call,
+    DriverSpec,
+    Engagement,
+    Experiment,
+    Step,
+    Wait,
+)
+from woz_tui.config.study import Study
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """`changes`: every difference in words, those of the drivers first; `telling`: those of them
+    that may tell which condition is which.
+
+    `drivers`: the differences of the drivers alone. They cannot be swapped in a running session,
+    so a reload is possible only if there are none.
+    """
+
+    changes: tuple[str, ...]
+    drivers: tuple[str, ...]
+    telling: tuple[str, ...] = ()
+
+    @property
+    def reloadable(self) -> bool:
+        """Whether a running session can take the new file over."""
+        return not self.drivers
+
+
+def compare(old: Experiment, new: Experiment) -> Difference:
+    """The differences between two readings."""
+    drivers = tuple(_drivers(old, new))
+    telling = (*_conditions(old, new), *_part("design", old.study, new.study))
+    return Difference((*drivers, *_rest(old, new)), drivers, telling)
+
+
+def _drivers(old: Experiment, new: Experiment) -> Iterable[str]:
+    before = {spec.name: spec for spec in old.drivers}
+    after = {spec.name: spec for spec in new.drivers}
+    yield from _came_and_went("driver", before, after)
+    for name, spec in after.items():
+        if name in before:
+            yield from _driver(before[name], spec)
+
+
+def _driver(old: DriverSpec, new: DriverSpec) -> Iterable[str]:
+    if old.type != new.type:
+        yield f"driver {new.name!r} is of type {new.type}, it was {old.type}"
+    elif old.settings != new.settings:
+        changed = [
+            name
+            for name in getattr(new.settings, "__dataclass_fields__", {})
+            if getattr(old.settings, name) != getattr(new.settings, name)
+        ]
+        yield f"driver {new.name!r} has other settings: {', '.join(changed)}"
+
+
+def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
+    if old.title != new.title:
+        yield f"title is {new.title!r}, it was {old.title!r}"
+    for what in (
+        *("participant_pattern", "language", "words", "keyboard", "session", "sensors", "steps"),
+    ):
+        if getattr(old, what) != getattr(new, what):
+            yield f"{what.replace('_', ' ')} changed"
+    yield from _conditions(old, new)
+    yield from _entries(
+        "variable",
+        {**old.variables, **old.by_condition},
+        {**new.variables, **new.by_condition},
+    )
+    if old.engagement is not None and new.engagement is not None:
+        yield from _engagement(old.engagement, new.engagement)
+    elif old.engagement is not new.engagement:
+        yield f"engagement is {'new' if old.engagement is None else 'removed'}"
+    yield from _entries(
+        "repair",
+        {action.label: _essences(action) for action in old.repairs},
+        {action.label: _essences(action) for action in new.repairs},
+    )
+    yield from _entries("profile", old.profiles, new.profiles)
+    yield from _study(old.study, new.study)
+    yield from _entries(
+        "phase",
+        {phase.name: phase for phase in old.phases},
+        {phase.name: phase for phase in new.phases},
+    )
+    before, after = ({phase.name: None for phase in each.phases} for each in (old, new))
+    if [name for name in before if name in after] != [name for name in after if name in before]:
+        yield "phases are in another order"
+    yield from _panels(old, new)
+    yield from _actions(old, new)
+    if old.script != new.script:
+        yield (
+            f"script has {len(new.script)} lines, it had {len(old.script)}"
+            if len(new.script) != len(old.script)
+            else "script changed"
+        )
+
+
+def _conditions(old: Experiment, new: Experiment) -> Iterable[str]:
+    if old.conditions != new.conditions:
+        yield f"conditions are {', '.join(new.conditions) or 'none'}"
+
+
+def _engagement(old: Engagement, new: Engagement) -> Iterable[str]:
+    for what in _settings(old.settings, new.settings):
+        yield f"engagement: {what}"
+    before = {action.name: action for action in old.effects.values()}
+    after = {action.name: action for action in new.effects.values()}
+    yield from _came_and_went("effect", before, after)
+    for name, action in after.items():
+        if name in before and _essences(before[name]) != _essences(action):
+            yield f"effect {name!r} does something else"
+    for state in dict.fromkeys([*old.plays, *new.plays]):
+        was, now = old.plays.get(state, ()), new.plays.get(state, ())
+        if was != now:
+            yield f"on {state} plays {_listed(now)}, it was {_listed(was)}"
+
+
+def _study(old: Study, new: Study) -> Iterable[str]:
+    """What is under way goes on: a participant's order, an open questionnaire's items."""
+    for part in ("design", "shaping", "perception"):
+        yield from _part(part, old, new)
+    yield from _entries(
+        "questionnaire",
+        {each.name: each for each in old.questionnaires},
+        {each.name: each for each in new.questionnaires},
+    )
+    yield from _entries("preflight", dict.fromkeys(old.preflight), dict.fromkeys(new.preflight))
+    if old.answers != new.answers:
+        yield "answers changed"
+    if old.training != new.training:
+        yield "training changed"
+
+
+def _part(part: str, old: Study, new: Study) -> Iterable[str]:
+    was, now = getattr(old, part), getattr(new, part)
+    if was is None or now is None:
+        yield from () if was is now else (f"{part} is {'new' if was is None else 'removed'}",)
+    else:
+        yield from (f"{part}: {what}" for what in _settings(was, now))
+
+
+def _settings(old: object, new: object, prefix: str = "") -> Iterable[str]:
+    """`gaze.samples 9, it was 8`: each setting that differs, those of its parts included."""
+    for item in dataclasses.fields(new) if dataclasses.is_dataclass(new) else ():
+        was, now = getattr(old, item.name), getattr(new, item.name)
+        if dataclasses.is_dataclass(now):
+            yield from _settings(was, now, f"{prefix}{item.name}.")
+        elif was != now:
+            yield f"{prefix}{item.name} {_said(now)}, it was {_said(was)}"
+
+
+def _said(value: object) -> str:
+    """A setting's value as a file would have it."""
+    match value:
+        case None:
+            return "not set"
+        case bool():
+            return "on" if value else "off"
+        case float():
+            return f"{value:g}"
+        case tuple():
+            return _listed(value)
+        case Mapping():
+            return _listed([f"{name} {each}" for name, each in value.items()])
+        case _:
+            return str(value) or "not set"
+
+
+def _listed(values: Sequence[object]) -> str:
+    return ", ".join(map(str, values)) or "nothing"
+
+
+def _panels(old: Experiment, new: Experiment) -> Iterable[str]:
+    before = {panel.title: panel for panel in old.panels}
+    after = {panel.title: panel for panel in new.panels}
+    yield from _came_and_went("panel", before, after)
+    for title, panel in after.items():
+        if title in before and before[title].locked != panel.locked:
+            yield f"panel {title!r} is {'locked' if panel.locked else 'unlocked'}"
+        if title in before and before[title].covers != panel.covers:
+            yield f"the lock of panel {title!r} covers {', '.join(panel.covers) or 'no verbs'}"
+    common = [title for title in before if title in after]
+    if common != [title for title in after if title in before]:
+        yield "panels are in another order"
+
+
+def _actions(old: Experiment, new: Experiment) -> Iterable[str]:
+    before = {action.name: action for panel in old.panels for action in panel.actions}
+    after = {action.name: action for panel in new.panels for action in panel.actions}
+    yield from _came_and_went("action", before, after)
+    for name, action in after.items():
+        if name in before:
+            parts = list(_action(before[name], action))
+            if parts:
+                yield f"action {name!r}: {', '.join(parts)}"
+    for title in dict.fromkeys(panel.title for panel in new.panels):
+        kept = [action.name for action in before.values() if _stayed(action, after, title)]
+        now = [action.name for action in after.values() if _stayed(action, before, title)]
+        if kept != now:
+            yield f"panel {title!r} has its actions in another order"
+
+
+def _stayed(action: Action, others: Mapping[str, Action], title: str) -> bool:
+    other = others.get(action.name)
+    return other is not None and action.panel == title == other.panel
+
+
+def _action(old: Action, new: Action) -> Iterable[str]:
+    if old.key != new.key:
+        yield f"key {new.key or 'none'}, was {old.key or 'none'}"
+    for what in ("label", "panel", "when_busy"):
+        if getattr(old, what) != getattr(new, what):
+            yield f"{what.replace('_', ' ')} {getattr(new, what)!r}"
+    if old.locked != new.locked:
+        yield "locked" if new.locked else "unlocked"
+    if old.then != new.then:
+        yield f"then {_listed(new.then)}"
+    if old.help != new.help:
+        yield "help changed"
+    if _essences(old) != _essences(new):
+        yield "does something else"
+
+
+def _essences(action: Action) -> list[object]:
+    return [*map(_essence, action.steps)]
+
+
+def _essence(step: Step) -> object:
+    """A step without its place in the file, which moves with every line above it."""
+    return step.seconds if isinstance(step, Wait) else [_spoken(call) for call in step.calls]
+
+
+def _spoken(call: Call) -> tuple[str, str, dict[str, object]]:
+    return call.driver, call.verb, {**call.args, **call.choices}
+
+
+def _entries(what: str, old: Mapping[str, object], new: Mapping[str, object]) -> Iterable[str]:
+    yield from _came_and_went(what, old, new)
+    yield from (
+        f"{what} {name!r} changed" for name in new if name in old and old[name] != new[name]
+    )
+
+
+def _came_and_went(
+    what: str, old: Mapping[str, object], new: Mapping[str, object]
+) -> Iterable[str]:
+    yield from (f"{what} {name!r} was removed" for name in old if name not in new)
+    yield from (f"{what} {name!r} is new" for name in new if name not in old)

@@ -1,0 +1,96 @@
+"""Moves that save a dialogue: the section `repairs`, and what every file has without it.
+
+A file without the section gets those that bring no sentence of their own into a study: the last
+sentence again, and the interruption.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping
+
+from woz_tui.config.actions import StepReader
+from woz_tui.config.experiment import Action, Place, Step
+from woz_tui.config.languages import SPOKEN, Language
+from woz_tui.config.verb_calls import Vocabulary
+from woz_tui.config.yaml_cursor import Spot, read_texts
+from woz_tui.config.yaml_nodes import Scalar, Table
+
+#: The panel of these actions in the log.
+PANEL = "Repairs"
+SAY = "say"
+REPEAT, REWORD, INTERRUPT = "repair repeat", "repair reword", "repair interrupt"
+#: What stands on the screen.
+LABELS: Mapping[str, str] = {
+    REPEAT: "repeat",
+    REWORD: "other words",
+    "repair filler": "filler",
+    "repair yes": "yes",
+    "repair no": "no",
+    "repair dont_know": "don't know",
+    "repair please_repeat": "again?",
+    INTERRUPT: "interrupt",
+}
+FIELDS = ("language", "on", "without", *SPOKEN)
+
+
+class RepairReader:
+    """Reads the section.
+
+    Args:
+        vocabulary: The verbs there are.
+        steps: Reads what a repair does.
+        language: The experiment's.
+    """
+
+    def __init__(self, vocabulary: Vocabulary, steps: StepReader, language: Language) -> None:
+        self._vocabulary = vocabulary
+        self._steps = steps
+        self._language = language
+
+    def read(self, spot: Spot | None, place: Place, variants: bool) -> tuple[Action, ...]:
+        """All repairs of the file; none where nobody can speak. `variants`: some sentence of
+        the file has several wordings.
+        """
+        if not self._vocabulary.offers(SAY):
+            if spot is not None and not self._vocabulary.robots.incomplete:
+                spot.error(f"no driver of this robot offers {SAY!r}")
+            return ()
+        spoken = list(self._spoken(spot)) if spot is not None else []
+        found = [_action(REPEAT, place)]
+        if variants and spot is not None:
+            found.append(_action(REWORD, place))
+        return (*found, *spoken, _action(INTERRUPT, place))
+
+    def _spoken(self, spot: Spot) -> Iterator[Action]:
+        table = spot.fields(FIELDS, "repairs have", "a mapping, such as {language: en}") or {}
+        language = table.get("language")
+        chosen = self._language if language is None else self._language.other(language)
+        lines = chosen.repairs()
+        left_out = set(self._left_out(table.get("without")))
+        for name in SPOKEN:
+            if name in left_out:
+                continue
+            given = table.get(name)
+            at = given or spot.at(name, Scalar(spot.place, lines[name], plain=False), spot.place)
+            step = self._step(at, table.get("on"))
+            if step is not None:
+                yield _action(f"repair {name}", at.place, step)
+
+    def _left_out(self, spot: Spot | None) -> Iterable[str]:
+        for entry, name in read_texts(spot, f"a list of {', '.join(SPOKEN)}", "a repair"):
+            if name not in SPOKEN:
+                entry.unknown(SPOKEN, "repairs are")
+            yield name
+
+    def _step(self, spot: Spot, on: Spot | None) -> Step | None:
+        """A sentence, with its wordings if it has several, or verbs that begin together."""
+        verbs: Collection[str] = self._vocabulary.names
+        if isinstance(spot.node, Table) and any(name in verbs for name in spot.node.entries):
+            table = dict(spot.entries())
+        else:
+            table = {SAY: spot}
+        return self._steps.together(spot, table, on)
+
+
+def _action(name: str, place: Place, *steps: Step) -> Action:
+    return Action(name, LABELS[name], "", PANEL, steps, place)

@@ -1,0 +1,294 @@
+"""Robots and their drivers: from files or inline, each driver's settings decoded by its class."""
+
+from __future__ import annotations
+
+import functools
+import re
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from woz_tui.config.annotated_decoder import BAD, noted, read_settings
+from woz_tui.config.experiment import DriverSpec
+from woz_tui.config.file_text import Source, SourceError, read
+from woz_tui.config.problems import Report, join, quoted
+from woz_tui.config.session_verbs import PERFORMERS, SESSION
+from woz_tui.config.yaml_cursor import (
+    Spot,
+    document,
+    missing,
+    named_source,
+    read_text,
+    source_of,
+)
+from woz_tui.config.yaml_nodes import Node, Table, tree
+from woz_tui.drivers.contract import Ask, Driver, Finding, Verb, Written
+from woz_tui.drivers.fields import Range, Sibling
+
+#: A robot that needs no hardware and no file: one driver of the same type, called `robot`.
+SIMULATED = "simulated"
+
+Look = Callable[[Written], Iterable[Finding]]
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,31}")
+_NAME_RULE = "a name has letters, digits, _ and -, and begins with a letter"
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """A verb of one driver; `joints` with their ranges in degrees if the driver tells, and `look`,
+    what it says of a command that is only written (`experiment.remarks`).
+    """
+
+    driver: str
+    verb: Verb
+    joints: Mapping[str, Range] | None = None
+    look: Look | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Asking:
+    """What a driver will ask for, each ask with the path of its setting below `path` in `file`."""
+
+    driver: str
+    path: str
+    file: str
+    asks: tuple[tuple[str, Ask], ...]
+
+
+@dataclass(slots=True)
+class Robots:
+    """Everything the robots of an experiment bring along."""
+
+    drivers: list[DriverSpec] = field(default_factory=list)
+    offers: dict[str, list[Offer]] = field(default_factory=dict)
+    asking: list[Asking] = field(default_factory=list)
+    #: Robot names, if there are several robots.
+    names: list[str] = field(default_factory=list)
+    #: Whether some driver could not be decoded, so that verbs may be missing.
+    incomplete: bool = False
+
+
+class RobotReader:
+    """Reads `robot:` or `robots:` of one experiment; `sources` collects the files it opens."""
+
+    def __init__(
+        self,
+        catalogue: Mapping[str, type[Driver]],
+        base: Path,
+        report: Report,
+        sources: list[Source],
+    ) -> None:
+        self._catalogue = catalogue
+        self._base = base
+        self._report = report
+        self._sources = sources
+        self._robots = Robots()
+
+    def read(self, root: Spot, table: dict[str, Spot]) -> Robots:
+        """Takes `robot` and `robots` out of the experiment's top level."""
+        one, many = table.pop("robot", None), table.pop("robots", None)
+        if one is not None and many is not None:
+            many.error("write either robot or robots, not both")
+            self._robots.incomplete = True
+        elif one is not None:
+            self._robot(one, "")
+        elif many is not None:
+            self._several(many)
+        else:
+            missing({}, "robot", root, "robot: simulated needs no hardware")
+            self._robots.incomplete = True
+        return self._robots
+
+    def read_file(self, root: Spot) -> Robots:
+        """The drivers of a robot file, whose top level `root` is."""
+        self._drivers(root, "")
+        return self._robots
+
+    def _several(self, spot: Spot) -> None:
+        table = spot.table("a mapping such as {left: robots/a.yaml, right: simulated}")
+        if table is None:
+            self._robots.incomplete = True
+            return
+        if not table:
+            spot.error("a robot is missing here")
+        for name, entry in table.items():
+            if _named(entry, name):
+                self._robots.names.append(name)
+            self._robot(entry, f"{name}.")
+
+    def _robot(self, spot: Spot, prefix: str) -> None:
+        """One robot: a word, a file or a mapping."""
+        before = len(self._robots.drivers)
+        if isinstance(spot.node, Table):
+            self._drivers(spot, prefix)
+        else:
+            self._robot_by_name(spot, prefix)
+        if len(self._robots.drivers) == before:
+            self._robots.incomplete = True
+
+    def _robot_by_name(self, spot: Spot, prefix: str) -> None:
+        text = read_text(spot, "a robot file, the word simulated, or a mapping of drivers")
+        if text == SIMULATED:
+            settings: Node = Table(spot.place)
+            self._driver(
+                Spot(settings, spot.path, spot.place, spot.report), f"{prefix}robot", SIMULATED
+            )
+        elif text is not None:
+            self._file(spot, text, prefix)
+
+    def _file(self, spot: Spot, text: str, prefix: str) -> None:
+        source = named_source(spot, text, self._base, lambda: self._file_hint(text))
+        if source is None:
+            return
+        self._opened(source)
+        root = document(source, self._report, "a mapping with drivers")
+        if root is not None:
+            self._drivers(root, prefix)
+
+    def _opened(self, source: Source) -> None:
+        """A file that belongs to the experiment from now on."""
+        if all(known.path != source.path for known in self._sources):
+            self._sources.append(source)
+
+    def _file_hint(self, text: str) -> str:
+        """Robot files that lie about, for a misspelt name."""
+        try:
+            folder = (self._base / text).parent
+            near = [folder, self._base, self._base / "robots"]
+            found = [
+                str(file.relative_to(self._base))
+                for place in near
+                if place.is_dir()
+                for file in sorted(place.glob("*.y*ml"))[:100]
+                if file.is_relative_to(self._base)
+            ]
+        except (OSError, ValueError):
+            found = []
+        return self._report.hint(text, [SIMULATED, *found])
+
+    def _drivers(self, spot: Spot, prefix: str) -> None:
+        """`{name: ..., drivers: {head: {type: ..., settings}, ...}}`."""
+        table = spot.fields(("name", "drivers"), "a robot has", "a mapping with drivers")
+        if table is None:
+            return
+        if "name" in table:
+            read_text(table["name"])
+        drivers = missing(table, "drivers", spot, "drivers: {head: {type: ...}}")
+        before = len(self._robots.drivers)
+        entries = drivers.table("a mapping of drivers by name") if drivers is not None else None
+        if drivers is not None and entries is not None and not entries:
+            drivers.error("a driver is missing here")
+        for driver, entry in (entries or {}).items():
+            if _named(entry, driver):
+                self._typed_driver(entry, f"{prefix}{driver}")
+        for spec in self._robots.drivers[before:]:
+            own = spec.name.removeprefix(prefix)
+            self._siblings(spec, (entries or {})[own].path, own, [*(entries or {})])
+
+    def _siblings(self, spec: DriverSpec, path: str, own: str, known: list[str]) -> None:
+        """Settings that name another driver of the same robot."""
+        others = [driver for driver in known if driver != own]
+        for setting, name in noted(spec.settings, Sibling):
+            if name not in others:
+                near = self._report.hint(name, others, or_list="there are")
+                self._report.error_at(
+                    join(path, setting),
+                    f"this robot has no other driver called {quoted(name)}{near}",
+                    spec.place.file,
+                )
+
+    def _typed_driver(self, spot: Spot, name: str) -> None:
+        before = len(self._robots.drivers)
+        table = spot.table("a mapping with type and settings")
+        kind_spot = None if table is None else missing(table, "type", spot, "which driver it is")
+        kind = None if kind_spot is None else read_text(kind_spot, "the driver's type")
+        if kind_spot is not None and kind is not None:
+            if kind in self._catalogue:
+                self._driver(spot, name, kind)
+            else:
+                near = self._report.hint(kind, self._catalogue, or_list="installed are")
+                kind_spot.error(f"there is no driver of type {quoted(kind)}{near}")
+        if len(self._robots.drivers) == before:
+            self._robots.incomplete = True
+
+    def _driver(self, spot: Spot, name: str, kind: str) -> None:
+        """Settings, verbs and sensors of one driver. Its code may be a stranger's."""
+        try:
+            driver = self._catalogue[kind]
+        except KeyError:
+            spot.error(f"there is no driver of type {quoted(kind)}")
+            return
+        except Exception as error:  # noqa: BLE001 - a plug-in that cannot be imported
+            spot.error(str(error) or type(error).__name__)
+            return
+        settings = read_settings(spot, driver.Settings, others=("type",))
+        for source in self._report.included:
+            self._opened(source)
+        if settings is BAD:
+            self._robots.incomplete = True
+            return
+        try:
+            spec = DriverSpec(
+                name=name,
+                type=kind,
+                settings=settings,
+                verbs=tuple(driver.verbs(settings)),
+                sensors=tuple(driver.sensors(settings)),
+                place=spot.place,
+            )
+            joints = driver.joints(settings)
+            asks = tuple(driver.asks(settings))
+        except Exception as error:  # noqa: BLE001 - a plug-in's code
+            spot.error(f"the driver {kind!r} fails with these settings: {error!r}")
+            return
+        self._robots.drivers.append(spec)
+        if asks:
+            self._robots.asking.append(Asking(name, spot.path, spot.place.file, asks))
+        look = functools.partial(driver.remarks, settings)
+        for verb in spec.verbs:
+            offer = Offer(name, verb, joints, look)
+            self._robots.offers.setdefault(verb.name, []).append(offer)
+
+
+def _named(spot: Spot, name: str) -> bool:
+    if name in PERFORMERS:
+        itself = "the session itself" if name == SESSION else "the engagement model"
+        spot.error(f"{name!r} is already the name of {itself}; choose another name")
+        return False
+    if not _NAME.fullmatch(name):
+        spot.error(_NAME_RULE)
+        return False
+    return True
+
+
+# -- a robot file by itself ------------------------------------------------------------------------
+
+
+def is_robot(path: Path) -> bool:
+    """Whether a file is a robot's (a mapping with `drivers`) and not an experiment.
+
+    What cannot be read is neither; whoever loads it then says what is wrong with it.
+    """
+    try:
+        source = read(path, str(path))
+    except SourceError:
+        return False
+    node = tree(source, Report())
+    return isinstance(node, Table) and "drivers" in node.entries and "panels" not in node.entries
+
+
+def load_robot(path: Path, catalogue: Mapping[str, type[Driver]]) -> tuple[DriverSpec, ...]:
+    """The drivers of a robot file, named as the file names them.
+
+    Raises `ExperimentError` with every problem of the file, sorted by place, and nothing else.
+    """
+    report = Report()
+    source = source_of(path, report)
+    root = None if source is None else document(source, report, "a mapping with drivers")
+    report.fail()
+    assert source is not None  # `fail` has raised otherwise
+    assert root is not None
+    robots = RobotReader(catalogue, path.parent, report, [source]).read_file(root)
+    report.fail()
+    return tuple(robots.drivers)

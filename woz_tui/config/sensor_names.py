@@ -1,0 +1,72 @@
+"""What sensors are called where several drivers have one of the same name; which stand first."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Sequence
+
+from woz_tui.config.experiment import DriverSpec
+from woz_tui.config.problems import quoted
+from woz_tui.config.yaml_cursor import Spot, read_texts
+
+#: What may be named among the sensors though it is none: the model, and all joints.
+ENGAGEMENT, POSE = "engagement", "pose"
+
+
+def published_names(specs: Sequence[DriverSpec]) -> dict[str, dict[str, str]]:
+    """For each driver, its sensors' own names and the names under which they are published.
+
+    A name that only one driver has stays as it is. A shared one gets the robot's name in front
+    (`left.distance`), or the driver's where one robot has two of them (`front.distance`).
+    """
+    owners = Counter(sensor for spec in specs for sensor in set(spec.sensors))
+    in_robot = Counter((_robot(spec), sensor) for spec in specs for sensor in set(spec.sensors))
+    return {
+        spec.name: {
+            sensor: _name(spec, sensor, owners[sensor], in_robot[_robot(spec), sensor])
+            for sensor in spec.sensors
+        }
+        for spec in specs
+    }
+
+
+def _robot(spec: DriverSpec) -> str:
+    """The robot of a driver called `left.head`; with one robot drivers have simple names."""
+    robot, dot, _ = spec.name.partition(".")
+    return robot if dot else ""
+
+
+def _name(spec: DriverSpec, sensor: str, everywhere: int, in_robot: int) -> str:
+    if everywhere == 1:
+        return sensor
+    if in_robot == 1 and _robot(spec):
+        return f"{_robot(spec)}.{sensor}"
+    return f"{spec.name}.{sensor}"
+
+
+def read_shown(
+    spot: Spot | None, published: Collection[str] | None, has_model: bool
+) -> tuple[str, ...]:
+    """The section `sensors`: what stands first among the meters.
+
+    `published`: names of all sensors; None where a driver is missing. What none of them is near to
+    may be something that only the running robot knows.
+    """
+    wanted = read_texts(spot, "a list, such as [engagement, distance, loudness]", once=True)
+    known = {ENGAGEMENT, POSE}
+    for name in published or ():
+        known |= {name, name.rpartition(".")[2], name.rpartition(".")[0]} - {""}
+    for entry, name in wanted:
+        near = entry.report.nearest(name, known)
+        if name == ENGAGEMENT and not has_model:
+            entry.warning("nothing shows it: the file has no section engagement")
+        elif name in known or published is None:
+            continue
+        elif near is not None:
+            entry.error(f"there is no sensor {quoted(name)}; did you mean {near!r}?")
+        else:
+            entry.warning(
+                f"no driver names a sensor {quoted(name)}; it is shown if the running robot gives"
+                " it (`woz check --all` lists them)"
+            )
+    return tuple(name for _, name in wanted)

@@ -1,0 +1,112 @@
+"""What a wizard may say of a sign: the values of the verb `sense`, and what of `filter` fits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from woz_tui.config import utterance_template
+from woz_tui.config.engagement import FILTERS, SIGNS, UNKNOWN
+from woz_tui.config.visitor_names import name_of, word_of
+from woz_tui.protocol.messages import Json
+
+#: Gives a sign back to its sensor.
+SENSOR = "sensor"
+_VERDICTS = {"on": True, "off": False}
+
+
+def sensed(sign: str, value: str) -> bool | float | str | None:
+    """The verdict (True, False), metres, a name, or None for the sensor's own.
+
+    Raises `ValueError` with a sentence for what makes no sense of this sign.
+    """
+    if value == SENSOR:
+        return None
+    if sign == "identity":
+        if value.strip() and value not in _VERDICTS:
+            return value
+        raise ValueError(f"identity is a name, {UNKNOWN} or {SENSOR}, not {value!r}")
+    if value in _VERDICTS:
+        return _VERDICTS[value]
+    if sign == "distance":
+        return _metres(value)
+    raise ValueError(f"{sign} is on, off or {SENSOR}, not {value!r}")
+
+
+def _metres(value: str) -> float:
+    try:
+        metres = float(value)
+    except ValueError:
+        metres = math.nan
+    if not (math.isfinite(metres) and metres >= 0):
+        raise ValueError(f"distance is on, off, {SENSOR} or a number of metres, not {value!r}")
+    return metres
+
+
+def identity_of(value: str) -> str:
+    """The name that the wizard gives, or "Unknown". Raises `BadNameError` for what is neither."""
+    return UNKNOWN if value.strip().casefold() == UNKNOWN.casefold() else name_of(value)
+
+
+def nonsense(verb: str, args: Mapping[str, Json]) -> str:
+    """Why a call of the engagement model makes no sense, as far as its arguments tell; or empty.
+
+    Values with a variable in them are known only when the call is made.
+    """
+    if verb == "filter":
+        return _misfiltered(args)
+    try:
+        if verb == "sense":
+            _sensed_well(args)
+        elif verb in ("handshake", "visitor"):
+            _named_well(verb, args)
+    except ValueError as error:
+        return str(error)
+    return ""
+
+
+def _sensed_well(args: Mapping[str, Json]) -> None:
+    sign, value = args.get("sign"), _fixed(args, "value")
+    if not isinstance(sign, str) or value is None:
+        return
+    meant = sensed(sign, value)
+    if sign == "identity" and isinstance(meant, str):
+        identity_of(meant)
+
+
+def _named_well(verb: str, args: Mapping[str, Json]) -> None:
+    code = _fixed(args, "code")
+    if code is not None and (code or verb == "visitor"):
+        name_of(code)
+    for name, what in (("age_group", "an age group"), ("address", "a form of address")):
+        word_of(_fixed(args, name) or "", what)
+
+
+def _fixed(args: Mapping[str, Json], name: str) -> str | None:
+    """An argument that is known before the call is made."""
+    value = args.get(name)
+    return value if isinstance(value, str) and not utterance_template.names(value) else None
+
+
+def _misfiltered(args: Mapping[str, Json]) -> str:
+    sign, kind = args.get("sign"), args.get("kind")
+    if sign not in (*SIGNS, "all"):
+        return ""
+    if kind == "median" and sign == "all":
+        return (
+            "a median is for distance only: filter: {sign: distance, kind: median},"
+            " or take fifo or joint for all"
+        )
+    if kind == "median" and sign != "distance":
+        return "a median is for distance; take fifo or joint"
+    if not {"kind", "samples", "threshold"} & args.keys():
+        return "changes nothing; add a kind, samples or a threshold"
+    return ""
+
+
+def without_a_sign(verb: str, text: str) -> str:
+    """How to say it where a filter's kind stands in the place of the sign; empty: it does not."""
+    if verb != "filter" or text not in FILTERS:
+        return ""
+    sign = "distance" if text == "median" else "all"
+    return f"{text!r} is a kind of filter; name the sign: filter: {{sign: {sign}, kind: {text}}}"

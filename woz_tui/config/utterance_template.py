@@ -1,0 +1,57 @@
+"""Variables in utterances: `Hello {participant}`, where `{{` and `}}` stand for braces.
+
+A file is checked for them when it is read; the values are filled in when an action is played.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Collection
+
+from woz_tui.config.yaml_cursor import Spot
+
+#: Variables that the session itself fills in.
+BUILT_IN = ("participant", "condition", "session", "trial", "wizard")
+#: One more where there is an engagement model: who stands there.
+VISITOR = "visitor"
+
+#: What a variable may be called.
+NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+
+_PART = re.compile(r"\{\{|\}\}|\{(?P<name>[^{}\n]*)\}|(?P<brace>[{}])")
+
+
+def names(text: str) -> list[str]:
+    """The variables that `text` holds, in order, repeated as often as they stand there."""
+    return [
+        match["name"]
+        for match in _PART.finditer(text)
+        if match["name"] is not None and NAME.fullmatch(match["name"])
+    ]
+
+
+def fill(text: str, value_of: Callable[[str], str]) -> str:
+    """`text` with every variable replaced by `value_of` its name, which may raise.
+
+    Braces without a partner, and those around something that is no name, stay as they are.
+    """
+
+    def part(match: re.Match[str]) -> str:
+        name = match["name"]
+        if name is None:
+            return match[0][0]
+        return value_of(name) if NAME.fullmatch(name) else match[0]
+
+    return _PART.sub(part, text)
+
+
+def check(spot: Spot, text: str, known: Collection[str]) -> None:
+    """Report every variable in `text` that is not `known`, and braces that do not match."""
+    for match in _PART.finditer(text):
+        name = match["name"]
+        if match["brace"]:
+            brace = match["brace"]
+            spot.error(f"a {brace!r} without its counterpart; write {brace * 2} for a brace")
+        elif name is not None and name not in known:
+            nearest = spot.report.hint(name, known, or_list="known are")
+            spot.error(f"there is no variable {{{name}}}{nearest}")

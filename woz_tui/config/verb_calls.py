@@ -1,0 +1,437 @@
+"""Which driver a verb goes to, and with which arguments.
+
+Arguments stand beside the verb (`play: nod, speed: 0.5`) or under it (`play: {move: nod, speed:
+0.5}`). What could be meant in two ways is an error that shows how to say it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+from woz_tui.config import utterance_template
+from woz_tui.config.annotated_decoder import resolved
+from woz_tui.config.command_remarks import Looker
+from woz_tui.config.condition_texts import is_choice, read_choice
+from woz_tui.config.experiment import Call, Choice, Together
+from woz_tui.config.problems import join, listed, quoted
+from woz_tui.config.robots import Offer, Robots
+from woz_tui.config.session_verbs import ENGAGEMENT, ENGAGEMENT_VERBS, PERFORMERS, WAIT
+from woz_tui.config.sign_values import nonsense, without_a_sign
+from woz_tui.config.yaml_cursor import (
+    Spot,
+    read_flag,
+    read_number,
+    read_seconds,
+    read_text,
+    read_whole,
+    read_word,
+)
+from woz_tui.config.yaml_nodes import Items, Scalar, Table
+from woz_tui.drivers.contract import Argument
+from woz_tui.drivers.fields import Range
+from woz_tui.protocol.messages import Json
+
+#: Nothing in an experiment takes longer than a day.
+_LONGEST = Range(0.0, 86_400.0, "s")
+#: Kinds of arguments for which another text may stand in each condition, or several variants.
+_CHOSEN = ("text", "choice", "file")
+_FIGURES: Mapping[str, Callable[[Spot, Range | None], Json]] = {
+    "number": read_number,
+    "whole": read_whole,
+    "flag": lambda spot, _: read_flag(spot),
+    "seconds": lambda spot, allowed: read_seconds(spot, allowed or _LONGEST),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Vocabulary:
+    """All verbs of an experiment, and what their arguments may refer to."""
+
+    robots: Robots
+    own: Mapping[str, Offer]
+    variables: Collection[str]
+    looker: Looker
+    conditions: Sequence[str] = ()
+
+    def offers(self, verb: str) -> Sequence[Offer]:
+        """Who offers the verb; those that need no driver come before any driver's."""
+        if verb in self.own:
+            return (self.own[verb],)
+        return self.robots.offers.get(verb, ())
+
+    @property
+    def names(self) -> list[str]:
+        """Every verb, the robots' first."""
+        return [*self.robots.offers, *self.own, WAIT.name]
+
+    @property
+    def performers(self) -> set[str]:
+        """Who carries out verbs beside the drivers."""
+        return {offer.driver for offer in self.own.values()}
+
+    @property
+    def targets(self) -> list[str]:
+        """What `on` may name: robots, drivers, and drivers by their short names."""
+        drivers = [spec.name for spec in self.robots.drivers]
+        short = [name.rpartition(".")[2] for name in drivers]
+        return list(dict.fromkeys([*self.robots.names, *drivers, *short]))
+
+
+class CallReader:
+    """Reads the verbs that stand together in one action or one step."""
+
+    def __init__(self, vocabulary: Vocabulary) -> None:
+        self._vocabulary = vocabulary
+
+    def read(
+        self, spot: Spot, table: dict[str, Spot], on: Spot | None, others: Collection[str]
+    ) -> Together | None:
+        """`table` holds verbs and their arguments; `others` are the names that stand apart."""
+        known = set(self._vocabulary.names)
+        verbs = {name: entry for name, entry in table.items() if name in known}
+        beside = {name: entry for name, entry in table.items() if name not in known}
+        if WAIT.name in verbs:
+            verbs.pop(WAIT.name).error(
+                "wait must be a separate step: steps: [{say: Hello}, {wait: 0.5}, ...]"
+            )
+        targets = self._targets(on)
+        chosen = {name: self._choose(entry, name, targets) for name, entry in verbs.items()}
+        shares = self._share(verbs, beside, others)
+        if not table and not self._vocabulary.robots.incomplete:
+            verbs_known = listed(self._vocabulary.names)
+            spot.error(f"does nothing; add a verb: {verbs_known}")
+        calls: list[Call] = []
+        for name, entry in verbs.items():
+            for offer in chosen[name]:
+                arguments = _Arguments(self._vocabulary, offer, entry)
+                args = arguments.read(shares.get(name, {}))
+                if offer.driver == ENGAGEMENT and (why := nonsense(name, args)):
+                    entry.error(why)
+                choices = arguments.choices
+                calls.append(Call(name, args, offer.driver, entry.place, choices=choices))
+        self._same_lane(calls, verbs, chosen)
+        return Together(tuple(calls))
+
+    def _targets(self, on: Spot | None) -> list[Spot] | None:
+        if on is None:
+            return None
+        entries = [*on.items()] if isinstance(on.node, Items) else [on]
+        if not entries:
+            on.error("names no driver and no robot")
+        known = self._vocabulary.targets
+        wanted = []
+        for entry in entries:
+            name = read_text(entry, "a driver or robot")
+            if name is not None and name in known:
+                wanted.append(entry)
+            elif name is not None and not self._vocabulary.robots.incomplete:
+                near = entry.report.hint(name, known, or_list="there are")
+                entry.error(f"there is no driver or robot {quoted(name)}{near}")
+        return wanted
+
+    def _choose(self, verb: Spot, name: str, outer: list[Spot] | None) -> list[Offer]:
+        """The drivers that this verb goes to: one, or one for each target.
+
+        `on` under the verb (`say: {text: Hello, on: left}`) comes before the one beside it, unless
+        it is the name of an argument (`torque: {on: yes}`).
+        """
+        offers = self._vocabulary.offers(name)
+        own = None if "on" in self._arguments_of(name) else dict(verb.entries()).get("on")
+        targets = outer if own is None else self._targets(own)
+        if offers and offers[0].driver in PERFORMERS:
+            return list(offers)
+        if targets is None:
+            return self._only(verb, name, offers)
+        chosen: list[Offer] = []
+        for target in targets:
+            found = self._aimed(target, verb, name, offers)
+            if found is not None and found not in chosen:
+                chosen.append(found)
+        return chosen
+
+    def _only(self, verb: Spot, name: str, offers: Sequence[Offer]) -> list[Offer]:
+        if len(offers) > 1:
+            drivers = [offer.driver for offer in offers]
+            verb.error(
+                f"{' and '.join(drivers)} offer {name!r}; choose one, for example on: {drivers[0]}"
+            )
+            return []
+        return list(offers)
+
+    def _aimed(self, target: Spot, verb: Spot, name: str, offers: Sequence[Offer]) -> Offer | None:
+        wanted = target.node.text if isinstance(target.node, Scalar) else ""
+        fitting = [offer for offer in offers if _matches(offer.driver, wanted)]
+        if len(fitting) == 1:
+            return fitting[0]
+        if not fitting:
+            who = ", ".join(offer.driver for offer in offers)
+            target.error(
+                f"{wanted!r} does not offer {name!r}, {who} does;"
+                f" to name it for this verb alone, write {name}: {{on: ...}}"
+            )
+        else:
+            who = " and ".join(offer.driver for offer in fitting)
+            target.error(f"{who} both offer {name!r}; choose one of them")
+        return None
+
+    def _share(
+        self, verbs: Mapping[str, Spot], beside: Mapping[str, Spot], others: Collection[str]
+    ) -> dict[str, dict[str, Spot]]:
+        """Give each argument that stands beside the verbs to the one verb that takes it."""
+        takes = {name: self._arguments_of(name) for name in verbs}
+        for name, entry in verbs.items():
+            for rival in (verb for verb in verbs if verb != name and name in takes[verb]):
+                entry.error(
+                    f"is a verb and an argument of {rival!r}; write it as"
+                    f" {rival}: {{..., {name}: ...}}, or put the verbs into steps"
+                )
+        shares: dict[str, dict[str, Spot]] = {}
+        sectionless = self._sectionless(beside)
+        for name, entry in beside.items():
+            if name in sectionless:
+                continue
+            takers = [verb for verb, arguments in takes.items() if name in arguments]
+            if len(takers) == 1:
+                shares.setdefault(takers[0], {})[name] = entry
+            elif takers:
+                entry.error(
+                    f"{' and '.join(map(repr, takers))} both take {name!r}; write it under one:"
+                    f" {takers[0]}: {{..., {name}: ...}}"
+                )
+            else:
+                self._unknown(entry, name, takes, others)
+        return shares
+
+    def _sectionless(self, beside: Mapping[str, Spot]) -> set[str]:
+        """Verbs of the engagement model where there is none (reported), and their arguments."""
+        found: set[str] = set()
+        for name, entry in beside.items():
+            verb = ENGAGEMENT_VERBS.get(name)
+            if verb is not None and ENGAGEMENT not in self._vocabulary.performers:
+                entry.error(
+                    f"{name!r} is a verb of the engagement model, which this experiment does not"
+                    " have; add a section to the file: engagement: {}"
+                )
+                found |= {name, *(argument.name for argument in verb.arguments)}
+        return found
+
+    def _arguments_of(self, verb: str) -> dict[str, Argument]:
+        return {
+            argument.name: argument
+            for offer in self._vocabulary.offers(verb)
+            for argument in offer.verb.arguments
+        }
+
+    def _unknown(
+        self,
+        entry: Spot,
+        name: str,
+        takes: Mapping[str, Mapping[str, Argument]],
+        others: Collection[str],
+    ) -> None:
+        if self._vocabulary.robots.incomplete:
+            return  # it may belong to a driver whose own errors come first
+        owners = [verb for verb in self._vocabulary.names if name in self._arguments_of(verb)]
+        if owners:
+            entry.error(f"belongs to {' or '.join(map(repr, owners[:3]))}, which is not here")
+            return
+        arguments = [name for verb in self._vocabulary.names for name in self._arguments_of(verb)]
+        near = [name for arguments_of in takes.values() for name in arguments_of]
+        verbs = self._vocabulary.names
+        entry.unknown([*others, *near, *verbs, *arguments], "verbs are", verbs)
+
+    def _same_lane(
+        self,
+        calls: Sequence[Call],
+        verbs: Mapping[str, Spot],
+        chosen: Mapping[str, Sequence[Offer]],
+    ) -> None:
+        """Two verbs of one lane cannot run together, whatever the file hopes for."""
+        lanes = {
+            (offer.driver, offer.verb.name): offer.verb
+            for offers in chosen.values()
+            for offer in offers
+        }
+        seen: dict[tuple[str, str], str] = {}
+        for call in calls:
+            verb = lanes[call.driver, call.verb]
+            if verb.stream or call.driver in PERFORMERS:
+                continue
+            first = seen.setdefault((call.driver, verb.lane), call.verb)
+            if first != call.verb:
+                verbs[call.verb].warning(
+                    f"waits until {first!r} has ended: both use the {verb.lane} of {call.driver}"
+                )
+
+
+def _matches(driver: str, wanted: str) -> bool:
+    return driver == wanted or driver.startswith(f"{wanted}.") or driver.endswith(f".{wanted}")
+
+
+class _Arguments:
+    """The arguments of one verb, from under it and from beside it."""
+
+    def __init__(self, vocabulary: Vocabulary, offer: Offer, spot: Spot) -> None:
+        self._variables = vocabulary.variables
+        self._conditions = vocabulary.conditions
+        self._looker = vocabulary.looker
+        self._offer = offer
+        self._verb = offer.verb
+        self._spot = spot
+        self._known = {argument.name: argument for argument in offer.verb.arguments}
+        # What moves the engagement model on is checked when the file is read.
+        self._chosen = () if offer.driver == ENGAGEMENT else _CHOSEN
+        #: The arguments that are chosen when the verb is played; known once it has been read.
+        self.choices: dict[str, Choice] = {}
+
+    def read(self, beside: Mapping[str, Spot]) -> dict[str, Json]:
+        given = self._under()
+        for name, entry in beside.items():
+            if name in given:
+                entry.error(f"is set twice: here and under {self._verb.name!r}")
+            elif name in self._known:
+                given[name] = entry
+            else:
+                entry.error(f"this {self._verb.name!r} has no such argument")
+        args: dict[str, Json] = {}
+        whole = True
+        for argument in self._verb.arguments:
+            if argument.name in given and not self._misplaced(given[argument.name]):
+                whole = self._take(given[argument.name], argument, args) and whole
+            elif argument.required and argument.name not in given:
+                what = f" ({argument.summary})" if argument.summary else ""
+                spot, absent = self._spot, join(self._spot.path, argument.name)
+                spot.report.missing(spot.place, spot.path, f"needs {argument.name!r}{what}", absent)
+                whole = False
+        if whole and None not in args.values():
+            self._looker.look(self._offer, args, given, self._spot, self.choices)
+        return args
+
+    def _take(self, entry: Spot, argument: Argument, args: dict[str, Json]) -> bool:
+        """Read one argument; whether it is right, as far as no None among `args` says so."""
+        if not self._is_choice(entry, argument):
+            args[argument.name] = self._value(entry, argument)
+        elif (choice := self._choice(entry, argument)) is not None:
+            self.choices[argument.name] = choice
+        else:
+            return False
+        return True
+
+    def _is_choice(self, entry: Spot, argument: Argument) -> bool:
+        """Whether the text is another one in each condition, or one of several."""
+        return argument.kind in self._chosen and is_choice(entry, self._conditions)
+
+    def _choice(self, entry: Spot, argument: Argument) -> Choice | None:
+        def read(one: Spot) -> str | None:
+            text = self._value(one, argument)
+            return text if isinstance(text, str) else None
+
+        return read_choice(entry, self._conditions, read)
+
+    def _misplaced(self, entry: Spot) -> bool:
+        """Whether the verb's main argument holds what belongs to another one; reported."""
+        text = entry.node.text if entry is self._spot and isinstance(entry.node, Scalar) else ""
+        why = without_a_sign(self._verb.name, text)
+        if why:
+            entry.error(why)
+        return bool(why)
+
+    def _under(self) -> dict[str, Spot]:
+        node = self._spot.node
+        main = self._verb.arguments[0] if self._verb.arguments else None
+        if isinstance(node, Scalar) and node.nothing:
+            return {}
+        if isinstance(node, Table):
+            return self._mapping(node, main)
+        if main is None:
+            if not (isinstance(node, Scalar) and node.text == "true"):
+                self._spot.error(f"takes no arguments; write only {self._verb.name}:")
+            return {}
+        return {main.name: self._spot}
+
+    def _mapping(self, node: Table, main: Argument | None) -> dict[str, Spot]:
+        """A mapping names arguments; for joints it may hold them directly, arguments between."""
+        entries = dict(self._spot.entries())
+        if "on" not in self._known:
+            entries.pop("on", None)  # whom it is for, see `CallReader`
+        given = {name: entries.pop(name) for name in self._known if name in entries}
+        if not given and main is not None and self._is_choice(self._spot, main):
+            return {main.name: self._spot}
+        if entries and main is not None and main.kind == "joints" and main.name not in given:
+            joints = Table(
+                node.place, {name: node.entries[name] for name in entries}, dict(node.keys)
+            )
+            spot = self._spot
+            given[main.name] = Spot(joints, spot.path, spot.place, spot.report)
+            return given
+        chosen = self._conditions if main is not None and main.kind in self._chosen else ()
+        for name, entry in entries.items():
+            if name in chosen and main is not None:
+                entry.error(f"is a condition; put its text under {main.name}: {{{name}: ...}}")
+            else:
+                entry.unknown([*self._known, *chosen], f"{self._verb.name} takes", [*self._known])
+        return given
+
+    # -- from a node to the value that a driver is given ------------------------------------------
+
+    def _value(self, spot: Spot, argument: Argument) -> Json:
+        """The checked value; None if it is wrong (and reported)."""
+        allowed = argument.range
+        match argument.kind:
+            case "text" | "choice" if argument.choices:
+                return read_word(spot, argument.choices)
+            case "text" | "choice" | "file" as kind:
+                return self._text(spot, file=kind == "file")
+            case "joints":
+                table = spot.table("joint names with degrees, such as {pan: 20}")
+                return None if table is None else self._angles(spot, table, allowed)
+            case "poses":
+                entries = spot.list("a list of poses, such as [{pan: 20, seconds: 1}]")
+                if entries == []:
+                    spot.error("a pose is missing here")
+                return None if entries is None else [self._pose(each, allowed) for each in entries]
+        if argument.kind in _FIGURES:
+            return _FIGURES[argument.kind](spot, allowed)
+        spot.error(f"the driver names an unknown kind of argument: {argument.kind!r}")
+        return None
+
+    def _text(self, spot: Spot, *, file: bool) -> Json:
+        text = read_text(spot, "a file" if file else "text")
+        if text is None or (file and "://" in text):
+            return text
+        utterance_template.check(spot, text, self._variables)
+        if file:
+            # Only looked for: it stays as written, so that no home folder gets into the log.
+            resolved(spot, text, must_exist=not utterance_template.names(text))
+        return text
+
+    def _angles(self, spot: Spot, table: Mapping[str, Spot], allowed: Range | None) -> Json:
+        if not table:
+            spot.error("the joints are missing here")
+        joints = self._offer.joints
+        angles: dict[str, Json] = {}
+        for name, entry in table.items():
+            if joints is not None and name not in joints:
+                near = entry.report.hint(name, joints, or_list="the joints are")
+                entry.error(f"there is no joint {name!r}{near}")
+            else:
+                angles[name] = read_number(entry, allowed if joints is None else joints[name])
+        return angles
+
+    def _pose(self, spot: Spot, allowed: Range | None) -> Json:
+        """`{joints: {pan: 20}, seconds: 1}`, or shorter `{pan: 20, seconds: 1}`."""
+        table = spot.table("a pose, such as {pan: 20, seconds: 1}")
+        if table is None:
+            return None
+        seconds, nested = table.pop("seconds", None), table.get("joints")
+        angles = table
+        if nested is not None and isinstance(nested.node, Table):
+            angles = dict(nested.entries())
+            for name, entry in table.items():
+                if name != "joints":
+                    entry.unknown(("joints", "seconds"), "a pose has")
+        pose = {"joints": self._angles(spot, angles, allowed)}
+        if seconds is not None:
+            pose["seconds"] = read_seconds(seconds, _LONGEST)
+        return pose

@@ -1,0 +1,137 @@
+"""Colours of the eyes and their three animations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from woz_tui.config.experiment import Place
+from woz_tui.config.woz4u import made_nodes, woz4u_values
+from woz_tui.config.woz4u.buttons import Button, Item, entries, warn_unknown
+from woz_tui.config.woz4u.woz4u_keys import ANIMATION_FIELDS
+from woz_tui.config.yaml_cursor import Spot
+from woz_tui.config.yaml_nodes import Node
+from woz_tui.drivers.fields import Range
+
+#: Seconds that a colour takes to come, as WoZ4U's program has it.
+_FADE_S = 0.5
+_CHANNELS = ("red", "green", "blue")
+_ANY = Range()
+_DURATION = Range(0.1, 3600, "s")
+
+
+@dataclass(frozen=True, slots=True)
+class Colour:
+    """One item of `colors`: its button and `#rrggbb`."""
+
+    button: Button
+    code: str
+
+
+@dataclass(frozen=True, slots=True)
+class Colours:
+    """All of them, and the one that the eyes have on connect."""
+
+    each: Sequence[Colour]
+    default: Node | None = None
+
+    @property
+    def buttons(self) -> list[Button]:
+        """Their buttons."""
+        return [colour.button for colour in self.each]
+
+
+def colours(table: Mapping[str, Spot]) -> Colours:
+    """`colors`: each fades the eyes to it. Of several defaults the last one stays, as there."""
+    each: list[Colour] = []
+    default: Node | None = None
+    for item in entries(table, "colors", "{title: Red, red: 1.0, green: 0, blue: 0}"):
+        code = _code(item)
+        place = next(
+            (item.fields[name].place for name in _CHANNELS if name in item.fields), item.spot.place
+        )
+        does = (
+            made_nodes.entry("eyes", code, place),
+            made_nodes.entry("seconds", _FADE_S, place),
+        )
+        each.append(Colour(item.button(code, *does), code))
+        mark = item.fields.get("is_default")
+        if woz4u_values.flag(mark) and mark is not None:
+            if default is not None:
+                mark.warning("a colour above is the default, too; the eyes come to this one")
+            default = made_nodes.node(code, mark.place)
+    return Colours(each, default)
+
+
+def _code(item: Item) -> str:
+    """`#rrggbb`; a channel that cannot be read is dark."""
+    channels = [_channel(item, name) for name in _CHANNELS]
+    top = 1.0
+    if max(channels) > 1.0:
+        first = next(
+            item.fields[n] for n, value in zip(_CHANNELS, channels, strict=True) if value > 1
+        )
+        top = 255.0
+        first.warning("red, green and blue go from 0 to 1; these are read as 0 to 255")
+    return "#" + "".join(f"{round(255 * min(value, top) / top):02x}" for value in channels)
+
+
+def _channel(item: Item, name: str) -> float:
+    spot = item.fields.get(name)
+    if spot is None or woz4u_values.empty(spot):
+        item.spot.warning(f"without {name!r} there is no {name} in it")
+        return 0.0
+    value = woz4u_values.number(spot, _ANY, f"there is no {name} in it") or 0.0
+    if value < 0.0:
+        spot.warning(f"below 0; there is no {name} in it")
+    return max(0.0, value)
+
+
+def animations(table: Mapping[str, Spot], colours: Colours) -> list[Button]:
+    """`rasta_anim`, `random_anim`, `rotate_anim`. The last one turns in the first colour, which
+    the program proposes, by its key, and in every other one without a key.
+    """
+    buttons = [
+        *_animation(table, "rasta_anim", "Rasta", "rasta", None),
+        *_animation(table, "random_anim", "Random", "random", None),
+    ]
+    rotating = [(f"Rotate {one.button.title}", one.code) for one in colours.each]
+    for number, (title, code) in enumerate(rotating or [("Rotate", "#ffffff")]):
+        found = _animation(table, "rotate_anim", title, "rotate", code)
+        for button in found:
+            button.comb = button.comb if number == 0 else None
+        buttons += found
+    return buttons
+
+
+def _animation(
+    table: Mapping[str, Spot], section: str, title: str, kind: str, colour: str | None
+) -> list[Button]:
+    spot = table.get(section)
+    if spot is None or woz4u_values.empty(spot):
+        return []
+    fields = woz4u_values.mapping(spot, "{duration: 3, key_comb: [e, r]}")
+    warn_unknown(fields, ANIMATION_FIELDS)
+    duration = woz4u_values.number(
+        fields.get("duration"), _DURATION, "it takes the robot's own time"
+    )
+    return [
+        Button(
+            title=title,
+            place=spot.place,
+            does=_playing(spot.place, kind, fields.get("duration"), duration, colour),
+            title_place=spot.place,
+            comb=fields.get("key_comb"),
+        )
+    ]
+
+
+def _playing(
+    place: Place, kind: str, spot: Spot | None, duration: float | None, colour: str | None
+) -> list[made_nodes.Entry]:
+    entries = [made_nodes.entry("eyes_animation", kind, place)]
+    if duration is not None and spot is not None:
+        entries.append(made_nodes.entry("seconds", duration, spot.place))
+    if colour is not None:
+        entries.append(made_nodes.entry("color", colour, place))
+    return entries

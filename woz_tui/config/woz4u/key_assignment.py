@@ -1,0 +1,175 @@
+"""Who gets which key. In a browser the last of two actions silently wins a key; here, the first.
+
+Everybody first gets the key that the file asks for, in the order of the file, as long as it is
+free. Whoever is left gets the first free one of: the letters and digits of its title, then a to z,
+0 to 9, A to Z, F1 to F12. Never one that begins another action's keys, or that they begin.
+"""
+
+from __future__ import annotations
+
+import string
+import unicodedata
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from woz_tui.config.experiment import Place
+from woz_tui.config.keys.chords import FUNCTION_KEYS, KeyNameError, normal
+from woz_tui.config.keys.keymap import FileKeys
+from woz_tui.config.problems import quoted
+from woz_tui.config.yaml_cursor import Spot
+from woz_tui.config.yaml_nodes import Items, Node, Scalar, described
+
+_LETTERS = frozenset(string.ascii_lowercase + string.digits)
+#: Every keyboard has them.
+RESERVES = (
+    *string.ascii_lowercase,
+    *string.digits,
+    *string.ascii_uppercase,
+    *FUNCTION_KEYS,
+)
+
+
+@dataclass(slots=True)
+class Wish:
+    """An action's title, and its `key_comb`. `key` is what it gets, as our own files write it;
+    `why`: why not what it wished for.
+    """
+
+    title: str
+    comb: Spot
+    key: str = ""
+    why: str = ""
+
+    @property
+    def place(self) -> Place:
+        """Where the wish stands."""
+        return self.comb.place
+
+
+def grant(wishes: Iterable[Wish], layout: str) -> None:
+    """Give every wish its key, and a warning to each that does not get the one it wished for."""
+    ordered = sorted(wishes, key=lambda wish: (wish.place.line, wish.place.column))
+    keys = FileKeys(layout)
+    left = [wish for wish in ordered if not _granted(wish, keys, layout)]
+    for wish in left:
+        free = (k for k in _liked(wish.title) if not keys.forbidden(k) and not keys.taken(k))
+        wish.key = next(free, "")
+        if wish.key:
+            keys.take(wish.key, wish.title, wish.place)
+        instead = f"{wish.key} plays {quoted(wish.title)} instead"
+        nothing = f"no key is left for {quoted(wish.title)}; find it by typing, with :"
+        wish.comb.warning(f"{wish.why}; {instead if wish.key else nothing}")
+
+
+def _granted(wish: Wish, keys: FileKeys, layout: str) -> bool:
+    """Whether the wish has got its key, or wishes for none."""
+    try:
+        written = comb(wish.comb.node)
+        if not written:
+            return True
+        key = normal(written, layout)
+    except KeyNameError as error:
+        wish.why = str(error)
+        return False
+    wish.why = keys.forbidden(key) or keys.taken(key)
+    if wish.why:
+        return False
+    keys.take(key, wish.title, wish.place)
+    wish.key = written
+    return True
+
+
+def _liked(title: str) -> Iterator[str]:
+    """Reserve keys, the title's letters and digits first."""
+    plain = unicodedata.normalize("NFKD", title).lower()
+    yield from dict.fromkeys([*(sign for sign in plain if sign in _LETTERS), *RESERVES])
+
+
+def layout_of(spot: Spot | None, known: Sequence[str]) -> str:
+    """The keyboard of a section `keyboard`, which is checked where it is decoded."""
+    if spot is not None and isinstance(spot.node, Scalar):
+        return spot.node.text if spot.node.text in known else "us"
+    return "us"
+
+
+# -- what a key_comb asks for ----------------------------------------------------------------------
+
+
+_MODIFIERS = {
+    **dict.fromkeys(("ctrl", "control", "mod", "ctl", "strg"), "ctrl"),
+    **dict.fromkeys(("alt", "option", "opt"), "alt"),
+    "shift": "shift",
+}
+#: Held down, these belong to the desktop; our own `meta` is another one, that of old terminals.
+_DESKTOP = ("meta", "command", "cmd", "super", "win", "windows", "os", "hyper", "fn", "altgr")
+_ORDER = ("ctrl", "alt", "shift")
+
+
+def comb(node: Node) -> str:
+    """The key as our own files write it: `ctrl+shift+1`, `c r`; empty if there is none.
+
+    `["ctrl", "shift", 1]` is a chord; modifiers may stand anywhere in it. Two keys are a sequence
+    (`["c", "r"]`), each with the modifiers in front of it. The names are Mousetrap's, the library
+    that the program binds keys with, and browsers'.
+
+    Raises `KeyNameError` for what cannot be pressed on a terminal at all. Whether the key's name is
+    known is for `chords.normal` to say.
+    """
+    held: list[str] = []
+    presses: list[tuple[list[str], str]] = []
+    for token in _tokens(node):
+        if token in _DESKTOP:
+            raise KeyNameError(f"{token} never reaches a terminal, the desktop keeps it")
+        if token in _MODIFIERS:
+            held.append(_MODIFIERS[token])
+        else:
+            presses.append((held, token))
+            held = []
+    if presses and held:
+        presses[-1][0].extend(held)
+    elif held:
+        raise KeyNameError(f"{' and '.join(held[:3])} alone are not a key")
+    if len(presses) > 2:
+        raise KeyNameError(
+            f"{len(presses)} keys one after the other are too many; at most two are possible"
+        )
+    return " ".join(_chord(*press) for press in presses)
+
+
+def _chord(held: list[str], key: str) -> str:
+    return "+".join([*(name for name in _ORDER if name in held), key])
+
+
+def _tokens(node: Node) -> Iterator[str]:
+    """Every key and modifier, in their order, names in lower case."""
+    if isinstance(node, Items):
+        for entry in node.nodes:
+            if not isinstance(entry, Scalar):
+                raise KeyNameError(f"expected a key, not {described(entry)}")
+            yield from _tokens(entry)
+    elif isinstance(node, Scalar):
+        if not node.null:
+            yield from _split(node.text)
+    else:
+        raise KeyNameError(f"expected a list of keys such as [ctrl, 1], not {described(node)}")
+
+
+def _split(text: str) -> Iterator[str]:
+    """Mousetrap's own spelling, too: `ctrl+1`, `g i`."""
+    if text == " ":
+        yield "space"
+        return
+    for part in text.split():
+        pieces = ["+"] if part == "+" else part.replace("++", "+plus").split("+")
+        for piece in filter(None, pieces):
+            yield _named(piece)
+
+
+def _named(piece: str) -> str:
+    if len(piece) == 1:
+        return "plus" if piece == "+" else piece
+    if len(piece) > 20:
+        raise KeyNameError(f"{quoted(piece)} is not a key")
+    if piece.isdecimal() and int(piece) < 10:  # YAML takes 01 for a number, too
+        return str(int(piece))
+    return piece.lower()

@@ -1,0 +1,193 @@
+"""The robot of a WoZ4U file: a Pepper with the settings of the driver `pepper`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from woz_tui.config.experiment import Place
+from woz_tui.config.problems import Report, quoted
+from woz_tui.config.woz4u import made_nodes, woz4u_values
+from woz_tui.config.woz4u.buttons import Move, warn_unknown
+from woz_tui.config.woz4u.woz4u_keys import AUTONOMY
+from woz_tui.config.yaml_cursor import Spot
+from woz_tui.config.yaml_nodes import Items, Node, Scalar, Table
+from woz_tui.drivers.fields import Range
+
+#: The driver's word for a robot that it starts itself.
+SIMULATED = "simulated"
+
+STATES = ("solitary", "interactive", "safeguard", "disabled")
+ENGAGEMENT_MODES = ("Unengaged", "FullyEngaged", "SemiEngaged")
+_AS_IT_IS = "the robot's value stays"
+
+#: The driver's name of each setting.
+_WORDS = {
+    "autonomous_state": ("state", STATES),
+    "engagement_mode": ("engagement", ENGAGEMENT_MODES),
+}
+_DISTANCES = {"tangential_collision": "tangential", "orthogonal_collision": "orthogonal"}
+_FLAGS = {
+    "basic_awareness": "awareness",
+    **{
+        name: name
+        for name in (
+            *("blinking", "listening_movement", "speaking_movement", "head_breathing"),
+            *("arms_breathing", "body_breathing", "legs_breathing"),
+        )
+    },
+}
+_METRES = Range(0.0, 5.0, "m")
+#: `voice_pitch` is 0 (its own voice) or 1 to 4.
+_VOICE = {
+    "volume": ("volume", Range(0.0, 1.0)),
+    "voice_speed": ("speed", Range(50.0, 400.0, "%")),
+    "voice_pitch": ("pitch", Range(0.0, 4.0)),
+}
+_STEPS = {
+    "default_head_turn_deg": ("head", Range(0.1, 90.0, "degrees"), 1.0),
+    "default_turn_deg": ("turn", Range(1.0, 360.0, "degrees"), 1.0),
+    "default_drive_dist": ("drive", Range(1.0, 500.0, "cm"), 0.01),
+}
+#: Degrees that the hip bends by with one key press: 0.2 rad in WoZ4U's program.
+_HIP_DEGREES = 11.46
+
+Figures = Mapping[str, Scalar]
+
+
+def robot(
+    root: Spot,
+    speech: Figures,
+    shown: tuple[str, Node | None],
+    eyes: Node | None,
+    move: Move,
+) -> Table:
+    """`{name: pepper, drivers: {pepper: {type: pepper, ...}}}`.
+
+    `speech`: what `voice` has read. `shown`: folder and default of the tablet. `eyes`: their
+    colour on connect.
+    """
+    table, start = dict(root.entries()), root.place
+    settings: list[made_nodes.Entry] = [
+        made_nodes.entry("type", "pepper", start),
+        ("robots", *_robots(table.get("pepper_ips"), root.place, root.report)),
+    ]
+    autonomy = _autonomy(table.get("autonomous_life_config"))
+    if autonomy is not None:
+        settings.append(("autonomy", autonomy.place, autonomy))
+    if speech:
+        entries: list[made_nodes.Entry] = [
+            (name, node.place, node) for name, node in speech.items()
+        ]
+        settings.append(("voice", entries[0][1], made_nodes.table(entries, entries[0][1])))
+    if eyes is not None:
+        settings.append(("eyes", eyes.place, eyes))
+    settings += _tablet(table, *shown)
+    settings += _folder(table.get("camera_save_dir"), "pictures", move)
+    settings += _folder(table.get("audio_save_dir"), "recordings", str)
+    pepper = made_nodes.table(settings, start)
+    drivers = made_nodes.table([("pepper", start, pepper)], start)
+    return made_nodes.table(
+        [made_nodes.entry("name", "pepper", start), ("drivers", start, drivers)], start
+    )
+
+
+def _robots(spot: Spot | None, start: Place, report: Report) -> tuple[Place, Items]:
+    """`pepper_ips`, each once. None at all: a simulated robot, so that the file can be tried."""
+    found: dict[str, Node] = {}
+    if spot is not None and not woz4u_values.empty(spot):
+        entries = [*spot.items()] if isinstance(spot.node, Items) else [spot]
+        if isinstance(spot.node, Scalar):
+            spot.warning("expected a list of addresses; this one is read as a list of one")
+        for entry in entries:
+            address = _address(entry)
+            if address in found:
+                entry.warning(f"{quoted(address)} appears twice")
+            elif address:
+                found[address] = made_nodes.node(address, entry.place)
+    place = start if spot is None else spot.place
+    if not found:
+        where = f"pepper_ips: [{SIMULATED}]"
+        if not (spot is not None and isinstance(spot.node, Table)):  # that is an error already
+            message = f"no robot is named; a simulated one is used ({where})"
+            report.warning(place, "pepper_ips", message)
+        found[SIMULATED] = made_nodes.node(SIMULATED, place)
+    return place, Items(place, [*found.values()])
+
+
+def _address(entry: Spot) -> str:
+    if woz4u_values.empty(entry):
+        return ""
+    if not isinstance(entry.node, Scalar):
+        entry.wrong("a robot's address, such as 192.168.1.20")
+        return ""
+    return (woz4u_values.text(entry) or "").strip()
+
+
+def _autonomy(spot: Spot | None) -> Table | None:
+    """`autonomous_life_config`; None if it leaves everything as it is."""
+    if spot is None:
+        return None
+    fields = woz4u_values.mapping(spot, "{autonomous_state: solitary}")
+    warn_unknown(fields, AUTONOMY)
+    entries: list[made_nodes.Entry] = []
+    for name, entry in fields.items():
+        found = _life(name, entry)
+        if found is not None and found[1] is not None:
+            entries.append(made_nodes.entry(found[0], found[1], entry.place))
+    return made_nodes.table(entries, spot.place) if entries else None
+
+
+def _life(name: str, spot: Spot) -> tuple[str, str | float | bool | None] | None:
+    """The driver's name and the value of one setting (None: left as it is); None: there is none."""
+    if name in _WORDS:
+        ours, choices = _WORDS[name]
+        return ours, woz4u_values.word(spot, choices, _AS_IT_IS)
+    if name in _DISTANCES:
+        return _DISTANCES[name], woz4u_values.number(spot, _METRES, _AS_IT_IS)
+    return (_FLAGS[name], woz4u_values.flag(spot, _AS_IT_IS)) if name in _FLAGS else None
+
+
+def voice(table: Mapping[str, Spot]) -> dict[str, Scalar]:
+    """`volume`, `voice_speed` and `voice_pitch` by the driver's names."""
+    found = {}
+    for name, (ours, allowed) in _VOICE.items():
+        spot = table.get(name)
+        value = woz4u_values.number(spot, allowed, _AS_IT_IS)
+        if spot is None or value is None:
+            continue
+        if ours == "pitch" and 0.0 < value < 1.0:
+            spot.warning(f"{value:g} is not a pitch: allowed are 0 and 1 to 4; {_AS_IT_IS}")
+            continue
+        found[ours] = Scalar(spot.place, f"{value:.6g}", plain=True)
+    return found
+
+
+def steps(table: Mapping[str, Spot], start: Place) -> Table:
+    """How far a press of an arrow key goes; centimetres become metres."""
+    entries: list[made_nodes.Entry] = []
+    for name, (ours, allowed, factor) in _STEPS.items():
+        spot = table.get(name)
+        value = woz4u_values.number(spot, allowed, "the usual step is taken")
+        if spot is not None and value is not None:
+            entries.append(made_nodes.entry(ours, value * factor, spot.place))
+    return made_nodes.table([*entries, made_nodes.entry("hip", _HIP_DEGREES, start)], start)
+
+
+def _tablet(table: Mapping[str, Spot], root: str, default: Node | None) -> list[made_nodes.Entry]:
+    spot = table.get("tablet_root_location")
+    entries: list[made_nodes.Entry] = []
+    if spot is not None and root:
+        entries.append(made_nodes.entry("root", root, spot.place))
+    if default is not None:
+        entries.append(("default", default.place, default))
+    if not entries:
+        return []
+    where = entries[0][1]
+    return [("tablet", where, made_nodes.table(entries, where))]
+
+
+def _folder(spot: Spot | None, ours: str, move: Move) -> list[made_nodes.Entry]:
+    typed = woz4u_values.text(spot)
+    if spot is None or typed is None:
+        return []
+    return [made_nodes.entry(ours, move(typed.strip()), spot.place)]

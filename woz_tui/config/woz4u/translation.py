@@ -1,0 +1,179 @@
+"""A WoZ4U file as a tree of nodes of our own format, each with the place of what it comes from."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from woz_tui.config.experiment import Place
+from woz_tui.config.keys.keyboard_layouts import LAYOUTS
+from woz_tui.config.problems import Report
+from woz_tui.config.woz4u import eye_colours, made_nodes, pepper_robot, woz4u_panels
+from woz_tui.config.woz4u.buttons import (
+    Button,
+    Move,
+    gestures,
+    sounds,
+    speech,
+    tablet,
+    tablet_root,
+)
+from woz_tui.config.woz4u.key_assignment import Wish, grant, layout_of
+from woz_tui.config.woz4u.woz4u_keys import OLDER, TOP_LEVEL
+from woz_tui.config.woz4u.woz4u_panels import Panel
+from woz_tui.config.woz4u.woz4u_texts import one_line
+from woz_tui.config.yaml_cursor import Spot
+from woz_tui.config.yaml_nodes import Items, Node, Table
+
+
+class OwnNames(Report):
+    """A report that learns names while the original is read, and uses them from `done` on: whoever
+    wrote `animated_speech[2].string` is not told of `panels[0].actions[2].say`.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._names: dict[Place, str] = {}
+        self._reading = True
+
+    def done(self) -> None:
+        """The original has been read; what comes now has paths of our own format."""
+        self._reading = False
+
+    def put(self, path: str, place: Place) -> None:
+        """Remember where `path` stands. An entry of a list has its first key's place: the entry
+        comes first and names it. The file's first place is also that of whatever comes from nowhere
+        in it, and so names nothing.
+        """
+        super().put(path, place)
+        if self._reading and (place.line, place.column) != (1, 1):
+            self._names.setdefault(place, path)
+
+    def _named(self, place: Place, path: str) -> str:
+        return path if self._reading else self._names.get(place, path)
+
+
+#: What the translation writes itself, and so is not taken over from the file.
+_MADE = ("robot", "robots", "steps", "panels")
+#: What a reader of the text is told about its sections.
+_SECTIONS = {
+    "robot": "Addresses to choose from, and what is set on connect. Other settings stay unchanged.",
+    "steps": "Step of one arrow key: degrees; drive in metres. Alt: the base, shift: the hip.",
+    "panels": "covers: verbs that cannot be sent by hand while the panel is locked.",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Translation:
+    """The tree, and remarks for readers of its text by the identity of the node they belong to."""
+
+    table: Table
+    remarks: Mapping[int, str] = field(default_factory=dict)
+
+
+def translated(root: Spot, own: Collection[str], move: Move) -> Translation:
+    """Translate the file whose top level `root` is; what is wrong or odd goes to its report.
+
+    `own`: what our own format says at its top level. What the file has of it is taken over as it
+    stands. `move`: how a path that is relative to the file's folder is to be written.
+    """
+    table = dict(root.entries())
+    _unknown(table, own)
+    kept = {name: table[name] for name in own if name in table}
+    found, robot = _read(root, table, move)
+    woz4u_panels.name_apart(found)
+    _keys(found, layout_of(kept.get("keyboard"), tuple(LAYOUTS)))
+    start = root.place
+    sections: dict[str, tuple[Place, Node]] = {"title": (start, _title(start))}
+    sections |= {name: (spot.place, spot.node) for name, spot in kept.items()}
+    sections["robot"] = (start, robot)
+    sections["steps"] = (start, pepper_robot.steps(table, start))
+    nodes = [(panel, panel.node()) for panel in found if panel.shown]
+    sections["panels"] = (start, Items(start, [node for _, node in nodes]))
+    made_table = made_nodes.table([(name, *entry) for name, entry in sections.items()], start)
+    return Translation(made_table, _remarks(made_table, nodes))
+
+
+def _title(start: Place) -> Node:
+    name = one_line(Path(start.file).name) or "config"  # a name may hold bytes that are no text
+    return made_nodes.node(f"WoZ4U: {name}", start)
+
+
+def _unknown(table: Mapping[str, Spot], own: Collection[str]) -> None:
+    for name, spot in table.items():
+        if name in OLDER and name not in TOP_LEVEL:
+            spot.warning(f"this key is no longer used; the new key is {OLDER[name]!r}")
+        elif name in _MADE:
+            spot.warning(
+                "a WoZ4U file has no such key; convert the file to change it (woz convert)"
+            )
+        elif name not in TOP_LEVEL and name not in own:
+            near = spot.report.nearest(name, TOP_LEVEL)
+            spot.warning(f"this key is not used{f'; did you mean {near!r}?' if near else ''}")
+
+
+def _read(root: Spot, table: Mapping[str, Spot], move: Move) -> tuple[list[Panel], Table]:
+    """Every section as a panel, and the robot."""
+    figures = pepper_robot.voice(table)
+    shown = tablet(table, move)
+    colours = eye_colours.colours(table)
+    found = [
+        _panel(root, table, "Speech", "lock_anim_speech_section", "animated_speech"),
+        _panel(root, table, "Gestures", "lock_gesture_section", "gestures"),
+        _panel(root, table, "Tablet", "lock_tablet_section", "tablet_items"),
+        _panel(root, table, "Sounds", "lock_audio_section", "audio_files"),
+        _panel(root, table, "Eyes", "lock_color_section", "colors"),
+        _panel(root, table, "Eye animations", "lock_eye_anim_section", "rasta_anim"),
+        _panel(root, table, "Movement", "lock_movement_control_section", ""),
+        _panel(root, table, "Autonomy", "lock_autonomous_life_section", "autonomous_life_config"),
+        _panel(root, table, "Voice", "lock_volume_section", "volume"),
+    ]
+    woz4u_panels.locks(table, found)
+    places = {panel.title: panel.place for panel in found}
+    buttons: dict[str, list[Button]] = {
+        "Speech": speech(table, move),
+        "Gestures": gestures(table),
+        "Tablet": shown.buttons,
+        "Sounds": sounds(table, figures.get("volume")),
+        "Eyes": colours.buttons,
+        "Eye animations": eye_colours.animations(table, colours),
+        "Movement": woz4u_panels.movement(places["Movement"]),
+        "Autonomy": woz4u_panels.autonomy(places["Autonomy"]),
+        "Voice": woz4u_panels.speaking(figures),
+    }
+    for panel in found:
+        panel.buttons = buttons[panel.title]
+    if shown.buttons:
+        shown.buttons.append(woz4u_panels.default_picture(places["Tablet"]))
+    folder = tablet_root(table, move)
+    return found, pepper_robot.robot(root, figures, (folder, shown.default), colours.default, move)
+
+
+def _panel(root: Spot, table: Mapping[str, Spot], title: str, lock: str, section: str) -> Panel:
+    """A panel without buttons; it stands where its section does, or else its lock."""
+    spot = table.get(section) or table.get(lock)
+    return Panel(title, lock, spot.place if spot is not None else root.place, [])
+
+
+def _keys(found: list[Panel], layout: str) -> None:
+    """Give every button its key, or another one with the reason why."""
+    wishes = [
+        (button, Wish(button.title, button.comb))
+        for panel in found
+        for button in panel.buttons
+        if button.comb is not None
+    ]
+    grant([wish for _, wish in wishes], layout)
+    for button, wish in wishes:
+        button.key, button.why = wish.key, wish.why
+
+
+def _remarks(table: Table, nodes: list[tuple[Panel, Table]]) -> dict[int, str]:
+    remarks = {id(table.entries[name]): text for name, text in _SECTIONS.items()}
+    for panel, node in nodes:
+        actions = node.entries.get("actions")
+        for button, action in zip(panel.buttons, getattr(actions, "nodes", ()), strict=True):
+            if button.why:
+                remarks[id(action)] = button.why
+    return remarks

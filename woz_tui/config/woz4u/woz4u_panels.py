@@ -1,0 +1,135 @@
+"""Panels: the sections of the file, in the order of WoZ4U's page, and what their locks cover."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from woz_tui.config.experiment import Place
+from woz_tui.config.woz4u import made_nodes, woz4u_values
+from woz_tui.config.woz4u.buttons import Button
+from woz_tui.config.woz4u.pepper_robot import ENGAGEMENT_MODES, STATES
+from woz_tui.config.yaml_cursor import Spot
+from woz_tui.config.yaml_nodes import Items, Node, Scalar, Table
+
+_COVERS = {
+    "lock_anim_speech_section": ("say", "read"),
+    "lock_gesture_section": ("play",),
+    "lock_tablet_section": ("screen", "tablet"),
+    "lock_audio_section": ("sound",),
+    "lock_color_section": ("eyes", "eyes_brightness"),
+    "lock_eye_anim_section": ("eyes_animation",),
+    "lock_movement_control_section": (
+        *("gaze", "nudge", "hip", "drive", "posture", "pose", "home", "torque"),
+    ),
+    "lock_autonomous_life_section": ("autonomy", "collision"),
+    "lock_volume_section": ("volume", "speech_speed", "speech_pitch"),
+}
+
+
+@dataclass(slots=True)
+class Panel:
+    """One section: `lock` is its key in the file, `place` where the section stands there."""
+
+    title: str
+    lock: str
+    place: Place
+    buttons: list[Button]
+    locked: bool = False
+
+    @property
+    def shown(self) -> bool:
+        """A section without a button makes no panel, unless something is locked there."""
+        return bool(self.buttons) or self.locked
+
+    def node(self) -> Table:
+        """The panel as our own format has it."""
+        where = self.place
+        entries = [made_nodes.entry("title", self.title, where)]
+        if self.locked:
+            entries.append(made_nodes.entry("locked", True, where))
+        covered = [made_nodes.node(verb, where) for verb in _COVERS[self.lock]]
+        entries.append(("covers", where, Items(where, covered)))
+        if self.buttons:
+            actions: list[Node] = [button.node() for button in self.buttons]
+            entries.append(("actions", where, Items(where, actions)))
+        return made_nodes.table(entries, where)
+
+
+def locks(table: Mapping[str, Spot], panels: Iterable[Panel]) -> None:
+    """Lock the panels whose sections the file locks."""
+    for panel in panels:
+        panel.locked = woz4u_values.locked(table.get(panel.lock))
+
+
+def name_apart(panels: Sequence[Panel]) -> None:
+    """Titles that occur twice: the later action gets a name of its own, with its panel's title."""
+    titles = {button.title for panel in panels for button in panel.buttons}
+    names: set[str] = set()
+    counts: dict[tuple[str, str], int] = {}
+    for panel in panels:
+        for button in panel.buttons:
+            name, kind = button.title, (button.title, panel.title)
+            while name in names or (kind in counts and name in titles):
+                number = counts[kind] = counts.get(kind, 0) + 1
+                tail = f" {number}" if number > 1 else ""
+                name = f"{button.title} ({panel.title}{tail})"
+            names.add(name)
+            button.name = name if name != button.title else ""
+
+
+def movement(place: Place) -> list[Button]:
+    """What the page's movement section does beside the arrow keys, and more of its kind."""
+    return [
+        _plain("Wake up", place, "the motors on", torque=True),
+        _plain("Rest", place, "the resting position, the motors off", torque=False),
+        _plain("Stand", place, "the neutral stand", posture="Stand"),
+        _plain("StandInit", place, "ready to go", posture="StandInit"),
+        _plain("Home", place, "every joint back to the stand", home=1.0),
+        _plain("Look ahead", place, "", gaze=_angles(place)),
+    ]
+
+
+def autonomy(place: Place) -> list[Button]:
+    """The robot's states and engagement modes; all its settings are on the console's own page."""
+    return [
+        *(_plain(word.capitalize(), place, "autonomous life", autonomy=word) for word in STATES),
+        *(
+            _plain(mode, place, "engagement", autonomy=_engagement(mode, place))
+            for mode in ENGAGEMENT_MODES
+        ),
+    ]
+
+
+def speaking(figures: Mapping[str, Scalar]) -> list[Button]:
+    """Back to what the file says about the voice, as far as it does."""
+    verbs = {"volume": "volume", "speed": "speech_speed", "pitch": "speech_pitch"}
+    return [
+        _plain(
+            f"{name.capitalize()} {node.text}",
+            node.place,
+            "as the file has it",
+            **{verbs[name]: node},
+        )
+        for name, node in figures.items()
+    ]
+
+
+def default_picture(place: Place) -> Button:
+    """The page's button that clears the tablet."""
+    return _plain("Default picture", place, "or Pepper's own", tablet="default")
+
+
+def _plain(title: str, place: Place, hint: str, **does: made_nodes.Value) -> Button:
+    """A button of ours, without a key."""
+    entries = [made_nodes.entry(verb, value, place) for verb, value in does.items()]
+    return Button(title, place, entries, place, help=hint)
+
+
+def _angles(place: Place) -> Table:
+    zero = [made_nodes.entry(name, 0.0, place) for name in ("yaw", "pitch")]
+    return made_nodes.table(zero, place)
+
+
+def _engagement(mode: str, place: Place) -> Table:
+    return made_nodes.table([made_nodes.entry("engagement", mode, place)], place)

@@ -1,0 +1,276 @@
+"""A node together with its path and the report: what every decoder is given.
+
+The readers here return None after they have reported what is wrong, so that a decoder goes on and
+finds the other errors too.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from woz_tui.config.experiment import Place
+from woz_tui.config.file_text import Source, SourceError, read
+from woz_tui.config.problems import Report, join, quoted
+from woz_tui.config.yaml_nodes import Items, Node, Scalar, Table, described, tree
+from woz_tui.drivers.fields import Range
+
+_NUMBER = re.compile(r"[-+]?(\d{1,30}(\.\d{0,60})?|\.\d{1,60})([eE][-+]?\d{1,3})?")
+_WHOLE = re.compile(r"[-+]?\d{1,18}")
+_SECONDS = re.compile(rf"(?P<number>{_NUMBER.pattern})\s*(?P<unit>[a-zA-Z]*)")
+_UNITS = {"": 1.0, "ms": 0.001, "s": 1.0, "sec": 1.0, "min": 60.0, "h": 3600.0}
+_FLAGS = {
+    **dict.fromkeys(("true", "yes", "on"), True),
+    **dict.fromkeys(("false", "no", "off"), False),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Spot:
+    """One value in a file: its node, its path, where its name stands."""
+
+    node: Node
+    path: str
+    place: Place
+    report: Report
+
+    def error(self, message: str) -> None:
+        """Something is wrong with this value."""
+        self.report.error(self.place, self.path, message)
+
+    def warning(self, message: str) -> None:
+        """Something is odd about this value."""
+        self.report.warning(self.place, self.path, message)
+
+    def wrong(self, expected: str) -> None:
+        """`expected text, not a list`."""
+        self.error(f"expected {expected}, not {described(self.node)}")
+
+    def at(self, name: str, node: Node, place: Place) -> Spot:
+        """The entry `name` of this mapping."""
+        return self._child(join(self.path, name), node, place)
+
+    def entries(self) -> Iterator[tuple[str, Spot]]:
+        """Names and values, if this is a mapping."""
+        if isinstance(self.node, Table):
+            for name, key, node in self.node.items():
+                yield name, self.at(name, node, key.place)
+
+    def items(self) -> Iterator[Spot]:
+        """Each entry, if this is a list."""
+        if isinstance(self.node, Items):
+            for index, node in enumerate(self.node.nodes):
+                yield self._child(f"{self.path}[{index}]", node, node.place)
+
+    def table(self, expected: str = "a mapping") -> dict[str, Spot] | None:
+        """The mapping's entries by name."""
+        if not isinstance(self.node, Table):
+            self.wrong(expected)
+            return None
+        return dict(self.entries())
+
+    def fields(self, known: Collection[str], what: str, expected: str) -> dict[str, Spot] | None:
+        """The mapping's entries by name; those that are not `known` are reported."""
+        table = self.table(expected)
+        for name, entry in (table or {}).items():
+            if name not in known:
+                entry.unknown(known, what)
+        return table
+
+    def list(self, expected: str = "a list") -> list[Spot] | None:
+        """The list's entries."""
+        if not isinstance(self.node, Items):
+            self.wrong(expected)
+            return None
+        return [*self.items()]
+
+    def _child(self, path: str, node: Node, place: Place) -> Spot:
+        self.report.put(path, place)
+        return Spot(node, path, place, self.report)
+
+    def unknown(
+        self, known: Iterable[str], what: str = "known here", listing: Iterable[str] | None = None
+    ) -> None:
+        """This entry's name means nothing here. Without a `known` one near to it, those of
+        `listing` (by default `known`) are named.
+        """
+        words = list(known)
+        parent, _, name = self.path.rpartition(".")
+        near = self.report.nearest(name, words)
+        if near is None:
+            self.error(f"unknown{self.report.choices(what, words if listing is None else listing)}")
+            return
+        self.report.misspelt(self.place.file, join(parent, near))
+        self.error(f"unknown; did you mean {near!r}?")
+
+
+def read_text(spot: Spot, expected: str = "text") -> str | None:
+    """Text exactly as typed: `No`, `12:30` and `007` stay what they are."""
+    if not isinstance(spot.node, Scalar) or spot.node.nothing:
+        spot.wrong(expected)
+        return None
+    if "\0" in spot.node.text:
+        spot.error("text cannot contain a NUL character")
+        return None
+    return spot.node.text
+
+
+def read_filled(spot: Spot | None, expected: str = "text") -> str | None:
+    """Text that is more than blanks, if it is there; blanks are reported, and come back."""
+    text = read_text(spot, expected) if spot is not None else None
+    if spot is not None and text is not None and not text.strip():
+        spot.error("is empty")
+    return text
+
+
+def read_texts(
+    spot: Spot | None, expected: str = "a list", each: str = "text", *, once: bool = False
+) -> list[tuple[Spot, str]]:
+    """A list's texts with where they stand; `once`: none of them twice."""
+    entries = spot.list(expected) if spot is not None else None
+    found: dict[str, Spot] = {}
+    texts: list[tuple[Spot, str]] = []
+    for entry in entries or ():
+        text = read_text(entry, each)
+        if text is not None and once and text in found:
+            entry.error(f"{quoted(text)} appears twice")
+        elif text is not None:
+            texts.append((entry, text))
+            found[text] = entry
+    return texts
+
+
+def one_or_more(spot: Spot | None, expected: str) -> Iterator[tuple[Spot, str]]:
+    """A text, or each of a list of texts, with where it stands."""
+    if spot is None:
+        return
+    for entry in spot.items() if isinstance(spot.node, Items) else (spot,):
+        text = read_filled(entry, expected)
+        if text is not None and text.strip():
+            yield entry, text
+
+
+def read_word(spot: Spot, choices: Iterable[str], expected: str = "one of") -> str | None:
+    """One of `choices`."""
+    words = tuple(choices)
+    listed = f"{expected} {', '.join(words)}"
+    text = read_text(spot, listed if len(listed) < 120 else "one of the known words")
+    if text is None or text in words:
+        return text
+    spot.error(f"{quoted(text)} is not known{spot.report.hint(text, words, or_list='it can be')}")
+    return None
+
+
+def is_set(spot: Spot | None) -> bool:
+    """Whether a flag is there, and true."""
+    return bool(spot is not None and read_flag(spot))
+
+
+def read_flag(spot: Spot) -> bool | None:
+    """True or false, yes or no, on or off."""
+    node = spot.node
+    if isinstance(node, Scalar) and (flag := _FLAGS.get(node.text.lower())) is not None:
+        return flag
+    spot.wrong("true or false")
+    return None
+
+
+def read_number(spot: Spot, allowed: Range | None = None) -> float | None:
+    """A finite number inside `allowed`."""
+    text = spot.node.text if isinstance(spot.node, Scalar) else ""
+    expected = "a number" + (f" ({allowed})" if allowed is not None else "")
+    if not _NUMBER.fullmatch(text):
+        if _NUMBER.fullmatch(text.replace(",", ".", 1)):
+            spot.error(f"write {text.replace(',', '.', 1)!r}: the decimal sign is a point")
+        elif (number := _NUMBER.match(text)) and number.group():
+            spot.error(f"expected {expected} alone, not {quoted(text)}")
+        else:
+            spot.wrong(expected)
+        return None
+    return _inside(spot, float(text), text, allowed)
+
+
+def read_whole(spot: Spot, allowed: Range | None = None) -> int | None:
+    """A whole number inside `allowed`."""
+    text = spot.node.text if isinstance(spot.node, Scalar) else ""
+    if not _WHOLE.fullmatch(text):
+        spot.wrong("a whole number" + (f" ({allowed})" if allowed is not None else ""))
+        return None
+    return None if _inside(spot, int(text), text, allowed) is None else int(text)
+
+
+def read_seconds(spot: Spot, allowed: Range) -> float | None:
+    """A duration in seconds: `2`, `2 s`, `250 ms`, `10 min`, `1 h`."""
+    text = spot.node.text.strip() if isinstance(spot.node, Scalar) else ""
+    match = _SECONDS.fullmatch(text)
+    factor = _UNITS.get(match["unit"]) if match else None
+    if match is None or factor is None:
+        spot.wrong("a duration (a number of seconds, or 250 ms, 2 s, 10 min, 1 h)")
+        return None
+    return _inside(spot, float(match["number"]) * factor, text, allowed)
+
+
+def _inside(spot: Spot, number: float, text: str, allowed: Range | None) -> float | None:
+    if abs(number) == float("inf"):
+        spot.error(f"{text} is too large")
+        return None
+    if allowed is not None and not allowed.contains(number):
+        spot.error(f"{text} is out of range; allowed is {allowed}")
+        return None
+    return number
+
+
+def missing(table: Mapping[str, Spot], name: str, parent: Spot, why: str = "") -> Spot | None:
+    """The entry `name`, or None after saying that it is missing."""
+    spot = table.get(name)
+    if spot is None:
+        because = f" ({why})" if why else ""
+        path = join(parent.path, name)
+        parent.report.missing(parent.place, path, f"is missing{because}", path)
+    return spot
+
+
+def document(source: Source, report: Report, expected: str) -> Spot | None:
+    """The root of a file that holds a mapping; None after saying what it holds instead."""
+    report.file(source.name)
+    start = Place(source.name, 1, 1)
+    broken = len(report.errors)
+    node = tree(source, report)
+    if isinstance(node, Table):
+        return Spot(node, "", start, report)
+    if len(report.errors) == broken:
+        found = "nothing" if node is None else described(node)
+        report.error(start, "file", f"expected {expected}, not {found}")
+    return None
+
+
+def source_of(path: Path, report: Report, data: bytes | None = None) -> Source | None:
+    """A file that was named on a command line, or None after saying why it cannot be read; `data`
+    stands for what it holds.
+    """
+    report.file(str(path))
+    try:
+        return read(path, str(path), data)
+    except SourceError as error:
+        report.error(Place(str(path), error.line, error.column), "file", error.message)
+    return None
+
+
+def named_source(spot: Spot, text: str, base: Path, meant: Callable[[], str]) -> Source | None:
+    """The file that `text` names at `spot`, seen from `base`, or None after saying what is wrong;
+    `meant` is asked for a hint where it is not there.
+    """
+    try:
+        path = base / Path(text).expanduser()
+        return read(path, str(path))
+    except SourceError as error:
+        if (error.line, error.column) == (1, 1):
+            spot.error(f"{quoted(text)}: {error.message}{meant()}")
+        else:
+            place = Place(str(path), error.line, error.column)
+            spot.report.error(place, "file", error.message)
+    except (RuntimeError, ValueError) as error:  # expanduser without a home, a NUL
+        spot.error(f"{quoted(text)}: {error}")
+    return None

@@ -1,0 +1,355 @@
+"""The YAML-node layer: text into nodes that know where they stand and have not been guessed at.
+
+YAML turns `No` into false, `12:30` into 750 and lets the second of two equal keys win. So nothing
+is resolved here: a scalar keeps its text, and whoever wants a number parses one. The tree is built
+from the parser's events with a stack of its own, which makes depth and size limits plain.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import yaml
+
+from woz_tui.config.experiment import Place
+from woz_tui.config.file_text import Source
+from woz_tui.config.problems import Report, join, quoted
+
+#: Lists and mappings inside each other; a real file needs eight.
+MAX_DEPTH = 40
+_TOO_DEEP = f"more than {MAX_DEPTH} lists and mappings inside each other"
+#: Scalars, lists and mappings, counted as often as aliases repeat them.
+MAX_NODES = 30_000
+
+#: Tags that change nothing, since types come from what is wanted.
+_HARMLESS = frozenset(
+    f"tag:yaml.org,2002:{name}" for name in ("str", "int", "float", "bool", "map", "seq", "null")
+)
+
+_Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+@dataclass(slots=True)
+class Scalar:
+    """One piece of text as it was typed; `plain` if it stood without quotes."""
+
+    place: Place
+    text: str
+    plain: bool
+    size: int = 1
+    depth: int = 0
+
+    @property
+    def nothing(self) -> bool:
+        """`key:` with nothing after it."""
+        return self.plain and not self.text
+
+    @property
+    def null(self) -> bool:
+        """Nothing, or one of YAML's words for it."""
+        return self.plain and self.text in ("", "~", "null", "Null", "NULL")
+
+
+@dataclass(slots=True)
+class Items:
+    """A list."""
+
+    place: Place
+    nodes: list[Node] = field(default_factory=list)
+    size: int = 1
+    depth: int = 1
+
+
+@dataclass(slots=True)
+class Table:
+    """A mapping, in the file's order; `keys` holds each key's own scalar."""
+
+    place: Place
+    entries: dict[str, Node] = field(default_factory=dict)
+    keys: dict[str, Scalar] = field(default_factory=dict)
+    size: int = 1
+    depth: int = 1
+
+    def items(self) -> Iterator[tuple[str, Scalar, Node]]:
+        """Name, key and value of each entry."""
+        for name, value in self.entries.items():
+            yield name, self.keys[name], value
+
+
+Node = Scalar | Items | Table
+
+
+def described(node: Node) -> str:
+    """What a node is, for `expected text, not a list`."""
+    match node:
+        case Items():
+            return "a list"
+        case Table():
+            return "a mapping"
+        case _:
+            return "nothing" if node.nothing else quoted(node.text)
+
+
+def tree(source: Source, report: Report, *, last_wins: bool = False) -> Node | None:
+    """The document's root, or None if it is empty or broken; reports what is wrong.
+
+    `last_wins`: of two equal keys the last one counts, as PyYAML has it, with a warning; else the
+    second one is an error.
+    """
+    try:
+        return _Composer(source, report, last_wins=last_wins).compose()
+    except yaml.YAMLError as error:
+        line, column, message = explained(error, source.text)
+        report.error(Place(source.name, line, column), "YAML", message)
+    except _HopelessError as error:
+        report.error(error.place, "YAML", error.message)
+    return None
+
+
+class _HopelessError(Exception):
+    """Reading on makes no sense."""
+
+    def __init__(self, place: Place, message: str) -> None:
+        super().__init__(message)
+        self.place = place
+        self.message = message
+
+
+@dataclass(slots=True)
+class _Open:
+    """A list or mapping whose end has not come yet, and the key that waits for its value."""
+
+    node: Items | Table
+    path: str
+    anchor: str | None
+    key: Scalar | None = None
+    merged: list[Table] = field(default_factory=list)
+    dropped: bool = False
+
+
+class _Composer:
+    def __init__(self, source: Source, report: Report, *, last_wins: bool) -> None:
+        self._source = source
+        self._report = report
+        self._last_wins = last_wins
+        self._stack: list[_Open] = []
+        self._anchors: dict[str, Node | None] = {}
+        self._root: Node | None = None
+        self._documents = 0
+
+    def compose(self) -> Node | None:
+        loader = _Loader(self._source.text)
+        try:
+            while loader.check_event():
+                self._event(loader.get_event())
+        finally:
+            loader.dispose()
+        return self._root
+
+    def _event(self, event: yaml.Event) -> None:
+        match event:
+            case yaml.ScalarEvent():
+                plain = event.style in (None, "")
+                scalar = Scalar(self._place(event), event.value, plain)
+                self._tag(event, scalar.place, scalar)
+                self._anchor(event.anchor, scalar)
+                self._add(scalar)
+            case yaml.MappingStartEvent() | yaml.SequenceStartEvent():
+                self._begin(event)
+            case yaml.MappingEndEvent() | yaml.SequenceEndEvent():
+                self._end()
+            case yaml.AliasEvent():
+                self._alias(event)
+            case yaml.DocumentStartEvent():
+                self._documents += 1
+                if self._documents > 1:
+                    raise _HopelessError(
+                        self._place(event),
+                        "a second document begins here; a file can have only one",
+                    )
+
+    def _place(self, event: yaml.Event) -> Place:
+        mark = event.start_mark
+        line, column = (mark.line, mark.column) if mark is not None else (0, 0)
+        return Place(self._source.name, line + 1, column + 1)
+
+    def _begin(self, event: yaml.MappingStartEvent | yaml.SequenceStartEvent) -> None:
+        place = self._place(event)
+        if len(self._stack) >= MAX_DEPTH:
+            raise _HopelessError(place, _TOO_DEEP)
+        mapping = isinstance(event, yaml.MappingStartEvent)
+        node: Items | Table = Table(place) if mapping else Items(place)
+        self._tag(event, place, None)
+        if event.anchor is not None:
+            self._anchors[event.anchor] = None
+        self._stack.append(_Open(node, self._path_of_next(), event.anchor))
+
+    def _end(self) -> None:
+        done = self._stack.pop()
+        if isinstance(done.node, Table):
+            for base in done.merged:
+                _merge(done.node, base)
+        self._anchor(done.anchor, done.node)
+        self._add(done.node)
+
+    def _alias(self, event: yaml.AliasEvent) -> None:
+        place = self._place(event)
+        if event.anchor not in self._anchors:
+            raise _HopelessError(
+                place,
+                f"nothing is called &{event.anchor} here; text that begins with * needs quotes",
+            )
+        node = self._anchors[event.anchor]
+        if node is None:
+            raise _HopelessError(place, f"*{event.anchor} contains itself")
+        self._add(node)
+
+    def _anchor(self, anchor: str | None, node: Node) -> None:
+        if anchor is not None:
+            self._anchors[anchor] = node
+
+    def _tag(self, event: yaml.NodeEvent, place: Place, scalar: Scalar | None) -> None:
+        tag = getattr(event, "tag", None)
+        if tag is None or tag in _HARMLESS:
+            return
+        if tag == "!" and scalar is not None and not scalar.plain:
+            return
+        self._report.error(
+            place, self._path_of_next() or "YAML", "text that begins with ! needs quotes"
+        )
+
+    def _path_of_next(self) -> str:
+        if not self._stack:
+            return ""
+        top = self._stack[-1]
+        if isinstance(top.node, Items):
+            return f"{top.path}[{len(top.node.nodes)}]"
+        return join(top.path, top.key.text) if top.key is not None else top.path
+
+    def _add(self, node: Node) -> None:
+        if not self._stack:
+            self._root = node
+            return
+        top = self._stack[-1]
+        if isinstance(top.node, Items):
+            top.node.nodes.append(node)
+            self._grow(top.node, node)
+        elif top.key is None and not top.dropped:
+            self._key(top, node)
+        else:
+            self._value(top, top.node, node)
+
+    def _grow(self, parent: Items | Table, child: Node) -> None:
+        """An alias repeats everything below it, so ten lines can stand for a billion nodes."""
+        parent.size += child.size
+        parent.depth = max(parent.depth, child.depth + 1)
+        if parent.size > MAX_NODES:
+            raise _HopelessError(child.place, f"more than {MAX_NODES} entries, aliases counted out")
+        if parent.depth > MAX_DEPTH:
+            raise _HopelessError(child.place, _TOO_DEEP)
+
+    def _key(self, top: _Open, node: Node) -> None:
+        if isinstance(node, Scalar):
+            top.key = node
+            return
+        self._report.error(
+            node.place,
+            top.path or "YAML",
+            f"expected a name before the colon, not {described(node)}",
+        )
+        top.dropped = True
+
+    def _value(self, top: _Open, table: Table, node: Node) -> None:
+        key, top.key = top.key, None
+        if key is None:
+            top.dropped = False
+            return
+        self._grow(table, node)
+        if key.text == "<<" and key.plain:
+            self._merge_later(top, node)
+            return
+        first = table.keys.get(key.text)
+        if first is not None:
+            twice = f"{quoted(key.text)} appears twice (first in line {first.place.line})"
+            say = self._report.warning if self._last_wins else self._report.error
+            say(key.place, join(top.path, key.text), twice)
+        if first is None or self._last_wins:
+            table.keys[key.text] = key
+            table.entries[key.text] = node
+
+    def _merge_later(self, top: _Open, node: Node) -> None:
+        bases = node.nodes if isinstance(node, Items) else [node]
+        for base in bases:
+            if isinstance(base, Table):
+                top.merged.append(base)
+            else:
+                self._report.error(
+                    base.place, join(top.path, "<<"), "only a mapping can be merged in: <<: *name"
+                )
+
+
+def _merge(table: Table, base: Table) -> None:
+    """YAML's merge key: what the mapping says itself wins, then the first base that says it."""
+    for name, key, value in base.items():
+        table.keys.setdefault(name, key)
+        table.entries.setdefault(name, value)
+
+
+# -- what the parser says --------------------------------------------------------------------------
+
+
+#: (part of the parser's sentence, ours). First match wins.
+_SAID = (
+    ("tab character that violates", "a tab character; indent YAML with spaces"),
+    ("alphabetic or numeric", "text that begins with * or & needs quotes"),
+    ("mapping values are not allowed", "one colon too many: text that contains ': ' needs quotes"),
+    ("could not find expected ':'", "a colon is missing after a name, or a quote is not closed"),
+    ("block sequence entries", "a dash cannot be here; is the line above complete?"),
+    ("expected '-' indicator", "a '-' is missing here; check the indentation"),
+    ("expected ',' or ']'", "a ',' or the closing ] is missing"),
+    ("expected ',' or '}'", "a ',' or the closing } is missing"),
+    ("unexpected end of stream", "these quotes are never closed"),
+    ("escape character", "unknown escape after \\ in double quotes; use single quotes"),
+    ("hexdecimal", "unknown escape after \\ in double quotes; use single quotes"),
+    ("expected node content", "a value is missing here, or text that needs quotes"),
+    ("<document start>", "this is outside of the file's mapping; check the indentation"),
+    ("expected key", "this does not fit: check the indentation and the quotes"),
+    ("tag", "text that begins with ! needs quotes"),
+    ("URI", "text that begins with ! needs quotes"),
+    ("directive", "text that begins with % needs quotes"),
+    ("comment or line break", "text that begins with > or | needs quotes"),
+)
+
+
+def explained(error: yaml.YAMLError, text: str) -> tuple[int, int, str]:
+    """Line and column (from 1) of the error in `text`, and a sentence."""
+    if not isinstance(error, yaml.MarkedYAMLError):
+        return 1, 1, " ".join(str(error).split())
+    said = f"{error.problem or 'cannot be read'} {error.context or ''}".strip()
+    mark = error.problem_mark or error.context_mark
+    begun = error.context_mark
+    if "end of stream" in said and begun is not None:
+        mark = begun
+    if mark is None:
+        return 1, 1, said
+    message = next((ours for theirs, ours in _SAID if theirs in said), said)
+    closing = text.splitlines()[mark.line : mark.line + 1]
+    found = closing[0][mark.column : mark.column + 1] if closing else ""
+    if found and found in "}]" and "',' or '" not in said:
+        message = f"one {found} too many, or the bracket that opens it is missing"
+        begun = None  # of what surrounds it, which is in order
+    if "start any token" in said:
+        message = _character(text, mark.line, mark.column)
+    if begun is not None and begun.line < mark.line:
+        message += f" (begun in line {begun.line + 1})"
+    return mark.line + 1, mark.column + 1, message
+
+
+def _character(text: str, line: int, column: int) -> str:
+    """What cannot begin a token: nearly always a tab, or a character that wants quotes."""
+    lines = text.splitlines()
+    found = lines[line][column : column + 1] if line < len(lines) else ""
+    if found == "\t":
+        return "a tab character; indent YAML with spaces"
+    return f"text that begins with {found or 'this character'} needs quotes"

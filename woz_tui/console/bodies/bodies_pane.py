@@ -1,0 +1,168 @@
+"""Bodies on the main screen: face, links from two sides, what they do. Everything has its place.
+
+How much of that is drawn follows from the room and from the bodies' outlines alone, so nothing
+moves about while the robot does.
+"""
+
+from __future__ import annotations
+
+from rich.cells import cell_len
+
+from woz_tui.console.bodies.body_state import SeenBody, seen_bodies
+from woz_tui.console.bodies.body_text import short_rows, word_rows
+from woz_tui.console.bodies.face_lights import brightness_look, frame_of, light_rows
+from woz_tui.console.bodies.face_lights import size as face_size
+from woz_tui.console.bodies.link_views import ABOVE, SIDE, draw, sights
+from woz_tui.console.cells import Cells, Row, clean, cut, fit
+from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.glyphs import Frame, Glyphs
+from woz_tui.console.meter_rows import beside
+from woz_tui.session.redactor import HIDDEN
+
+#: Cells that words beside a face need, and a view at the least (columns, lines).
+WORDS, VIEW = 16, (10, 4)
+#: Cells that the longer caption of a view needs.
+CAPTION = 14
+#: Cells between bodies.
+GAP = 2
+#: The narrowest place in which a body can be shown.
+NARROWEST = 12
+
+
+def pane_rows(picture: ConsoleState, frame: Frame) -> list[Row]:
+    """All bodies side by side, as many as have room."""
+    seen = seen_bodies(picture, frame.now, frame.glyphs)
+    count = min(len(seen), max(1, (frame.width + GAP) // (NARROWEST + GAP)))
+    if not count:
+        return []
+    each = (frame.width - GAP * (count - 1)) // count
+    more = len(seen) - count
+    blocks = [
+        (_column(one, Frame(each, frame.height, frame.now, frame.glyphs), more), each)
+        for one in seen[:count]
+    ]
+    return [
+        cut(row, frame.width, frame.glyphs.ellipsis)
+        for row in beside(blocks, frame.height, frame.glyphs, GAP)
+    ]
+
+
+def _column(seen: SeenBody, frame: Frame, more: int) -> list[Row]:
+    lights = seen.outline.face
+    tight = lights is not None and face_size(*lights, compact=False)[0] == frame.width
+    indent = 0 if tight else 1
+    inner = Frame(frame.width - indent, frame.height - 1, frame.now, frame.glyphs)
+    front: Row = ((" " * indent, "plain"),)
+    return [_title(seen, frame, more), *(front + row for row in _arranged(seen, inner))]
+
+
+def _title(seen: SeenBody, frame: Frame, more: int) -> Row:
+    glyphs = frame.glyphs
+    title = f" {clean(seen.outline.title)} "
+    others = f" +{more} " if more else ""
+    old = f" {seen.old} " if seen.old and frame.width >= cell_len(title) + 14 else ""
+    room = frame.width - cell_len(title) - cell_len(old) - cell_len(others)
+    rule = glyphs.rule * max(0, room)
+    row: Row = ((title, "title"), (rule, "faint"), (others, "muted"), (old, "stale"))
+    return cut(row, frame.width, glyphs.ellipsis)
+
+
+def _arranged(seen: SeenBody, frame: Frame) -> list[Row]:
+    """Large face and both views, or a compact face with one view beside or beneath it."""
+    columns, lines = face_size(*(seen.outline.face or (24, 16)), compact=False)
+    if frame.width >= columns and frame.height >= lines + 2 + 1 + VIEW[1]:
+        return _large(seen, frame, (columns, lines))
+    columns, lines = face_size(*(seen.outline.face or (24, 16)), compact=True)
+    if frame.width >= columns + VIEW[0] + WORDS + 2 * GAP:
+        return _low(seen, frame, columns)
+    return _slim(seen, frame, (columns, lines))
+
+
+def _large(seen: SeenBody, frame: Frame, size: tuple[int, int]) -> list[Row]:
+    columns, lines = size
+    words = frame.width - columns - GAP
+    face = face_rows(seen, frame.glyphs, compact=False)
+    if words >= WORDS:
+        described = word_rows(seen, frame.glyphs, words, lines)
+        rows = beside([(face, columns), (described, words)], lines, frame.glyphs, GAP)
+    else:
+        rows = [*face, *short_rows(seen, frame.glyphs)]
+    return rows + view_rows(seen, frame.glyphs, frame.width, frame.height - len(rows))
+
+
+def _low(seen: SeenBody, frame: Frame, columns: int) -> list[Row]:
+    view = frame.width - columns - WORDS - 2 * GAP
+    height = frame.height
+    described = word_rows(seen, frame.glyphs, WORDS, height)
+    blocks = [
+        (face_rows(seen, frame.glyphs, compact=True), columns),
+        (_drawn(seen, {SIDE: (view, height)}, frame.glyphs)[SIDE], view),
+        (described, WORDS),
+    ]
+    return beside(blocks, height, frame.glyphs, GAP)
+
+
+def _slim(seen: SeenBody, frame: Frame, size: tuple[int, int]) -> list[Row]:
+    rows = [*face_rows(seen, frame.glyphs, compact=True), *short_rows(seen, frame.glyphs)]
+    spare = frame.height - len(rows)
+    if spare >= VIEW[1] and frame.width >= VIEW[0]:
+        rows += _drawn(seen, {SIDE: (frame.width, spare)}, frame.glyphs)[SIDE]
+    return [cut(row, frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
+
+
+def face_rows(seen: SeenBody, glyphs: Glyphs, *, compact: bool) -> list[Row]:
+    """The face; a body without one has none, but keeps its place."""
+    size = seen.outline.face
+    if size is None:
+        return []
+    frame = frame_of(seen.face, *size)
+    look = "stale" if seen.old else brightness_look(seen.face.brightness if seen.face else 1.0)
+    rows = light_rows(frame, glyphs, look, compact=compact)
+    if seen.face is None:
+        columns, _ = face_size(*size, compact=compact)
+        word = HIDDEN if "face" in seen.hidden else "no face yet"
+        rows[len(rows) // 2] = ((fit(word.center(columns), columns, glyphs.ellipsis), "muted"),)
+    return rows
+
+
+def view_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[Row]:
+    """A line of captions, beneath it the views from the side and from above."""
+    lines = height - 1
+    if lines < VIEW[1]:
+        return []
+    above = max(VIEW[0], (width - GAP) * 2 // 5)
+    side = width - GAP - above
+    drawn = _drawn(seen, {SIDE: (side, lines), ABOVE: (above, lines)}, glyphs)
+    front = ", front " if above >= CAPTION else " "
+    captions: Row = (
+        (fit(f"side{front}{glyphs.next}", side + GAP, glyphs.ellipsis), "faint"),
+        (fit(f"top{front}{glyphs.up}", above, glyphs.ellipsis), "faint"),
+    )
+    return [captions, *beside([(drawn[SIDE], side), (drawn[ABOVE], above)], lines, glyphs, GAP)]
+
+
+def _drawn(
+    seen: SeenBody, sizes: dict[str, tuple[int, int]], glyphs: Glyphs
+) -> dict[str, list[Row]]:
+    if "joints" in seen.hidden:
+        return {view: _kept_view(*size) for view, size in sizes.items()}
+    return {
+        view: draw(seen.outline, seen.pose, sight, sizes[view]).rows(glyphs)
+        for view, sight in sights(seen.outline, sizes).items()
+    }
+
+
+def _kept_view(width: int, height: int) -> list[Row]:
+    """A view of a pose that the wizard does not get to see."""
+    rows: list[Row] = [((" " * width, "plain"),)] * height
+    rows[height // 2] = ((fit(HIDDEN.center(width), width), "faint"),)
+    return rows
+
+
+class BodyPane(Cells):
+    """The bodies; takes no room in a session without one."""
+
+    def paint(self, picture: ConsoleState, frame: Frame) -> None:
+        """Show what they look like now."""
+        if self.display:
+            self.show(pane_rows(picture, frame))

@@ -1,0 +1,100 @@
+"""What is known of one body at one moment, put together from everything that was heard of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from woz_tui.console.bodies.body_outlines import BodyOutline, bodies
+from woz_tui.console.bodies.link_views import Pose
+from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.glyphs import Glyphs
+from woz_tui.console.number_text import age
+from woz_tui.console.view_models import SensorView
+from woz_tui.protocol import messages as m
+
+
+@dataclass(frozen=True, slots=True)
+class SeenBody:
+    """A body as it is shown: `old` says how old that is, and is empty as long as it is new."""
+
+    outline: BodyOutline
+    face: m.FaceShown | None
+    pose: Pose
+    values: Mapping[str, m.Json]
+    mode: str
+    old: str = ""
+    #: What of it the wizard does not get to see: face, joints.
+    hidden: frozenset[str] = frozenset()
+
+    def value(self, *names: str) -> m.Json:
+        """The first of these values that is known."""
+        return next((self.values[name] for name in names if name in self.values), None)
+
+
+def seen_bodies(picture: ConsoleState, now: int, glyphs: Glyphs) -> list[SeenBody]:
+    """Every body of the session, in the robot file's order."""
+    return [_seen(picture, outline, now, glyphs) for outline in bodies(picture.outlines)]
+
+
+def _seen(picture: ConsoleState, outline: BodyOutline, now: int, glyphs: Glyphs) -> SeenBody:
+    driver = outline.driver
+    session = picture.session
+    body, mode = session.bodies.get(driver), session.modes.get(driver)
+    values = dict(_flat(body.values if body is not None else {}))
+    reached = _sensors(picture, outline, "joint")
+    wanted = _sensors(picture, outline, "setpoint")
+    newest = max((sensor.t for sensor in (*reached.values(), *wanted.values())), default=None)
+    lost = picture.health(driver) == "lost"
+    if picture.perception.hides("joints"):
+        reached, wanted = {}, {}  # not even how old they are
+    stale = (
+        bool(picture.lost) or lost or any(picture.is_stale(one, now) for one in reached.values())
+    )
+    since = picture.drivers[driver].t if lost else newest
+    old = ""
+    if stale:
+        old = f"{glyphs.stale}{age(now - since)} old" if since is not None else "lost"
+    return SeenBody(
+        outline,
+        session.faces.get(driver),
+        Pose(_placed(outline, reached), _placed(outline, wanted), stale=bool(old)),
+        values,
+        (mode.now if mode is not None else "") or str(values.get("mode") or "normal"),
+        old,
+        picture.perception.hidden,
+    )
+
+
+def _sensors(picture: ConsoleState, outline: BodyOutline, kind: str) -> dict[str, SensorView]:
+    """What was heard of this robot's joints, by joint, whichever of its drivers said it; where
+    several did, the body itself counts.
+    """
+    found: dict[str, SensorView] = {}
+    for name in picture.sensors:
+        head, _, joint = name.rpartition(".")
+        if head.rpartition(".")[2] != kind or joint not in outline.home:
+            continue
+        sensor = picture.sensor(name)
+        if sensor is None or not sensor.driver.startswith(outline.robot):
+            continue
+        if joint not in found or sensor.driver == outline.driver:
+            found[joint] = sensor
+    return found
+
+
+def _placed(outline: BodyOutline, sensors: Mapping[str, SensorView]) -> dict[str, float] | None:
+    """Degrees by joint; a joint that nobody speaks of stands at home. None: nobody says any."""
+    known = {joint: one.value for joint, one in sensors.items() if one.value is not None}
+    if not known:
+        return None
+    return {joint: known.get(joint, home) for joint, home in outline.home.items()}
+
+
+def _flat(values: Mapping[str, m.Json]) -> Iterator[tuple[str, m.Json]]:
+    """Values within values side by side."""
+    for name, value in values.items():
+        if isinstance(value, dict):
+            yield from _flat(value)
+        else:
+            yield name, value

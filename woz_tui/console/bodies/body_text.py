@@ -1,0 +1,217 @@
+"""What a body is doing and how it does it, in words and figures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+
+from woz_tui.console.bodies.body_state import SeenBody
+from woz_tui.console.cells import Row, clean, cut, fit
+from woz_tui.console.glyphs import Glyphs
+from woz_tui.motion.modes import BLINKS, BREATHES, Mode
+from woz_tui.protocol.messages import Json
+
+#: A body that was told no rate of its own breathes once in so many beats.
+BEATS_A_BREATH = 4
+#: Cells of the names in front of values, and where there is little room.
+NAMES, SHORT_NAMES = 11, 6
+
+
+def emotion_of(seen: SeenBody) -> tuple[str, float | None]:
+    """The emotion that is shown, and how strongly, 0..1; neutral has no intensity."""
+    face = seen.face
+    emotion = str(seen.value("emotion") or (face.emotion if face is not None else "") or "")
+    told = seen.value("intensity")
+    strength = told if isinstance(told, int | float) else face.intensity if face else None
+    return emotion, None if emotion == "neutral" else strength
+
+
+def feeling(seen: SeenBody) -> str:
+    """`happy 80 %`."""
+    emotion, strength = emotion_of(seen)
+    return emotion if strength is None else f"{emotion} {percent(strength)}"
+
+
+def doing(seen: SeenBody, glyphs: Glyphs) -> Row:
+    """What it does, in one short line: the move, else the mode."""
+    move = str(seen.value("move") or "")
+    parts: Row = ()
+    if seen.mode != "normal" or not move:
+        parts += ((clean(seen.mode), "wait" if seen.mode != "normal" else "muted"),)
+    if move:
+        parts += ((" ", "plain"),) * bool(parts) + ((f"{glyphs.running} {clean(move)}", "run"),)
+    return parts
+
+
+def percent(share: Json) -> str:
+    """0..1 as a percentage."""
+    return f"{share:.0%}".replace("%", " %") if isinstance(share, int | float) else "-"
+
+
+def short_rows(seen: SeenBody, glyphs: Glyphs) -> list[Row]:
+    """The two lines for which there is always room."""
+    if seen.old:
+        return [((seen.old, "stale"),), doing(seen, glyphs)]
+    return [((clean(feeling(seen)), "plain"),), doing(seen, glyphs)]
+
+
+def word_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[Row]:
+    """As much as fits beside a face, the most important first."""
+    move = clean(str(seen.value("move") or "")) or glyphs.dash
+    lines: list[tuple[str, str, str]] = [
+        ("shows", feeling(seen) or glyphs.dash, "plain"),
+        ("mode", seen.mode, "plain" if seen.mode == "normal" else "wait"),
+        ("plays", move, "plain" if move == glyphs.dash else "run"),
+        ("is", _character(seen) or glyphs.dash, "plain"),
+        ("breathes", _breathing(seen, glyphs), "plain"),
+        ("blinks", _blinking(seen, glyphs), "plain"),
+        ("tempo", figure("tempo", seen.value("tempo"), glyphs), "plain"),
+        ("seen", seen.old, "stale") if seen.old else ("", "", "plain"),
+    ]
+    if height < len(lines):
+        lines = [line for line in lines if line[1]][: max(1, height)]
+    names = NAMES if width >= 2 * NAMES else SHORT_NAMES
+    return [
+        cut(
+            ((fit(name, names, glyphs.ellipsis), "muted"), (clean(text), look)),
+            width,
+            glyphs.ellipsis,
+        )
+        for name, text, look in lines[:height]
+    ]
+
+
+def _character(seen: SeenBody) -> str:
+    """The personality by name; once a trait was turned it is not quite that any more."""
+    name = str(seen.value("personality", "name") or "")
+    return f"like {name}" if name and seen.value("changed") is True else name
+
+
+def _on(value: Json) -> bool:
+    return value is not False
+
+
+def _by_itself(modes: Collection[Mode], mode: str) -> bool:
+    """Whether it does so in this mode; of a mode nobody here knows, we know no better."""
+    return mode in {known.value for known in modes} or mode not in {known.value for known in Mode}
+
+
+def _breathing(seen: SeenBody, glyphs: Glyphs) -> str:
+    if not _on(seen.value("breathing_on")) or not _by_itself(BREATHES, seen.mode):
+        return "no"
+    rate = _breaths(seen.value("breathing_rate"), seen.value("tempo"))
+    return "yes" if rate is None else figure("breathing_rate", rate, glyphs)
+
+
+def _breaths(rate: Json, tempo: Json) -> Json:
+    """Breaths a second: a rate of their own, or by the tempo."""
+    return tempo / BEATS_A_BREATH if rate is None and isinstance(tempo, int | float) else rate
+
+
+def _blinking(seen: SeenBody, glyphs: Glyphs) -> str:
+    if not _on(seen.value("blinking")) or not _by_itself(BLINKS, seen.mode):
+        return "no"
+    rate = seen.value("blink_rate")
+    return figure("blink_rate", rate, glyphs) if isinstance(rate, int | float) else "yes"
+
+
+# -- the whole table ------------------------------------------------------------------------------
+
+
+def _plain(value: float, _: Glyphs) -> str:
+    return f"{value:.2f}"
+
+
+def _share(value: float, _: Glyphs) -> str:
+    return percent(value)
+
+
+def _signed(value: float, _: Glyphs) -> str:
+    return f"{value:+.2f}"
+
+
+def _degrees(value: float, glyphs: Glyphs) -> str:
+    return f"{value:.1f}{glyphs.degrees}"
+
+
+def _hertz(value: float, _: Glyphs) -> str:
+    return f"{value:.2f} Hz"
+
+
+def _seconds(value: float, _: Glyphs) -> str:
+    return f"{value:.2f} s"
+
+
+def _a_minute(value: float, _: Glyphs) -> str:
+    return f"{value:.0f}/min"
+
+
+Writer = Callable[[float, Glyphs], str]
+#: Values with their place in the table, and how numbers are written.
+ORDER: Mapping[str, Writer] = {
+    "mode": _plain,
+    "move": _plain,
+    "emotion": _plain,
+    "intensity": _share,
+    "valence": _signed,
+    "arousal": _signed,
+    "eye_x": _signed,
+    "eye_y": _signed,
+    "brightness": _share,
+    "personality": _plain,
+    "breathing_on": _plain,
+    "blinking": _plain,
+    "stopped": _plain,
+    "tempo": _hertz,
+    "breathing": _degrees,
+    "breathing_rate": _hertz,
+    "blink_rate": _a_minute,
+    "blink_time": _seconds,
+    "blink_irregularity": _plain,
+    "smoothing": _seconds,
+    "compression": _share,
+    "speed": _plain,
+    "amplitude": _plain,
+}
+
+
+def figure(name: str, value: Json, glyphs: Glyphs) -> str:
+    """A value with its unit."""
+    if value is None or value == "":
+        return glyphs.dash
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    if isinstance(value, int | float):
+        return ORDER.get(name, _plain)(value, glyphs)
+    if isinstance(value, list):
+        return ", ".join(figure(name, one, glyphs) for one in value)
+    return clean(str(value))
+
+
+#: Cells of a value at the least.
+VALUES = 6
+#: What a value is called in the table, where its own name would be misread.
+TITLES: Mapping[str, str] = {"breathing_on": "breathes", "blinking": "blinks"}
+
+
+def table_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[Row]:
+    """Every value the body tells, in as many columns as it needs; each has its fixed place."""
+    known = {name.replace("-", "_"): value for name, value in seen.values.items()}
+    if "breathing_rate" in known:
+        known["breathing_rate"] = _breaths(known["breathing_rate"], known.get("tempo"))
+    names = [name for name in ORDER if name in known]
+    names += sorted(name for name in known if name not in ORDER)
+    if not names:
+        return [(("no values from the body yet", "muted"),)]
+    lines = max(1, min(height, len(names)))
+    columns = [names[start : start + lines] for start in range(0, len(names), lines)]
+    titles = {name: TITLES.get(name, name.replace("_", " ")) for name in names}
+    fronts = [max(len(titles[name]) for name in column) + 1 for column in columns]
+    each = max(VALUES, (width - sum(fronts)) // len(columns) - 1)
+    look = "stale" if seen.old else "plain"
+    rows: list[Row] = [() for _ in range(lines)]
+    for column, front in zip(columns, fronts, strict=True):
+        for line, name in enumerate(column):
+            label = fit(titles[name], front, glyphs.ellipsis)
+            value = fit(figure(name, known[name], glyphs), each, glyphs.ellipsis)
+            rows[line] += ((label, "muted"), (value, look), (" ", "plain"))
+    return [cut(row, width, glyphs.ellipsis) for row in rows]

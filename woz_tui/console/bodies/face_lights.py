@@ -1,0 +1,72 @@
+"""A face as its matrix shows it: every light of the frame, nothing else.
+
+Half a cell a light where there is room, else eight lights a cell (braille). In ASCII half a cell
+is a sign in its upper or lower part, and eight lights are a sign as dark as many of them are on.
+"""
+
+from __future__ import annotations
+
+from woz_tui.console.bodies.dot_canvas import ACROSS, DOWN, bit, braille
+from woz_tui.console.cells import Row
+from woz_tui.console.glyphs import Glyphs
+from woz_tui.motion.light_frames import Frame, blank
+from woz_tui.protocol.messages import FaceShown
+
+#: Upper and lower light of a cell: both out, upper, lower, both on.
+_HALVES, _HALVES_ASCII = " ▀▄█", " '.#"
+#: From none of a cell's eight lights to all of them.
+_SHADES = " ...::++#"
+#: Steps of brightness that look different.
+LEVELS = 4
+
+
+def size(width: int, height: int, *, compact: bool) -> tuple[int, int]:
+    """Columns and lines that a matrix of lights takes."""
+    across, down = (ACROSS, DOWN) if compact else (1, 2)
+    return -(-width // across), -(-height // down)
+
+
+def frame_of(shown: FaceShown | None, width: int, height: int) -> Frame:
+    """The frame of a message; dark if there is none, or none that makes sense."""
+    if shown is not None:
+        try:
+            return Frame.of_hex(shown.width, shown.rows)
+        except (ValueError, OverflowError):
+            pass
+    return blank(width, height)
+
+
+def brightness_look(brightness: float) -> str:
+    """The look for a brightness of 0..1."""
+    level = min(LEVELS, max(1, -int(-brightness * LEVELS // 1)))
+    return f"face-{level}"
+
+
+def light_rows(frame: Frame, glyphs: Glyphs, look: str, *, compact: bool) -> list[Row]:
+    """The whole frame, `size` as large."""
+    columns, lines = size(frame.width, frame.height, compact=compact)
+    draw = _eighths if compact else _halves
+    return [((draw(frame, line, columns, glyphs), look),) for line in range(lines)]
+
+
+def _lit(frame: Frame, column: int, row: int) -> bool:
+    return column < frame.width and row < frame.height and frame.lit(column, row)
+
+
+def _halves(frame: Frame, line: int, columns: int, glyphs: Glyphs) -> str:
+    signs = _HALVES_ASCII if glyphs.ascii else _HALVES
+    return "".join(
+        signs[_lit(frame, x, 2 * line) + 2 * _lit(frame, x, 2 * line + 1)] for x in range(columns)
+    )
+
+
+def _eighths(frame: Frame, line: int, columns: int, glyphs: Glyphs) -> str:
+    text = ""
+    for column in range(columns):
+        bits = 0
+        for x in range(ACROSS):
+            for y in range(DOWN):
+                if _lit(frame, column * ACROSS + x, line * DOWN + y):
+                    bits |= bit(x, y)
+        text += _SHADES[bits.bit_count()] if glyphs.ascii else braille(bits)
+    return text

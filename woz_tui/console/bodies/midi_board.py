@@ -1,0 +1,268 @@
+"""A panel of knobs, sliders and buttons as it lies on the table, with what each does beneath it.
+
+A control that waits for take-over tells which way to turn it and up to which value: until then it
+does nothing, so that the first touch moves no joint.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from woz_tui.console.bodies.body_outlines import Control, PanelOutline
+from woz_tui.console.bodies.dot_canvas import ACROSS, DOWN, Dots, Layer
+from woz_tui.console.cells import Piece, Row, clean, cut, fit
+from woz_tui.console.glyphs import Frame, Glyphs
+from woz_tui.console.meter_rows import beside
+from woz_tui.protocol.messages import ControlsMoved
+
+#: The highest value of a control.
+MOST = 127
+#: Lines of each kind of control with its label; cells of a column at the least and at the most.
+LINES = {"knob": 3, "slider": 5, "button": 1}
+LEAST_COLUMN, MOST_COLUMN = 7, 13
+#: Below this a column that has buttons only is told as text, if that helps the others.
+GOOD_COLUMN = 9
+#: Cells of a knob, and how far around it goes, in degrees from its lowest place.
+DIAL, TURN = (4, 2), 270.0
+_DIAL_LAYERS = {"rest": Layer("faint", "."), "turned": Layer("run", "#")}
+_STALE_LAYERS = {"rest": Layer("faint", "."), "turned": Layer("stale", "#")}
+#: Cells of a slider's bar, and lines.
+BAR = (2, 4)
+
+HINT = (
+    "Before you begin, put the joints' knobs and sliders into the middle: a knob that stands "
+    "elsewhere waits until it has passed the robot's own value."
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Board:
+    """A panel at one moment; `old` as for bodies."""
+
+    outline: PanelOutline
+    knobs: ControlsMoved
+    old: str = ""
+
+    def value(self, control: Control) -> int | None:
+        """0..127; None before anybody touched it."""
+        return self.knobs.values.get(control.name)
+
+    def waits(self, control: Control) -> bool:
+        """Whether it does nothing until it has come to the robot's value."""
+        return control.name in self.knobs.waiting
+
+
+def board_rows(board: Board, frame: Frame) -> list[Row]:
+    """The picture, beneath it what was moved last and what to do about controls that wait."""
+    told, drawn = _split(board.outline.controls, frame.width)
+    rows = [*_grid(board, drawn, frame), (), *_told(board, told, frame)]
+    foot = _foot(board, frame)
+    room = max(0, frame.height - len(foot))
+    rows = rows[:room] + [()] * max(0, room - len(rows)) + foot
+    return [cut(row, frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
+
+
+# -- the picture ----------------------------------------------------------------------------------
+
+
+def _split(controls: Sequence[Control], width: int) -> tuple[list[Control], list[Control]]:
+    """Controls told as text, and those that are drawn: all of them where there is room."""
+    columns = {control.column for control in controls}
+    if width // max(1, len(columns)) >= GOOD_COLUMN:
+        return [], list(controls)
+    turned = {control.column for control in controls if control.kind != "button"} or columns
+    return (
+        [control for control in controls if control.column not in turned],
+        [control for control in controls if control.column in turned],
+    )
+
+
+def _grid(board: Board, controls: Sequence[Control], frame: Frame) -> list[Row]:
+    columns = sorted({control.column for control in controls})
+    if not columns:
+        return []
+    width = max(LEAST_COLUMN, min(MOST_COLUMN, frame.width // len(columns)))
+    places = {(control.column, control.row): control for control in controls}
+    rows: list[Row] = []
+    for line in sorted({control.row for control in controls}):
+        here = [places.get((column, line)) for column in columns]
+        height = max(LINES.get(one.kind, 1) for one in here if one is not None)
+        blocks = [
+            (_control(board, one, width - 1, frame.glyphs) if one is not None else [], width - 1)
+            for one in here
+        ]
+        rows += beside(blocks, height, frame.glyphs)
+    return rows
+
+
+def _control(board: Board, control: Control, width: int, glyphs: Glyphs) -> list[Row]:
+    if control.kind == "button":
+        return [_button(board, control, width, glyphs)]
+    draw = _knob if control.kind == "knob" else _slider
+    label = clean(control.label)
+    look = "faint" if not label else "warn" if board.waits(control) else _tone(board, "plain")
+    return [
+        *draw(board, control, glyphs),
+        ((_short(label or glyphs.middle, width, glyphs.ellipsis), look),),
+    ]
+
+
+def _tone(board: Board, look: str) -> str:
+    return "stale" if board.old else look
+
+
+def _button(board: Board, control: Control, width: int, glyphs: Glyphs) -> Row:
+    pressed = (board.value(control) or 0) > 0
+    lit = control.name in board.knobs.lit
+    sign = glyphs.yes if lit or pressed else glyphs.no
+    if not control.label:
+        return ((fit(sign if pressed else glyphs.middle, width), "faint"),)
+    look = "flash" if pressed else "run" if lit else "muted"
+    label = _short(clean(control.label), width - 2, glyphs.ellipsis)
+    return ((f"{sign} {label}", _tone(board, look)),)
+
+
+def _short(label: str, width: int, ellipsis: str) -> str:
+    """A label in `width` cells; of `point-left` what tells it from `point-right` is kept."""
+    tail = label.rpartition("-")[2]
+    if len(label) > width >= len(tail):
+        label = tail if len(tail) == width else ellipsis + tail
+    return fit(label, width, ellipsis)
+
+
+def _figures(board: Board, control: Control, glyphs: Glyphs) -> tuple[Piece, Piece]:
+    """The value, and where it has to go."""
+    value = board.value(control)
+    shown = glyphs.dash if value is None else str(value)
+    look = _tone(board, "strong" if control.label else "muted")
+    return (f"{shown:>3}", look), (_way(board, control, glyphs), "warn")
+
+
+def _way(board: Board, control: Control, glyphs: Glyphs) -> str:
+    """`↑90`: turn it up to 90."""
+    if not board.waits(control):
+        return ""
+    target, value = board.knobs.targets.get(control.name), board.value(control)
+    if target is None or value is None:
+        return glyphs.warning
+    return f"{glyphs.up if target > value else glyphs.down}{target}"
+
+
+def _knob(board: Board, control: Control, glyphs: Glyphs) -> list[Row]:
+    value = board.value(control)
+    if glyphs.ascii:
+        dial = _bar_across(value, DIAL[0])
+    else:
+        dial = _dial(value, stale=bool(board.old)).rows(glyphs)
+    number, way = _figures(board, control, glyphs)
+    return [(*dial[0], number), (*dial[1], way)]
+
+
+def _dial(value: int | None, *, stale: bool) -> Dots:
+    """An arc open at the bottom, turned as far as the knob is, and its pointer."""
+    dots = Dots(*DIAL, _STALE_LAYERS if stale else _DIAL_LAYERS)
+    middle_x, middle_y = (DIAL[0] * ACROSS - 1) / 2, (DIAL[1] * DOWN - 1) / 2
+    share = -1.0 if value is None else min(1.0, max(0.0, value / MOST))
+
+    def spot(turned: float, radius: float) -> tuple[int, int]:
+        angle = math.radians(turned - TURN / 2)
+        x = middle_x + radius * math.sin(angle)
+        return round(x), round(middle_y - radius * math.cos(angle))
+
+    steps = 40
+    for step in range(steps + 1):
+        at = step / steps
+        dots.dot(*spot(at * TURN, 3.5), "turned" if at <= share else "rest")
+    if value is not None:
+        for radius in (0.5, 1.5, 2.5):
+            dots.dot(*spot(share * TURN, radius), "turned")
+    return dots
+
+
+def _bar_across(value: int | None, width: int) -> list[Row]:
+    filled = round((value or 0) / MOST * width)
+    return [(("#" * filled, "run"), ("." * (width - filled), "faint")), ((" " * width, "plain"),)]
+
+
+def _slider(board: Board, control: Control, glyphs: Glyphs) -> list[Row]:
+    """A bar as high as the slider stands, in half lines."""
+    width, height = BAR
+    value = board.value(control)
+    halves = round((value or 0) / MOST * height * 2)
+    look = _tone(board, "run" if control.label else "muted")
+    number, way = _figures(board, control, glyphs)
+    rows: list[Row] = []
+    for line in range(height):
+        full = min(2, max(0, halves - 2 * (height - 1 - line)))
+        sign = (" .#" if glyphs.ascii else " ▄█")[full]
+        edge = "|" if glyphs.ascii else "▏"
+        row: Row = ((" ", "plain"), (sign * width, look), (edge, "faint"))
+        if line == height - 2:
+            row += (number,)
+        elif line == height - 1:
+            row += (way,)
+        rows.append(row)
+    return rows
+
+
+# -- in words -------------------------------------------------------------------------------------
+
+
+def _told(board: Board, controls: Sequence[Control], frame: Frame) -> list[Row]:
+    """Buttons that had no room in the picture: those that do something."""
+    glyphs = frame.glyphs
+    row: Row = ()
+    for control in controls:
+        if control.label:
+            lit = control.name in board.knobs.lit or (board.value(control) or 0) > 0
+            look = _tone(board, "run" if lit else "muted")
+            sign = glyphs.yes if lit else glyphs.no
+            words = clean(control.label)
+            name = "" if words == control.name else f"{clean(control.name)} "
+            row += ((f"{sign} {name}", look), (f"{words}   ", look))
+    return [row] if row else []
+
+
+def _foot(board: Board, frame: Frame) -> list[Row]:
+    return [(), _moved(board, frame.glyphs), *_advice(board, frame)]
+
+
+def _moved(board: Board, glyphs: Glyphs) -> Row:
+    """What was touched last, in full."""
+    last = next(reversed(board.knobs.values), "")
+    found = next((one for one in board.outline.controls if one.name == last), None)
+    if board.old:
+        return ((f"the panel is not there: {board.old}", "stale"),)
+    if found is None:
+        return (("nothing has been moved yet", "muted"),)
+    does = clean(found.label) or "does nothing"
+    row: Row = (
+        (f"{clean(found.name)} ", "strong"),
+        (f"{does}: {board.value(found)} of {MOST}", "plain"),
+    )
+    if board.waits(found):
+        row += ((f"  {glyphs.warning} {_order(board, found)}", "warn"),)
+    return row
+
+
+def _order(board: Board, control: Control) -> str:
+    target, value = board.knobs.targets.get(control.name), board.value(control)
+    if target is None or value is None:
+        return "waits until it has passed the robot's value"
+    turned = ("right", "left") if control.kind == "knob" else ("up", "down")
+    verb = "turn it" if control.kind == "knob" else "move it"
+    return f"waits: {verb} {turned[0] if target > value else turned[1]} to {target}"
+
+
+def _advice(board: Board, frame: Frame) -> list[Row]:
+    waiting = [one for one in board.outline.controls if board.waits(one)]
+    if waiting and not board.old:
+        names = ", ".join(clean(one.label or one.name) for one in waiting)
+        arrows = f"{frame.glyphs.up} and {frame.glyphs.down}"
+        text = f"{len(waiting)} wait for take-over, {arrows} tell which way: {names}"
+        return [((f"{frame.glyphs.warning} {text}", "warn"),), ()]
+    first = frame.width
+    cut_at = HINT.rfind(" ", 0, first) if len(HINT) > first else len(HINT)
+    return [((HINT[:cut_at], "muted"),), ((HINT[cut_at:].strip(), "muted"),)]

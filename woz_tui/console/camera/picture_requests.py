@@ -1,0 +1,174 @@
+"""One picture after the other: asked for when the last one has really reached the terminal."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from woz_tui.console.camera.byte_rate import MOST, Pace
+from woz_tui.console.camera.terminal_graphics import Side
+from woz_tui.protocol.camera_pictures import PictureFormat, PictureShown
+from woz_tui.protocol.requests import AskPicture, Reply
+from woz_tui.system.clock import Clock
+
+#: An answer that has not come by then will not come, in seconds.
+LOST_S = 5.0
+#: After a refusal the next question is asked so much later, in seconds.
+REFUSED_S = 1.0
+#: Pictures from which the rate is told, and for how long they count, in seconds.
+_COUNTED, _COUNTS_S = 12, 5.0
+#: A picture older than this is stale, in seconds.
+STALE_S = 2.0
+
+#: Sends a request; the one or the other is called back, or neither.
+Ask = Callable[[AskPicture, Callable[[PictureShown], None], Callable[[Reply], None]], None]
+
+
+@dataclass(slots=True)
+class _Drawing:
+    """A picture on its way to the terminal. `written` bytes had been written before it."""
+
+    began_us: int
+    written: int
+    painted_us: int | None = None
+
+
+class Watching:
+    """Asks for pictures of one camera after the other.
+
+    Args:
+        ask: Sends a request.
+        clock: Local time, the same as the line's.
+        side: The terminal; None where there is none.
+        draw: Draws a picture; what it raises is told as `why`.
+    """
+
+    def __init__(
+        self,
+        ask: Ask,
+        clock: Clock,
+        side: Side | None,
+        draw: Callable[[PictureShown], None],
+    ) -> None:
+        self.pace = Pace()
+        #: The camera that is watched (empty: the first), and all there are.
+        self.camera = ""
+        self.cameras: list[str] = []
+        #: The last picture, and why there is none or no newer one; empty while all is well.
+        self.last: PictureShown | None = None
+        self.why = ""
+        self._ask, self._clock, self._side, self._draw = ask, clock, side, draw
+        self._asked_us: int | None = None
+        self._asked_of = 0  # answers to questions of before a change do not count
+        self._drawing: _Drawing | None = None
+        self._times: deque[int] = deque(maxlen=_COUNTED)
+
+    @property
+    def allowance(self) -> int:
+        """Bytes that the next picture may cost."""
+        return self.pace.allowance if self._side is not None else MOST
+
+    @property
+    def rate(self) -> float:
+        """Pictures a second, of late; 0 while too few have come."""
+        now = self._clock.now_us()
+        times = [at for at in self._times if now - at < _COUNTS_S * 1_000_000]
+        if len(times) < 2:
+            return 0.0
+        return (len(times) - 1) * 1_000_000 / max(1, times[-1] - times[0])
+
+    def turn_to(self, camera: str) -> None:
+        """Watch another camera."""
+        self.camera, self.last, self.why = camera, None, ""
+        self.anew()
+
+    def next_camera(self, by: int) -> None:
+        """Watch the next one, or the one before."""
+        if len(self.cameras) > 1:
+            at = self.cameras.index(self.camera) if self.camera in self.cameras else 0
+            self.turn_to(self.cameras[(at + by) % len(self.cameras)])
+
+    def anew(self) -> None:
+        """Nothing of what was asked or drawn counts any more: another size, another screen."""
+        self._asked_of += 1
+        self._asked_us = self._drawing = None
+        self._times.clear()
+
+    # -- asking ------------------------------------------------------------------------------
+
+    def tick(self, size: tuple[int, int], wanted: PictureFormat) -> None:
+        """Ask for the next picture, if it is time."""
+        now = self._clock.now_us()
+        self._arrive(now)
+        if self._asked_us is not None and now - self._asked_us < LOST_S * 1_000_000:
+            return
+        idle = self._drawing is None and (self._side is None or not self._side.waiting)
+        if not idle or not self.pace.due(now):
+            return
+        self._asked_us = now
+        self.pace.asked(now)
+        asked_of = self._asked_of
+        request = AskPicture(
+            driver=self.camera,
+            width=size[0],
+            height=size[1],
+            format=wanted,
+            after=self.last.number if self.last is not None else 0,
+            rate=self.pace.rate,
+        )
+        self._ask(
+            request,
+            lambda shown: self._came(shown, asked_of),
+            lambda reply: self._refused(reply, asked_of),
+        )
+
+    def _came(self, shown: PictureShown, asked_of: int) -> None:
+        if asked_of != self._asked_of:
+            return
+        self._asked_us = None
+        self.camera, self.cameras, self.why = shown.driver, shown.cameras, shown.why
+        if not shown.data:
+            return
+        now = self._clock.now_us()
+        self._times.append(now)
+        self.last = shown
+        self._drawing = _Drawing(now, self._side.written if self._side is not None else 0)
+        try:
+            self._draw(shown)
+        except ValueError as error:
+            self._drawing, self.why = None, str(error)
+            self.pace.wait(now, REFUSED_S)
+
+    def _refused(self, reply: Reply, asked_of: int) -> None:
+        if asked_of != self._asked_of or reply.ok:
+            return
+        self._asked_us = None
+        self.why = f"{reply.reason} ({reply.hint})" if reply.hint else reply.reason
+        self.pace.wait(self._clock.now_us(), REFUSED_S)
+
+    # -- arriving ----------------------------------------------------------------------------
+
+    def painted(self) -> None:
+        """The picture has been painted: everything of it is on its way."""
+        if self._drawing is not None and self._drawing.painted_us is None:
+            self._drawing.painted_us = self._clock.now_us()
+            if self._side is not None:
+                self._side.hurry()
+
+    def _arrive(self, now: int) -> None:
+        """Take note that the last picture has reached the terminal."""
+        drawing = self._drawing
+        if drawing is not None and now - drawing.began_us > LOST_S * 1_000_000:
+            self.painted()  # nobody has: it was not to be seen
+        if drawing is None or drawing.painted_us is None:
+            return
+        painted, cost, took = drawing.painted_us, 0, 0
+        if self._side is not None:
+            arrived = self._side.arrived_us(painted)
+            if arrived is None:
+                return
+            cost = self._side.written - drawing.written
+            took = arrived - painted - self._side.way_us
+        self._drawing = None
+        self.pace.shown(drawing.began_us, cost, took, painted - drawing.began_us)

@@ -1,0 +1,605 @@
+"""What the screen shows, as plain data: what holds in the session, and what only a screen needs.
+
+Nothing here draws, waits or looks at a clock. All times are microseconds on the session's `t`
+axis; `ConsoleState.now` turns a local clock into that axis, so that things can age between
+messages. Messages may come in any order, twice or not at all: the state takes what it can from each
+and never raises.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections import deque
+from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+
+import msgspec
+
+from woz_tui.console.bodies.body_outlines import Outline, outlines_of
+from woz_tui.console.command_text import said_in
+from woz_tui.console.engagement.engagement_view import Engaged
+from woz_tui.console.engagement.override_sentences import done_words
+from woz_tui.console.event_sentences import Event, event_of, explained
+from woz_tui.console.message_feed import Incoming
+from woz_tui.console.profile_view import Profiles
+from woz_tui.console.replay.replay_state import ReplayPicture, following
+from woz_tui.console.robot_settings.robot_outlines import robots_of
+from woz_tui.console.running_actions import Failure, Outcome, Run, Runs
+from woz_tui.console.study.study_view import Study
+from woz_tui.console.view_models import STALE_US, DriverView, SensorView, Standing, State
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.action_messages import HANDS
+from woz_tui.protocol.codec import WireError, decode_message
+from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
+from woz_tui.protocol.robot_outline import RobotOutline
+from woz_tui.protocol.welcome import Settings
+from woz_tui.session.redactor import Perception, Redactor
+from woz_tui.timeline.episodes import Stop, keep
+from woz_tui.timeline.session_state import SessionState
+
+#: How long an action that is over still shows how it ended.
+DONE_US, REFUSED_US, STOPPED_US = 1_500_000, 5_000_000, 3_000_000
+#: Events kept for the list; the log on disk has them all.
+EVENTS = 400
+#: Commands whose end is remembered: of those that a dialog waits for there are a few at a time.
+ENDS = 64
+#: Events that may tell what the wizard was not to see, when that changes in the middle.
+_TELLING = ("info", "forced", "heard")
+_LINGER = {"done": DONE_US, "refused": REFUSED_US} | dict.fromkeys(
+    ("stopped", "replaced", "waits"), STOPPED_US
+)
+
+
+@dataclass(slots=True)
+class ConsoleState:
+    """Everything the console knows. Fields are for reading; `take` changes them."""
+
+    #: What holds, as far as the wizard may know it.
+    session: SessionState = field(default_factory=SessionState)
+    title: str = ""
+    #: What the robot process calls this console, and whether it plays or watches.
+    console: str = ""
+    role: str = ""
+    log: str = ""
+    welcomed: bool = False
+    #: Who took part in the session before, if the robot process was lost meanwhile.
+    before: str = ""
+    panels: tuple[PanelView, ...] = ()
+    #: Lines of each script, by the phase whose it is; the file's own has no name.
+    scripts: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    #: Driver -> the verbs it offers.
+    verbs: dict[str, list[str]] = field(default_factory=dict)
+    variables: tuple[str, ...] = ()
+    conditions: tuple[str, ...] = ()
+    keyboard: str = "us"
+    settings: Settings = field(default_factory=Settings)
+    #: What the wizard does not get to see.
+    perception: Perception = field(default_factory=Perception)
+    #: What drivers look like.
+    outlines: dict[str, Outline] = field(default_factory=dict)
+    robot_outlines: dict[str, RobotOutline] = field(default_factory=dict)
+    #: What only a screen needs of study, engagement model and actions.
+    study: Study = field(init=False)
+    engaged: Engaged = field(init=False)
+    runs: Runs = field(init=False)
+    #: How the last commands ended, by command.
+    ends: dict[str, m.End] = field(default_factory=dict)
+    events: deque[Event] = field(default_factory=lambda: deque(maxlen=EVENTS))
+    #: The last act of the wizard or of a program; once it is done, what is likely to follow.
+    act: str = ""
+    then: tuple[str, ...] = ()
+    lost: str = ""
+    #: Raised whenever panels or script are new, so that keys and layout follow.
+    edition: int = 0
+    #: How a replay stands, and its places to go to; None in a session.
+    replay: ReplayPicture | None = None
+    #: How fast the session's time goes on: 1, or the speed of a replay, which may stand still.
+    rate: float = 1.0
+    _t: int = 0
+    _local: int = 0
+
+    def __post_init__(self) -> None:
+        session = self.session
+        self.study, self.engaged, self.runs = Study(session), Engaged(session), Runs(session)
+
+    # -- what holds -------------------------------------------------------------------------
+
+    @property
+    def participant(self) -> str:
+        """The participant's code; empty while nobody has set one."""
+        return self.session.study.participant
+
+    @property
+    def condition(self) -> str:
+        """As the wizard may know it."""
+        return self.session.study.condition
+
+    @property
+    def trial(self) -> int | None:
+        """The number that was begun or set last."""
+        return self.session.study.number
+
+    @property
+    def ended(self) -> str:
+        """Why the session has ended; empty: it goes on."""
+        end = self.session.end
+        return (end.reason or "ended") if end is not None else ""
+
+    @property
+    def stop(self) -> Stop | None:
+        """The stop while it is latched."""
+        return self.session.stop
+
+    @property
+    def phase(self) -> PhaseView | None:
+        """The phase that holds, as the file has it."""
+        begun = self.session.study.phase
+        phases = self.settings.phases if begun is not None else ()
+        return next((each for each in phases if begun and each.name == begun.label), None)
+
+    @property
+    def without_phase(self) -> bool:
+        """Whether the file has phases and none holds."""
+        return bool(self.settings.phases) and self.session.study.phase is None
+
+    @property
+    def front(self) -> tuple[PanelView, ...]:
+        """The panels in front: without those that only other phases have there."""
+        phase = self.phase
+        if phase is None or not phase.panels:
+            return self.panels
+        others = {title for each in self.settings.phases for title in each.panels}
+        others -= {*phase.panels}
+        return tuple(panel for panel in self.panels if panel.title not in others)
+
+    @property
+    def script_name(self) -> str:
+        """Whose script Space plays: the phase's, or the file's (empty)."""
+        phase = self.phase
+        return phase.name if phase is not None and phase.script else ""
+
+    @property
+    def script(self) -> tuple[str, ...]:
+        """The lines of the script that Space plays."""
+        return self.scripts.get(self.script_name, ())
+
+    @property
+    def played(self) -> Collection[int]:
+        """Those of its lines that were played, from 0."""
+        moved = self.session.scripts.get(self.script_name)
+        old = range(self.position) if moved is not None else ()
+        return moved.played if moved is not None and moved.played is not None else old
+
+    @property
+    def halted(self) -> str:
+        """How the next line ended when it was played: the script stands still at it."""
+        moved = self.session.scripts.get(self.script_name)
+        return moved.halted if moved is not None else ""
+
+    @property
+    def position(self) -> int:
+        """The script's next line, from 0; its length at the end."""
+        moved = self.session.scripts.get(self.script_name)
+        return 0 if moved is None else max(0, min(moved.position, len(self.script)))
+
+    @property
+    def profiles(self) -> Profiles:
+        """Those of the experiment file, and the one in use."""
+        settings, changed = self.settings, self.session.profile_changed
+        told = Profiles(settings.profile, tuple(settings.profiles), settings.allows)
+        return told if changed is None else replace(told, current=changed.profile)
+
+    @property
+    def drivers(self) -> dict[str, DriverView]:
+        """Those of the robot file, and whoever else was heard of."""
+        listed = self.session.plan.drivers if self.session.plan is not None else ()
+        names = dict.fromkeys((*listed, *self.session.drivers))
+        return {name: self._driver(name) for name in names}
+
+    def _driver(self, name: str) -> DriverView:
+        driver = self.session.drivers.get(name)
+        if driver is None:
+            return DriverView(name)
+        health = driver.health
+        return DriverView(name, driver.state, health.detail, health.remedy, driver.since.t)
+
+    @property
+    def sensors(self) -> list[str]:
+        """Names of those that have given a reading, or of which a state is known."""
+        return sorted({*self.session.readings, *self.session.sensors})
+
+    def sensor(self, name: str) -> SensorView | None:
+        """The sensor of this name, if it was heard of."""
+        session = self.session
+        reading, changed = session.readings.get(name), session.sensors.get(name)
+        state = session.sensor_state(name) if changed is not None else ""
+        if reading is None:
+            return SensorView(name, changed.t, state=state) if changed is not None else None
+        known = (reading.t, reading.value, reading.text, reading.unit, reading.driver)
+        return SensorView(name, *known, state)
+
+    # -- time -------------------------------------------------------------------------------
+
+    def now(self, local_us: int) -> int:
+        """The session's `t` at the local clock's `local_us`."""
+        return self._t + round(max(0, local_us - self._local) * self.rate)
+
+    def _heard(self, t: int, local_us: int) -> None:
+        """Tie the clocks: forward at once, back only if they are far apart (a paused feed)."""
+        behind = self.now(local_us) - t
+        if behind < 0 or behind > STALE_US:
+            self._t, self._local = t, local_us
+
+    def _pulse(self, pulse: r.Pulse, local_us: int) -> None:
+        if pulse.rate != self.rate:
+            self._t, self._local, self.rate = pulse.t, local_us, pulse.rate
+        self._heard(pulse.t, local_us)
+
+    # -- reducing ---------------------------------------------------------------------------
+
+    def take(self, batch: Iterable[Incoming], local_us: int) -> None:
+        """Work a batch in, oldest first; `local_us` is the local clock's time of arrival."""
+        for message in batch:
+            if isinstance(message, r.Welcome):
+                self._welcome(message, local_us)
+            elif isinstance(message, r.PanelsChanged):
+                self._panels(message)
+            elif isinstance(message, r.Pulse):
+                self._pulse(message, local_us)
+            elif isinstance(message, r.Replaying):
+                self.replay = following(self.replay, message)
+            elif isinstance(message, m.Message):
+                if message.t >= 0 and not isinstance(message, m.Reading):
+                    self._heard(message.t, local_us)
+                self._message(message, tell=True)
+
+    def lose(self, why: str) -> None:
+        """The connection to the robot process is gone."""
+        self.lost = why or "the connection closed"
+
+    def _welcome(self, welcome: r.Welcome, local_us: int) -> None:
+        """Begin anew; what the wizard has seen stays seen."""
+        fresh = ConsoleState(edition=self.edition, before=self.participant or self.before)
+        fresh.runs.seen = self.runs.seen
+        for name in self.__slots__:
+            setattr(self, name, getattr(fresh, name))
+        self._t, self._local = welcome.t, local_us
+        self.welcomed = True
+        self.console, self.role, self.log = welcome.console, welcome.role, welcome.log
+        self.variables = tuple(welcome.variables)
+        self.settings = welcome.settings
+        self.outlines = outlines_of(self.settings.outlines)
+        self.robot_outlines = robots_of(self.settings.outlines)
+        self.perception = Perception.of(self.settings.study)
+        self._plan(welcome, welcome.drivers)
+        self._recall(welcome)
+        self.role = welcome.role  # whatever old lines say of it
+        self.study.read_tidings()  # old ones
+
+    def _recall(self, welcome: r.Welcome) -> None:
+        """What holds and the last lines, each once and in their order: only these are listed."""
+        held, recent = _decoded(welcome.state), _decoded(welcome.recent)
+        listed = {message.seq for message in recent if message.seq >= 0}
+        lines = [(each, each.seq in listed) for each in held]
+        known = {each.seq for each in held}
+        lines += [(each, True) for each in recent if each.seq < 0 or each.seq not in known]
+        for message, tell in sorted(lines, key=lambda line: line[0].seq):
+            self._message(message, tell)
+        # The last lines begin in the middle, so what holds is what the robot process says.
+        self._go_by(held)
+        self.study.follow()
+
+    def _go_by(
+        self,
+        lines: Iterable[m.Message],
+        see: Callable[[m.Message], m.Message | None] = lambda message: message,
+    ) -> None:
+        """Begin anew with what `lines` say that holds; which steps of an action are over, they do
+        not say.
+        """
+        before, fresh = self.session, SessionState()
+        if before.plan is not None:
+            fresh.take(before.plan)
+        for line in lines:
+            if not isinstance(line, m.SessionPlan) and (seen := see(line)) is not None:
+                fresh.take(seen)
+        fresh.t, fresh.actions, fresh.commands = before.t, before.actions, before.commands
+        self.session = self.study.session = self.engaged.session = self.runs.session = fresh
+
+    def _panels(self, changed: r.PanelsChanged) -> None:
+        before = self.settings
+        if before.engagement and not changed.engagement:
+            self.engaged.forget()  # the file has no such section any more
+        news = {name: getattr(changed, name) for name in r.PANEL_SETTINGS}
+        news = {name: value for name, value in news.items() if value is not None}
+        self.settings = msgspec.structs.replace(before, **news)
+        if changed.variables is not None:
+            self.variables = tuple(changed.variables)
+        if self.settings.study.blind and not before.study.blind:
+            self._go_by(self.session.messages(), Redactor(self.settings.study).message)
+            self._unsay()
+            if (given := self.session.study.assigned) is not None:
+                order = [*self.settings.study.assigned]  # by its labels
+                self.session.study.assigned = msgspec.structs.replace(given, order=order)
+        self._perceive(Perception.of(self.settings.study))
+        plan = self.session.plan
+        self._plan(changed, plan.drivers if plan is not None else [])
+
+    def _perceive(self, perception: Perception) -> None:
+        """Keep this from the wizard from now on, also what is on the screen already."""
+        if perception == self.perception:
+            return
+        self.perception = perception
+        redactor = Redactor()
+        redactor.perception = perception
+        self._go_by(self.session.messages(), redactor.message)
+        self.engaged.forget()
+        told = [event for event in self.events if event.mark not in _TELLING]
+        self.events = deque(told, maxlen=EVENTS)
+        self._unsay()
+
+    def _unsay(self) -> None:
+        """Take what was said from the list of events: it may tell what is kept from now on."""
+        for event in self.events:
+            event.said = ""
+
+    def _plan(self, plan: r.Welcome | r.PanelsChanged, drivers: list[str]) -> None:
+        self.title = plan.title
+        self.panels = tuple(plan.panels)
+        own = {phase.name: tuple(phase.script) for phase in self.settings.phases}
+        self.scripts = {"": tuple(plan.script), **own}
+        self.verbs = dict(plan.verbs)
+        self.conditions = tuple(plan.conditions)
+        self.keyboard = plan.keyboard
+        self.edition += 1
+        shown = m.SessionPlan(
+            title=plan.title,
+            panels=plan.panels,
+            script=plan.script,
+            verbs=plan.verbs,
+            variables=[*self.variables],
+            conditions=[*self.conditions],
+            keyboard=plan.keyboard,
+            drivers=drivers,
+            settings=self.settings,
+        )
+        self.session.take(shown)
+        self.study.adopt()
+
+    def _message(self, message: m.Message, tell: bool) -> None:
+        if isinstance(message, m.SessionPlan):
+            return  # the console is told of it otherwise
+        if isinstance(message, m.PerceptionChanged):
+            self._perceive(Perception(message.hidden, message.blurred))
+        if isinstance(message, m.Reading):  # hundreds a second, of which only the last are shown
+            self.session.take(message)
+            return
+        recorder = self.session.recorder
+        outcome = self.runs.take(self.session.take(message))
+        self.engaged.take(message)
+        self.study.take(message)
+        self._follow_up(message)
+        match message:
+            case m.End():
+                keep(self.ends, message.command, message, ENDS)
+            case m.ActionRequested(run=run, action=name) if self.session.filled is not None:
+                self.runs.expect(run, self.sentence(name))
+            case m.Mistake():
+                for event in self.events:
+                    event.mistake = event.mistake or event.run == message.run != ""
+            case m.ConsoleLost(console=self.console):
+                self.role = "watcher"  # a console that gets the news of its own loss lives on
+            case m.ConsoleAttached(console=self.console):
+                self.role = message.role  # it has taken over
+            case m.RecorderState() if recorder is not None:
+                # Only how far it lags is different: no news.
+                tell = tell and (message.level, message.detail) != (
+                    recorder.level,
+                    recorder.detail,
+                )
+        if tell:
+            self._tell(message, outcome)
+        if isinstance(message, m.Command):
+            self._put_said(message)
+
+    def _put_said(self, command: m.Command) -> None:
+        """Put what is said behind the event that began it."""
+        run = command.run or command.command
+        for event in reversed(self.events):
+            if event.run == run:
+                if command.run:
+                    event.say(said_in(command))
+                event.untimed = event.untimed or self._untold(command)
+                return
+
+    def _follow_up(self, message: m.Message) -> None:
+        """What an action brings within reach, from its end to the next act."""
+        match message:
+            case m.ActionRequested(run=run, source=source) if source in HANDS:
+                self.act, self.then = run, ()
+            case m.Command(run="", passing=False, source=source) if source in HANDS:
+                self.act, self.then = message.command, ()
+            case m.StopPressed(scope="all") | m.TrialStarted() | m.TrialEnded():
+                self.act, self.then = "", ()
+            case m.ActionDone(run=self.act, action=name) if self.act:
+                action = self.action(name)
+                names = action.then if action is not None else ()
+                there = {each: self.action(each) for each in names}
+                self.then = tuple(
+                    each for each, view in there.items() if view is not None and not view.locked
+                )
+
+    def _tell(self, message: m.Message, outcome: Outcome | None) -> None:
+        """Put it on the list of events, or its outcome behind the event that began it."""
+        if outcome is not None:
+            for event in reversed(self.events):
+                if event.run == outcome.run:
+                    event.end(outcome)
+                    event.text = done_words(message) or event.text
+                    return
+        if isinstance(message, m.DriverLost | m.DriverConnecting):
+            kept = [event for event in self.events if not explained(event, message, self)]
+            self.events = deque(kept, maxlen=EVENTS)
+        told = event_of(message, self)
+        if told is None or (self.events and self.events[-1].again(told)):
+            return
+        if told.model:  # one line says where the model is: the last one
+            kept = [event for event in self.events if not event.model]
+            self.events = deque(kept, maxlen=EVENTS)
+        self.events.append(told)
+
+    # -- reading ----------------------------------------------------------------------------
+
+    def untimed(self, action: str) -> bool:
+        """Whether something an action does is kept from the wizard: then its length is, too."""
+        steps = self.steps(action)
+        calls = (call for step in steps if not isinstance(step, float | int) for call in step)
+        return self.keeps and any(map(self._untold, calls))
+
+    def _untold(self, command: m.Command | m.FilledCall) -> bool:
+        blind = bool(self.settings.study.blind)
+        return (blind and "condition" in command.tells) or self.perception.keeps(*command.tells)
+
+    @property
+    def keeps(self) -> bool:
+        """Whether anything is kept from the wizard."""
+        return bool(self.perception or self.settings.study.blind)
+
+    @property
+    def nobody_plays(self) -> bool:
+        """Whether this console watches and no other one plays the robot."""
+        watches = self.role == "watcher" and not self.lost and not self.ended
+        return watches and all(each.role != "wizard" for each in self.session.consoles.values())
+
+    def moves(self, now: int) -> bool:
+        """Whether a figure on the screen changes by itself."""
+        under_way = self.session.actions or self.session.commands
+        return bool(under_way) or (not self.lost and self.engaged.moves(now))
+
+    def label(self, name: str) -> str:
+        """The label of the action called `name`, or the name itself."""
+        action = self.action(name)
+        return action.label if action is not None else name
+
+    def heading(self, phase: str) -> str:
+        """What the screen calls a phase."""
+        return next((each.heading for each in self.settings.phases if each.name == phase), phase)
+
+    def steps(self, name: str) -> Sequence[Sequence[m.FilledCall] | float]:
+        """What the action called `name` would do if it were played now, as far as the wizard may
+        know it; nothing where no log line says so.
+        """
+        filled = self.session.filled
+        return filled.actions.get(name, ()) if filled is not None else ()
+
+    def sentence(self, name: str) -> str:
+        """What the action called `name` would say now; empty: nothing."""
+        steps = self.steps(name)
+        if not steps and (action := self.action(name)) is not None:
+            return " ".join(map(self.filled, action.utterances))
+        calls = (call for step in steps if not isinstance(step, float | int) for call in step)
+        return " ".join(filter(None, dict.fromkeys(map(said_in, calls))))
+
+    def words_on(self, name: str, standing: Standing) -> str:
+        """What the run of an action says of which its button tells how it stands; where it tells of
+        none, what the action would say now.
+        """
+        run, over = self.runs.of(name), self.runs.outcomes.get(name)
+        said = ""
+        if run is not None:
+            said = self.runs.said(run.id)
+        elif over is not None and standing.of_run:
+            said = over.said
+        return said or self.sentence(name)
+
+    def filled(self, words: str) -> str:
+        """An utterance with the variables whose values the console knows; of a robot process, or a
+        log, that does not say itself what actions would do.
+        """
+        values: dict[str, str | int] = {**self.settings.values}
+        trial = "" if self.trial is None else self.trial
+        now = {"participant": self.participant, "condition": self.condition, "trial": trial}
+        values |= {name: value for name, value in now.items() if value != ""}
+        if self.settings.study.blind:
+            values.pop("condition", None)  # a label, and not what is said
+        for name, value in values.items():
+            if value not in ("", None):
+                words = words.replace(f"{{{name}}}", str(value))
+        return words
+
+    def action(self, name: str) -> ActionView | None:
+        """The action called `name`, or None."""
+        for panel in self.panels:
+            for action in panel.actions:
+                if action.name == name:
+                    return action
+        return next((action for action in self.settings.repairs if action.name == name), None)
+
+    def is_locked(self, panel: PanelView) -> bool:
+        """Whether the panel takes no input at the moment."""
+        changed = self.session.locks.get(panel.title)
+        return panel.locked if changed is None else changed.locked
+
+    def standing(self, panel: PanelView, action: ActionView, now: int) -> Standing:
+        """How an action stands at `now`."""
+        current = self.runs.of(action.name)
+        if current is not None:
+            return _under_way(current, now, timed=not self.untimed(action.name))
+        outcome = self.runs.outcomes.get(action.name)
+        if outcome is not None and now - outcome.t <= _LINGER.get(outcome.how, 0):
+            return Standing(State(outcome.how), note=outcome.reason)
+        failure = self.runs.failure_of(action.name)
+        if failure is not None:
+            return Standing(State.FAILED, note=failure.reason)
+        if action.locked or self.is_locked(panel):
+            return Standing(State.LOCKED)
+        missing = self.missing_driver(action)
+        if missing:
+            return Standing(State.UNREACHABLE, note=missing)
+        return Standing(State.READY)
+
+    def missing_driver(self, action: ActionView) -> str:
+        """A driver this action needs and that is lost, or an empty string.
+
+        A verb that several drivers offer counts as missing only if all of them are lost.
+        """
+        for verb in action.verbs:
+            drivers = [name for name, verbs in self.verbs.items() if verb in verbs]
+            lost = [name for name in drivers if self.health(name) == "lost"]
+            if lost and len(lost) == len(drivers):
+                return lost[0]
+        return ""
+
+    def health(self, driver: str) -> str:
+        """A driver's health, `unknown` if it was never heard of."""
+        known = self.session.drivers.get(driver)
+        return known.state if known is not None else "unknown"
+
+    def is_stale(self, sensor: SensorView, now: int) -> bool:
+        """Whether a sensor's value should look old."""
+        return bool(self.lost) or sensor.is_stale(now, self.health(sensor.driver))
+
+    def unseen(self) -> list[Failure]:
+        """Failures the wizard has not acknowledged, oldest first."""
+        return self.runs.unseen()
+
+    def see_failures(self) -> None:
+        """The wizard has seen all failures there are."""
+        self.runs.see_all()
+
+
+def _under_way(run: Run, now: int, *, timed: bool) -> Standing:
+    """How an action stands that has been played and is not over."""
+    if (held := run.held_for(now)) is not None:
+        return Standing(State.HELD, *held)
+    left_us, share = run.timing(now) if timed else (None, None)
+    return Standing(State.RUNNING if run.running else State.QUEUED, left_us, share)
+
+
+def _decoded(lines: Iterable[msgspec.Raw]) -> list[m.Message]:
+    found: list[m.Message] = []
+    for raw in lines:
+        with contextlib.suppress(WireError):  # a newer host's message: not for this version
+            found.append(decode_message(bytes(raw)))
+    return found

@@ -1,0 +1,246 @@
+"""The model among the meters: state first, then what is to be done, then why.
+
+How much of it is shown follows from the height alone, and every row has its place: nothing moves
+about while visitors come and go.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from rich.cells import cell_len
+
+from woz_tui.console.cells import Piece, Row, clean, cut, fit
+from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.engagement.engagement_text import (
+    USUAL_ATTENTION,
+    WORD,
+    is_used,
+    mark,
+    run_piece,
+    sentence,
+    share,
+    signs_of,
+    standing,
+    why,
+)
+from woz_tui.console.engagement.sign_bars import LEAST, distance_bar, queue_bar
+from woz_tui.console.glyphs import Frame, Glyphs
+from woz_tui.console.meter_rows import VALUE, kept, labelled, named, old, track
+from woz_tui.console.number_text import age, seconds
+from woz_tui.protocol import messages as m
+from woz_tui.sensing.proxemics import zone
+from woz_tui.session.redactor import HIDDEN, KEPT
+
+#: Lines from which path and reason have a row each, and from which each sign has one.
+MIDDLE, FULL = 8, 14
+#: What was heard stays for so long where it shares its row with the path, in microseconds.
+HEARD_US = 30_000_000
+#: Cells of a sign without its bar: mark, word, blanks.
+_SIGN = 9
+_WORD = 7
+
+#: Draws the rows of the loudness, given what is said of speech.
+Loudness = Callable[[ConsoleState, Frame, str], list[Row]]
+
+
+def block_rows(
+    picture: ConsoleState, shown: m.EngagementShown, frame: Frame, loudness: Loudness
+) -> dict[str, list[Row]]:
+    """The parts for a session with a model; `loudness` draws the rows that are not the model's."""
+    speech = _speech(picture, frame)
+    loud = loudness(picture, frame, speech)
+    unheard = "" if loud else speech
+    rows = [_state(picture, shown, frame)]
+    if frame.height < MIDDLE:
+        rows.append(_moment(picture, shown, frame, unheard))
+        rows += _pairs(picture, shown, frame)
+    elif frame.height < FULL:
+        rows.append(_moment(picture, shown, frame, unheard))
+        rows += [_why(picture, frame), *_pairs(picture, shown, frame)]
+    else:
+        rows.append((named("now"), *(_now(shown, frame, unheard) or [_dash(frame)])))
+        rows += [_why(picture, frame), *_singles(picture, shown, frame)]
+    heard: list[Row] = [(named("heard"), *_heard(picture, frame))]
+    return {
+        "engagement": rows,
+        "distance": _distance(picture, shown, frame),
+        "loudness": loud,
+        "heard": heard if frame.height >= FULL else [],
+    }
+
+
+# -- state, waiting, path, why ------------------------------------------------------------------
+
+
+def _state(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> Row:
+    """The state as a sentence and for how long; the attempt of a handshake."""
+    glyphs = frame.glyphs
+    if picture.lost:
+        told = sentence(shown.state, shown.visitor, glyphs)
+        row: Row = ((f" {glyphs.stale} {told}", "stale"),)
+    else:
+        row = standing(picture.engaged, shown, frame.now, glyphs, frame.width - 1)
+        row = ((" ", "plain"), *row)
+    if shown.attempt:
+        row += ((f" attempt {shown.attempt}", "muted"),)
+    return row
+
+
+def _speech(picture: ConsoleState, frame: Frame) -> str:
+    """`speech 3.1 s` while somebody speaks."""
+    segment = None if picture.lost else picture.engaged.speaking(frame.now)
+    return "" if segment is None else f"speech {seconds(frame.now - segment.begin)}"
+
+
+def _now(shown: m.EngagementShown, frame: Frame, unheard: str) -> list[Piece]:
+    """What asks for the wizard at this moment."""
+    glyphs = frame.glyphs
+    pieces = [
+        run_piece(shown, glyphs, terse=frame.height < FULL),
+        (f"{glyphs.yes} {unheard}", "good") if unheard else None,
+        None if shown.attention in ("", USUAL_ATTENTION) else (clean(shown.attention), "wait"),
+    ]
+    found: list[Piece] = []
+    for piece in pieces:
+        if piece is not None:
+            found += [("  ", "plain"), piece] if found else [piece]
+    return found
+
+
+def _moment(picture: ConsoleState, shown: m.EngagementShown, frame: Frame, unheard: str) -> Row:
+    """Whether the machine is held, and what was heard."""
+    heard = picture.engaged.heard()
+    recent = bool(heard) and frame.now - heard[0].t < HEARD_US
+    now = _now(shown, frame, unheard)
+    if now:
+        row: Row = ((" ", "plain"), *now)
+        return (*row, ("  ", "plain"), quoted(heard[0], frame.glyphs)) if recent else row
+    return ((" ", "plain"), *_heard(picture, frame))
+
+
+def _dash(frame: Frame) -> Piece:
+    return (frame.glyphs.dash, "faint")
+
+
+def _why(picture: ConsoleState, frame: Frame) -> Row:
+    """Why the last change came about."""
+    changes = picture.engaged.changes
+    last = changes[-1] if changes else picture.session.model.changed
+    if last is None:
+        return (named("why"), _dash(frame))
+    hand: Row = ((f"{frame.glyphs.forced} ", "wait"),) if last.forced else ()
+    return (named("why"), *hand, (frame.glyphs.plain(clean(why(last))), "muted"))
+
+
+def _heard(picture: ConsoleState, frame: Frame) -> Row:
+    """What was understood last, and when."""
+    if picture.perception.hides("transcript"):
+        return ((HIDDEN, "faint"),)
+    heard = picture.engaged.heard()
+    if not heard:
+        return (_dash(frame),)
+    last = heard[0]
+    return ((f"{age(frame.now - last.t)} ago ", "muted"), quoted(last, frame.glyphs))
+
+
+def quoted(heard: m.SpeechText, glyphs: Glyphs) -> Piece:
+    """What somebody said, in quotation marks."""
+    said = glyphs.plain(clean(heard.text))
+    return (f"{glyphs.opening}{said}{glyphs.closing}", "run")
+
+
+# -- signs --------------------------------------------------------------------------------------
+
+
+def _pairs(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> list[Row]:
+    """Two signs in a row: mark, word, fill of the queue."""
+    width = (frame.width - 2) // 2
+    small = replace(frame, width=width)
+    found = [_pair(name, sign, shown, picture, small) for name, sign in signs_of(shown)]
+    return [
+        ((" ", "plain"), *first, (" ", "plain"), *second)
+        for first, second in zip(found[::2], [*found[1::2], ()], strict=False)
+    ]
+
+
+def _pair(
+    name: str, sign: m.SignShown, shown: m.EngagementShown, picture: ConsoleState, frame: Frame
+) -> Row:
+    glyphs = frame.glyphs
+    found = mark(name, sign, glyphs, old=bool(picture.lost))
+    is_named = name == "identity" and found.look == "good"
+    word = found.word if is_named else WORD[name]
+    front: Piece = (f"{found.sign} {fit(word, _WORD - 1, glyphs.ellipsis)} ", found.look)
+    room = frame.width - _SIGN
+    if room < LEAST:
+        return cut((front,), frame.width, glyphs.ellipsis)
+    if not is_used(name, shown):
+        back: Row = (("not used", "faint"),)
+    elif sign.filter == KEPT:
+        back = ((HIDDEN, "faint"),)
+    elif sign.forced:
+        back = ((f"{glyphs.forced} by hand", "wait"),)
+    elif found.look == "stale":
+        back = ((found.word, "stale"),)
+    else:
+        back = queue_bar(sign, room, glyphs)
+    return cut((front, *back), frame.width, glyphs.ellipsis)
+
+
+def _singles(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> list[Row]:
+    """A row for each sign: name, fill of the queue, verdict with its count."""
+    return [_single(name, sign, shown, picture, frame) for name, sign in signs_of(shown)]
+
+
+def _single(
+    name: str, sign: m.SignShown, shown: m.EngagementShown, picture: ConsoleState, frame: Frame
+) -> Row:
+    glyphs = frame.glyphs
+    found = mark(name, sign, glyphs, old=bool(picture.lost))
+    quiet = found.look == "stale" or sign.forced or not is_used(name, shown)
+    bar = queue_bar(sign, track(frame), glyphs, "muted" if quiet else "good")
+    if not is_used(name, shown):
+        return labelled(WORD[name], bar, "not used", "faint")
+    if sign.forced:
+        return labelled(WORD[name], bar, f"{found.sign} {found.word} {glyphs.forced} hand", "wait")
+    value = f"{found.sign} {found.word}"
+    counted = f"{value} {share(sign)}"
+    if found.look != "stale" and cell_len(counted) <= VALUE - 2:
+        value = counted
+    return labelled(WORD[name], bar, value, found.look)
+
+
+def _distance(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> list[Row]:
+    """Where the visitor stands among Hall's spaces; no row in a session without a distance."""
+    sign = shown.signs.get("distance")
+    if sign is not None and picture.sensor("distance") and picture.perception.keeps("distance"):
+        return [_kept_distance(picture, frame)]
+    if sign is None or (sign.raw is None and picture.sensor("distance") is None):
+        return []
+    stale = bool(picture.lost) or sign.stale
+    bar = distance_bar(
+        sign.raw,
+        shown.social_distance,
+        track(frame),
+        frame.glyphs,
+        stale=stale,
+    )
+    if sign.raw is None:
+        return [labelled("distance", bar, "nothing seen", "muted")]
+    figure = f"{sign.raw:.2f} m" if sign.raw < 100 else "far"
+    if stale:
+        return [labelled("distance", bar, f"{frame.glyphs.stale} {figure} stale", "stale")]
+    return [labelled("distance", bar, f"{figure} {zone(sign.raw)}", "plain")]
+
+
+def _kept_distance(picture: ConsoleState, frame: Frame) -> Row:
+    """Its place where the wizard does not see it, or only near and far."""
+    sensor = picture.sensor("distance")
+    if sensor is None or picture.perception.hides("distance"):
+        return kept("distance", frame)
+    stale = picture.is_stale(sensor, frame.now)
+    text = old(sensor, frame) if stale else sensor.text or "nothing seen"
+    bar: Row = ((frame.glyphs.track * track(frame), "faint"),)
+    return labelled("distance", bar, text, "stale" if stale else "plain")

@@ -1,0 +1,239 @@
+"""The model in few words: signs, states, waiting; each with a sign and a look of its own."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from rich.cells import cell_len
+
+from woz_tui.config.engagement import CONDITION, MODES, SIGNS
+from woz_tui.console.cells import Piece, Row, clean, fit
+from woz_tui.console.engagement.engagement_view import Engaged
+from woz_tui.console.glyphs import Glyphs
+from woz_tui.console.number_text import elapsed, seconds
+from woz_tui.protocol import messages as m
+from woz_tui.session.redactor import COARSE, HIDDEN, KEPT
+
+#: From here on the wait for an answer is too long for a visitor: people like an answer within a
+#: second and suffer two (T. Shiwa et al., How quickly should communication robots respond?, HRI
+#: 2008). From the second on our own: long before it, people speak again or turn away.
+SLOW_US, LONG_US = 2_000_000, 5_000_000
+#: A state in a word, for a path of several.
+SHORT = {
+    "PersonDetected": "Detected",
+    "EngagedWithUnknown": "Unknown",
+    "EngagedWithKnown": "Known",
+    "UserSpeaks": "User",
+    "RobotThinks": "Thinks",
+    "RobotReplies": "Replies",
+    "RobotSpeaks": "Robot",
+}
+#: What a state means for the wizard. `{who}` is `visitor V2`, or `visitor` while nobody knows who.
+SENTENCES = {
+    "Wait": "nobody there",
+    "PersonDetected": "somebody there, not engaged",
+    "EngagedWithUnknown": "visitor without a name, engaged",
+    "Handshake": "visitor is asked for a name",
+    "EngagedWithKnown": "{who}, engaged",
+    "UserSpeaks": "{who} speaks",
+    "RobotThinks": "{who} waits for your answer",
+    "RobotReplies": "robot answers {who}",
+    "RobotSpeaks": "robot speaks to {who}",
+    "stop": "the model has ended",
+}
+#: From here on a wait is counted in whole seconds, in microseconds.
+_WHOLE_US = 10_000_000
+#: A sign in a word.
+WORD = {"presence": "person", "gaze": "looks", "distance": "near", "identity": "who?"}
+#: The mode of attention that nobody needs to be told.
+USUAL_ATTENTION = MODES[2]
+#: Cells of a state's short name at the most.
+_SHORT_CELLS = 12
+#: What is not known of identities, as the model calls it.
+_UNKNOWN = ("", "Unknown")
+#: How a change by hand begins in the log.
+_HANDS = ("forced by the wizard: ", "stepped by the wizard: ")
+#: A joint filter counts per cent.
+_PER_CENT = 100
+
+
+class Mark(NamedTuple):
+    """A verdict: its sign, its word, its look."""
+
+    sign: str
+    word: str
+    look: str
+
+    @property
+    def piece(self) -> Piece:
+        """Both."""
+        return (f"{self.sign} {self.word}", self.look)
+
+
+def short(state: str) -> str:
+    """A state in a word."""
+    return SHORT.get(state) or fit(state, min(_SHORT_CELLS, cell_len(clean(state))))
+
+
+def signs_of(shown: m.EngagementShown) -> list[tuple[str, m.SignShown]]:
+    """All that are told, in the order that never changes."""
+    return [(name, shown.signs[name]) for name in SIGNS if name in shown.signs]
+
+
+def is_used(name: str, shown: m.EngagementShown) -> bool:
+    """Whether it is part of the condition, or gives a name."""
+    return name in shown.uses or name not in CONDITION
+
+
+def unsensed(sign: m.SignShown) -> bool:
+    """Whether nobody has ever given it, neither a sensor nor the wizard."""
+    if sign.filter in (KEPT, COARSE):
+        return False  # nobody tells the wizard
+    named = bool(sign.raw_name) or sign.name not in _UNKNOWN
+    return sign.raw is None and not named and not sign.forced
+
+
+def mark(name: str, sign: m.SignShown, glyphs: Glyphs, *, old: bool = False) -> Mark:
+    """What the sign says; `old`: nothing is heard of the model any more."""
+    if sign.filter == KEPT:
+        return Mark(glyphs.middle, HIDDEN, "faint")
+    if old or (sign.stale and not sign.forced):
+        return Mark(glyphs.stale, "no sensor" if unsensed(sign) else "stale", "stale")
+    if name not in CONDITION:
+        known = sign.name not in _UNKNOWN
+        named = clean(sign.name) if known else "unknown"
+        return Mark(glyphs.yes if known else glyphs.no, named, "good" if known else "muted")
+    if sign.verdict is None:
+        return Mark("?", "not yet", "muted")
+    return Mark(glyphs.yes, "yes", "good") if sign.verdict else Mark(glyphs.no, "no", "muted")
+
+
+def share(sign: m.SignShown) -> str:
+    """`5 of 8`, for a joint filter `87 %`."""
+    if sign.places <= 0:
+        return ""
+    if sign.filter == "joint" and sign.places == _PER_CENT:
+        return f"{sign.count} %"
+    return f"{sign.count} of {sign.places}"
+
+
+def needs(sign: m.SignShown) -> str:
+    """`needs 4`."""
+    if sign.places <= 0:
+        return ""
+    per_cent = " %" if sign.filter == "joint" and sign.places == _PER_CENT else ""
+    return f"needs {sign.needed}{per_cent}"
+
+
+def headline(shown: m.EngagementShown, glyphs: Glyphs, *, old: bool = False) -> Row:
+    """The state, with the sign for whether the condition holds."""
+    if old:
+        sign: Piece = (f"{glyphs.stale} ", "stale")
+    else:
+        sign = (f"{glyphs.yes} ", "good") if shown.engaged else (f"{glyphs.no} ", "muted")
+    return (sign, (clean(shown.state), "stale" if old else "strong"))
+
+
+def sentence(state: str, visitor: str, glyphs: Glyphs | None = None) -> str:
+    """A state in words for a person: `visitor V2, engaged`."""
+    name = "" if visitor in _UNKNOWN else clean(visitor)
+    who = f"visitor {name}" if name else "visitor"
+    told = SENTENCES[state].format(who=who) if state in SENTENCES else clean(state)
+    return glyphs.plain(told) if glyphs is not None else told
+
+
+def standing(
+    engaged: Engaged, shown: m.EngagementShown, now: int, glyphs: Glyphs, room: int
+) -> Row:
+    """The state as a sentence, with its sign and for how long, in `room` cells if it fits; a wait
+    grows louder and gets another sign when it is too long.
+    """
+    waited = engaged.waited(now)
+    if engaged.off:
+        return ((f"{glyphs.stopped} the model is off", "warn"),)
+    if waited is None:
+        sign: Piece = (f"{glyphs.yes} ", "good") if shown.engaged else (f"{glyphs.no} ", "muted")
+        told = sentence(shown.state, shown.visitor, glyphs)
+        return (sign, (told, "strong"), (f" {elapsed(max(0, now - shown.since))}", "muted"))
+    figure = f"{seconds(waited) if waited < _WHOLE_US else lasting(waited)}{_unseen(engaged)}"
+    long = f"{sentence(shown.state, shown.visitor, glyphs)}, {figure}"
+    brief = ("waits for your answer", "waits for answer", "waits")
+    for text in (long, *(f"{words}, {figure}" for words in brief)):
+        if cell_len(text) + 2 <= room:
+            break
+    if waited >= LONG_US:
+        return ((f"{glyphs.error} {text}", "bad"),)
+    if waited >= SLOW_US:
+        return ((f"{glyphs.warning} {text}", "warn"),)
+    return ((f"{glyphs.waits} {text}", "plain"),)
+
+
+def lasting(us: int) -> str:
+    """`41 s`, from 100 s on `04:35`."""
+    return f"{us // 1_000_000} s" if us < 100_000_000 else elapsed(us)
+
+
+def _unseen(engaged: Engaged) -> str:
+    """Nobody is lost while the robot thinks, so they may have gone."""
+    presence = engaged.shown.signs.get("presence") if engaged.shown else None
+    return ", not seen" if presence is not None and presence.verdict == 0 else ""
+
+
+def run_piece(shown: m.EngagementShown, glyphs: Glyphs, *, terse: bool = False) -> Piece | None:
+    """Whether the machine does not run by itself, and where it would go."""
+    if shown.run == "off":
+        return (f"{glyphs.stopped} off", "warn")
+    if shown.run != "hold":
+        return None
+    if not shown.next:
+        return (f"{glyphs.stopped} held", "warn")
+    to = short(shown.next) if terse else clean(shown.next)
+    would = f"held {glyphs.next} {to}" if terse else f"held: would go to {to}"
+    return (f"{glyphs.stopped} {would}", "warn")
+
+
+def path(shown: m.EngagementShown, width: int, glyphs: Glyphs) -> Row:
+    """The last states, the newest at the right; the oldest are left out where room is short."""
+    names = [short(state) for state in shown.trail] or [short(shown.state)]
+    arrow = f" {glyphs.next} "
+    before = ""
+    for number, name in reversed(list(enumerate(names[:-1]))):
+        more = f"{name}{arrow}{before}"
+        room = width - cell_len(names[-1]) - (cell_len(glyphs.ellipsis + arrow) if number else 0)
+        if cell_len(more) > room:
+            before = f"{glyphs.ellipsis}{arrow}{before}"
+            break
+        before = more
+    return ((before, "muted"), (names[-1], "strong"))
+
+
+def condition(
+    shown: m.EngagementShown, glyphs: Glyphs, *, old: bool = False, brief: bool = False
+) -> Row:
+    """`not engaged: presence yes AND gaze no (2 of 8, needs 4) AND near yes`; `brief`: without
+    figures.
+    """
+    row: Row = (("engaged", "good") if shown.engaged else ("not engaged", "warn"),)
+    for number, name in enumerate(shown.uses):
+        sign = shown.signs.get(name, m.SignShown())
+        found = mark(name, sign, glyphs, old=old)
+        word = "near" if name == "distance" else clean(name)
+        row += ((" AND " if number else ": ", "muted"), (f"{word} {found.word}", found.look))
+        if found.word == "no" and not (brief or sign.forced) and sign.places > 0:
+            row += ((f" ({share(sign)}, {needs(sign)})", "muted"),)
+        if sign.forced:
+            row += ((f" {glyphs.forced}{'' if brief else ' by hand'}", "wait"),)
+    return row
+
+
+def why(change: m.EngagementChanged) -> str:
+    """Why it changed, without who did it in front: for lines that have a mark for that."""
+    for hand in _HANDS:
+        if change.forced and change.why.startswith(hand):
+            return change.why.removeprefix(hand)
+    return change.why
+
+
+def known_visitor(shown: m.EngagementShown) -> str:
+    """The visitor's code, or nothing."""
+    return "" if shown.visitor in _UNKNOWN else clean(shown.visitor)

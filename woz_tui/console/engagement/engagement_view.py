@@ -1,0 +1,93 @@
+"""The engagement model on the screen: how it stands, its way, who said what."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+
+from woz_tui.protocol import messages as m
+from woz_tui.timeline.episodes import Utterance
+from woz_tui.timeline.session_state import SessionState
+
+#: Changes and understood utterances that are kept; the log has them all.
+CHANGES, HEARD = 60, 40
+#: An utterance that is open for longer has lost its end, in microseconds.
+ENDLESS_US = 600_000_000
+#: Runs of the machine that are not the usual one, as a reader of messages must expect them.
+HOLD, OFF = "hold", "off"
+
+
+@dataclass(slots=True)
+class Engaged:
+    """What holds is in `session`; `take` remembers what was: the model's changes, what visitors
+    said, what is known of them by code.
+    """
+
+    session: SessionState = field(default_factory=SessionState)
+    changes: deque[m.EngagementChanged] = field(default_factory=lambda: deque(maxlen=CHANGES))
+    visitors: dict[str, dict[str, str]] = field(default_factory=dict)
+    _heard: deque[m.SpeechText] = field(default_factory=lambda: deque(maxlen=HEARD))
+
+    @property
+    def shown(self) -> m.EngagementShown | None:
+        """The model's last picture; None: this session has no model."""
+        return self.session.model.shown
+
+    @property
+    def held(self) -> bool:
+        """Whether the machine moves by hand only."""
+        return self.shown is not None and self.shown.run == HOLD
+
+    @property
+    def off(self) -> bool:
+        """Whether the machine does nothing at all."""
+        return self.shown is not None and self.shown.run == OFF
+
+    def waited(self, now: int) -> int | None:
+        """For how long the visitor has been waiting for an answer (us); None: nobody waits, or
+        nobody tells, as the model is off.
+        """
+        if self.shown is None or self.off or self.shown.waits_since < 0:
+            return None
+        return max(0, now - self.shown.waits_since)
+
+    def speaking(self, now: int) -> Utterance | None:
+        """The utterance that goes on now, if one does."""
+        for spoken in reversed(self.session.speaking.values()):
+            return spoken if now - spoken.begin < ENDLESS_US else None
+        return None
+
+    def heard(self) -> list[m.SpeechText]:
+        """What was understood, newest first."""
+        return [text for text in reversed(self._heard) if text.text]
+
+    def moves(self, now: int) -> bool:
+        """Whether a figure on the screen grows by itself: somebody waits or speaks."""
+        return self.waited(now) is not None or self.speaking(now) is not None
+
+    def take(self, message: m.Message) -> None:
+        """Work a message in; others than those of the model are passed over."""
+        match message:
+            case m.EngagementChanged():
+                self.changes.append(message)
+            case m.SpeechText(driver=driver, segment=segment):
+                for before in [*self._heard]:  # it was understood once more
+                    if (before.driver, before.segment) == (driver, segment):
+                        self._heard.remove(before)
+                self._heard.append(message)
+            case m.VisitorChanged():
+                about = self.visitors.pop(message.was or message.visitor, {})
+                if message.what != "forgotten":
+                    self.visitors[message.visitor] = {**about, **texts(message.about)}
+
+    def forget(self) -> None:
+        """Forget what was: there is no model any more, or it is kept from the wizard."""
+        self.changes.clear()
+        self._heard.clear()
+        self.visitors.clear()
+
+
+def texts(told: object) -> dict[str, str]:
+    """What is text in `told`; another version may say anything."""
+    pairs = told.items() if isinstance(told, dict) else ()
+    return {str(name): value for name, value in pairs if isinstance(value, str)}

@@ -1,0 +1,244 @@
+"""The whole model in one picture: states, signs, the condition in words, its way, what was said."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from woz_tui.config.engagement import CONDITION
+from woz_tui.console.cells import Row, clean, cut, fit, length, spread
+from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.engagement.engagement_meter import quoted
+from woz_tui.console.engagement.engagement_text import (
+    condition,
+    headline,
+    is_used,
+    known_visitor,
+    mark,
+    needs,
+    path,
+    run_piece,
+    share,
+    signs_of,
+    standing,
+    unsensed,
+    why,
+)
+from woz_tui.console.engagement.sign_bars import queue_bar
+from woz_tui.console.engagement.state_diagram import HEIGHT, WIDTH, diagram
+from woz_tui.console.engagement.time_limits import running
+from woz_tui.console.glyphs import Frame
+from woz_tui.console.meter_rows import beside
+from woz_tui.console.number_text import elapsed, seconds
+from woz_tui.protocol import messages as m
+from woz_tui.sensing.proxemics import zone
+from woz_tui.sensing.sample_values import FLAGS
+from woz_tui.session.redactor import COARSE, HIDDEN, KEPT
+
+#: Columns of the table of signs: name, sensed, filter, verdict; the bar takes what is left.
+_NAME, _SENSED, _FILTER, _VERDICT = 9, 15, 7, 28
+#: Cells from which the filter is named.
+_WITH_FILTER = 70
+#: The bar's cells at the most.
+_BAR = 22
+#: Cells from which what was heard stands beside the diagram.
+SIDE_BY_SIDE = WIDTH + 30
+#: Lines of the way at the least; below the diagram gives way to the path in words.
+_WAY = 3
+#: Lines of what was heard, where it has no place at the side and lines enough.
+_HEARD = 2
+#: From so many lines on there is room for air.
+_TALL = 24
+
+
+def whole_rows(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> list[Row]:
+    """As many rows as the frame is high; what matters most stands on top."""
+    table = [*_signs(picture, shown, frame), _condition(picture, shown, frame)]
+    top = [_head(picture, shown, frame), _second(picture, shown, frame)]
+    drawn = frame.width >= WIDTH and frame.height >= len(top) + HEIGHT + len(table) + _WAY
+    side = drawn and frame.width >= SIDE_BY_SIDE
+    if drawn:
+        top += _states(picture, shown, frame, side=side)
+    else:
+        top.append((("path  ", "muted"), *path(shown, frame.width - 6, frame.glyphs)))
+    rows = [*top, *_air(frame), *table, *_air(frame)]
+    heard = [] if side else _heard(picture, frame, _HEARD if frame.height >= _TALL else 1)
+    rows += _way(picture, frame, max(1, frame.height - len(rows) - len(heard)))
+    room = max(0, frame.height - len(heard))
+    rows = rows[:room] + [()] * max(0, room - len(rows)) + heard
+    return [cut(row, frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
+
+
+def _air(frame: Frame) -> list[Row]:
+    """An empty line where there is room for one."""
+    return [()] if frame.height >= _TALL else []
+
+
+# -- what is now --------------------------------------------------------------------------------
+
+
+def _head(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> Row:
+    """State, time, run; at the right visitor and attention."""
+    glyphs = frame.glyphs
+    row: Row = (
+        *headline(shown, glyphs, old=bool(picture.lost)),
+        (f"  {elapsed(frame.now - shown.since)}", "plain"),
+    )
+    if shown.attempt:
+        row += ((f"  attempt {shown.attempt}", "plain"),)
+    run = run_piece(shown, glyphs)
+    if run is not None:
+        row += (("   ", "plain"), run)
+    parts = [
+        f"visitor {visitor}{_about(picture, shown.visitor)}"
+        if (visitor := known_visitor(shown))
+        else "",
+        f"attention {clean(shown.attention)}" if shown.attention else "",
+    ]
+    right: Row = ()
+    for part, look in zip(parts, ("run", "muted"), strict=True):
+        between = "  " if right and part else ""
+        more: Row = ((between, "plain"), (part, look))
+        if length(row) + length(right) + length(more) + 2 <= frame.width:
+            right += more
+    return spread(row, right, frame.width, glyphs.ellipsis)
+
+
+def _about(picture: ConsoleState, visitor: str) -> str:
+    """What is known of them, in parentheses."""
+    about = picture.engaged.visitors.get(visitor, {})
+    told = ", ".join(clean(value) for value in about.values() if value)
+    return f" ({told})" if told else ""
+
+
+def _second(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> Row:
+    """The state as a sentence, what is being said, which limits run."""
+    glyphs, engaged = frame.glyphs, picture.engaged
+    row: Row = ()
+    if picture.lost:
+        return ((f"{glyphs.stale} the robot process is gone: all this is old", "stale"),)
+    row += (*standing(engaged, shown, frame.now, glyphs, frame.width)[:2], ("   ", "plain"))
+    if (segment := engaged.speaking(frame.now)) is not None:
+        row += ((f"{glyphs.yes} speech {seconds(frame.now - segment.begin)}   ", "good"),)
+    for text, look in running(picture, shown, frame.now):
+        row += ((f"{text}   ", look),)
+    return row
+
+
+def _states(
+    picture: ConsoleState, shown: m.EngagementShown, frame: Frame, *, side: bool
+) -> list[Row]:
+    """The diagram, at its right what was heard."""
+    way = [(change.was, change.now) for change in reversed(picture.engaged.changes)]
+    if not way or way[0][1] != shown.state:  # its message is still on the way, or was left out
+        way = list(zip(shown.trail, shown.trail[1:], strict=False))[::-1]
+    drawn = diagram(shown.state, way, frame.glyphs)
+    if not side:
+        return drawn
+    room = frame.width - WIDTH - 2
+    heard = _heard(picture, replace(frame, width=room), HEIGHT)
+    return beside([(drawn, WIDTH), (heard, room)], HEIGHT, frame.glyphs, 2)
+
+
+# -- signs ----------------------------------------------------------------------------------------
+
+
+def _signs(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> list[Row]:
+    """A line for each sign beneath the names of the columns."""
+    filtered = _FILTER + 1 if frame.width >= _WITH_FILTER else 0
+    bar = min(_BAR, max(6, frame.width - _NAME - _SENSED - 2 - filtered - 1 - _VERDICT))
+    columns = (
+        ("sign", _NAME + 1),
+        ("sensed", _SENSED + 1),
+        ("filter", filtered),
+        ("queue", bar + 2),
+        ("verdict", len("verdict")),
+    )
+    rows: list[Row] = [tuple((fit(title, width), "title") for title, width in columns)]
+    for name, _ in signs_of(shown):
+        rows.append(_sign(name, shown, picture, replace(frame, width=bar), filtered))
+    return rows
+
+
+def _sign(
+    name: str, shown: m.EngagementShown, picture: ConsoleState, frame: Frame, filtered: int
+) -> Row:
+    """One of them. `frame` is the bar's; the filter's name has `filtered` cells."""
+    sign = shown.signs[name]
+    glyphs = frame.glyphs
+    found = mark(name, sign, glyphs, old=bool(picture.lost))
+    used = is_used(name, shown)
+    quiet = sign.forced or found.look == "stale" or not used
+    row: Row = (
+        (fit(name, _NAME + 1), "plain" if used else "faint"),
+        (f"{fit(_sensed(name, sign), _SENSED, glyphs.ellipsis)} ", "stale" if quiet else "plain"),
+        (fit(sign.filter, filtered, glyphs.ellipsis), "muted"),
+        *queue_bar(sign, frame.width, glyphs, "muted" if quiet else "good"),
+        (" ", "plain"),
+    )
+    if not used:
+        return (*row, (" not used", "muted"))
+    if sign.filter == KEPT:
+        return (*row, (f" {found.piece[0]}", found.look))
+    if found.look == "stale" and unsensed(sign):
+        return (*row, (f" {found.piece[0]}", found.look))
+    row += ((f" {fit(found.piece[0], 9, glyphs.ellipsis)}", found.look),)
+    if sign.forced:
+        return (*row, (f" {glyphs.forced} by hand", "wait"))
+    both = f" {share(sign)}" if found.look == "stale" else f" {share(sign)}, {needs(sign)}"
+    return (*row, (both if sign.places > 0 else "", "muted"))
+
+
+def _sensed(name: str, sign: m.SignShown) -> str:
+    """The last sample, without any filter."""
+    if sign.filter in (KEPT, COARSE):
+        return HIDDEN if sign.filter == KEPT else COARSE
+    if name not in CONDITION:
+        return clean(sign.raw_name) or "nothing"
+    if sign.raw is None:
+        return "nothing"
+    if name == "distance":
+        return f"{sign.raw:.2f} m {zone(sign.raw)}" if sign.raw < 100 else "far"
+    return "yes" if FLAGS[name](sign.raw) else "no"
+
+
+def _condition(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> Row:
+    old = bool(picture.lost)
+    row = condition(shown, frame.glyphs, old=old)
+    if length(row) > frame.width:
+        row = condition(shown, frame.glyphs, old=old, brief=True)
+    near = f"   near: up to {shown.social_distance:.2f} m"
+    if "distance" in shown.uses and length(row) + len(near) <= frame.width:
+        row += ((near, "muted"),)
+    return row
+
+
+# -- what was -------------------------------------------------------------------------------------
+
+
+def _way(picture: ConsoleState, frame: Frame, room: int) -> list[Row]:
+    """The changes, newest on top: when, to what, by which outcome, why, and by whom."""
+    glyphs = frame.glyphs
+    rows: list[Row] = []
+    for change in reversed(picture.engaged.changes):
+        hand = f"{glyphs.forced} " if change.forced else "  "
+        rows.append(
+            (
+                (f"{elapsed(change.t):>6} ", "muted"),
+                (hand, "wait"),
+                (fit(change.now, 19, glyphs.ellipsis), "plain"),
+                (fit(change.outcome, 15, glyphs.ellipsis), "muted"),
+                (glyphs.plain(clean(why(change))), "muted"),
+            )
+        )
+    return rows[:room] or [(("nothing has changed yet", "muted"),)]
+
+
+def _heard(picture: ConsoleState, frame: Frame, room: int) -> list[Row]:
+    """What was understood, newest on top."""
+    rows: list[Row] = []
+    if picture.perception.hides("transcript"):
+        rows.append(((f"what was said is {HIDDEN}", "faint"),))
+    for segment in picture.engaged.heard():
+        front = f"{elapsed(segment.t):>6} "
+        rows.append(((front, "muted"), quoted(segment, frame.glyphs)))
+    return rows[:room]

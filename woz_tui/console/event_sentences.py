@@ -1,0 +1,452 @@
+"""Messages as short lines for the wizard's list of events."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from woz_tui.config.session_verbs import ENGAGEMENT
+from woz_tui.console.command_text import words
+from woz_tui.console.engagement.engagement_text import sentence, why
+from woz_tui.console.engagement.engagement_view import texts
+from woz_tui.console.robot_settings.stop_confirmation import missing_words
+from woz_tui.console.running_actions import Outcome, looks
+from woz_tui.console.study.study_sentences import TELLERS, line_of
+from woz_tui.console.study.study_view import Study
+from woz_tui.console.view_models import DriverView
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.panels import ActionView
+from woz_tui.timeline.episodes import OUTCOMES, Stop
+from woz_tui.timeline.session_state import SessionState
+
+#: Who or what pressed, where it was not a key.
+_SOURCES = {
+    "script": "script",
+    "palette": "found",
+    "midi": "panel",
+    "program": "program",
+    "phase": "phase",
+    "engagement": "robot",
+    "replay": "replay",
+}
+
+
+#: What happened to a visitor in the store.
+_VISITOR = {"met": "is back", "learnt": "is new", "profile": "is described"}
+
+#: What comes back so soon behind its driver comes back with it, in microseconds.
+_BACK_US = 3_000_000
+#: Marks of what is wrong, or needs the wizard.
+_FAULTS = frozenset({"failed", "refused", "warning", "error", "stop"})
+#: Verbs that move something by one step: pressed in a row, they are one line.
+_STEPPING = frozenset({"control", "nudge"})
+#: How the step before may stand, so that one more of the same is no line of its own.
+_STEPS_AGAIN = frozenset({"running", "done", "waits", "stopped", "replaced"})
+
+
+class Shown(Protocol):
+    """What sentences need to know of the console's state."""
+
+    @property
+    def drivers(self) -> Mapping[str, DriverView]:
+        """Health by driver."""
+        ...
+
+    @property
+    def keeps(self) -> bool:
+        """Whether anything is kept from the wizard."""
+        ...
+
+    @property
+    def session(self) -> SessionState:
+        """What holds."""
+        ...
+
+    @property
+    def stop(self) -> Stop | None:
+        """The stop while it is latched."""
+        ...
+
+    @property
+    def study(self) -> Study:
+        """The study around the session."""
+        ...
+
+    def action(self, name: str) -> ActionView | None:
+        """The action of this name."""
+        ...
+
+    def label(self, name: str) -> str:
+        """What the wizard calls it."""
+        ...
+
+    def heading(self, phase: str) -> str:
+        """What the screen calls a phase."""
+        ...
+
+
+@dataclass(slots=True)
+class Event:
+    """One line of the list.
+
+    `mark` names its glyph and colour (running, done, failed, refused, stopped, replaced, info,
+    warning, error, note, marker, driver, stop, forced, heard). A run's line gets its outcome when
+    it ends.
+    """
+
+    t: int
+    mark: str
+    text: str
+    detail: str = ""
+    run: str = ""
+    action: str = ""
+    took_us: int | None = None
+    mistake: bool = False
+    times: int = 1
+    #: An action whose verbs move something by one step.
+    stepping: bool = False
+    #: The sensor whose line it is.
+    sensor: str = ""
+    #: What an action has said so far.
+    said: str = ""
+    #: Whether how long it took is kept from the wizard.
+    untimed: bool = False
+    #: A change of the engagement model: of these there is one line, the last one.
+    model: bool = False
+    #: Told by the machine of itself or of its surroundings; what people do comes first.
+    machine: bool = False
+
+    @property
+    def fault(self) -> bool:
+        """Something is wrong: no view hides it."""
+        return self.mark in _FAULTS
+
+    def again(self, other: Event) -> bool:
+        """Take in the same step made once more, so that a held or repeated key is one line."""
+        same = bool(self.run) and self.text == other.text and not self.mistake
+        bare = not self.action and not other.action and not self.text.startswith("“")
+        steps = self.stepping and self.action == other.action
+        if not (same and (bare or steps) and self.mark in _STEPS_AGAIN):
+            return False
+        self.t, self.mark, self.run, self.took_us = other.t, other.mark, other.run, None
+        self.detail = other.detail
+        self.times += 1
+        return True
+
+    def say(self, text: str) -> None:
+        """Put what is said behind the action; what two robots say together is there once."""
+        if text and text not in self.said:
+            self.said = f"{self.said} {text}".strip()
+
+    def end(self, outcome: Outcome) -> None:
+        """Put the outcome behind what was begun."""
+        self.mark = outcome.how
+        self.took_us = max(0, outcome.t - self.t)
+        if outcome.reason:
+            self.detail = outcome.reason
+
+
+def event_of(message: m.Message, shown: Shown) -> Event | None:
+    """The line for `message`, or None if it is not worth one."""
+    tell = _TELLERS.get(type(message))
+    event = tell(message, shown) if tell is not None else None
+    if event is not None:
+        event.machine = type(message) in _OF_MACHINES or _by_robot(message)
+    return event
+
+
+def _by_robot(message: m.Message) -> bool:
+    """Whether the robot does it by itself, as an effect of the engagement model."""
+    return isinstance(message, m.ActionRequested | m.Command) and message.source == ENGAGEMENT
+
+
+def _requested(message: m.ActionRequested, shown: Shown) -> Event | None:
+    if _is_effect(message.action, shown):
+        return None  # the state's own line tells of it
+    source = _SOURCES.get(message.source, "")
+    action = shown.action(message.action)
+    return Event(
+        message.t,
+        "running",
+        shown.label(message.action),
+        source,
+        run=message.run,
+        action=message.action,
+        stepping=action is not None and bool(action.verbs) and _STEPPING.issuperset(action.verbs),
+    )
+
+
+def _is_effect(action: str, shown: Shown) -> bool:
+    """Whether it is what a state of the engagement model brings with it: `on RobotThinks`."""
+    return action.startswith("on ") and shown.action(action) is None
+
+
+def _command(message: m.Command, shown: Shown) -> Event | None:
+    if message.run or message.passing:
+        return None  # its action has a line, or the panel's picture shows it
+    if message.driver == "session" and message.verb in ("mark", "note"):
+        return None  # so has the marker or the note
+    return Event(message.t, "running", words(message), run=message.command)
+
+
+def _action_end(message: m.ActionEnd, shown: Shown) -> Event | None:
+    """Only reached if the beginning is not on the list, or not any more."""
+    left = isinstance(message, m.ActionStopped | m.ActionSuperseded) and _is_effect(
+        message.action, shown
+    )
+    if isinstance(message, m.ActionDone) or left:
+        return None
+    how = looks(OUTCOMES[type(message)])
+    return Event(message.t, how, shown.label(message.action), message.reason, run=message.run)
+
+
+def _session(message: m.SessionChanged, shown: Shown) -> Event | None:
+    parts = [
+        f"{name} {value}"
+        for name, value in (
+            ("participant", message.participant),
+            ("condition", message.condition),
+            ("trial", message.trial),
+        )
+        if value is not None
+    ]
+    return Event(message.t, "info", ", ".join(parts)) if parts else None
+
+
+def _session_end(message: m.SessionEnd, shown: Shown) -> Event:
+    return Event(message.t, "info", "Session ended", message.reason)
+
+
+def _recorder(message: m.RecorderState, shown: Shown) -> Event | None:
+    if message.level == "ok":
+        return None
+    mark = "warning" if message.level == "warn" else "error"
+    if message.level == "failed":
+        return Event(message.t, mark, "Log is not written", message.detail)
+    if message.detail:
+        return Event(message.t, mark, f"Log: {message.detail}", message.remedy)
+    return Event(message.t, mark, "Log falls behind", f"{message.lag_us / 1000:.0f} ms")
+
+
+def _notice(message: m.Notice, shown: Shown) -> Event:
+    mark = message.level if message.level in ("info", "warning", "error") else "info"
+    return Event(message.t, mark, message.text, message.remedy)
+
+
+def _stop(message: m.StopPressed, shown: Shown) -> Event:
+    if message.scope != "all":
+        return Event(message.t, "stop", "Driving stopped", message.source)
+    return Event(message.t, "stop", "STOP", f"by {message.source}")
+
+
+def _confirmed(message: m.StopConfirmed, shown: Shown) -> Event:
+    if message.missing:
+        parts = shown.stop.parts_missing if shown.stop is not None else {}
+        words = "; ".join(missing_words(message.missing, message.unreached, parts))
+        what, _, names = words.partition(": ")
+        return Event(message.t, "error", what.capitalize(), names)
+    return Event(message.t, "stop", "Stop confirmed", f"in {message.elapsed_us / 1000:.0f} ms")
+
+
+def _released(message: m.StopReleased, shown: Shown) -> Event:
+    return Event(message.t, "info", "Stop released", f"by {message.source}")
+
+
+def _driver(message: m.DriverHealth, shown: Shown) -> Event:
+    health = str(message.__struct_config__.tag).removeprefix("driver.")
+    mark = {"lost": "error", "faulted": "error", "connected": "done"}.get(health, "driver")
+    return Event(message.t, mark, f"{message.driver} {health}", message.detail)
+
+
+def _lane_faulted(message: m.LaneFaulted, shown: Shown) -> Event:
+    return Event(
+        message.t, "error", f"{message.driver}: {message.lane} hangs", "until its job ends"
+    )
+
+
+def _lane_recovered(message: m.LaneRecovered, shown: Shown) -> Event:
+    return Event(message.t, "done", f"{message.driver}: {message.lane} works again")
+
+
+def _sensor(message: m.SensorChanged, shown: Shown) -> Event | None:
+    if message.state != "stale" and message.was != "stale":
+        return None  # speaking and quiet are on the meter
+    if _with_its_driver(message, shown):
+        return None
+    mark = "warning" if message.state == "stale" else "done"
+    text = f"{message.sensor} {message.state}"
+    return Event(message.t, mark, text, message.why, sensor=message.sensor)
+
+
+def _with_its_driver(message: m.SensorChanged, shown: Shown) -> bool:
+    """Whether the sensor went or came only because its driver did: that is one event, not ten.
+
+    Whose a sensor is that has never given a reading, such as a tablet that nobody has touched, is
+    not known: then any driver will do.
+    """
+    name = _driver_of(message.sensor, shown)
+    drivers = [driver for driver in shown.drivers.values() if name in ("", driver.name)]
+    if message.state == "stale":
+        return any(driver.health == "lost" for driver in drivers)
+    # A driver may hear its sensors before it calls itself connected.
+    return any(
+        driver.health != "connected" or message.t - driver.t < _BACK_US for driver in drivers
+    )
+
+
+def _driver_of(sensor: str, shown: Shown) -> str:
+    """The driver of a sensor that has given a reading, or nothing."""
+    reading = shown.session.readings.get(sensor)
+    return reading.driver if reading is not None else ""
+
+
+def explained(event: Event, message: m.DriverHealth, shown: Shown) -> bool:
+    """Whether `message` tells why a sensor fell silent: its driver was lost, or takes another
+    robot, a moment after. The sensor's own line then says nothing any more.
+    """
+    if not event.sensor or event.mark != "warning":
+        return False
+    whose = _driver_of(event.sensor, shown)
+    return whose in ("", message.driver) and 0 <= message.t - event.t < _BACK_US
+
+
+def _engagement(message: m.EngagementChanged, shown: Shown) -> Event:
+    told = sentence(message.now, message.visitor)
+    if message.forced:
+        return Event(message.t, "forced", told, f"by hand: {why(message)}", model=True)
+    return Event(message.t, "info", told, message.why, model=True)
+
+
+def _speech(message: m.SpeechEnded, shown: Shown) -> Event | None:
+    """Only that nothing was kept of it; what it says comes later."""
+    if not message.detail or message.file:
+        return None
+    return Event(message.t, "warning", "Speech not saved", message.detail)
+
+
+def _heard(message: m.SpeechText, shown: Shown) -> Event:
+    if message.text.strip():
+        return Event(message.t, "heard", f"“{message.text}”", "heard")
+    mark = "warning" if message.detail else "info"
+    return Event(message.t, mark, "Speech not understood", message.detail)
+
+
+def _visitor(message: m.VisitorChanged, shown: Shown) -> Event:
+    about = ", ".join(value for value in texts(message.about).values() if value)
+    if message.what == "renamed" and message.was:
+        return Event(message.t, "info", f"Visitor {message.was} is {message.visitor} now", about)
+    what = _VISITOR.get(message.what, message.what)
+    return Event(message.t, "info", f"Visitor {message.visitor} {what}".rstrip(), about)
+
+
+def _mode(message: m.ModeChanged, shown: Shown) -> Event:
+    return Event(message.t, "info", f"{message.driver} mode {message.now}", message.why)
+
+
+def _marker(message: m.Marker, shown: Shown) -> Event:
+    _, coder, name = message.source.partition("coder ")
+    return Event(message.t, "marker", f"Code of {name}" if coder else "Marker", message.text)
+
+
+def _note(message: m.Note, shown: Shown) -> Event:
+    return Event(message.t, "note", message.text)
+
+
+def _mistake(message: m.Mistake, shown: Shown) -> Event:
+    what = shown.label(message.action) if message.action else message.run
+    return Event(message.t, "note", f"Mistake: {what}", message.text)
+
+
+def _phase(message: m.PhaseChanged, shown: Shown) -> Event:
+    heading = shown.heading(message.phase)
+    return Event(message.t, "info", f"Phase {heading}" if heading else "No phase holds")
+
+
+def _lock(message: m.PanelLocked, shown: Shown) -> Event | None:
+    if message.source == "phase":
+        return None  # the phase has a line
+    return Event(message.t, "info", f"{message.panel} {'locked' if message.locked else 'unlocked'}")
+
+
+def _profile(message: m.ProfileChanged, shown: Shown) -> Event:
+    return Event(
+        message.t,
+        "info",
+        f"Profile {message.profile}" if message.profile else "No profile: everything may be used",
+    )
+
+
+def _reloaded(message: m.ExperimentReloaded, shown: Shown) -> Event:
+    return Event(message.t, "info", "File reloaded", "; ".join(message.changes) or "no changes")
+
+
+def _of_study(message: m.Message, shown: Shown) -> Event | None:
+    line = line_of(message)
+    missing = shown.study.unticked() if isinstance(message, m.TrialStarted) else []
+    if line is not None and missing and shown.study.last is None:
+        line = line._replace(mark="warning", detail=f"not ticked: {'; '.join(missing)}")
+    if line is not None and isinstance(message, m.CueAnswered):
+        names = shown.study.right_for(message)
+        right = f"right: {' or '.join(map(shown.label, names))}" if names else ""
+        line = line._replace(detail=", ".join(filter(None, (line.detail, right))))
+    return Event(message.t, *line) if line is not None else None
+
+
+def _attached(message: m.ConsoleAttached, shown: Shown) -> Event:
+    what = f"{message.role} {message.name}".rstrip()
+    if message.sees == "all" and shown.keeps:
+        return Event(message.t, "info", f"{what} attached", "it sees what is hidden from you")
+    return Event(message.t, "info", f"{what} attached", message.console)
+
+
+def _console_lost(message: m.ConsoleLost, shown: Shown) -> Event:
+    return Event(message.t, "warning", f"{message.role} disconnected", message.why)
+
+
+_TELLERS: dict[type[m.Message], Callable[[Any, Shown], Event | None]] = {
+    m.ActionRequested: _requested,
+    m.Command: _command,
+    m.ActionDone: _action_end,
+    m.ActionFailed: _action_end,
+    m.ActionStopped: _action_end,
+    m.ActionSuperseded: _action_end,
+    m.ActionRefused: _action_end,
+    m.SessionChanged: _session,
+    m.SessionEnd: _session_end,
+    m.RecorderState: _recorder,
+    m.Notice: _notice,
+    m.StopPressed: _stop,
+    m.StopConfirmed: _confirmed,
+    m.StopReleased: _released,
+    m.DriverConnecting: _driver,
+    m.DriverConnected: _driver,
+    m.DriverLost: _driver,
+    m.DriverFaulted: _driver,
+    m.LaneFaulted: _lane_faulted,
+    m.LaneRecovered: _lane_recovered,
+    m.SensorChanged: _sensor,
+    m.EngagementChanged: _engagement,
+    m.SpeechEnded: _speech,
+    m.SpeechText: _heard,
+    m.VisitorChanged: _visitor,
+    m.ModeChanged: _mode,
+    m.Marker: _marker,
+    m.Note: _note,
+    m.Mistake: _mistake,
+    m.PanelLocked: _lock,
+    m.PhaseChanged: _phase,
+    m.ProfileChanged: _profile,
+    m.ExperimentReloaded: _reloaded,
+    m.ConsoleAttached: _attached,
+    m.ConsoleLost: _console_lost,
+    **dict.fromkeys(TELLERS, _of_study),
+}
+#: What machines tell of themselves, in events that are no faults.
+_OF_MACHINES = frozenset(
+    {
+        *(m.RecorderState, m.Notice, m.DriverConnecting, m.DriverConnected, m.DriverLost),
+        *(m.DriverFaulted, m.LaneFaulted, m.LaneRecovered, m.SensorChanged, m.ModeChanged),
+        *(m.EngagementChanged, m.StopConfirmed, m.ConsoleAttached, m.ConsoleLost),
+    }
+)

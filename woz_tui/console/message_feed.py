@@ -1,0 +1,54 @@
+"""Where the console's messages come from and where its requests go: a live robot or a replay."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from woz_tui.protocol.messages import AnyMessage
+from woz_tui.protocol.requests import AnyAnswer, AnyRequest
+
+#: The reason of a reply that cannot come any more, as nobody knows whether its request arrived.
+GONE = "the robot process is gone"
+
+#: One decoded line from the host; a kind this version does not know comes as a plain dict.
+Incoming = AnyMessage | AnyAnswer | dict[str, Any]
+
+#: Called from the feed's own thread with everything that arrived together, oldest first.
+OnMessages = Callable[[list[Incoming]], None]
+
+#: Called from the feed's own thread with the reason in words, each time the connection is lost: a
+#: feed that comes back by itself may lose it again.
+OnLost = Callable[[str], None]
+
+
+class Feed(Protocol):
+    """A connection that speaks the session's messages; the console cannot tell which kind it is.
+
+    The first message is a `Welcome`; after a lost connection a feed that comes back by itself
+    begins again with a `Welcome`.
+    """
+
+    #: Whether the line to the wizard's terminal takes what is written to it. Set by whoever
+    #: measures the terminal, sent to the host with every beat.
+    line_ok: bool
+
+    #: Last round trip to the wizard's terminal in microseconds; None while it is unknown. Set by
+    #: whoever measures the terminal, shown on the status line.
+    round_trip_us: int | None
+
+    def start(self, on_messages: OnMessages, on_lost: OnLost) -> None:
+        """Begin to deliver. Returns at once; both callbacks come from another thread."""
+        ...
+
+    def ask(self, request: AnyRequest) -> int:
+        """Send `request` with a fresh `ref`, which is returned; the `Reply` repeats it.
+
+        Safe from any thread, never blocks, never raises: on a lost connection the request goes
+        nowhere and no reply comes.
+        """
+        ...
+
+    def close(self) -> None:
+        """Say goodbye and stop delivering; safe to call twice and from any thread."""
+        ...

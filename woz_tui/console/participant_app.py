@@ -1,0 +1,132 @@
+"""The participant's own terminal: a questionnaire when one is asked, and nothing else, ever.
+
+No panel, no log, no sensor is drawn, and no key plays the robot; the stop works as everywhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from textual import events
+from textual.app import ComposeResult
+
+from woz_tui.config.keys.terminals import STOPS
+from woz_tui.config.keys.textual_names import from_textual
+from woz_tui.console.keyboard import Keyboard
+from woz_tui.console.message_feed import GONE, Feed
+from woz_tui.console.screen_app import ScreenApp
+from woz_tui.console.study.questionnaire_widget import Sheet, Words, thanks
+from woz_tui.console.study.questionnaires import Asked
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.requests import AnyRequest, AskQuestionnaire, Reply
+from woz_tui.protocol.welcome import QuestionnaireWords
+
+#: Leaves this screen; for whoever has set it up, so it stands nowhere on it.
+LEAVE = "ctrl+q"
+
+
+class Participant(ScreenApp):
+    """Returns how it was left: `detached`, or `ended` with the session.
+
+    Args:
+        feed: Where messages come from and requests go.
+        keyboard: Knows the stop; no other key goes past the questionnaire.
+        only: Name of the one questionnaire that is shown here; empty: all.
+        options: As for `ScreenApp`.
+    """
+
+    def __init__(self, feed: Feed, keyboard: Keyboard, *, only: str = "", **options: Any) -> None:
+        super().__init__(feed, keyboard, **options)
+        keyboard.free = False
+        self._only = only
+        self._waiting: dict[int, Callable[[Reply], None]] = {}
+        self._thanks = self._begun = False
+
+    def compose(self) -> ComposeResult:
+        """The sheet."""
+        yield Sheet(self._ask, self.clock.now_us, self.look.glyphs)
+
+    # -- what comes ---------------------------------------------------------------------------
+
+    def wake(self) -> None:
+        """Work in what has come and show what is asked; nothing while its parts go."""
+        if not self.inbox or not self.screen_stack or not self.is_running:
+            return
+        for batch in self.inbox.batches():
+            self.picture.take(batch, self.clock.now_us())
+            for message in batch:
+                if isinstance(message, Reply):
+                    self._waiting.pop(message.ref, _nobody)(message)
+                elif isinstance(message, m.QuestionnaireEnded):
+                    self._thanks = message.reason != "left"
+                elif isinstance(message, m.QuestionnaireStarted):
+                    self._thanks = False
+        for why in self.inbox.losses():
+            self._cut(why)
+        if self.picture.ended and self.picture.lost:
+            self.exit("ended")
+        self._begin()
+        lost, halted = bool(self.picture.lost), self.picture.stop is not None
+        for sheet in self.query(Sheet):
+            notice = self._words.stopped if halted else ""
+            sheet.follow(self._asked(), self._lines(), words=self._words, away=lost, notice=notice)
+
+    def _begin(self) -> None:
+        """Whoever waits for one questionnaire alone asks for it as soon as it is due."""
+        study = self.picture.study
+        due = self._only in study.due and study.asked is None and not self.picture.lost
+        if due and not self._begun:
+            request = AskQuestionnaire(questionnaire=self._only, source="participant")
+            self._ask(request, _nobody)
+        self._begun = due
+
+    def _cut(self, why: str) -> None:
+        """No reply will come any more; what was not confirmed goes out again later."""
+        self.picture.lose(why)
+        waiting, self._waiting = self._waiting, {}
+        for ref, on_reply in waiting.items():
+            on_reply(Reply(ref=ref, ok=False, reason=GONE))
+
+    def _asked(self) -> Asked | None:
+        asked = self.picture.study.asked
+        wanted = asked is not None and self._only in ("", asked.name)
+        return asked if wanted else None
+
+    @property
+    def _words(self) -> QuestionnaireWords:
+        return self.picture.settings.study.words
+
+    def _lines(self) -> Words:
+        """What is shown while nothing is asked."""
+        words = self._words
+        wait: Words = [(words.wait, "strong")]
+        if self.picture.lost:
+            lost: Words = [(words.moment, "strong"), ("", "plain"), (words.kept, "muted")]
+            return thanks(words) if self._thanks else lost
+        if self.picture.stop is not None:
+            return [(words.stopped, "strong"), ("", "plain"), *wait]
+        return thanks(words) if self._thanks else wait
+
+    def _ask(self, request: AnyRequest, on_reply: Callable[[Reply], None]) -> None:
+        self._waiting[self.feed.ask(request)] = on_reply
+
+    # -- keys ---------------------------------------------------------------------------------
+
+    async def on_event(self, event: events.Event) -> None:
+        """The stop and the way out pass before the questionnaire sees a key."""
+        if isinstance(event, events.Key) and not event.is_forwarded:
+            chord = from_textual(event.key, event.character)
+            if chord in STOPS:
+                self.keyboard.stop(chord)
+                event.stop()
+                return
+            if chord == LEAVE:
+                event.stop()
+                self.exit("detached")
+                return
+        await super().on_event(event)
+
+
+def _nobody(reply: Reply) -> None:
+    """Nobody waits for it."""

@@ -1,0 +1,118 @@
+"""The console of `woz replay`: the same screen, fed from a log, with keys that move through it."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+from woz_tui.config.keys.keymap import key_map
+from woz_tui.console.app import FLASH_S, NEWS_S, Console
+from woz_tui.console.inbox import Inbox
+from woz_tui.console.key_caps import cap_of
+from woz_tui.console.main_screen import Surface
+from woz_tui.console.message_feed import Feed, Incoming
+from woz_tui.console.number_text import elapsed
+from woz_tui.console.replay.replay_commands import COMMANDS, ReplayKeyboard
+from woz_tui.console.replay.replay_timeline import TimeBar
+from woz_tui.console.screen_app import BEAT
+from woz_tui.protocol.action_messages import HANDS
+from woz_tui.protocol.messages import ActionRequested
+from woz_tui.protocol.requests import Reply, Welcome
+
+#: Beats between two paintings up to a rate.
+PACES = ((2.0, 1), (4.0, 2), (8.0, 3), (math.inf, 4))
+
+
+class _Inbox(Inbox):
+    """Notes which actions were played by hand in what comes."""
+
+    def __init__(self, wake: Callable[[], None]) -> None:
+        super().__init__(wake)
+        self.played: deque[str] = deque(maxlen=8)
+
+    def heard(self, batch: list[Incoming]) -> None:
+        self.played.extend(
+            message.action
+            for message in batch
+            if isinstance(message, ActionRequested) and message.source in HANDS
+        )
+        super().heard(batch)
+
+
+class ReplayConsole(Console):
+    """See the module's text. Returns `left`.
+
+    Args:
+        feed: Plays the log.
+        keyboard: Its keys.
+        options: As for `Console`.
+    """
+
+    def __init__(self, feed: Feed, keyboard: ReplayKeyboard, **options: Any) -> None:
+        super().__init__(feed, keyboard, commands=COMMANDS, **options)
+        self.inbox: _Inbox = _Inbox(self.wake)
+        self._surface = Surface(bar=TimeBar())
+        self._panels = self._surface.panels
+        self._said_until = 0
+        self._greeted = False
+
+    def _pace(self) -> float:
+        """The faster it goes, the more of the screen a painting changes: a slow line gets fewer."""
+        return next(beats for rate, beats in PACES if self.picture.rate <= rate) * BEAT
+
+    def beat(self) -> None:
+        """As in a session; what hurries is painted as often as it may be."""
+        pace = self._pace()
+        since = self.clock.now_us() - self._painted
+        if pace > BEAT and since < (pace - BEAT / 2) * 1_000_000:
+            self.keyboard.tick()
+            return
+        super().beat()
+        if self.picture.rate > 1:
+            self.wake()
+
+    def _take(self, local: int) -> None:
+        super()._take(local)
+        if self._news_until == 1:  # a stop of then; what the viewer is told stays
+            self._news_until = self._said_until
+        while self.inbox.played:
+            action = self.inbox.played.popleft()
+            self._panels.turn_to(self.picture, action)
+            self._panels.press(action)
+            self._flash_until = local + round(FLASH_S * 1_000_000)
+
+    def news(self, text: str, look: str = "muted") -> None:
+        """A sentence above the time line, for a few seconds."""
+        self._said_until = self.clock.now_us() + round(NEWS_S * 1_000_000)
+        super().news(text, look)
+
+    def _welcomed(self, welcome: Welcome) -> None:
+        """The first time it says how to go on."""
+        if not self._greeted:
+            self._greeted = True
+            self.news("  ".join(f"{key} {word}" for key, word in self._hints()))
+
+    def _replied(self, reply: Reply) -> None:
+        """A step says which line it came to."""
+        told = reply.data
+        if reply.ok and isinstance(told, dict) and isinstance(told.get("t"), int):
+            t = int(told["t"])
+            self.news(f"{elapsed(t)}.{t % 1_000_000 // 1000:03} {told.get('kind', '')}")
+        super()._replied(reply)
+
+    def _adopt(self) -> None:
+        """Caps show the session's keys; the keyboard has those of the replay."""
+        picture = self.picture
+        played = key_map(picture.panels, self.terminal, picture.keyboard)
+        self.caps = {name: cap_of(found) for name, found in played.actions.items()}
+        self._panels.bear(self.caps)
+        self.keymap = key_map((), self.terminal, picture.keyboard, self._builtins)
+        self.keyboard.bind({}, self._own_keys())
+
+    def _stopping(self) -> None:
+        """Every dialog closes, as in a session; there is nothing to stop."""
+        while self.dialog is not None:
+            self.close_dialog()
+        self.paint()

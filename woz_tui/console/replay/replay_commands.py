@@ -1,0 +1,121 @@
+"""Commands of a replay: its keys move through the log, none of them plays anything."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from woz_tui.config.keys.console_keys import Builtin
+from woz_tui.console import commands as session
+from woz_tui.console.commands import Run, opens
+from woz_tui.console.keyboard import Keyboard
+from woz_tui.console.screens.dialog import REPLAY, Command, Hint
+from woz_tui.protocol.requests import AskMistake, AskReplay
+
+#: Seconds that one press of an arrow goes, and one with shift or alt.
+NEAR_S, FAR_S = 5.0, 60.0
+
+
+def _row(*keys: Builtin, run: Run | None = None, hint: Hint | None = None) -> Command:
+    return Command(keys, run, hint=hint, users=REPLAY)
+
+
+def _goes(*keys: Builtin, hint: Hint | None = None, **more: Any) -> Command:
+    """Moves through the log."""
+    return Command(keys, sends=lambda press: AskReplay(**more), hint=hint, users=REPLAY)
+
+
+COMMANDS = (
+    _goes(Builtin("pause", "space", "stand still, go on"), what="pause", hint=Hint(1, "pause")),
+    _goes(Builtin("step", ".", "to the next line of the log"), what="step", hint=Hint(2, "step")),
+    _goes(
+        Builtin("slower", "[", "half the speed, down to 0.25x"),
+        Builtin("slower_too", "<", "half the speed"),
+        what="slower",
+        hint=Hint(3, "slower"),
+    ),
+    _goes(
+        Builtin("faster", "]", "twice the speed, up to 16x"),
+        Builtin("faster_too", ">", "twice the speed"),
+        what="faster",
+        hint=Hint(4, "faster"),
+    ),
+    _goes(Builtin("back", "left", "5 s back"), what="seek", by_s=-NEAR_S, hint=Hint(5, "5 s back")),
+    _goes(Builtin("on", "right", "5 s on"), what="seek", by_s=NEAR_S, hint=Hint(6, "5 s on")),
+    _goes(
+        Builtin("far_back", "shift+left", "60 s back"),
+        Builtin("far_back_too", "alt+left", "60 s back"),
+        what="seek",
+        by_s=-FAR_S,
+    ),
+    _goes(
+        Builtin("far_on", "shift+right", "60 s on"),
+        Builtin("far_on_too", "alt+right", "60 s on"),
+        what="seek",
+        by_s=FAR_S,
+    ),
+    _goes(
+        Builtin("mark_back", "pageup", "to the marker, stop, trial ... before"),
+        what="go",
+        to="before",
+    ),
+    _goes(
+        Builtin("mark_on", "pagedown", "to the next marker, stop, trial ..."), what="go", to="next"
+    ),
+    _goes(Builtin("begin", "home", "to the beginning"), what="go", to="start"),
+    _goes(Builtin("end", "end", "to the end"), what="go", to="end"),
+    _row(
+        Builtin("go", "g", "go to a time, or to a marker, stop, trial ..."),
+        run=opens("replay.seek_dialogs:GoDialog"),
+        hint=Hint(7, "go to"),
+    ),
+    _row(
+        Builtin("code", "m", "set a code at this moment (with --coder)"),
+        run=opens("replay.coding_dialogs:CodeDialog"),
+    ),
+    _row(
+        Builtin("code_note", "n", "write a note about this moment (with --coder)"),
+        run=opens("replay.coding_dialogs:CodeNoteDialog"),
+    ),
+    Command(
+        (Builtin("code_back", "x", "take your last code or note back (with --coder)"),),
+        sends=lambda press: AskMistake(),
+        users=REPLAY,
+    ),
+    _row(
+        Builtin("about", "i", "what this log is, and what is missing in it"),
+        run=opens("replay.replay_info:AboutDialog"),
+    ),
+    *(replace(command, hint=None) for command in session.COMMANDS if command.serves("replay")),
+    _row(
+        Builtin("engagement", "=", "who was there and were they with the robot: the whole model"),
+        run=opens("screens.engagement:EngagementDialog"),
+    ),
+    _row(Builtin("suspend", "ctrl+z", "leave the console for a moment")),
+    _row(
+        Builtin("help", "?", "these keys"),
+        run=opens("replay.replay_info:ReplayHelp"),
+        hint=Hint(8, "keys"),
+    ),
+    _row(
+        Builtin("leave", "ctrl+q", "leave; nothing is changed by a replay"),
+        run=lambda app: app.exit("left"),
+        hint=Hint(9, "leave"),
+    ),
+    _row(
+        Builtin("stop", "escape", "closes a dialog; nothing moves in a replay", movable=False),
+        Builtin("stop_too", "ctrl+c", "the same", movable=False),
+    ),
+)
+
+
+class ReplayKeyboard(Keyboard):
+    """A keyboard to which no key is too old: it does no harm in a replay."""
+
+    def arrive(self, chord: str, *, age_us: int = 0, stale: bool = False) -> bool:
+        """A key from the terminal."""
+        return super().arrive(chord)
+
+    def press(self, chord: str, *, age_us: int = 0, stale: bool = False) -> bool:
+        """A key that came by way of the screen."""
+        return super().press(chord)

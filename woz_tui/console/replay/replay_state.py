@@ -1,0 +1,55 @@
+"""How a replay stands, as the console knows it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from datetime import datetime, timedelta
+from typing import NamedTuple
+
+from woz_tui.protocol.requests import Replaying
+from woz_tui.protocol.welcome import Settings
+
+
+class Place(NamedTuple):
+    """Something on the time line: when, what sort (see `Replaying`), what it says."""
+
+    t: int
+    sort: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class ReplayPicture:
+    """Length and idle time left out in microseconds; the speed, also while it stands still; what
+    there is to go to, oldest first.
+    """
+
+    length_us: int = 0
+    rate: float = 1.0
+    paused: bool = False
+    ended: bool = False
+    cut_us: int = 0
+    places: tuple[Place, ...] = ()
+
+
+def following(before: ReplayPicture | None, told: Replaying) -> ReplayPicture:
+    """What `told` makes of it: places that are not told again stay."""
+    places = before.places if before is not None else ()
+    if told.marks is not None:
+        sorts = [*told.sorts, *("marker" for _ in told.marks[len(told.sorts) :])]
+        places = tuple(
+            Place(t, sort, text) for (t, text), sort in zip(told.marks, sorts, strict=False)
+        )
+    now = ReplayPicture(told.length_us, told.rate, told.paused, told.ended, told.cut_us)
+    return replace(now, places=places)
+
+
+def wall_at(settings: Settings, t: int) -> datetime | None:
+    """What the clock on the wall said at `t`, in UTC; None where the log does not tell."""
+    told = settings.replay
+    if not told or not told.ts:
+        return None
+    try:
+        return datetime.fromisoformat(told.ts) + timedelta(microseconds=t - told.t)
+    except (ValueError, OverflowError):
+        return None

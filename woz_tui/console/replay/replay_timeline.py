@@ -1,0 +1,166 @@
+"""The two lowest lines of a replay: what the session's bar told then, and the time line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+
+from rich.cells import cell_len
+
+from woz_tui.console.bottom_rows import Bar, StopBar, hint_row
+from woz_tui.console.cells import Piece, Row, clean, cut, fit, length, spread
+from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.glyphs import Frame, Glyphs
+from woz_tui.console.number_text import elapsed
+from woz_tui.console.replay.replay_state import Place, ReplayPicture, wall_at
+from woz_tui.console.robot_settings.stop_confirmation import missing_row
+from woz_tui.console.script_row import script_row, upcoming
+from woz_tui.console.sentence_rows import sentence_rows
+from woz_tui.timeline.episodes import Stop
+
+#: The most important first: they share cells of the line. Sign and look.
+SIGNS: Mapping[str, tuple[str, str]] = {
+    "stop": ("stop", "bad"),
+    "lost": ("error", "bad"),
+    "mistake": ("warning", "warn"),
+    "marker": ("marker", "run"),
+    "code": ("marker", "strong"),
+    "note": ("note", "plain"),
+    "questionnaire": ("queued", "wait"),
+    "trial": ("tick", "strong"),
+    "phase": ("tick", "muted"),
+    "break": ("tick", "muted"),
+}
+#: Cells of the line at least; below that it is left out.
+LEAST = 8
+#: Columns from which hints stand behind the line.
+ROOMY = 140
+
+
+def sign_of(sort: str, glyphs: Glyphs) -> Piece:
+    """Glyph and look of a sort of place."""
+    name, look = SIGNS.get(sort, ("info", "muted"))
+    return str(getattr(glyphs, name)), look
+
+
+def replay_rows(picture: ConsoleState, frame: Frame, bar: Bar) -> list[Row]:
+    """As many rows as the frame has, two at least."""
+    rows = [_then(picture, frame, bar)]
+    if frame.height > 2:
+        rows += sentence_rows(picture, replace(frame, height=frame.height - 2), upcoming(picture))
+    return [*rows, time_row(picture, frame, bar.hints)]
+
+
+def _then(picture: ConsoleState, frame: Frame, bar: Bar) -> Row:
+    """A sentence for the viewer; else the stop as it was; else the script, or what keys do."""
+    glyphs, width = frame.glyphs, frame.width
+    if bar.news.text:
+        return ((fit(f" {glyphs.plain(bar.news.text)}", width, glyphs.ellipsis), bar.news.look),)
+    if picture.stop is not None:
+        return _stopped(picture.stop, glyphs, width)
+    if picture.script:
+        return script_row(picture, frame, "script")
+    return cut(hint_row(bar.hints, width), width, glyphs.ellipsis)
+
+
+def _stopped(stop: Stop, glyphs: Glyphs, width: int) -> Row:
+    """The stop of then in one row, and who had confirmed."""
+    first = f" {glyphs.stop} STOPPED by {clean(stop.source)} at {elapsed(stop.begin)} "
+    row: Row = ((first, "alarm"),)
+    row += missing_row(stop, glyphs)
+    if stop.settled:
+        row += ((f" confirmed: {clean(', '.join(stop.confirmed)) or 'nobody'}", "alarm-soft"),)
+    return cut((*row, (" " * width, "alarm-soft")), width, " ")
+
+
+def time_row(picture: ConsoleState, frame: Frame, hints: tuple[tuple[str, str], ...] = ()) -> Row:
+    """Where the replay is: state, time, the line with its places, clock of then, speed."""
+    replay = picture.replay
+    if replay is None:
+        return ((fit(f" reading the log{frame.glyphs.ellipsis}", frame.width), "muted"),)
+    now = min(frame.now, replay.length_us) if replay.length_us else frame.now
+    left = _left(replay, now, frame.glyphs)
+    right = _right(picture, replay, now, hints)
+    if frame.width >= ROOMY:
+        right = (*right, *hint_row(hints[:4], frame.width // 3))
+    room = frame.width - length(left) - length(right)
+    if room < LEAST:
+        return spread(left, right, frame.width, frame.glyphs.ellipsis)
+    return (*left, *line_pieces(replay, now, room, frame.glyphs), *right)
+
+
+def _left(replay: ReplayPicture, now: int, glyphs: Glyphs) -> Row:
+    """As wide at the end as at the beginning, so that the line stands still."""
+    if replay.ended:
+        state: Piece = (f" {glyphs.stopped}  ", "muted")
+    elif replay.paused:
+        state = (f" {glyphs.pause} ", "warn")
+    else:
+        state = (f" {glyphs.running}  ", "run")
+    whole = elapsed(replay.length_us)
+    return state, (elapsed(now).rjust(cell_len(whole)), "strong"), (f" / {whole} ", "muted")
+
+
+def _right(
+    picture: ConsoleState, replay: ReplayPicture, now: int, hints: tuple[tuple[str, str], ...]
+) -> Row:
+    row: list[Piece] = [(" ", "plain")]
+    clock = wall_at(picture.settings, now)
+    if clock:
+        row.append((f"{clock:%H:%M:%S} UTC ", "plain"))
+    if replay.cut_us:
+        row.append((f"{elapsed(replay.cut_us)} cut ", "wait"))
+    speed = f"{replay.rate:g}x"
+    row.append((f"{speed:>5} ", "plain" if replay.rate == 1 else "strong"))
+    told = next(((key, word) for key, word in hints if word == "keys"), None)
+    if told is not None:
+        row += [(told[0], "strong"), (f" {told[1]} ", "muted")]
+    return tuple(row)
+
+
+def line_pieces(replay: ReplayPicture, now: int, width: int, glyphs: Glyphs) -> Iterable[Piece]:
+    """The line in `width` cells: what has been played, the rest, the places, where it is."""
+    played = "=" if glyphs.ascii else glyphs.bar
+    here = _cell(now, replay.length_us, width)
+    cells: list[Piece] = [
+        (played, "run") if x < here else (glyphs.rule, "faint") for x in range(width)
+    ]
+    for x, sort in _signs(replay.places, replay.length_us, width).items():
+        cells[x] = sign_of(sort, glyphs)
+    cells[here] = (glyphs.spot, "strong")
+    return _joined(cells)
+
+
+def _signs(places: Iterable[Place], length_us: int, width: int) -> dict[int, str]:
+    order = list(SIGNS)
+    signs: dict[int, str] = {}
+    for place in places:
+        if place.sort in SIGNS:
+            x = _cell(place.t, length_us, width)
+            signs[x] = min(place.sort, signs.get(x, order[-1]), key=order.index)
+    return signs
+
+
+def _cell(t: int, length_us: int, width: int) -> int:
+    if length_us <= 0:
+        return 0
+    return min(width - 1, max(0, t * (width - 1) // length_us))
+
+
+def _joined(cells: Iterable[Piece]) -> list[Piece]:
+    """Neighbours of one look as one piece."""
+    pieces: list[Piece] = []
+    for text, look in cells:
+        if pieces and pieces[-1][1] == look:
+            pieces[-1] = (pieces[-1][0] + text, look)
+        else:
+            pieces.append((text, look))
+    return pieces
+
+
+class TimeBar(StopBar):
+    """The bar over the whole width at the bottom of a replay."""
+
+    def paint(self, picture: ConsoleState, frame: Frame, bar: Bar) -> None:
+        """Show the stop or the script of then, and the time line."""
+        self.show(replay_rows(picture, frame, bar))

@@ -1,0 +1,99 @@
+"""The lines of a robot's settings: what it tells of itself, which robot it is, the arrow keys."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Collection
+from dataclasses import dataclass
+
+from woz_tui.console.robot_settings.step_sizes import steps_offered
+from woz_tui.protocol.robot_outline import RobotOutline, Setting
+
+CONNECTION = "Connection"
+#: Where NAOqi listens, plain and secured; drivers leave them out where they name a robot.
+_USUAL_PORTS = ("9559", "9503")
+_ADDRESSES = "a host name, tcp://HOST:PORT or tcps://USER@HOST:PORT"
+
+
+class What(enum.Enum):
+    """What a line is about."""
+
+    SETTING = "setting"
+    ROBOT = "robot"
+    ADDRESS = "address"
+    DISCONNECT = "disconnect"
+    STEP = "step"
+
+
+#: How ids of lines of the connection begin.
+CONNECTING = tuple(what.value for what in (What.ROBOT, What.ADDRESS, What.DISCONNECT))
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """One line. `setting` says how it is called and what may be set, whatever it is about."""
+
+    what: What
+    setting: Setting
+
+    @property
+    def id(self) -> str:
+        """Its name among the lines of its robot."""
+        return f"{self.what.value} {self.setting.name}"
+
+    @property
+    def is_set(self) -> bool:
+        """Whether it has a value that can be changed, here or at the robot."""
+        return self.what is What.STEP or (self.what is What.SETTING and self._by_hand)
+
+    @property
+    def _by_hand(self) -> bool:
+        """Not which robot it is: an arrow key too many would let go of it in mid-session."""
+        return self.setting.verb not in ("", "connect")
+
+    @property
+    def is_typed(self) -> bool:
+        """Whether enter opens a field for it."""
+        kinds = ("number", "color", "text")
+        return self.what is What.ADDRESS or (self.is_set and self.setting.kind in kinds)
+
+
+def lines_of(outline: RobotOutline, verbs: Collection[str]) -> list[Line]:
+    """All lines of a robot that offers `verbs`, section after section."""
+    sections: dict[str, list[Line]] = {}
+    for setting in outline.settings:
+        sections.setdefault(setting.section, []).append(Line(What.SETTING, setting))
+    found = [line for lines in sections.values() for line in lines]
+    found += _connection(outline, verbs)
+    return found + [Line(What.STEP, setting) for setting in steps_offered(verbs)]
+
+
+def _connection(outline: RobotOutline, verbs: Collection[str]) -> list[Line]:
+    found: list[Line] = []
+    if "connect" in verbs:
+        found += [
+            Line(What.ROBOT, _link(name, name, "connect", "robot"))
+            for name in dict.fromkeys(outline.robots)
+        ]
+        other = _link("", "Another address", "connect", "robot", hint=_ADDRESSES)
+        found.append(Line(What.ADDRESS, other))
+    if "disconnect" in verbs:
+        found.append(Line(What.DISCONNECT, _link("", "Disconnect", "disconnect")))
+    return found
+
+
+def _link(name: str, label: str, verb: str, argument: str = "", hint: str = "") -> Setting:
+    return Setting(
+        name=name, section=CONNECTION, label=label, verb=verb, argument=argument, help=hint
+    )
+
+
+def place_of(address: str) -> str:
+    """Where an address leads to, without scheme, user and one of NAOqi's usual ports:
+    `tcps://nao@10.0.0.7:9503` -> `10.0.0.7`, `127.0.0.1:9561` as it is. Two robots behind one host
+    differ by their ports.
+    """
+    bare = address.strip().rpartition("://")[2].rpartition("@")[2].removesuffix("/").casefold()
+    host, colon, port = bare.rpartition(":")
+    usual = colon and port in _USUAL_PORTS and (":" not in host or host.endswith("]"))
+    return host if usual else bare

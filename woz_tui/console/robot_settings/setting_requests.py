@@ -1,0 +1,163 @@
+"""What was asked of a robot's settings and does not show yet, and what was refused.
+
+Of one setting one request is under way at a time: an arrow key held down sends its last value when
+the robot has taken the one before.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from woz_tui.console.robot_settings.setting_lines import CONNECTING, CONNECTION, Line
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
+from woz_tui.protocol.requests import AskVerb, Reply
+
+if TYPE_CHECKING:
+    from woz_tui.console.console_state import ConsoleState
+    from woz_tui.console.robot_requests import OnReply
+
+#: A setting that was set is read back within this time; after it the robot's word counts again.
+READ_BACK_US = 3_000_000
+
+Key = tuple[str, str]
+Ask = Callable[[AskVerb, "OnReply"], None]
+
+
+@dataclass(slots=True)
+class Asked:
+    """A value asked for. `sent` is under way until `over`: session time of the command's end."""
+
+    line: Line
+    value: Json
+    sent: Json = None
+    run: str = ""
+    over: int | None = None
+    #: The robot's settings when the command had ended: any later ones tell what became of it.
+    then: m.SettingsShown | None = None
+
+
+class Hand:
+    """Asks, and remembers what for.
+
+    Args:
+        picture: What is known.
+        ask: Sends a request, and calls with its reply.
+        refused: What to do with a refusal that nobody looks at any more.
+        key: The key that opened the screen, for the log.
+        watched: Whether anybody looks.
+    """
+
+    def __init__(
+        self,
+        picture: ConsoleState,
+        ask: Ask,
+        refused: Callable[[Reply], None],
+        key: str,
+        watched: Callable[[], bool],
+    ) -> None:
+        self._picture, self._ask, self._refused, self._key = picture, ask, refused, key
+        self._asked: dict[Key, Asked] = {}
+        self._refusals: dict[Key, str] = {}
+        self._watched = watched
+
+    def change(self, driver: str, line: Line, value: Json) -> None:
+        """Ask the robot for a value, now or as soon as it has taken the one before."""
+        key = (driver, line.id)
+        self._forget(driver, line)
+        under_way = self._asked.get(key)
+        if under_way is not None and under_way.over is None:
+            under_way.value = value
+            return
+        self._asked[key] = Asked(line, value)
+        self._send(key)
+
+    def _forget(self, driver: str, line: Line) -> None:
+        """What was refused here; of a connection, whatever was refused of any."""
+        ids = {line.id}
+        if line.setting.section == CONNECTION:
+            ids |= {id_ for name, id_ in self._refusals if id_.startswith(CONNECTING)}
+        for id_ in ids:
+            self._refusals.pop((driver, id_), None)
+
+    def awaited(self, driver: str, line: Line) -> Json:
+        """The value asked for that does not show yet; None: there is none."""
+        asked = self._asked.get((driver, line.id))
+        return asked.value if asked is not None else None
+
+    def refusal(self, driver: str, line: Line) -> str:
+        """Why the last value was not taken, or nothing."""
+        return self._refusals.get((driver, line.id), "")
+
+    def refuse(self, driver: str, line: Line, why: str) -> None:
+        """Say at a line why nothing is done."""
+        self._refusals[driver, line.id] = why
+
+    def settle(self, now: int) -> None:
+        """Look what became of everything; `now` is session time. Call it at each painting."""
+        for key, asked in list(self._asked.items()):
+            self._settle(key, asked, now)
+
+    def _settle(self, key: Key, asked: Asked, now: int) -> None:
+        if asked.over is None:
+            end = self._picture.ends.get(asked.run) if asked.run else None
+            if end is not None:
+                self._ended(key, asked, end, now)
+        if asked.over is None:
+            return
+        if self._shows(key[0], asked) or now - asked.over > READ_BACK_US:
+            self._drop(key, asked)
+
+    def _ended(self, key: Key, asked: Asked, end: m.End, now: int) -> None:
+        if isinstance(end, m.Failed | m.TimedOut | m.Refused):
+            self._refusals[key] = _sentence(end.reason, end.remedy)
+            self._drop(key, asked)
+        elif isinstance(end, m.Done):
+            self._taken(key, asked, now)
+        else:  # stopped, or another command took its place
+            self._drop(key, asked)
+
+    def _taken(self, key: Key, asked: Asked, now: int) -> None:
+        if asked.value != asked.sent:
+            self._send(key)
+            return
+        asked.over, asked.then = now, self._picture.session.robots.shown.get(key[0])
+
+    def _shows(self, driver: str, asked: Asked) -> bool:
+        robot, name = self._picture.session.robots.shown.get(driver), asked.line.setting.name
+        if robot is None:
+            return False
+        known = name in robot.wanted or robot.values.get(name) == asked.value
+        return known or robot is not asked.then
+
+    def _send(self, key: Key) -> None:
+        asked = self._asked[key]
+        asked.sent, asked.run = asked.value, ""
+        setting = asked.line.setting
+        args = {setting.argument: asked.value} if setting.argument else {}
+        request = AskVerb(verb=setting.verb, args=args, on=key[0], source="key", key=self._key)
+        self._ask(request, functools.partial(self._answered, key, asked))
+
+    def _answered(self, key: Key, asked: Asked, reply: Reply) -> None:
+        if self._asked.get(key) is not asked:
+            return
+        if not reply.ok:
+            self._drop(key, asked)
+            self._refusals[key] = _sentence(reply.reason, reply.hint)
+            if not self._watched():
+                self._refused(reply)
+        elif reply.run:
+            asked.run = reply.run
+        else:
+            self._drop(key, asked)
+
+    def _drop(self, key: Key, asked: Asked) -> None:
+        if self._asked.get(key) is asked:
+            del self._asked[key]
+
+
+def _sentence(reason: str, remedy: str) -> str:
+    return f"{reason} ({remedy})" if remedy else reason

@@ -1,0 +1,208 @@
+"""What stands at each line of a robot's settings, as plain data for drawing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from woz_tui.console.cells import Piece, clean
+from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.glyphs import Glyphs
+from woz_tui.console.number_text import age
+from woz_tui.console.robot_settings.setting_lines import CONNECTION, Line, What, lines_of, place_of
+from woz_tui.console.robot_settings.setting_requests import Hand
+from woz_tui.console.robot_settings.setting_values import about, color_of, value_text
+from woz_tui.console.robot_settings.settings_status import is_stale, trouble_words
+from woz_tui.console.robot_settings.step_sizes import ArrowSteps
+from woz_tui.protocol.messages import Json, SettingsShown
+from woz_tui.protocol.robot_outline import RobotOutline
+
+
+@dataclass(frozen=True, slots=True)
+class LineView:
+    """One line: its value, the colour (`#rrggbb`) to go with it, signs behind it, and what is said
+    of it at the bottom while it is chosen. `fixed`: it is only shown.
+    """
+
+    section: str
+    label: str
+    value: str
+    color: str = ""
+    stale: bool = False
+    fixed: bool = False
+    signs: tuple[Piece, ...] = ()
+    about: tuple[Piece, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class RobotView:
+    """One robot: how it is (`state`), how much is wrong with its settings (`count`), conflicts
+    between them or else why it is not there, its lines.
+    """
+
+    driver: str
+    state: Piece
+    count: str
+    conflicts: tuple[str, ...]
+    lines: tuple[LineView, ...]
+
+
+class Viewer:
+    """Sees one robot of the picture; `arrows` and `hand` tell what the picture does not know."""
+
+    def __init__(
+        self, picture: ConsoleState, glyphs: Glyphs, arrows: ArrowSteps, hand: Hand
+    ) -> None:
+        self._picture, self._glyphs = picture, glyphs
+        self._arrows, self._hand = arrows, hand
+
+    def lines(self, driver: str, outline: RobotOutline) -> list[Line]:
+        """All lines; in a replay those of the robot's own settings."""
+        found = lines_of(outline, self._picture.verbs.get(driver, ()))
+        if self._picture.replay is None:
+            return found
+        return [line for line in found if line.what is What.SETTING]
+
+    def value(self, driver: str, line: Line) -> Json:
+        """The value from which an arrow key goes on: the one asked for, else the robot's."""
+        if line.what is What.STEP:
+            return self._arrows.value(line.setting.name)
+        awaited = self._hand.awaited(driver, line)
+        name = "robot" if line.what is What.ADDRESS else line.setting.name
+        return self._robot(driver).values.get(name) if awaited is None else awaited
+
+    def locked(self, line: Line) -> str:
+        """The panel whose lock covers the line's verb, or nothing."""
+        if line.what is What.STEP or not line.setting.verb:
+            return ""
+        return locked_by(self._picture, line.setting.verb)
+
+    def see(self, driver: str, outline: RobotOutline, now: int) -> RobotView:
+        """The robot as it is at `now`, session time."""
+        robot = self._robot(driver)
+        stale = is_stale(self._picture, driver)
+        lines = tuple(self._line(driver, line, stale) for line in self.lines(driver, outline))
+        count = "" if stale else trouble_words(robot)
+        sentences = self._why(driver) if stale else tuple(robot.conflicts)
+        return RobotView(driver, self._state(driver, now), count, sentences, lines)
+
+    def _robot(self, driver: str) -> SettingsShown:
+        shown = self._picture.session.robots.shown.get(driver)
+        return shown or SettingsShown(driver=driver, values={})
+
+    def _state(self, driver: str, now: int) -> Piece:
+        if self._picture.lost:
+            return f"{self._glyphs.error} the robot process is gone", "bad"
+        known = self._picture.drivers.get(driver)
+        health = self._picture.health(driver)
+        if known is None or health == "unknown":
+            return f"{self._glyphs.no} not heard of yet", "muted"
+        if health == "connected":
+            return f"{self._glyphs.yes} {known.detail or 'connected'}", "good"
+        if health == "lost":
+            return f"{self._glyphs.error} lost {age(now - known.t)} ago", "bad"
+        why = f": {known.detail}" if known.detail and health == "faulted" else ""
+        return f"{self._glyphs.warning} {health}{why}", "warn"
+
+    def _why(self, driver: str) -> tuple[str, ...]:
+        """Why a robot is not there and what to do, whole: the reason of a loss takes a line."""
+        known = self._picture.drivers.get(driver)
+        if self._picture.lost or known is None:
+            return ()
+        return tuple(text for text in (known.detail, known.remedy) if text)
+
+    def _line(self, driver: str, line: Line, stale: bool) -> LineView:
+        setting, glyphs = line.setting, self._glyphs
+        if line.what is What.STEP:
+            value: Json = self._arrows.value(setting.name)
+            text = value_text(setting, value, glyphs)
+            return LineView(setting.section, _label(line), text, about=self._about(line))
+        stands = self._robot(driver).values.get(setting.name) if _has_value(line) else None
+        text = value_text(setting, stands, glyphs) if _has_value(line) else ""
+        if line.what is What.ROBOT:
+            text = self._here(driver, setting.name)
+        if stale and text not in ("", glyphs.dash):
+            text = f"{glyphs.stale} {text}"
+        return LineView(
+            setting.section,
+            _label(line),
+            text,
+            color="" if stale or setting.kind != "color" else color_of(stands),
+            stale=stale and _has_value(line),
+            fixed=line.what is What.SETTING and not line.is_set,
+            signs=tuple(self._signs(driver, line, stale)),
+            about=(*self._differs(driver, line, stale), *self._about(line)),
+        )
+
+    def _here(self, driver: str, address: str) -> str:
+        told = self._robot(driver).values.get("robot")
+        here = isinstance(told, str) and place_of(told) == place_of(address)
+        return f"{self._glyphs.yes} this one" if here else ""
+
+    def _signs(self, driver: str, line: Line, stale: bool) -> list[Piece]:
+        """Locked; else: asked for, otherwise than wanted, refused."""
+        glyphs, setting = self._glyphs, line.setting
+        if panel := self.locked(line):
+            return [(f"{glyphs.locked} locked with {panel}", "warn")]
+        found: list[Piece] = []
+        if (awaited := self._hand.awaited(driver, line)) is not None:
+            text = value_text(setting, awaited, glyphs) if line.is_set else "asked"
+            found.append((f"{glyphs.next} {text}", "run"))
+        elif wanted := self._wanted(driver, line, stale):
+            found.append((f"{glyphs.warning} wanted {wanted}", "warn"))
+        if self._hand.refusal(driver, line):
+            found.append((f"{glyphs.refused} {self._hand.refusal(driver, line)}", "bad"))
+        return found
+
+    def _wanted(self, driver: str, line: Line, stale: bool) -> str:
+        """What was asked for where the robot has something else, or nothing."""
+        wanted, name = self._robot(driver).wanted, line.setting.name
+        if stale or not _has_value(line) or name not in wanted:
+            return ""
+        return value_text(line.setting, wanted[name], self._glyphs)
+
+    def _differs(self, driver: str, line: Line, stale: bool) -> list[Piece]:
+        """Sentences about what is wrong at a line."""
+        found: list[Piece] = []
+        robot, name = self._robot(driver), line.setting.name
+        if refusal := self._hand.refusal(driver, line):
+            found.append((f"{self._glyphs.refused} Not done: {refusal}", "bad"))
+        if panel := self.locked(line):
+            found.append((f"{self._glyphs.locked} Unlock {panel} to change it.", "warn"))
+        if wanted := self._wanted(driver, line, stale):
+            has = value_text(line.setting, robot.values.get(name), self._glyphs)
+            sentence = f"{self._glyphs.warning} Wanted: {wanted}; the robot has {has}."
+            found.append((sentence, "warn"))
+        return found
+
+    def _about(self, line: Line) -> tuple[Piece, ...]:
+        words = [line.setting.help, about(line.setting) if line.is_set else ""]
+        if line.what is What.SETTING and not line.is_set:
+            connects = line.setting.verb == "connect"
+            words.append(f"chosen under {CONNECTION}" if connects else "only shown")
+        if line.setting.section == CONNECTION:
+            words.append(_CONNECTION[line.what])
+        told = "; ".join(word for word in words if word)
+        return ((self._glyphs.plain(told), "muted"),) if told else ()
+
+
+_CONNECTION = {
+    What.ROBOT: "enter connects to this robot",
+    What.ADDRESS: "enter asks for the address of any robot",
+    What.DISCONNECT: "enter lets go of the robot; it is not looked for any more",
+}
+
+
+def _label(line: Line) -> str:
+    """An address stays as it is; everything else begins with a capital letter."""
+    label = line.setting.label
+    return label if line.what is What.ROBOT else label[:1].upper() + label[1:]
+
+
+def _has_value(line: Line) -> bool:
+    return line.what is What.SETTING
+
+
+def locked_by(picture: ConsoleState, verb: str) -> str:
+    """The title of a locked panel that covers `verb`, or nothing."""
+    covering = (panel for panel in picture.panels if verb in panel.covers)
+    return next((clean(panel.title) for panel in covering if picture.is_locked(panel)), "")

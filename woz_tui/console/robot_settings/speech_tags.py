@@ -1,0 +1,128 @@
+r"""Tags in an utterance while it is typed: `\rspd=80\` for the voice, `^run(NAME)` for the body."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from woz_tui.console.robot_settings.name_completion import holding
+from woz_tui.protocol.robot_outline import RobotOutline, Tag
+
+_SLASH = "\\"
+#: A tag in the making, before the caret; and what belongs to it behind the caret.
+_VOICE = re.compile(r"\\[A-Za-z]*(?:=[^\s\\]*)?")
+_MOVE = re.compile(r"\^[A-Za-z]*(?:\([^\s()]*)?")
+_NUMBER = re.compile(r"\\[A-Za-z]+=([0-9]+)\\")
+_REST = re.compile(r"[A-Za-z0-9_=/.\-]*[\\)]?")
+
+
+@dataclass(frozen=True, slots=True)
+class Begun:
+    """A tag that is being typed: its place in the text, and what stands there before the caret."""
+
+    start: int
+    end: int
+    typed: str
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """What a tag may become: `text` in its place, and a few words on it."""
+
+    text: str
+    help: str
+
+
+@dataclass(frozen=True, slots=True)
+class Numbered:
+    r"""A tag with a number that tab has just put in, `\pau=500\`: digits typed right behind it are
+    meant for the number, and one more `\` behind them for its end.
+
+    `text` has its end at `caret`, the number begins at `start`; `typed` is what of it was typed,
+    and it is `over` behind its end.
+    """
+
+    text: str
+    start: int
+    caret: int
+    typed: str = ""
+    over: bool = False
+
+    @classmethod
+    def put_in(cls, text: str, begun: Begun, caret: int) -> Numbered | None:
+        """The tag between where it was begun and the caret, if it has a number."""
+        found = _NUMBER.fullmatch(text[begun.start : caret])
+        return cls(text, begun.start + found.start(1), caret) if found is not None else None
+
+    def goes_on(self, text: str) -> Numbered | None:
+        """What becomes of it with the text as it is now; None: it was left."""
+        front, behind = self.text[: self.caret], self.text[self.caret :]
+        if text == self.text:
+            return self
+        more = text[self.caret : len(text) - len(behind)]
+        digits = more.removesuffix(_SLASH)
+        known = digits.isascii() and (digits.isdigit() or bool(not digits and self.typed))
+        if self.over or not known or text != front + more + behind:
+            return None
+        number = self.typed + digits
+        front = f"{self.text[: self.start]}{number}{_SLASH}"
+        return Numbered(front + behind, self.start, len(front), number, over=digits != more)
+
+
+def begun_tag(text: str, caret: int) -> Begun | None:
+    r"""The tag in which, or right behind whose `\` or `^`, the caret stands."""
+    before = text[:caret]
+    slash = before.rfind(_SLASH) if before.count(_SLASH) % 2 else -1
+    start = max(slash, before.rfind("^"))
+    if start < 0:
+        return None
+    typed = before[start:]
+    pattern = _VOICE if typed.startswith(_SLASH) else _MOVE
+    if not pattern.fullmatch(typed):
+        return None
+    return Begun(start, caret + _rest(typed, text[caret:]), typed)
+
+
+def offers(begun: Begun, outline: RobotOutline) -> list[Offer]:
+    """Tags, or names for a tag that takes one, that go with what was typed."""
+    head, bracket, name = begun.typed.partition("(")
+    if bracket:
+        return [Offer(f"{head}({move})", "") for move in holding(name, outline.moves)]
+    name, equals, value = begun.typed.partition("=")
+    return [
+        Offer(f"{name}={value}{_SLASH}" if equals and value else _short(tag), tag.help)
+        for tag in _matching(name, bool(equals), outline.tags)
+    ]
+
+
+def completed(text: str, begun: Begun, offer: Offer) -> tuple[str, int]:
+    """The text with the offer in the tag's place, and where the caret is then."""
+    front = text[: begun.start] + offer.text
+    return front + text[begun.end :], len(front)
+
+
+def _matching(name: str, whole: bool, tags: Iterable[Tag]) -> list[Tag]:
+    """Tags whose name is this one, or begins so."""
+    folded = name.casefold()
+    return [
+        tag for tag in tags if (_name(tag) == folded if whole else _name(tag).startswith(folded))
+    ]
+
+
+def _name(tag: Tag) -> str:
+    return re.split(r"[=(]|(?<=.)\\", tag.text, maxsplit=1)[0].casefold()
+
+
+def _short(tag: Tag) -> str:
+    """A tag as it is put in: one that takes a name without the name, which is typed next."""
+    front, bracket, _ = tag.text.partition("(")
+    return front + bracket if tag.text.startswith("^") and bracket else tag.text
+
+
+def _rest(typed: str, behind: str) -> int:
+    """Characters behind the caret that belong to the tag, if it is closed there."""
+    found = _REST.match(behind)
+    rest = found.group() if found is not None else ""
+    closes = ")" if typed.startswith("^") else _SLASH
+    return len(rest) if rest.endswith(closes) else 0

@@ -1,0 +1,64 @@
+"""How far one press of an arrow key goes on this console: as the experiment file says, until the
+wizard changes it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import replace
+
+from woz_tui.console.keyboard import Keyboard, Steps
+from woz_tui.protocol.robot_outline import Setting
+
+SECTION = "Arrow keys of this console"
+#: The same limits as a section `steps` of an experiment file has.
+STEPS = (
+    Setting(name="head", section=SECTION, label="Head", verb="nudge", kind="number",
+            low=0.1, high=90, step=1, unit="°", help="one press turns the head so far"),
+    Setting(name="hip", section=SECTION, label="Hip, with shift", verb="hip", kind="number",
+            low=0.1, high=45, step=1, unit="°", help="one press bends the hip so far"),
+    Setting(name="drive", section=SECTION, label="Drive, with alt", verb="drive", kind="number",
+            low=0.01, high=5, step=0.05, unit="m", help="one press drives the base so far"),
+    Setting(name="turn", section=SECTION, label="Turn, with alt", verb="drive", kind="number",
+            low=1, high=360, step=5, unit="°", help="one press turns the base so far"),
+)  # fmt: skip
+
+
+class ArrowSteps:
+    """The steps of one console's arrow keys."""
+
+    def __init__(self, keyboard: Keyboard) -> None:
+        self._keyboard = keyboard
+        self._told: Mapping[str, float] = {}
+
+    def adopt(self, told: Mapping[str, float]) -> None:
+        """The experiment file's steps; told again, they leave alone what the wizard has changed."""
+        if told == self._told:
+            return
+        self._told = told
+        for setting in STEPS:
+            value = told.get(setting.name)
+            if value is not None and _fits(setting, value):
+                self.change(setting.name, value)
+
+    def change(self, name: str, value: float) -> None:
+        """From now on one press goes so far: degrees, or metres of `drive`."""
+        changed: dict[str, float] = {name: value}
+        self._keyboard.steps = replace(self._keyboard.steps, **changed)
+
+    def value(self, name: str) -> float:
+        """How far one press goes now."""
+        return float(getattr(self._keyboard.steps, name))
+
+
+def steps_offered(verbs: Collection[str]) -> list[Setting]:
+    """The steps of those arrow keys that move something."""
+    return [setting for setting in STEPS if setting.verb in verbs]
+
+
+def _fits(setting: Setting, value: float) -> bool:
+    return math.isfinite(value) and setting.low <= value <= setting.high
+
+
+__all__ = ["SECTION", "STEPS", "ArrowSteps", "Steps", "steps_offered"]

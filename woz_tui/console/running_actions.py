@@ -1,0 +1,251 @@
+"""Which presses are under way, how the last ones ended, and which failures nobody has seen yet."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from woz_tui.console.command_text import said_in, words
+from woz_tui.protocol import messages as m
+from woz_tui.timeline.episodes import OUTCOMES, Action, Command, Episode, Moment, keep
+from woz_tui.timeline.episodes import Outcome as Word
+from woz_tui.timeline.session_state import SessionState
+
+FAILURES = 200
+#: What is said of a command that was taken, but moves nothing before the robot's mode is over.
+LATER = "applies after this mode"
+#: The outcomes that look like another one.
+_LOOKS: dict[str, str] = {Word.TIMED_OUT: Word.FAILED, Word.SUPERSEDED: "replaced"}
+
+
+def looks(outcome: str) -> str:
+    """How an outcome of the timeline is shown."""
+    return _LOOKS.get(outcome, outcome)
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How a run ended; `how` is done, waits (done, but it counts later), failed, refused, stopped
+    or replaced. `said`: the words of the run.
+    """
+
+    run: str
+    how: str
+    t: int
+    reason: str = ""
+    said: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """Something that did not work. `action` may be empty: then `what` says what was tried."""
+
+    run: str
+    action: str
+    what: str
+    reason: str
+    remedy: str
+    t: int
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """What a driver would not do, and why. `action` is empty where `what` says what was tried."""
+
+    action: str
+    what: str
+    reason: str
+    remedy: str
+
+    def sentence(self, label: str) -> str:
+        """It in a line; `label` is the action's."""
+        remedy = f" ({self.remedy})" if self.remedy else ""
+        return f"{label or self.what}: {self.reason}{remedy}"
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """One press under way, with those of its commands that are not over: an action, or a command
+    that was sent on its own.
+    """
+
+    press: Action | Command
+    commands: tuple[Command, ...]
+
+    @property
+    def id(self) -> str:
+        """That of the action's run, or of the command."""
+        return _id(self.press)
+
+    @property
+    def running(self) -> bool:
+        """Whether a driver has begun; until then it is queued."""
+        press = self.press
+        begun = press.dispatched is not None
+        return begun or any(each.started is not None for each in self.commands)
+
+    def held_for(self, now: int) -> tuple[int, float] | None:
+        """Microseconds for which it is still held back, and the share (0..1) gone by."""
+        held = self.press.held if isinstance(self.press, Action) else None
+        if held is None or self.running or now >= held.until:
+            return None
+        share = (now - held.t) / max(1, held.until - held.t)
+        return held.until - now, min(1.0, max(0.0, share))
+
+    def timing(self, now: int) -> tuple[int | None, float | None]:
+        """Microseconds still to go and the share (0..1) gone by; None where nobody has said."""
+        expected = [
+            (until, self.press.begin if each.started is None else each.started)
+            for each in self.commands
+            if (until := each.expected_end) is not None
+        ]
+        if not expected:
+            return None, None
+        until, begun = max(expected)
+        left = max(0, until - now)
+        whole = max(1, until - begun)
+        return left, min(1.0, max(0.0, 1 - left / whole))
+
+
+@dataclass(slots=True)
+class Runs:
+    """All runs under way by id, the last outcome of each action, failures until seen.
+
+    `session` says what is under way; `take` what has ended.
+    """
+
+    session: SessionState
+    outcomes: dict[str, Outcome] = field(default_factory=dict)
+    failures: deque[Failure] = field(default_factory=lambda: deque(maxlen=FAILURES))
+    seen: set[str] = field(default_factory=set)
+    _refusal: Refusal | None = None
+    #: Of runs under way: what was to be said when they were asked for, what is said so far, and
+    #: the last remedy that a command of theirs named.
+    _wanted: dict[str, str] = field(default_factory=dict)
+    _said: dict[str, str] = field(default_factory=dict)
+    _remedies: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def active(self) -> list[str]:
+        """What is under way, in the order in which it was pressed."""
+        alone = (each for each in self.session.commands.values() if not each.request.run)
+        presses: list[Action | Command] = [*self.session.actions.values(), *alone]
+        return [_id(press) for press in sorted(presses, key=lambda press: press.seq)]
+
+    @property
+    def waiting(self) -> list[Command]:
+        """Commands that wait in a queue, in the order in which they came."""
+        commands = self.session.commands.values()
+        waiting = (each for each in commands if each.started is None)
+        return sorted(waiting, key=lambda command: command.seq)
+
+    def get(self, run: str) -> Run | None:
+        """A run under way."""
+        press = self.session.actions.get(run) or self.session.commands.get(run)
+        return self._run(press) if press is not None else None
+
+    def of(self, action: str) -> Run | None:
+        """The run of `action` to show: one at work before one that waits."""
+        waiting = None
+        for press in self.session.actions.values():
+            if press.request.action == action:
+                run = self._run(press)
+                if run.running:
+                    return run
+                waiting = waiting or run
+        return waiting
+
+    def _run(self, press: Action | Command) -> Run:
+        if isinstance(press, Command):
+            return Run(press, (press,))
+        known = self.session.commands
+        return Run(press, tuple(known[name] for name in press.commands if name in known))
+
+    def expect(self, run: str, words: str) -> None:
+        """What a run that has just been asked for is to say, as far as that is known."""
+        keep(self._wanted, run, words)
+
+    def said(self, run: str) -> str:
+        """The words of a run under way: those sent to drivers are right where the others differ."""
+        wanted, said = self._wanted.get(run, ""), self._said.get(run, "")
+        return wanted if said in wanted else said
+
+    def failure_of(self, action: str) -> Failure | None:
+        """The last failure of `action` if nobody has seen it and it has not worked since."""
+        last = self.outcomes.get(action)
+        for failure in reversed(self.failures):
+            if failure.action == action:
+                worked = last is not None and last.how in ("done", "waits") and last.t > failure.t
+                return None if failure.run in self.seen or worked else failure
+        return None
+
+    def unseen(self) -> list[Failure]:
+        """Failures not yet acknowledged, oldest first."""
+        return [failure for failure in self.failures if failure.run not in self.seen]
+
+    def see_all(self) -> None:
+        """Acknowledge every failure."""
+        self.seen.update(failure.run for failure in self.failures)
+
+    def read_refusal(self) -> Refusal | None:
+        """The last refusal that nobody has read: the list of events is too narrow to say why."""
+        refusal, self._refusal = self._refusal, None
+        return refusal
+
+    def take(self, episodes: Iterable[Episode]) -> Outcome | None:
+        """What a message began and ended; the outcome of the run that is over with it."""
+        found = None
+        for episode in episodes:
+            match episode:
+                case Command():
+                    found = self._command(episode) or found
+                case Action(ended=m.ActionEnd() as ended):
+                    found = self._action(ended, episode.outcome, waits=episode.waits)
+                case Moment(message=m.ActionEnd() as ended):  # of a run that began before the log
+                    found = self._action(ended, OUTCOMES[type(ended)])
+        return found
+
+    def _action(self, ended: m.ActionEnd, outcome: str, *, waits: bool = False) -> Outcome:
+        text = self.said(ended.run)
+        self._wanted.pop(ended.run, None)
+        said, remedy = self._said.pop(ended.run, ""), self._remedies.pop(ended.run, "")
+        what = f"“{said}”" if said else ended.action
+        found = Outcome(ended.run, looks(outcome), ended.t, ended.reason, text)
+        if waits and outcome == Word.DONE:
+            found = Outcome(ended.run, "waits", ended.t, LATER, text)
+        self.outcomes[ended.action] = found
+        if outcome == Word.FAILED:
+            self._fail(Failure(ended.run, ended.action, what, ended.reason, remedy, ended.t))
+        return found
+
+    def _command(self, command: Command) -> Outcome | None:
+        request, ended, run = command.request, command.ended, command.request.run
+        what = words(request)
+        if ended is None:
+            said, text = self._said.get(run, ""), said_in(request)
+            if run and text not in said:  # what two robots say together is there once
+                keep(self._said, run, f"{said} {text}".strip())
+            return None
+        if command.outcome == Word.REFUSED:
+            self._refusal = Refusal(request.action, what, ended.reason, ended.remedy)
+        if run:
+            if ended.remedy:
+                keep(self._remedies, run, ended.remedy)
+            return None  # its action's end is still to come
+        how = looks(command.outcome)
+        if how == Word.FAILED:
+            reason = f"{ended.driver}: {ended.reason}".strip(": ")
+            self._fail(Failure(request.command, "", what, reason, ended.remedy, ended.t))
+        if command.sent.get("waits"):
+            return Outcome(request.command, "waits", ended.t, LATER)
+        return Outcome(request.command, how, ended.t, ended.reason)
+
+    def _fail(self, failure: Failure) -> None:
+        if failure.run not in self.seen:
+            self.failures.append(failure)
+
+
+def _id(press: Action | Command) -> str:
+    request = press.request
+    return request.run if isinstance(request, m.ActionRequested) else request.command

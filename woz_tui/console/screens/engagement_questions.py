@@ -1,0 +1,149 @@
+"""What the hand on the engagement model asks before it acts: which state, who it is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from textual.content import Content
+from textual.widget import Widget
+from textual.widgets import Input, Static
+
+from woz_tui.console.cells import Row, clean, fit
+from woz_tui.console.engagement.engagement_view import Engaged
+from woz_tui.console.engagement.wizard_overrides import (
+    Order,
+    is_offered,
+    needs_name,
+    request,
+    verb,
+    ways,
+)
+from woz_tui.console.screens.choice import Choice
+from woz_tui.console.screens.dialog import ConsoleApp, Dialog, Entry, Form, content, plain
+
+#: Cells of an outcome in the list.
+_OUTCOME = 16
+#: Visitors that are listed at the most.
+_KNOWN = 6
+
+
+def asked(order: Order, engaged: Engaged, key: str = "") -> Dialog | None:
+    """The dialog that `order` needs as things stand, or None."""
+    if order.id == "force":
+        return ForceDialog(key)
+    if order.id == "identity":
+        return IdentityDialog(key)
+    if order.id == "visitor" or (order.id == "greeted" and needs_name(engaged)):
+        return VisitorDialog(key)
+    return None
+
+
+def steer(app: ConsoleApp, order: Order, key: str = "") -> None:
+    """The wizard's hand on the engagement model; some orders ask for more first."""
+    engaged = app.picture.engaged
+    if not is_offered(engaged, app.picture.verbs):
+        app.news("This session has no engagement model")
+        return
+    dialog = asked(order, engaged, key)
+    if dialog is not None:
+        app.open_dialog(dialog)
+    else:
+        app.desk.ask(request(order, engaged, key))
+
+
+class ForceDialog(Choice):
+    """States and outcomes; the log says that it was the wizard."""
+
+    heading = "Force"
+    hint = "arrows choose · enter forces it · ctrl+q closes"
+
+    def __init__(self, key: str = "") -> None:
+        super().__init__()
+        self._key = key
+
+    def lines(self) -> list[Row]:
+        """Where it begins."""
+        shown = self.picture.engaged.shown
+        here = clean(shown.state) if shown is not None else "not known"
+        return [(("from ", "muted"), (here, "strong"), ("; the log marks it as forced", "muted"))]
+
+    def choices(self) -> Sequence[Content]:
+        """Outcomes that leave the state first, then every other state."""
+        shown = self.picture.engaged.shown
+        self._from = shown.state if shown is not None else ""
+        self._ways = ways(shown)
+        arrow = self.glyphs.next
+        return [
+            plain(f"{fit(to, _OUTCOME)} {arrow} {state}" if state else f"{'':16} {arrow} {to}")
+            for to, state in self._ways
+        ]
+
+    def chose(self, index: int) -> None:
+        """By its outcome; by its state if the model has moved on meanwhile."""
+        to, state = self._ways[index]
+        shown = self.picture.engaged.shown
+        moved = shown is not None and shown.state != self._from
+        self.desk.ask(verb("force", {"to": state if state and moved else to}, self._key))
+
+
+class IdentityDialog(Entry):
+    """Who it is, in place of a camera; an empty line means nobody who is known."""
+
+    heading = "Who is it?"
+    hint = "enter says so · empty: unknown · ctrl+q closes"
+    placeholder = "code of the visitor (never a name)"
+
+    def __init__(self, key: str = "") -> None:
+        super().__init__()
+        self._key = key
+
+    def below(self) -> Iterable[Widget]:
+        """Those of whom this session knows."""
+        known = list(self.picture.engaged.visitors)[-_KNOWN:]
+        if known:
+            told = ", ".join(clean(name) for name in reversed(known))
+            yield Static(content([((f"known: {told}", "muted"),)]), classes="caption")
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Say it, and forget the draft."""
+        event.stop()
+        name = event.value.strip() or "Unknown"
+        self.desk.ask(verb("sense", {"sign": "identity", "value": name}, self._key))
+        self.sent()
+
+
+class VisitorDialog(Form):
+    """Who stands there, from now on in the store; during a handshake that ends it well."""
+
+    heading = "Visitor"
+    hint = "tab next field · enter accepts · ctrl+q closes"
+
+    def __init__(self, key: str = "") -> None:
+        super().__init__()
+        self._key = key
+
+    def body(self) -> Iterable[Widget]:
+        """Code, and what the robot may want to know of them."""
+        shown = self.picture.engaged.shown
+        name = shown.visitor if shown is not None else ""
+        about = self.picture.engaged.visitors.get(name, {})
+        yield Static("Code of the visitor (never a name)", classes="caption")
+        yield Input(clean(name), id="code")
+        yield Static("Age group, such as child or adult (may stay empty)", classes="caption")
+        yield Input(clean(about.get("age_group", "")), id="age_group")
+        yield Static("Form of address (may stay empty)", classes="caption")
+        yield Input(clean(about.get("address", "")), id="address")
+        yield Static("", id="wrong", classes="wrong")
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Accept everything at once; stay open until it is accepted."""
+        event.stop()
+        told = {
+            field: self.query_one(f"#{field}", Input).value.strip()
+            for field in ("code", "age_group", "address")
+        }
+        if not told["code"]:
+            self.complain("A visitor needs a code.")
+            return
+        args = {name: value for name, value in told.items() if value}
+        self.desk.ask(verb("visitor", {**args}, self._key), self.answered)

@@ -1,0 +1,262 @@
+"""The two lines on top: what is being recorded, and how everything is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rich.cells import cell_len
+
+from woz_tui.console.cells import Cells, Piece, Row, clean, fit, fit_most, length, spread
+from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.glyphs import Frame, Glyphs
+from woz_tui.console.number_text import elapsed, millis
+from woz_tui.console.replay.replay_state import wall_at
+from woz_tui.console.robot_settings.settings_status import driver_trouble
+
+#: Round trips to the terminal from which typing feels slow, and from which it is dangerous (us).
+SLOW_LINE_US, BAD_LINE_US = 150_000, 500_000
+#: The log is so far behind that an alarm is about time.
+LATE_US = 1_000_000
+#: Cells of a profile's name at the most, and columns from which its word stands before it.
+PROFILE, WORDY = 14, 100
+#: Cells of a phase's title at the most.
+PHASE = 18
+#: Cells that a long title keeps beside a trial.
+TITLE = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """The line to the wizard's terminal: whether it takes output, its round trip if known; and
+    the keys that show what has failed and that go on to the next phase.
+    """
+
+    well: bool = True
+    round_trip_us: int | None = None
+    failures: str = "enter"
+    phase: str = ""
+
+
+def status_rows(picture: ConsoleState, frame: Frame, line: Line) -> list[Row]:
+    """Two rows of the frame's width. What does not fit is left out from the right, as a whole."""
+    glyphs, width = frame.glyphs, frame.width
+    vitals = _log(picture, glyphs) or (
+        *(("  ", "plain"), *_recorder(picture, frame)),
+        *(("  ", "plain"), *_line(line, frame)),
+    )
+    vitals = (*_profile(picture, frame), *vitals)
+    failures = (*_seers(picture), *_failures(picture, glyphs, line.failures))
+    room = width - length(vitals)
+    first = spread(_whole(_session(picture, frame, room), room), vitals, width, glyphs.ellipsis)
+    drivers = _drivers(picture, glyphs)
+    phase = _phase(picture, frame, line.phase, width - length(drivers) - length(failures))
+    return [first, spread(drivers, (*phase, *failures), width, glyphs.ellipsis)]
+
+
+def _whole(parts: list[Row], width: int) -> Row:
+    """As many parts as fit, at least the first."""
+    row = parts[0]
+    for part in parts[1:]:
+        if length(row) + length(part) > width:
+            break
+        row += part
+    return row
+
+
+def _session(picture: ConsoleState, frame: Frame, room: int) -> list[Row]:
+    """The more important, the earlier. A long title gives way to the time."""
+    glyphs = frame.glyphs
+    time = elapsed(frame.now) if picture.welcomed else "--:--"
+    title = clean(picture.title) or "woz"
+    values = _values(picture, frame)
+    badge, watches = _badge(picture), picture.role == "watcher"
+    spare = room - len(time) - 3 - (length(badge) if watches else 0)
+    if picture.study.counts:  # then who and what is worth more than the title
+        spare -= sum(cell_len(value) + 3 for value in values[:3])
+        spare = max(spare, 1 if watches else TITLE)
+    title = fit(title, min(cell_len(title), max(1, spare)), glyphs.ellipsis)
+    parts = [badge] if badge else []
+    parts.append(((f" {title}  ", "strong"), (time, "plain")))
+    for value in values:
+        look = "warn" if value.startswith("no ") else "plain"
+        if value.startswith(("break ", "questions ")):
+            look = "wait"
+        parts.append(((f" {glyphs.middle} ", "faint"), (value, look)))
+    return parts
+
+
+def _badge(picture: ConsoleState) -> Row:
+    """What this console is, if it does not play."""
+    if picture.role == "watcher":
+        return ((" NOBODY PLAYS " if picture.nobody_plays else " WATCHING ", "alarm-soft"),)
+    if picture.replay is not None:
+        told = picture.settings.replay
+        coder = f"CODER {told.coder}" if told and told.coder else "REPLAY"
+        return ((f" {coder} ", "fill"),)
+    return ()
+
+
+def _values(picture: ConsoleState, frame: Frame) -> list[str]:
+    """Who takes part, under which condition, in which trial, and so on."""
+    found = (
+        clean(picture.participant) or "no participant",
+        clean(picture.condition) or ("no condition" if picture.conditions else ""),
+        _trial(picture, frame),
+        _asked(picture),
+        _session_code(picture),
+    )
+    return [value for value in found if value]
+
+
+def _session_code(picture: ConsoleState) -> str:
+    start = picture.session.start
+    return f"session {clean(start.session)}" if start is not None and start.session else ""
+
+
+def _trial(picture: ConsoleState, frame: Frame) -> str:
+    """The trial's number and, where the robot process counts them, its time, or the break's."""
+    study, now = picture.study, frame.now
+    of = f"{' of ' if frame.width >= WORDY else '/'}{study.planned}" if study.planned else ""
+    if study.break_began is not None:
+        return f"break {elapsed(now - study.break_began)}"
+    if study.trial is not None:
+        return f"trial {study.trial.number}{of} {elapsed(now - study.trial.began)}"
+    if study.asked is not None:
+        return ""  # how far that is has its place
+    if study.last is not None:
+        return f"trial {study.last[0]}{of} {study.last[1]:<5}"
+    if study.designed:
+        return "no trial yet"
+    return f"trial {picture.trial}" if picture.trial is not None else ""
+
+
+def _asked(picture: ConsoleState) -> str:
+    """How far a questionnaire is."""
+    asked = picture.study.asked
+    return f"questions {asked.answered}/{len(asked.items)}" if asked is not None else ""
+
+
+def _profile(picture: ConsoleState, frame: Frame) -> Row:
+    """At the right, where it takes nothing else's place and is never left out."""
+    name = clean(picture.profiles.current)
+    if not name:
+        return ()
+    word = "profile " if frame.width >= WORDY else ""
+    shown = fit(name, min(PROFILE, cell_len(name)), frame.glyphs.ellipsis)
+    return (("  ", "plain"), (f"{frame.glyphs.locked} {word}{shown}", "wait"))
+
+
+def _recorder(picture: ConsoleState, frame: Frame) -> Row:
+    """Whether the log is written; how far it lags, where there is room or it is too much."""
+    glyphs = frame.glyphs
+    if picture.ended:
+        return (("session over", "muted"),)
+    if picture.lost:
+        return ((f" {glyphs.error} ROBOT PROCESS LOST ", "alarm"),)
+    recorder = picture.session.recorder
+    if recorder is None:
+        return ((f"{glyphs.no} Not recording yet", "muted"),)
+    lag = millis(recorder.lag_us)
+    figure: Row = ((f"{f' ({lag})':<9}", "muted"),) if frame.width >= WORDY else ()
+    levels: dict[str, Row] = {
+        "ok": ((f"{glyphs.yes} Recording", "good"), *figure),
+        "warn": ((f"{glyphs.warning} Recording {lag} late", "warn"),),
+        "alarm": ((f" {glyphs.error} RECORDING {_alarm(recorder.lag_us)} ", "alarm"),),
+        "failed": ((f" {glyphs.error} NOT RECORDED ", "alarm"),),
+    }
+    return levels.get(recorder.level, ((f"{glyphs.no} Not recording yet", "muted"),))
+
+
+def _log(picture: ConsoleState, glyphs: Glyphs) -> Row:
+    """In a replay: the day of the session, and whether all of its log is there."""
+    if picture.replay is None:
+        return ()
+    began = wall_at(picture.settings, 0)
+    day = f"  {began:%Y-%m-%d}  " if began is not None else "  "
+    damaged = bool(picture.settings.replay and picture.settings.replay.notes)
+    state = (f"{glyphs.warning} log incomplete ", "warn") if damaged else ("log complete ", "muted")
+    return (day, "plain"), state
+
+
+def _alarm(lag_us: int) -> str:
+    """Behind the disk, or in trouble with a file: the events say which."""
+    return f"{millis(lag_us)} LATE" if lag_us >= LATE_US else "TROUBLE"
+
+
+def _line(line: Line, frame: Frame) -> Row:
+    """How the terminal is reached; its round trip, where there is room or it is too long."""
+    glyphs, round_trip = frame.glyphs, line.round_trip_us
+    if not line.well:
+        return ((f" {glyphs.error} CONNECTION STALLED ", "alarm"),)
+    if round_trip is not None and round_trip >= SLOW_LINE_US:
+        look = "bad" if round_trip >= BAD_LINE_US else "warn"
+        return ((f"{glyphs.warning} connection {millis(round_trip)} ", look),)
+    if frame.width < WORDY:
+        return (("connected ", "muted"),)
+    shown = glyphs.dash if round_trip is None else millis(round_trip)
+    return ((f"connection {shown:<6} ", "muted"),)
+
+
+_HEALTH = {
+    "connected": ("yes", "good", ""),
+    "connecting": ("driver", "warn", " connecting"),
+    "lost": ("error", "bad", " lost"),
+    "faulted": ("warning", "warn", " faulted"),
+    "unknown": ("no", "muted", ""),
+}
+
+
+def _drivers(picture: ConsoleState, glyphs: Glyphs) -> Row:
+    row: list[Piece] = [(" ", "plain")]
+    for driver in picture.drivers.values():
+        sign, look, word = _HEALTH.get(driver.health, _HEALTH["unknown"])
+        row.append((f"{getattr(glyphs, sign)} {clean(driver.name)}{word}", look))
+        changed = picture.session.modes.get(driver.name)
+        if changed is not None and changed.now not in ("", "normal"):
+            row.append((f" {changed.now}", "wait"))
+        trouble = driver_trouble(picture, driver.name)
+        if trouble:
+            row.append((f": {glyphs.warning} {trouble}", "warn"))
+        row.append(("   ", "plain"))
+    return tuple(row)
+
+
+def _failures(picture: ConsoleState, glyphs: Glyphs, key: str) -> Row:
+    count = len(picture.unseen())
+    if not count:
+        return ()
+    return ((f" {glyphs.failed} {count} failed: {key} ", "alarm"),)
+
+
+def _phase(picture: ConsoleState, frame: Frame, key: str, room: int) -> Row:
+    """The phase with its time and, where there is room, the key and the phase that it begins."""
+    study, phases = picture.session.study, picture.settings.phases
+    if not phases:
+        return ()
+    row: Row = (("no phase ", "muted"),)
+    if (present := study.phase) is not None:
+        name = fit_most(picture.heading(present.label), PHASE, frame.glyphs.ellipsis)
+        planned, passed = present.changed.planned_us, frame.now - present.begin
+        limit = f"/{elapsed(planned)}" if planned else ""
+        late = "warn" if 0 < planned < passed else "plain"
+        row = ((f"{name} ", "title"), (f"{elapsed(passed)}{limit} ", late))
+    following = study.next_phase(phases)
+    if following is not None and key:
+        then: Row = ((f" {key} ", "key"), (f" {clean(following.heading)} ", "muted"))
+        if length(row) + length(then) <= room:
+            row += then
+    return row
+
+
+def _seers(picture: ConsoleState) -> Row:
+    """Programs that see what is kept from the wizard."""
+    names = ", ".join(map(clean, picture.study.seers.values()))
+    return ((f" {names} sees all ", "wait"),) if names and picture.keeps else ()
+
+
+class Status(Cells):
+    """The status line."""
+
+    def paint(self, picture: ConsoleState, frame: Frame, line: Line) -> None:
+        """Show the picture's state."""
+        self.show(status_rows(picture, frame, line))

@@ -1,0 +1,230 @@
+"""The pages of a questionnaire as rows: large, calm, one thing at a time."""
+
+from __future__ import annotations
+
+import textwrap
+
+from rich.cells import cell_len, chop_cells
+
+from woz_tui.console.cells import Piece, Row, clean, cut, fit
+from woz_tui.console.glyphs import Frame, Glyphs
+from woz_tui.console.study.questionnaire_run import WIDE, Page, Round
+from woz_tui.protocol.welcome import Item
+
+#: Cells of a page's column, and of a box on a scale.
+COLUMN, BOX = 72, 9
+#: Cells below which nothing is drawn.
+NARROWEST = 16
+#: Lines from which there is room for air.
+_AIRY = 15
+
+
+def column_of(width: int) -> int:
+    """Cells of the column in which everything stands, on a screen so wide."""
+    return max(1, min(COLUMN, width - 4))
+
+
+def page_rows(taken: Round, frame: Frame) -> list[Row]:
+    """The whole page, as many rows as the frame is high."""
+    if frame.width < NARROWEST:
+        return []  # not laid out yet, or nothing that could be read
+    width = column_of(frame.width)
+    inner = Frame(width, frame.height, frame.now, frame.glyphs)
+    air: list[Row] = [()] if frame.height >= _AIRY else []
+    head = [*air, *_head(taken, inner), ()]
+    body = _BODIES[taken.page](taken, inner)
+    room = max(0, frame.height - len(head))
+    above = min(max(0, (room - len(body)) // 3), 4)
+    rows = [*head, *[()] * above, *body]
+    left: Piece = (" " * max(0, (frame.width - width) // 2), "plain")
+    return [cut((left, *row), frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
+
+
+def question_height(taken: Round, width: int, glyphs: Glyphs) -> int:
+    """Lines that a question for words needs at least, from the title on, in a column so wide."""
+    frame = Frame(width, 0, 0, glyphs)
+    return len(_head(taken, frame)) + 1 + len(_item(taken, frame))
+
+
+def foot_rows(taken: Round, frame: Frame, notice: str = "") -> list[Row]:
+    """What is wrong, the keys, and a `notice`."""
+    if frame.width < NARROWEST:
+        return []
+    width = column_of(frame.width)
+    left: Piece = (" " * max(0, (frame.width - width) // 2), "plain")
+    glyphs = frame.glyphs
+    complaint: Row = ((f"{glyphs.warning} {taken.complaint}", "warn"),) if taken.complaint else ()
+    keys = glyphs.plain(_keys(taken, glyphs))
+    return [
+        cut((left, *complaint), frame.width, glyphs.ellipsis),
+        cut((left, (keys, "muted")), frame.width, glyphs.ellipsis),
+        cut((left, (notice, "strong")), frame.width, glyphs.ellipsis),
+    ]
+
+
+def words_rows(lines: list[tuple[str, str]], frame: Frame) -> list[Row]:
+    """Sentences with their looks in the middle of the screen."""
+    above = max(0, (frame.height - len(lines)) // 3)
+    rows: list[Row] = [()] * above
+    for text, look in lines:
+        before = " " * max(0, (frame.width - cell_len(text)) // 2)
+        rows.append(((before, "plain"), (clean(text), look)))
+    return rows
+
+
+# -- pages ----------------------------------------------------------------------------------------
+
+
+def _head(taken: Round, frame: Frame) -> list[Row]:
+    """Title, and how far it is."""
+    asked, count = taken.asked, len(taken.asked.items)
+    done = min(taken.position + (taken.page is Page.ITEM), count)
+    told = taken.words.position.format(number=done, count=count) if taken.page is Page.ITEM else ""
+    title = clean(asked.questionnaire.heading)
+    title = fit(title, frame.width - cell_len(told) - 1, frame.glyphs.ellipsis)
+    full = round(frame.width * asked.answered / count) if count else 0
+    return [
+        ((title, "title"), (" ", "plain"), (told, "muted")),
+        ((frame.glyphs.bar * full, "run"), (frame.glyphs.rule * (frame.width - full), "faint")),
+    ]
+
+
+def _introduction(taken: Round, frame: Frame) -> list[Row]:
+    told = taken.asked.questionnaire.introduction
+    rows: list[Row] = [((line, "plain"),) for line in _wrapped(told, frame.width)]
+    count = len(taken.asked.items)
+    words = taken.words
+    many = words.questions_one if count == 1 else words.questions.format(count=count)
+    return [*rows, (), ((many, "muted"),)]
+
+
+def _wrapped(text: str, width: int) -> list[str]:
+    """Its lines, each as long as the column at the most; an empty one stays."""
+    return [part for line in text.strip().split("\n") for part in _folded(clean(line), width)]
+
+
+def _folded(line: str, width: int) -> list[str]:
+    if cell_len(line) > len(line):  # of wide signs, between which there are no blanks
+        return chop_cells(line, width) or [""]
+    return textwrap.wrap(line, width) or [""]
+
+
+def _item(taken: Round, frame: Frame) -> list[Row]:
+    item = taken.item
+    if item is None:
+        return []
+    rows: list[Row] = [((line, "strong"),) for line in _wrapped(item.question, frame.width)]
+    if item.optional:
+        rows.append(((taken.words.optional, "muted"),))
+    rows += [(), ()] if frame.height >= _AIRY else [()]
+    if item.text:
+        return rows
+    scale = _boxes(item, taken, frame) if item.high - item.low < WIDE else _line(item, taken, frame)
+    return [*rows, *scale]
+
+
+def _boxes(item: Item, taken: Round, frame: Frame) -> list[Row]:
+    """A box for each point, the chosen one filled and between brackets."""
+    values = range(item.low, item.high + 1)
+    box = max(3, min(BOX, frame.width // len(values)))
+    above: list[Piece] = []
+    row: list[Piece] = []
+    for value in values:
+        chosen = value == taken.mark
+        shown = f"[{value}]" if chosen else str(value)
+        look = "fill" if chosen else "key"
+        room = box - 1
+        above += [(" " * room, look), (" ", "plain")]
+        row += [(shown.center(room), look), (" ", "plain")]
+    whole = box * len(values) - 1
+    return [tuple(above), tuple(row), tuple(above), (), *_ends(item, whole, frame)]
+
+
+def _line(item: Item, taken: Round, frame: Frame) -> list[Row]:
+    """A line from end to end, with a mark on it and the number above."""
+    glyphs, width = frame.glyphs, frame.width
+    cells = [(glyphs.track, "faint")] * width
+    told: Row = ((f"{taken.typed or glyphs.dash}".center(width), "muted"),)
+    if taken.mark is not None:
+        share = (taken.mark - item.low) / max(1, item.high - item.low)
+        at = min(width - 1, round(share * (width - 1)))
+        cells[:at] = [(glyphs.bar, "run")] * at
+        cells[at] = (glyphs.spot, "strong")
+        told = ((f"[ {taken.mark} ]".center(width), "strong"),)
+    low, high = str(item.low), str(item.high)
+    numbers = low + high.rjust(max(1, width - len(low)))
+    return [told, (), tuple(cells), ((numbers, "plain"),), *_ends(item, width, frame)]
+
+
+def _ends(item: Item, width: int, frame: Frame) -> list[Row]:
+    """What the ends are called, each under its own end."""
+    low, high = map(clean, item.ends)
+    if not low and not high:
+        return []
+    width = min(frame.width, max(width, cell_len(low) + cell_len(high) + 2))
+    if cell_len(low) + cell_len(high) + 2 <= width:
+        between = " " * (width - cell_len(low) - cell_len(high))
+        return [((low, "plain"), (between, "plain"), (high, "plain"))]
+    return [
+        ((f"{item.low}  {low}", "plain"),),
+        ((f"{item.high}  {high}", "plain"),),
+    ]
+
+
+def _summary(taken: Round, frame: Frame) -> list[Row]:
+    """All answers, the chosen line marked; beneath them the way to finish."""
+    glyphs, words = frame.glyphs, taken.words
+    rows: list[Row] = []
+    for number, item in enumerate(taken.asked.items):
+        here = number == taken.chosen
+        answer = taken.asked.answers.get(item.name)
+        said = answer.shown(words.left_out) if answer is not None else words.no_answer
+        said = fit(said, min(cell_len(clean(said)), frame.width // 3), glyphs.ellipsis)
+        question = fit(item.question, frame.width - cell_len(said) - 4, glyphs.ellipsis)
+        look = "strong" if here else "plain"
+        mark = glyphs.here if here else " "
+        good = "muted" if answer is None or answer.skipped else "run"
+        rows.append(((f"{mark} {question}  ", look), (said, good)))
+    room = max(1, frame.height - 6)
+    first = max(0, min(len(rows) - room, taken.chosen - room // 2))
+    here = taken.chosen >= len(taken.asked.items)
+    finish = f"{glyphs.here if here else ' '} {words.finish}"
+    return [*rows[first : first + room], (), ((finish, "strong" if here else "plain"),)]
+
+
+def _decline(taken: Round, frame: Frame) -> list[Row]:
+    return [
+        ((taken.words.stop_question, "strong"),),
+        (),
+        ((taken.words.stop_kept, "plain"),),
+    ]
+
+
+_BODIES = {
+    Page.INTRODUCTION: _introduction,
+    Page.ITEM: _item,
+    Page.SUMMARY: _summary,
+    Page.DECLINE: _decline,
+}
+
+
+def _keys(taken: Round, glyphs: Glyphs) -> str:
+    """What the keys do on this page."""
+    item, words = taken.item, taken.words
+    match taken.page:
+        case Page.INTRODUCTION:
+            return words.keys_begin
+        case Page.DECLINE:
+            return words.keys_decline.format(stop=words.stop_key, go_on=words.go_on_key)
+        case Page.SUMMARY:
+            return words.keys_summary.format(up=glyphs.up)
+    if item is None:
+        return words.keys_stop
+    keys = words.keys_scale if item.digits else words.keys_scale_enter
+    if item.text:
+        keys = words.keys_text
+    filled = keys.format(
+        low=item.low, high=item.high, left=glyphs.left, right=glyphs.right, up=glyphs.up
+    )
+    skips = [words.keys_skip] if item.optional else []
+    return " · ".join([filled, *skips, words.keys_stop])

@@ -1,0 +1,265 @@
+"""The questionnaire as a widget, for the wizard's dialog and for the participant's own terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from textual import events
+from textual.app import ComposeResult
+from textual.containers import Vertical
+from textual.message import Message
+from textual.widgets import TextArea
+
+from woz_tui.console.cells import Cells
+from woz_tui.console.glyphs import Frame, Glyphs
+from woz_tui.console.message_feed import GONE
+from woz_tui.console.study.questionnaire_pages import (
+    column_of,
+    foot_rows,
+    page_rows,
+    question_height,
+    words_rows,
+)
+from woz_tui.console.study.questionnaire_run import Page, Round
+from woz_tui.console.study.questionnaires import Asked
+from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire, Reply
+from woz_tui.protocol.welcome import ENGLISH, QuestionnaireWords
+
+#: Sends a request; the reply comes later, in the screen's thread.
+Ask = Callable[[AskAnswer | AskQuestionnaire, Callable[[Reply], None]], None]
+#: What is shown while nothing is asked: sentences with their looks.
+Words = list[tuple[str, str]]
+
+
+#: Lines of the field with its border, where there is room, and where there is little.
+_FIELD, _FIELD_LEAST = 8, 3
+#: Lines of the keys at the bottom.
+_FOOT = 3
+
+
+def thanks(words: QuestionnaireWords) -> Words:
+    """What stands there once it has been answered."""
+    return [(words.thanks, "strong"), ("", "plain"), (words.wait, "muted")]
+
+
+class Written(TextArea):
+    """A field for a sentence or some. Enter goes on; the way back is over its first line.
+
+    `idle` is asked once for each key, whether it is to do nothing at this moment.
+    """
+
+    class Done(Message):
+        """Enter was pressed."""
+
+    class Left(Message):
+        """A key for the questionnaire, not for the field."""
+
+        def __init__(self, key: str) -> None:
+            super().__init__()
+            self.key = key
+
+    def __init__(self, idle: Callable[[str], bool], **options: Any) -> None:
+        super().__init__(soft_wrap=True, show_line_numbers=False, **options)
+        self._idle = idle
+
+    async def _on_key(self, event: events.Key) -> None:
+        if self._idle(event.key):
+            event.stop()
+            event.prevent_default()
+        elif event.key == "enter":
+            self._take(event, self.Done())
+        elif event.key in ("tab", "ctrl+d") or self._leads_back(event.key):
+            self._take(event, self.Left(event.key))
+        else:
+            await super()._on_key(event)
+
+    def _leads_back(self, key: str) -> bool:
+        """Up on the first line, backspace where nothing is written."""
+        if key == "backspace":
+            return not self.text
+        return key == "up" and self.wrapped_document.location_to_offset(self.cursor_location).y == 0
+
+    def _take(self, event: events.Key, message: Message) -> None:
+        event.stop()
+        event.prevent_default()
+        self.post_message(message)
+
+
+class Sheet(Vertical):
+    """Pages above, a field for texts, keys at the bottom.
+
+    Args:
+        ask: Sends a request.
+        now_us: A clock that goes on evenly, in microseconds.
+        glyphs: The terminal's signs.
+    """
+
+    can_focus = True
+
+    def __init__(self, ask: Ask, now_us: Callable[[], int], glyphs: Glyphs) -> None:
+        super().__init__(id="sheet")
+        self._ask = ask
+        self._now_us = now_us
+        self._glyphs = glyphs
+        self._taken: Round | None = None
+        self._lines: Words = []
+        self._words = ENGLISH
+        self._written_for = ""
+        self._field_height = _FIELD
+        self._kept: Round | None = None
+        self._away = False
+        self._notice = ""
+
+    def compose(self) -> ComposeResult:
+        """Page, field, keys."""
+        yield Cells(id="page")
+        field = Written(self._idle, id="written")
+        field.display = False
+        yield field
+        yield Cells(id="foot")
+
+    @property
+    def taken(self) -> Round | None:
+        """The way through the questionnaire, while one is asked."""
+        return self._taken
+
+    def on_mount(self) -> None:
+        """Take the keys; it is drawn as soon as its parts have their sizes."""
+        self.focus()
+
+    def on_cells_resized(self) -> None:
+        """Draw in the new size."""
+        self.draw()
+
+    # -- what is asked ------------------------------------------------------------------------
+
+    def follow(
+        self,
+        asked: Asked | None,
+        lines: Words | None = None,
+        *,
+        words: QuestionnaireWords = ENGLISH,
+        away: bool = False,
+        notice: str = "",
+    ) -> None:
+        """Show what is asked at this moment, with a `notice` at the bottom, or else some lines.
+
+        `words` are the console's own.
+        `away`: nobody knows what is asked, as the line is lost. What has not been confirmed is
+        kept until it is back.
+        """
+        taken = self._kept if self._away else self._taken
+        if away and not self._away:
+            self._kept = taken
+        self._lines, self._words, self._away, self._notice = lines or [], words, away, notice
+        if asked is None or away:
+            self._taken = None
+        elif taken is None or taken.asked.name != asked.name:
+            self._taken = Round(asked, self._send, self._now_us, words)
+        elif taken.asked is not asked:
+            self._taken = taken
+            taken.go_on(asked)
+        if self._taken is not None:
+            self._taken.words = words
+        self.draw()
+
+    def _send(self, request: AskAnswer | AskQuestionnaire) -> None:
+        self._ask(request, lambda reply: self._replied(request, reply))
+
+    def _replied(self, request: AskAnswer | AskQuestionnaire, reply: Reply) -> None:
+        taken = self._taken
+        if taken is None:
+            return
+        if isinstance(request, AskAnswer) and reply.ok:
+            taken.confirmed(request)
+        elif isinstance(request, AskAnswer) and reply.reason != GONE:
+            taken.refused(request, self._words.refused)
+        elif not reply.ok:
+            taken.complaint = self._words.refused
+        self.draw()
+
+    # -- keys -----------------------------------------------------------------------------------
+
+    def on_key(self, event: events.Key) -> None:
+        """A key for the page."""
+        taken = self._taken
+        if taken is None or taken.writes:
+            return
+        if taken.key(event.key) or (event.character and taken.key(event.character)):
+            event.stop()
+            event.prevent_default()
+            self.draw()
+
+    def _idle(self, key: str) -> bool:
+        idle = self._taken is not None and self._taken.settles(key)
+        if idle:
+            self.draw()  # it may say why
+        return idle
+
+    def on_written_done(self, event: Written.Done) -> None:
+        """A text was confirmed."""
+        event.stop()
+        taken = self._taken
+        if taken is not None and taken.writes:
+            taken.write(self._field.text)
+            self.draw()
+
+    def on_written_left(self, event: Written.Left) -> None:
+        """A key that goes past the field."""
+        event.stop()
+        if self._taken is not None:
+            self._taken.go(event.key)
+            self.draw()
+
+    # -- drawing ------------------------------------------------------------------------------
+
+    @property
+    def _field(self) -> Written:
+        return self.query_one("#written", Written)
+
+    def draw(self) -> None:
+        """Show the page as it is now."""
+        if not self.query("#foot"):
+            return  # not put together yet, or gone already
+        taken, page, foot = self._taken, *self.query(Cells)
+        self._show_field(taken)
+        frame = self._frame(page)
+        if taken is None:
+            page.show(words_rows(self._lines, frame))
+            foot.show([])
+        else:
+            page.show(page_rows(taken, frame))
+            foot.show(foot_rows(taken, self._frame(foot), self._notice))
+
+    def _frame(self, cells: Cells) -> Frame:
+        return Frame(cells.size.width, cells.size.height, 0, self._glyphs)
+
+    def _room(self, taken: Round | None, column: int) -> int:
+        """Lines for the field and the air below it, once the question is in sight."""
+        question = question_height(taken, column, self._glyphs) if taken is not None else 0
+        return self.size.height - _FOOT - question
+
+    def _show_field(self, taken: Round | None) -> None:
+        """The field with what was written before, while its item is shown."""
+        field = self._field
+        column = column_of(self.size.width)
+        field.styles.width = column
+        room = self._room(taken, column)
+        field.styles.margin = (0, 0, int(room > _FIELD_LEAST), (self.size.width - column) // 2)
+        height = max(_FIELD_LEAST, min(_FIELD, room - 1))
+        if height != self._field_height:
+            self._field_height = field.styles.height = height
+        item = taken.item if taken is not None and taken.page is Page.ITEM else None
+        wanted = item.name if item is not None and item.text else ""
+        if wanted == self._written_for:
+            return
+        self._written_for = wanted
+        field.display = bool(wanted)
+        if wanted and taken is not None:
+            answer = taken.answer
+            field.text = answer.text if answer is not None else ""
+            field.move_cursor(field.document.end)
+            field.focus()
+        else:
+            self.focus()

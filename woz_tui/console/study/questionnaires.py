@@ -1,0 +1,68 @@
+"""Questionnaires as the robot process tells them, and the answers that have been given."""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import dataclass, field
+
+import msgspec
+
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.welcome import Item, Questionnaire
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """A number on the scale, a text, or left out on purpose (`skipped`)."""
+
+    value: int | None = None
+    text: str = ""
+    skipped: bool = False
+
+    def shown(self, left_out: str) -> str:
+        """It in a few words; `left_out` stands for none."""
+        if self.skipped:
+            return left_out
+        return self.text if self.value is None else str(self.value)
+
+
+@dataclass(slots=True)
+class Asked:
+    """A questionnaire that is put to somebody; answers by item."""
+
+    questionnaire: Questionnaire
+    answers: dict[str, Answer] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """The questionnaire's name."""
+        return self.questionnaire.name
+
+    @property
+    def items(self) -> tuple[Item, ...]:
+        """What is asked."""
+        return self.questionnaire.items
+
+    @property
+    def answered(self) -> int:
+        """Items with an answer, those left out included."""
+        return sum(item.name in self.answers for item in self.items)
+
+    def take(self, told: m.QuestionnaireAnswered) -> None:
+        """Somebody answered, here or at another terminal."""
+        value = None if told.value is None else round(told.value)
+        self.answers[told.item] = Answer(value, told.text, told.skipped)
+
+    def first_open(self) -> int:
+        """The first item without an answer; behind the last one if there is none."""
+        open_items = (n for n, item in enumerate(self.items) if item.name not in self.answers)
+        return next(open_items, len(self.items))
+
+
+def items_of(told: object) -> tuple[Item, ...]:
+    """The items of one, as a message has them; those that cannot be read are left out."""
+    found: list[Item] = []
+    for one in told if isinstance(told, list | tuple) else ():
+        with contextlib.suppress(msgspec.ValidationError):
+            found.append(msgspec.convert(one, Item))
+    return tuple(found)

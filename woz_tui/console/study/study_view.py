@@ -1,0 +1,250 @@
+"""The study on the screen: order, trial, break, questionnaires, preflight list."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Collection
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import msgspec
+
+from woz_tui.console.number_text import seconds
+from woz_tui.console.study.questionnaires import Asked, items_of
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.welcome import Questionnaire
+from woz_tui.timeline.session_state import SessionState
+
+#: Sentences for the wizard that may wait to be read.
+_TIDINGS = 8
+#: Sources of actions that the wizard plays.
+_HANDS = ("key", "script", "palette")
+#: What a wizard did with a cue: how it is said, and its look.
+_JUDGED = {
+    "right": ("right", "good"),
+    "wrong": ("wrong", "bad"),
+    "missed": ("missed", "warn"),
+    "uncalled": ("no cue was waiting", "warn"),
+}
+
+
+class Tiding(NamedTuple):
+    """A sentence for the wizard and its look. `right`: names of the actions that would have
+    answered a cue; `command`: that of the console which helps, and what it does.
+    """
+
+    text: str
+    look: str
+    right: tuple[str, ...] = ()
+    command: tuple[str, str] = ("", "")
+
+
+class Trial(NamedTuple):
+    """The trial under way: since `began`, in microseconds on the axis of `t`."""
+
+    number: int
+    began: int
+
+
+@dataclass(slots=True)
+class Study:
+    """What holds is in `session`; `adopt` and `take` add what only a screen needs."""
+
+    session: SessionState = field(default_factory=SessionState)
+    questionnaires: tuple[Questionnaire, ...] = ()
+    #: The questionnaire that is put to somebody now, and the message that began it.
+    asked: Asked | None = None
+    _started: m.QuestionnaireStarted | None = None
+    #: The last cue of a training.
+    _cue: m.CueGiven | None = None
+    #: What became of it, or of a press without one.
+    judged: m.CueAnswered | None = None
+    #: Whether it was said that no trial is under way, since the last one.
+    _told_outside: bool = False
+    _tidings: deque[Tiding] = field(default_factory=lambda: deque(maxlen=_TIDINGS))
+
+    # -- reading ------------------------------------------------------------------------------
+
+    @property
+    def designed(self) -> bool:
+        """Whether the file has a design: then the robot process proposes orders and counts
+        trials.
+        """
+        return self.session.study.settings.design is not None
+
+    @property
+    def order(self) -> tuple[str, ...]:
+        """The participant's conditions in their order, as the wizard may know them."""
+        return tuple(self.session.study.order)
+
+    @property
+    def planned(self) -> int:
+        """Trials of the participant in all (0: nobody said)."""
+        return self.session.study.planned
+
+    @property
+    def trial(self) -> Trial | None:
+        """The one under way."""
+        trial = self.session.study.trial
+        return Trial(trial.started.trial, trial.begin) if trial is not None else None
+
+    @property
+    def next(self) -> int:
+        """The number of the next trial, or of the present one."""
+        return self.session.study.next_trial
+
+    @property
+    def last(self) -> tuple[int, str] | None:
+        """The participant's last trial that is over: its number and how it ended."""
+        ended = self.session.study.last_ended
+        return (ended.trial, ended.outcome) if ended is not None else None
+
+    @property
+    def break_began(self) -> int | None:
+        """Since when there is a break."""
+        in_break = self.session.study.in_break
+        return in_break.begin if in_break is not None else None
+
+    @property
+    def due(self) -> list[str]:
+        """Names of questionnaires that should be asked now."""
+        return [due.questionnaire for due in self.session.study.due]
+
+    @property
+    def over(self) -> Collection[str]:
+        """Names of those that this participant has answered or declined."""
+        return self.session.study.had.keys()
+
+    @property
+    def checks(self) -> dict[str, bool]:
+        """What a human has to see to -> whether it is ticked."""
+        study = self.session.study
+        return {each.check: study.ticked(each.check) for each in study.settings.preflight}
+
+    @property
+    def participants(self) -> set[str]:
+        """Consoles at which a participant sits."""
+        there = self.session.consoles.values()
+        return {each.console for each in there if each.role == "participant"}
+
+    @property
+    def seers(self) -> dict[str, str]:
+        """Programs that see what is kept from the wizard: what each calls itself, by console."""
+        there = self.session.consoles.values()
+        return {each.console: each.name or each.console for each in there if each.sees == "all"}
+
+    @property
+    def counts(self) -> bool:
+        """Whether trials are counted: by the design, or because one has been begun."""
+        running = self.trial is not None or self.break_began is not None
+        return self.designed or running or self.last is not None
+
+    @property
+    def all_over(self) -> bool:
+        """Whether the participant has had all trials that were planned."""
+        return self.trial is None and self.next > self.planned > 0
+
+    def questionnaire(self, name: str) -> Questionnaire | None:
+        """The questionnaire of this name."""
+        return next((one for one in self.questionnaires if one.name == name), None)
+
+    def unticked(self) -> list[str]:
+        """What nobody has seen to."""
+        return [check for check, ticked in self.checks.items() if not ticked]
+
+    @property
+    def trials_left(self) -> int:
+        """Trials of the participant that are planned and not over; 0: nobody said how many."""
+        return max(0, self.planned - self.next + 1)
+
+    def unasked(self) -> list[str]:
+        """Questionnaires that are due or for the end of the session, that nobody has answered or
+        declined and that are not being asked.
+        """
+        at_end = [one.name for one in self.questionnaires if one.when == "end"]
+        wanted = [*self.due, *(name for name in at_end if name not in self.over)]
+        asked = self.asked.name if self.asked is not None else None
+        return [name for name in dict.fromkeys(wanted) if name != asked]
+
+    def right_for(self, told: m.CueAnswered) -> tuple[str, ...]:
+        """Names of the actions that would have answered a cue that was missed or answered wrongly;
+        none for others, or if nobody knows.
+        """
+        cue = self._cue
+        wanted = cue is not None and cue.cue == told.cue and told.judged in ("wrong", "missed")
+        return tuple(cue.expects) if wanted and cue is not None else ()
+
+    def read_tidings(self) -> list[Tiding]:
+        """Sentences that nobody has read, oldest first."""
+        told = list(self._tidings)
+        self._tidings.clear()
+        return told
+
+    # -- from the robot process -----------------------------------------------------------------
+
+    def adopt(self) -> None:
+        """The file has been read, again."""
+        self.questionnaires = tuple(self.session.study.settings.questionnaires)
+
+    def take(self, message: m.Message) -> None:
+        """Work a message in that `session` has taken."""
+        match message:
+            case m.ActionRequested(source=source) if source in _HANDS:
+                self._outside()
+            case m.TrialEnded():
+                self._told_outside = False
+            case m.TrialStarted():
+                missing = self.unticked() if self.last is None else []
+                if missing:
+                    text = f"{len(missing)} not ticked in the preflight"
+                    self._tidings.append(Tiding(text, "warn", command=("preflight", "lists them")))
+            case m.CueGiven():
+                self._cue = message
+            case m.CueAnswered():
+                self.judged = message
+                self._tidings.append(Tiding(*judged(message), self.right_for(message)))
+            case m.QuestionnaireStarted() | m.QuestionnaireEnded():
+                self.follow()
+            case m.QuestionnaireAnswered():
+                self.follow()
+                if self.asked is not None:
+                    self.asked.take(message)
+
+    def _outside(self) -> None:
+        """Say once that what is played belongs to no trial, in a study that has trials."""
+        study = self.session.study
+        apart = study.trial is not None or study.in_break is not None or self._told_outside
+        if self.designed and not apart:
+            self._told_outside = True
+            text = "Played outside of a trial"
+            self._tidings.append(Tiding(text, "warn", command=("trial", "begins one")))
+
+    def follow(self) -> None:
+        """Ask what `session` asks now; in the same round the sheet that shows it keeps what was
+        answered there and is not confirmed yet.
+        """
+        current = self.session.study.questionnaire
+        if current is None:
+            self.asked = self._started = None
+            return
+        round_ = (current.name, current.started)
+        if self.asked is None or (self.asked.name, self._started) != round_:
+            self._started = current.started
+            self.asked = Asked(self._put(current.name, current.started))
+            for answer in current.answers.values():
+                self.asked.take(answer)
+
+    def _put(self, name: str, started: m.QuestionnaireStarted | None) -> Questionnaire:
+        """As it was begun; what that does not say, as the file has it."""
+        known = self.questionnaire(name) or Questionnaire(name)
+        if started is None:
+            return known
+        items = items_of(started.items) or known.items
+        return msgspec.structs.replace(known, title=started.title, items=items)
+
+
+def judged(told: m.CueAnswered) -> tuple[str, str]:
+    """`right, 1.24 s`, with its look."""
+    word, look = _JUDGED.get(told.judged, (told.judged, "plain"))
+    took = f", {seconds(told.reaction_us)}" if told.reaction_us >= 0 else ""
+    return f"{word}{took}", look

@@ -1,1 +1,0 @@
-"""What every room shares: messages, the driver's contract, the clock, the hub, the wire."""

@@ -1,0 +1,1 @@
+"""The contract of drivers, what they are given, and how they are found."""

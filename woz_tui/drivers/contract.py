@@ -1,0 +1,413 @@
+"""The contract between the bus and whatever moves, speaks or senses.
+
+A driver is a subclass of `Driver`, or of `PassiveDriver` if nothing that it does needs a stop. It
+is made once a session, opened, asked to perform, and closed; everything it finds out goes through
+its `DriverContext`. `drivers/README.md` builds one step by step, `woz_tui.testing` tests it.
+"""
+
+from __future__ import annotations
+
+import abc
+import enum
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, ClassVar, Protocol
+
+from woz_tui.drivers.feeds import Feed
+from woz_tui.drivers.fields import Range
+from woz_tui.protocol.messages import Json, Shown, Speech
+from woz_tui.system.clock import Clock
+
+#: An argument's type on the wire: text, number, whole, flag, choice, file, seconds, joints
+#: (a mapping joint name -> degrees) or poses (a list of `{joints: ..., seconds: ...}`).
+KINDS = ("text", "number", "whole", "flag", "choice", "file", "seconds", "joints", "poses")
+
+#: Among a driver's sensors: it finds out by itself when somebody speaks, and tells of it with
+#: `SpeechStarted` and `SpeechEnded`, so that nobody has to guess from its loudness.
+SPEECH = "speech"
+#: Among a driver's sensors beside `SPEECH`: it tells what was said, too, with `SpeechText`.
+SPEECH_TEXT = "speech.text"
+#: Drivers that offer this verb give names to faces; its main argument is the name.
+LEARN_FACE = "learn_face"
+
+
+class DriverError(Exception):
+    """Something the wizard must know: what is wrong, and what to do about it."""
+
+    def __init__(self, what: str, remedy: str = "") -> None:
+        super().__init__(what)
+        self.what = what
+        self.remedy = remedy
+
+
+class DeviceLostError(DriverError):
+    """The hardware is not there (any more); the driver keeps looking for it by itself."""
+
+
+class RejectedError(DriverError):
+    """The command makes no sense to this driver: refused, nothing was sent."""
+
+
+class Scope(enum.Enum):
+    """What a stop reaches."""
+
+    ALL = "all"
+    DRIVE = "drive"
+
+
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """One argument of a verb.
+
+    `hide`: gives a text back without what nobody may see of it, such as the password in an address.
+    What it leaves is all that is recorded, told and given to the driver; an experiment file that
+    holds more is refused. Twice is as once.
+    """
+
+    name: str
+    kind: str
+    summary: str = ""
+    required: bool = False
+    default: Json = None
+    range: Range | None = None
+    choices: tuple[str, ...] = ()
+    hide: Callable[[str], str] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Verb:
+    """Something a driver can do.
+
+    `arguments[0]` is the main one: `say: "Hello"` gives it directly. Commands in one `lane` run
+    one after the other, those in different lanes together. `stream`: only the latest setpoint
+    counts, so it goes into a slot and not into the queue. `drives`: it moves the robot through
+    the room and must end when nobody watches. `limit_s`: how long it may take at most. `brief`:
+    it is done at once, so that a burst of it may wait in its lane without anybody noticing.
+    """
+
+    name: str
+    summary: str
+    arguments: tuple[Argument, ...] = ()
+    lane: str = "main"
+    stream: bool = False
+    drives: bool = False
+    limit_s: float = 30.0
+    brief: bool = False
+
+
+class Job(Protocol):
+    """What a driver is given to perform: one command, and a way to report on it."""
+
+    @property
+    def command(self) -> str:
+        """The command's id."""
+
+    @property
+    def verb(self) -> str:
+        """Which verb."""
+
+    @property
+    def args(self) -> Mapping[str, Any]:
+        """Checked arguments, defaults filled in: of the types that the verb's arguments have."""
+
+    @property
+    def source(self) -> str:
+        """Whose hand it came from: key, script, palette, midi, program, engagement, replay."""
+
+    def expects(self, seconds: float) -> None:
+        """Say that it will take `seconds` more from now; the console counts down."""
+
+
+class Health(enum.Enum):
+    """How a driver is."""
+
+    CONNECTING = "connecting"
+    CONNECTED = "connected"
+    LOST = "lost"
+    FAULTED = "faulted"
+
+
+@dataclass(frozen=True, slots=True)
+class Ask:
+    """What a driver asks of the session: for the hand on its knobs, or for a move with sounds.
+
+    `what` is verb, action, stop, release, script or mark; `name` the verb, the action, the mark.
+    `on` names a driver of the same robot. `source` and `key` go into the log: whose hand it was,
+    and the control it lay on. `when_busy` (queue, replace, refuse; empty: queue) says what a verb
+    does while another one of its lane is under way.
+    """
+
+    what: str
+    name: str = ""
+    args: Mapping[str, Json] = field(default_factory=dict)
+    on: str = ""
+    source: str = "driver"
+    key: str = ""
+    when_busy: str = ""
+
+
+class DriverContext(Protocol):
+    """Everything a driver may tell. Safe to call from any thread."""
+
+    @property
+    def clock(self) -> Clock:
+        """The session's clock."""
+
+    @property
+    def folder(self) -> Path:
+        """The experiment file's folder: relative paths start there."""
+
+    @property
+    def media(self) -> Path:
+        """The folder beside the log for files of this session, such as recorded speech.
+
+        Whoever writes the first of them makes it. It moves with the log when a disk is full, so
+        ask each time; `<media.name>/<file>` is what a message says.
+        """
+
+    def t(self, clock_us: int) -> int:
+        """A time of `clock` in microseconds on the axis of the messages' `t`."""
+
+    def reading(
+        self,
+        sensor: str,
+        value: float | None,
+        *,
+        text: str = "",
+        unit: str = "",
+        raw: float | None = None,
+    ) -> None:
+        """A sensor's value; non-finite numbers become null and are marked."""
+
+    def sensor(self, sensor: str, state: str, why: str = "") -> None:
+        """A sensor's state moved (ok, stale, silent, speaking, quiet ...)."""
+
+    def health(self, health: Health, detail: str = "", remedy: str = "") -> None:
+        """The driver's own state moved; saying the same again is free."""
+
+    def mode(self, mode: str, why: str = "") -> None:
+        """The robot's mode (normal, demo ...) is now `mode`; saying the same again is free."""
+
+    def notice(
+        self, level: str, text: str, remedy: str = "", *, tells: tuple[str, ...] = ()
+    ) -> None:
+        """A sentence for the wizard; `level` is info, warning or error. `tells`: `request` if it
+        quotes what was asked for, and each sensor whose values it tells (`loudness`): it is not
+        shown to a wizard from whom that is kept.
+        """
+
+    def show(self, shown: Shown) -> None:
+        """What there is to be seen now: a face, a body's settings, knobs. Say it on a change."""
+
+    def tell(self, speech: Speech) -> None:
+        """What somebody says: where it begins and ends, and its text. Never left out."""
+
+    def feed(self, topic: str, of: str = "") -> Feed:
+        """A latest value shared with other drivers of the same robot: your own feed `topic`, or
+        that of the driver `of`.
+        """
+
+    def ask(self, ask: Ask, done: Callable[[bool, str], None] | None = None) -> None:
+        """Ask the session, as the wizard's keys do. `done` is called in the event loop, once:
+        whether it was carried out (or an action begun), and why not.
+        """
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One line of a preflight or of `woz doctor`; `level`: ok, info, warning or error."""
+
+    level: str
+    subject: str
+    text: str
+    remedy: str = ""
+
+
+#: Stands in a `Written` command for what only the session knows: a participant's code, the trial.
+UNKNOWN = "\ufffc"
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """A command as an experiment file has it, for `Driver.remarks`.
+
+    `args`: those that are written, checked; variables are filled in, for each condition anew. For
+    those that only the session knows each stands `UNKNOWN`: nothing is to be said of it. `folder`:
+    the experiment file's, where relative paths start.
+    """
+
+    verb: str
+    args: Mapping[str, Json]
+    folder: Path
+
+
+@dataclass(frozen=True, slots=True)
+class Probe:
+    """What `woz doctor` hands to a driver class: settings, and where relative paths start."""
+
+    name: str
+    settings: Any
+    folder: Path = field(default_factory=Path)
+
+
+@dataclass(frozen=True, slots=True)
+class StopReport:
+    """What a driver of several parts says of its stop: which of them confirmed, and which did not
+    (`speech`, `motion` ...). With something missing the driver counts as not confirmed.
+    """
+
+    confirmed: tuple[str, ...] = ()
+    missing: tuple[str, ...] = ()
+
+
+class Performer(Protocol):
+    """The part of a driver that the bus knows. Both run in the event loop, each call in a task of
+    its own.
+    """
+
+    @abc.abstractmethod
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Carry out one command; end when it has happened, and return what was really sent.
+
+        One at a time in each lane. It is cancelled by the stop, by the time limit (`Verb.limit_s`)
+        and by a command that replaces it: then make the hardware safe without waiting for it, and
+        re-raise within 0.25 s; a lane that takes longer is faulted.
+
+        Raises:
+            RejectedError: The command makes no sense; nothing was sent.
+            DeviceLostError: The hardware is not there, or went away meanwhile.
+            DriverError: It was tried and did not work.
+        """
+
+    @abc.abstractmethod
+    async def stop(self, scope: Scope) -> StopReport | None:
+        """Stand still, fall silent; return when it has really happened, within 0.5 s.
+
+        Called at once, whatever else is under way; jobs are being cancelled at the same time. With
+        `Scope.DRIVE` only what moves through the room ends. A driver of one part returns nothing;
+        one of several may report each.
+
+        Raises:
+            DriverError: It did not stop, or nobody knows.
+        """
+
+
+class Driver(Performer):
+    """One piece of hardware, or several behind one wire. Only `Settings`, `summary`, `perform` and
+    `stop` are needed: everything else has a default that does nothing.
+
+    Class methods say what it offers with its settings. They are called without an instance, when a
+    file is read: they depend on the settings alone and touch no hardware. The coroutines run in the
+    event loop of the robot process, which all drivers share: they must not block it.
+    """
+
+    #: A frozen dataclass; its annotations (`core.fields`) are decoded from the robot file.
+    Settings: ClassVar[type]
+    #: What it is, in one line.
+    summary: ClassVar[str]
+
+    def __init__(self, name: str, settings: Any, context: DriverContext) -> None:
+        """Keep what it is made with; hardware is opened in `open`."""
+        self.name = name
+        self.settings = settings
+        self.context = context
+
+    # -- what it offers ----------------------------------------------------------------------------
+
+    @classmethod
+    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+        """What it can do with these settings (a head of three joints offers three)."""
+        return ()
+
+    @classmethod
+    def sensors(cls, settings: Any) -> tuple[str, ...]:
+        """Names of all readings and sensor states that it may publish."""
+        return ()
+
+    @classmethod
+    def joints(cls, settings: Any) -> Mapping[str, Range] | None:
+        """Its joints with their ranges in degrees; None if nobody knows them beforehand.
+
+        `woz check` finds poses outside of them, the console draws each joint between its limits.
+        """
+        return None
+
+    @classmethod
+    def asks(cls, settings: Any) -> Iterable[tuple[str, Ask]]:
+        """What its settings have it ask of the session (`DriverContext.ask`): pairs of a setting's
+        path and the request. `woz check` finds those that nobody could carry out.
+        """
+        return ()
+
+    @classmethod
+    def outline(cls, settings: Any) -> dict[str, Json]:
+        """What a console needs to draw it and never changes; empty: nothing.
+
+        `docs/reference/protocol.md` has the keys.
+        """
+        return {}
+
+    @classmethod
+    def remarks(cls, settings: Any, written: Written) -> Iterable[Finding]:
+        """What is odd about a command of an experiment file: what `perform` would complain of, or
+        what is probably not what was meant.
+
+        Called for each command of its own when a file is read. It must not raise, write or wait; it
+        may look at files. A finding's `subject` is the name of the argument that it is about. A
+        `warning` lets the file pass, an `error` does not; others are not shown.
+        """
+        return ()
+
+    @classmethod
+    async def examine(cls, probe: Probe) -> list[Finding]:
+        """`woz doctor`: look at the hardware without moving it. Never raises."""
+        return []
+
+    # -- what happens in a session -----------------------------------------------------------------
+
+    async def open(self) -> None:
+        """Begin to look for the hardware, once at the start; return at once. Missing hardware is no
+        error: say so through `DriverContext.health` and keep looking. By itself it is connected at
+        once.
+        """
+        self.context.health(Health.CONNECTED)
+
+    async def prepare(self, utterances: list[str]) -> None:
+        """Make ready what will probably be said, so that it is heard at once at its key; a task of
+        its own, cancelled when the list changes. For drivers that offer `say`.
+        """
+
+    async def resume(self) -> None:
+        """The stop was released: whatever moves by itself (breathes, follows another driver) may
+        move again. Return at once.
+        """
+
+    def reread(self, settings: Any, *, dry_run: bool) -> list[str]:
+        """The experiment is read again: `settings` are those it has, but the files that they name
+        may hold other things now.
+
+        Return what is different, in words, and take it over unless `dry_run`. Called in a thread of
+        its own, after everything was found to be right.
+        """
+        return []
+
+    async def rest(self) -> None:
+        """Take the safe pose in which the robot may be left alone. Cancelled by the stop."""
+
+    async def close(self) -> None:
+        """Let go of the hardware, once or more at the end: torque off, ports closed, tasks, threads
+        and children ended. Nothing is published afterwards. Never raises.
+        """
+
+
+class PassiveDriver(Driver):
+    """A driver that only senses or shows: nothing moves or sounds, so a stop has nothing to do."""
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """It offers no verbs. Raises `RejectedError`."""
+        raise RejectedError(f"{self.name} cannot {job.verb}: {type(self).summary}")
+
+    async def stop(self, scope: Scope) -> StopReport | None:
+        """There is nothing to stop."""
+        return None

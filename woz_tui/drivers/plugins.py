@@ -1,0 +1,83 @@
+"""Drivers are found by entry point, ours exactly like a stranger's."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Mapping
+from importlib.metadata import EntryPoint, entry_points
+
+from woz_tui.drivers.contract import Driver
+
+GROUP = "woz_tui.drivers"
+
+
+class PluginError(Exception):
+    """A driver is registered but cannot be loaded; the text says which package and why."""
+
+
+class Catalogue(Mapping[str, type[Driver]]):
+    """Driver types by name; a driver's module is imported when it is first asked for."""
+
+    def __init__(self, points: Mapping[str, EntryPoint]) -> None:
+        self._points = dict(points)
+        self._loaded: dict[str, type[Driver]] = {}
+
+    def __getitem__(self, name: str) -> type[Driver]:
+        if name not in self._loaded:
+            self._loaded[name] = _load(self._points[name])
+        return self._loaded[name]
+
+    def __contains__(self, name: object) -> bool:
+        """Whether some package offers it; whether it loads is another question."""
+        return name in self._points
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(sorted(self._points))
+
+    def __len__(self) -> int:
+        return len(self._points)
+
+
+def installed() -> Catalogue:
+    """Every driver that some installed package offers. `PluginError` if two claim one name."""
+    points: dict[str, EntryPoint] = {}
+    for point in entry_points(group=GROUP):
+        other = points.get(point.name)
+        if other is not None and other.value != point.value:
+            raise PluginError(
+                f"two packages offer a driver called {point.name!r}: {_origin(other)} and"
+                f" {_origin(point)}; uninstall one of them"
+            )
+        points[point.name] = point
+    return Catalogue(points)
+
+
+def _origin(point: EntryPoint) -> str:
+    return point.dist.name if point.dist is not None else point.value
+
+
+def _load(point: EntryPoint) -> type[Driver]:
+    try:
+        loaded = point.load()
+    except Exception as error:
+        raise PluginError(
+            f"the driver {point.name!r} of {_origin(point)} cannot be loaded:"
+            f" {type(error).__name__}: {error}"
+        ) from error
+    who = f"the driver {point.name!r} of {_origin(point)}"
+    if not isinstance(loaded, type):
+        raise PluginError(
+            f"{who} is no class but {loaded!r}; its entry point must read module:Class"
+        )
+    if not issubclass(loaded, Driver):
+        raise PluginError(
+            f"{who} does not inherit from woz_tui.drivers.contract.Driver; write class"
+            f" {loaded.__name__}(Driver), see drivers/README.md"
+        )
+    declared = {name for kind in loaded.__mro__ for name in vars(kind)}
+    missing = sorted({"Settings", "summary"} - declared | loaded.__abstractmethods__)
+    if missing:
+        raise PluginError(f"{who} lacks {', '.join(missing)}; see drivers/README.md")
+    if not dataclasses.is_dataclass(loaded.Settings):
+        raise PluginError(f"{who} has Settings that are no dataclass; see drivers/README.md")
+    return loaded

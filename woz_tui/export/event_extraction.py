@@ -1,0 +1,369 @@
+"""Makes a session out of its log: what happened as the timeline has it, with what the lines say.
+
+The texts come from the lines that are given along: where texts are redacted, the timeline still
+takes the messages as they were recorded.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from woz_tui.analysis.coder_agreement import ends_of
+from woz_tui.analysis.event_rows import worded
+from woz_tui.analysis.figure_counting import figures_of
+from woz_tui.analysis.participants import counts_in_means, people_of
+from woz_tui.export.event_model import NO_LINE, OPEN, Clip, Event, Owned, Session
+from woz_tui.export.redaction import PLACEHOLDER
+from woz_tui.log.coding_file import MARKERS, Codings
+from woz_tui.log.log_reader import Line
+from woz_tui.protocol import messages as m
+from woz_tui.timeline.episodes import (
+    Action,
+    Break,
+    Command,
+    Conflict,
+    Episode,
+    ModelState,
+    Moment,
+    Outcome,
+    Phase,
+    Questionnaire,
+    Setting,
+    Stop,
+    Trial,
+    Utterance,
+)
+from woz_tui.timeline.session_state import LONGEST
+from woz_tui.timeline.timeline import Timeline
+from woz_tui.timeline.trial_context import Context, Span
+
+#: Kinds of line that are no events by themselves: about the log, parts of something longer (see
+#: `settings`), or state that is told so often that it belongs to the samples.
+NO_EVENTS = frozenset(
+    {
+        *("session.start", "session.end", "clock", "checkpoint", "segment", "recorder.state"),
+        *("experiment.files", "session.plan", "engagement.settings"),
+        *("sample", "engagement.shown", "face.shown", "body.changed", "controls.moved"),
+        "settings.shown",
+    }
+)
+#: Kind -> the field that becomes the label and the one that becomes the text.
+_LABEL_AND_TEXT: Mapping[str, tuple[str, str]] = {
+    "marker": ("", "text"),
+    "note": ("", "text"),
+    "mistake": ("action", "text"),
+    "notice": ("level", "text"),
+    "sensor.changed": ("state", "why"),
+    "mode.changed": ("now", "why"),
+    "visitor.changed": ("what", ""),
+    "driver.connecting": ("driver", "detail"),
+    "driver.connected": ("driver", "detail"),
+    "driver.lost": ("driver", "detail"),
+    "driver.faulted": ("driver", "detail"),
+    "lane.faulted": ("lane", ""),
+    "lane.recovered": ("lane", ""),
+    "panel.locked": ("panel", ""),
+    "profile.changed": ("profile", ""),
+    "console.attached": ("role", ""),
+    "console.lost": ("role", "why"),
+    "condition.assigned": ("method", "why"),
+    "preflight.checked": ("level", "detail"),
+    "action.held": ("sort", ""),
+    "cue.given": ("sort", "text"),
+    "cue.answered": ("judged", ""),
+    "rerun.started": ("original_session", ""),
+    "rerun.skipped": ("original_command", "reason"),
+    "rerun.ended": ("reason", ""),
+}
+#: Fields that have a column of their own in every event.
+COLUMNS = ("panel", "action", "verb", "driver", "source", "key", "outcome", "reason", "run")
+_ENVELOPE = frozenset({"seq", "t", "ts", "kind"})
+
+
+def moment(seq: int, t: int, kind: str, fields: Mapping[str, Any]) -> Event:
+    """A line as an event without a duration. What has no column is among its details."""
+    label, text = _LABEL_AND_TEXT.get(kind, ("", ""))
+    event = Event(seq=seq, begin=t, kind=kind, label=_text(fields, label), text=_text(fields, text))
+    used = {label, text} if label not in COLUMNS else {text}
+    for name in (*COLUMNS, "command"):
+        if isinstance(fields.get(name), str):
+            setattr(event, name, fields[name])
+            used.add(name)
+    event.details = details(fields, used)
+    return event
+
+
+def details(fields: Mapping[str, Any], used: set[str]) -> dict[str, Any]:
+    """The fields of a line that are not `used` elsewhere."""
+    return {name: value for name, value in fields.items() if name not in used | _ENVELOPE}
+
+
+def _text(fields: Mapping[str, Any], name: str) -> str:
+    value = fields.get(name, "")
+    return value if isinstance(value, str) else ""
+
+
+_SAY = "say"
+#: The label of what coders wrote and is no code.
+NOTES = "notes"
+#: Lines that begin or end an event, or belong to one; alone they are moments. Any other line is a
+#: moment, also those that begin or end an episode for which the formats have no interval.
+_PARTS = (
+    *(m.ActionRequested, m.ActionEnd, m.Command, m.Ack),
+    *(m.TrialStarted, m.TrialEnded, m.PhaseChanged, m.BreakStarted, m.BreakEnded),
+    *(m.StopPressed, m.StopConfirmed, m.StopReleased),
+    *(m.QuestionnaireStarted, m.QuestionnaireAnswered, m.QuestionnaireEnded),
+    *(m.EngagementChanged, m.SpeechStarted, m.SpeechEnded, m.SpeechText),
+)
+
+
+#: Lines whose words decide figures (when the model was off, what answers a cue) and stand in none.
+_COUNTED = (m.Done, m.EngagementAdopted, m.SessionPlan)
+
+
+class Extractor:
+    """Takes the lines of one session in order; `finish` completes `session`."""
+
+    def __init__(self, session: Session, folder: Path) -> None:
+        self.session = session
+        #: Where the files lie that the log names.
+        self._folder = folder
+        self._timeline = Timeline(passing=True)
+        #: Of what may be shown: figures have texts, too.
+        self._shown = Timeline()
+        #: Lines of which events are made when all is known, by `seq`.
+        self._lines: dict[int, Mapping[str, Any]] = {}
+
+    def take(self, message: m.AnyMessage | None, line: Line) -> None:
+        """A message that is no sample, None if this version does not know it, and the line with
+        what may be shown of it.
+        """
+        self.session.lines += 1
+        state = self._timeline.state
+        if isinstance(message, m.SettingsShown):
+            message = line.message  # all that is shown of settings is in the timeline
+        if message is not None:
+            self._timeline.take(message)
+        shown = message if isinstance(message, _COUNTED) else line.message
+        if shown is not None:
+            self._shown.take(shown)
+        match line.message:
+            case m.SessionStart():
+                self.session.start = line.message
+            case m.SessionEnd(reason=reason):
+                self.session.end_reason = reason or "-"
+        if isinstance(message, m.Dispatched | m.Progress) and message.command in state.commands:
+            return  # the command has it
+        if isinstance(message, _PARTS):
+            self._lines[line.seq] = line.fields
+        elif line.kind not in NO_EVENTS:
+            t = min(max(line.t, state.t), LONGEST)
+            self.session.duration = max(self.session.duration, t)
+            self.session.events.append(moment(line.seq, t, line.kind, line.fields))
+
+    def finish(self, codings: Codings | None = None) -> None:
+        """The log is over: put what happened into the session, in order, and what coders set."""
+        session, timeline = self.session, self._timeline
+        timeline.finish()
+        session.duration = max(session.duration, timeline.end)
+        self._shown.finish()
+        figures = figures_of(self._shown, stem=session.name)
+        session.figures = replace(figures, lines=session.lines, redacted=session.redacted)
+        for event in session.events:
+            self._belongs(event, timeline.contexts.at(event.begin, event.seq))
+        for episode in timeline.episodes:
+            made = self._event(episode)
+            if made is None:
+                continue
+            self._belongs(made, episode.context)
+            session.events.append(made)
+        session.clips += self._clips()
+        session.events += self._settings()
+        session.events += self._codes(codings or Codings())
+        session.events.sort(key=lambda event: (event.begin, event.seq))
+
+    # -- events -----------------------------------------------------------------------------------
+
+    def _event(self, episode: Episode) -> Event | None:
+        """The episode as an event; None: its lines are events of their own, or nothing is."""
+        make = _EVENTS.get(type(episode))
+        return None if make is None else make(self, episode)
+
+    def _begun(self, episode: Episode, kind: str, *used: str) -> Event:
+        """An event with what the episode's first line says, without the fields `used` elsewhere."""
+        event = moment(episode.seq, episode.begin, kind, self._lines.get(episode.seq, {}))
+        event.label, event.end, event.outcome = episode.label, episode.end, str(episode.outcome)
+        for name in used:
+            event.details.pop(name, None)
+        return event
+
+    def _action(self, action: Action) -> Event:
+        event = self._begun(action, "action")
+        event.reason = self._text(action.ended, "reason")
+        event.latency, event.mistake = action.latency_us, action.mistake is not None
+        return event
+
+    def _command(self, command: Command) -> Event:
+        event = self._begun(command, "command")
+        event.reason = self._text(command.ended, "reason")
+        event.driver = command.driver
+        event.latency, event.acted = command.latency_us, command.started
+        args = event.details.get("args")
+        spoken = args.get("text") if isinstance(args, dict) else None
+        if command.label == _SAY and isinstance(spoken, str):
+            event.text = spoken
+        used = {"command", "driver", "reason", "latency_us", "duration_us"}
+        event.details |= details(self._fields(command.ended), used)
+        return event
+
+    def _trial(self, trial: Trial) -> Event:
+        event = self._begun(trial, "trial")
+        event.text = self._text(trial.ended, "text")
+        return event
+
+    def _phase(self, phase: Phase) -> Event:
+        return self._begun(phase, "phase", "phase")
+
+    def _break(self, pause: Break) -> Event:
+        event = self._begun(pause, "break", "text")
+        texts = self._text(pause.started, "text"), self._text(pause.ended, "text")
+        event.text = "; ".join(text for text in texts if text)
+        return event
+
+    def _stop(self, stop: Stop) -> Event:
+        event = self._begun(stop, "stop", "scope")
+        for press in stop.presses:
+            for confirmation in press.confirmations:
+                event.details |= details(self._fields(confirmation), set())
+        if stop.released is not None:
+            event.details["released_by"] = stop.released.source
+        return event
+
+    def _questionnaire(self, asked: Questionnaire) -> Event:
+        if asked.started is None:  # its first line is an answer
+            event = Event(seq=asked.seq, begin=asked.begin, kind="questionnaire", label=asked.label)
+        else:
+            event = self._begun(asked, "questionnaire", "questionnaire", "items")
+        event.end = asked.end
+        event.outcome = self._text(asked.ended, "reason") or str(asked.outcome)
+        return event
+
+    def _state(self, state: ModelState) -> Event:
+        """A state's outcome is the one that led to it."""
+        if state.entered is None:
+            event = Event(seq=state.seq, begin=state.begin, kind="engagement", label=state.label)
+        else:
+            event = self._begun(state, "engagement", "now", "why")
+            event.text, event.outcome = self._text(state.entered, "why"), state.entered.outcome
+        if state.left is not None:
+            event.details["left_by"] = state.reason
+        elif state.outcome == Outcome.OPEN:
+            event.outcome = event.outcome or OPEN
+        event.end = state.end
+        return event
+
+    def _speech(self, spoken: Utterance) -> Event:
+        event = Event(seq=spoken.seq, begin=spoken.begin, kind="speech", driver=spoken.driver)
+        if spoken.started is not None or spoken.ended is not None:  # else nobody knows how long
+            event.end = spoken.end
+        if spoken.outcome != Outcome.DONE:
+            event.outcome = str(spoken.outcome)
+        event.text = self._text(spoken.text, "text")
+        for message in spoken.lines:
+            used = {"driver", "began", "ended", "text"}
+            event.details |= details(self._fields(message), used)
+        return event
+
+    def _stray(self, found: Moment) -> Event | None:
+        """A line that belongs to nothing; other moments have been taken already."""
+        if not isinstance(found.message, _PARTS):
+            return None
+        return moment(found.seq, found.begin, found.label, self._fields(found.message))
+
+    def _fields(self, message: m.Message | None) -> Mapping[str, Any]:
+        """What may be shown of a line that belongs to an event."""
+        return {} if message is None else self._lines.get(message.seq, {})
+
+    def _text(self, message: m.Message | None, name: str) -> str:
+        value = self._fields(message).get(name)
+        return value if isinstance(value, str) else ""
+
+    # -- what is no event -------------------------------------------------------------------------
+
+    def _clips(self) -> Iterator[Clip]:
+        for spoken in self._timeline.of(Utterance):
+            if spoken.ended is None or not spoken.ended.file or self.session.redacted:
+                continue
+            path = self._folder / spoken.ended.file
+            if path.is_file():
+                yield Clip(path, spoken.begin)
+
+    def _settings(self) -> Iterator[Event]:
+        """Settings that differed and conflicts: one for each part of an episode."""
+        for each in self._timeline.episodes:
+            if isinstance(each, Conflict) or (isinstance(each, Setting) and each.differs):
+                parts = self._timeline.parts(each)
+                for part in parts:
+                    event = _setting(each, part, last=part is parts[-1])
+                    self._belongs(event, part.context)
+                    yield event
+
+    def _codes(self, codings: Codings) -> Iterator[Event]:
+        """What coders set in replays; it stands in no line of the log."""
+        for coder in sorted(codings.by_coder):
+            codes = codings.of(coder)
+            for code, end in zip(codes, ends_of(codes, self._timeline), strict=True):
+                if code.lasts and not code.code and not code.note:
+                    continue  # it only ends another
+                event = Event(seq=NO_LINE, begin=code.t, end=end, kind="code", source=coder)
+                event.label = NOTES if code.note else code.tier
+                event.text = code.text if code.note else code.code
+                if self.session.redacted:
+                    event.text = PLACEHOLDER
+                    event.label = event.label if event.label in (NOTES, MARKERS) else PLACEHOLDER
+                self._belongs(event, self._timeline.contexts.at(code.t, sys.maxsize))
+                yield event
+
+    def _belongs(self, row: Owned, context: Context) -> None:
+        row.participant, row.condition = context.participant, context.condition
+        row.trial, row.phase = context.trial, context.phase
+        people = people_of(self.session.figures)
+        row.counted = counts_in_means(self._timeline, people, context)
+
+
+#: What becomes an event, and how.
+_EVENTS: Mapping[type[Episode], Callable[[Extractor, Any], Event | None]] = {
+    Action: Extractor._action,
+    Command: Extractor._command,
+    Trial: Extractor._trial,
+    Phase: Extractor._phase,
+    Break: Extractor._break,
+    Stop: Extractor._stop,
+    Questionnaire: Extractor._questionnaire,
+    ModelState: Extractor._state,
+    Utterance: Extractor._speech,
+    Moment: Extractor._stray,
+}
+
+
+#: The outcome of a difference that was not seen to end, because its robot was lost.
+LOST = "lost"
+
+
+def _setting(each: Setting | Conflict, part: Span, *, last: bool) -> Event:
+    event = Event(seq=each.seq, begin=part.begin, end=part.end, kind="conflict", driver=each.driver)
+    if last and each.cut:
+        event.outcome = OPEN
+    if isinstance(each, Conflict):
+        event.text = each.sentence
+        return event
+    if last and each.outcome == Outcome.LOST:
+        event.outcome = LOST
+    event.kind, event.label = "difference", each.name
+    event.text = f"{worded(each.value)}, wanted {worded(each.wanted)}"
+    event.details = {"value": each.value, "wanted": each.wanted}
+    return event

@@ -1,0 +1,149 @@
+"""A session as other programs see it: what happened, from when to when. Times in microseconds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from datetime import datetime
+from pathlib import Path
+
+from woz_tui.analysis.figure_counting import figures_of
+from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.tables import wall_time
+from woz_tui.protocol.messages import Json, SessionStart
+from woz_tui.timeline.timeline import timeline_of
+
+#: Of a session of which nothing is known.
+NO_FIGURES = figures_of(timeline_of(()))
+#: The outcome of what had not ended when the log did.
+OPEN = "open"
+#: The number of what stands in no line of the log.
+NO_LINE = -1
+
+
+@dataclass(slots=True, kw_only=True)
+class Owned:
+    """Something that belongs to a participant, a condition, a trial and a phase, or to none.
+    `counted`: somebody took part, and in no trial that was aborted or excluded.
+    """
+
+    participant: str = ""
+    condition: str = ""
+    trial: int | None = None
+    phase: str = ""
+    counted: bool = True
+
+
+@dataclass(slots=True, kw_only=True)
+class Event(Owned):
+    """Something that happened at a moment, or lasted.
+
+    Attributes:
+        seq: Number of the line with which it began; orders what happened at the same time.
+        begin: When it began, on the session's axis.
+        end: When it ended; None: it was a moment.
+        kind: action, command, engagement, trial, phase, break, stop, speech, questionnaire,
+            difference (a robot's setting was other than asked for), conflict (of settings), code
+            (a coder set it in a replay); for moments the kind of the line (marker, note,
+            sensor.changed ...).
+        label: What of its kind it is: an action's name, a state, a trial's number.
+        text: What was said, typed or recognised.
+        outcome: How it ended; `open`: the log ended first.
+        latency: For actions and commands, from the request to the driver's start.
+        acted: When the driver started, for commands.
+        mistake: The wizard said that this action was one.
+        details: Everything else that the log says of it.
+    """
+
+    seq: int
+    begin: int
+    kind: str
+    end: int | None = None
+    label: str = ""
+    text: str = ""
+    panel: str = ""
+    action: str = ""
+    verb: str = ""
+    driver: str = ""
+    source: str = ""
+    key: str = ""
+    outcome: str = ""
+    reason: str = ""
+    run: str = ""
+    command: str = ""
+    latency: int | None = None
+    acted: int | None = None
+    mistake: bool = False
+    details: dict[str, Json] = field(default_factory=dict)
+
+    @property
+    def duration(self) -> int:
+        """How long it lasted; 0 for a moment."""
+        return 0 if self.end is None else self.end - self.begin
+
+
+@dataclass(frozen=True, slots=True)
+class Clip:
+    """Recorded sound of the visitor, and where on the session's axis it begins."""
+
+    path: Path
+    begin: int
+
+
+@dataclass(slots=True, kw_only=True)
+class Session:
+    """All of a session but its samples.
+
+    Attributes:
+        name: Of its own among all sessions of an export; its files are called so.
+        log: The log's file from which it was read; its other files lie beside it.
+        start: What the first line says; None if that line is lost.
+        events: By time of beginning.
+        figures: What the report computes of it.
+        clips: Recorded sound that is there still.
+        duration: Time of the last line.
+        end_reason: What the last line says; empty if it is lost.
+        damage: What is wrong with the log, in sentences; empty: nothing.
+        lines: How many lines were read, samples not counted.
+        redacted: Whether texts and dates were taken out.
+    """
+
+    name: str
+    log: Path
+    start: SessionStart | None = None
+    events: list[Event] = field(default_factory=list)
+    figures: SessionFigures = NO_FIGURES
+    clips: list[Clip] = field(default_factory=list)
+    duration: int = 0
+    end_reason: str = ""
+    damage: list[str] = field(default_factory=list)
+    lines: int = 0
+    redacted: bool = False
+
+    @property
+    def code(self) -> str:
+        """The session's code; empty if the log does not say."""
+        return self.start.session if self.start else ""
+
+    @property
+    def wizard(self) -> str:
+        """The wizard's code; empty if the log does not say."""
+        return self.start.wizard if self.start else ""
+
+    @property
+    def clock(self) -> Mapping[str, str]:
+        """Where the axis of time comes from."""
+        return self.start.clock if self.start else {}
+
+    @property
+    def started(self) -> datetime | None:
+        """The wall clock at 0, in UTC; None if the log does not say or dates were taken out."""
+        return wall_time(self.clock.get("wall_at_t0", ""))
+
+    @property
+    def participants(self) -> list[str]:
+        """Codes of all who took part, in order of appearance."""
+        codes = dict.fromkeys(event.participant for event in self.events if event.participant)
+        if not codes and self.start and self.start.participant:
+            return [self.start.participant]
+        return list(codes)

@@ -1,0 +1,208 @@
+"""Finds the logs to be exported, and reads them."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import msgspec
+
+from woz_tui.analysis.figures import Wholeness
+from woz_tui.export.event_extraction import Extractor
+from woz_tui.export.event_model import Session
+from woz_tui.export.redaction import redacted
+from woz_tui.export.safe_names import letters
+from woz_tui.log.coding_file import CodingError, Codings, coding_path, read_codings
+from woz_tui.log.file_names import FileName
+from woz_tui.log.log_reader import Damage, Line, LogFiles, files_of, merge
+from woz_tui.log.message_stream import batches
+from woz_tui.protocol import codec
+from woz_tui.protocol.messages import Reading
+
+_encoder = msgspec.json.Encoder()
+
+
+class ExportError(Exception):
+    """What was asked for cannot be done; `remedy` says what to do."""
+
+    def __init__(self, reason: str, remedy: str = "") -> None:
+        super().__init__(f"{reason}\n{remedy}" if remedy else reason)
+        self.reason = reason
+        self.remedy = remedy
+
+
+@dataclass(frozen=True)
+class Source:
+    """The files of one session's log."""
+
+    files: LogFiles
+
+    @property
+    def log(self) -> Path:
+        """Its first file."""
+        return self.files.paths[0]
+
+    # The files are those that were found: looked for again from the first one, a segment in
+    # a folder that it does not name would be missing.
+
+    def lines(self, damage: Damage) -> Iterator[Line]:
+        """Every line that is no sample, in order."""
+        damage.lacks(self.files.missing)
+        actions = merge(self.files.actions, damage, gaps=False)
+        return (line for line in actions if not line.sample)
+
+    def samples(self, damage: Damage) -> Iterator[Reading]:
+        """Every sample of a sensor, in order; memory stays flat."""
+        for batch in batches(self.files.paths, damage, gaps=True):
+            yield from (item for item in batch if isinstance(item, Reading))
+
+    def everything(self, damage: Damage) -> Iterator[Line]:
+        """Every line, in order."""
+        return merge(self.files.paths, damage)
+
+
+def redacted_line(line: Line) -> Line:
+    """The line without anybody's words, and without `ts`."""
+    fields = redacted(line.fields)
+    raw = _encoder.encode(fields)
+    try:
+        message = codec.decode_message(raw)
+    except codec.WireError:
+        message = None
+    # Nothing of the old line goes along: whatever it has besides is not redacted.
+    return Line(line.seq, line.t, "", line.kind, fields, raw, message)
+
+
+def found(given: Iterable[Path]) -> list[Source]:
+    """The sessions that `given` names, each once: any file of a log, or a folder of logs.
+
+    Raises `ExportError` if there is none.
+    """
+    sources: dict[tuple[Path, ...], Source] = {}
+    for path in given:
+        logs = _logs_in(path) if path.is_dir() else [path]
+        if not logs:
+            raise ExportError(f"{path}: there is no log in this folder", "name a log, *.jsonl")
+        for log in logs:
+            files = _files(log)
+            sources.setdefault(files.paths, Source(files))
+    if not sources:
+        raise ExportError("there is nothing to export", "name a log, *.jsonl, or a folder of them")
+    # From a later segment the earlier ones are found, from those the later ones not always.
+    known = [set(paths) for paths in sources]
+    return [
+        source
+        for paths, source in sources.items()
+        if not any(set(paths) < others for others in known)
+    ]
+
+
+def _files(log: Path) -> LogFiles:
+    try:
+        return files_of(log)
+    except (FileNotFoundError, ValueError) as error:
+        raise ExportError(str(error), "name a log, *.jsonl, or a folder of them") from error
+
+
+def _logs_in(folder: Path) -> list[Path]:
+    """One file of each log in `folder`, by name, which is by time."""
+    logs: dict[str, Path] = {}
+    for path in sorted(folder.iterdir()):
+        name = FileName.parse(path.name)
+        if name is not None and path.is_file():
+            logs.setdefault(name.stem, path)
+    return list(logs.values())
+
+
+def read(source: Source, *, redact: bool = False) -> Session:
+    """All of a session but its samples. Damage never raises: it is told in `Session.damage`."""
+    damage = Damage()
+    session = Session(name=source.files.stem, log=source.log, redacted=redact)
+    extractor = Extractor(session, source.log.parent)
+    sums = _Sums()
+    for line in source.lines(damage):
+        sums.take(line)
+        extractor.take(line.message, redacted_line(line) if redact else line)
+    unread: list[str] = []
+    extractor.finish(_codings(source, unread))
+    told = nameless(damage) if redact else damage
+    session.damage = [*told.sentences(), *sums.sentences(), *unread]
+    if session.lines and not session.end_reason:
+        files = replace(source.files, spill="") if redact else source.files
+        session.damage.append(files.no_end())
+    if session.lines and session.start is None:
+        session.damage.append("the first line is missing: all codes are unknown")
+    session.name = _name(session)
+    whole = Wholeness(sentences=tuple(session.damage), ended=bool(session.end_reason))
+    session.figures = replace(session.figures, wholeness=whole)
+    return session
+
+
+def _codings(source: Source, damage: list[str]) -> Codings:
+    """What coders set in replays of it."""
+    try:
+        found = read_codings(coding_path(source.log))
+    except CodingError:
+        damage.append("the file of codes beside the log could not be read")
+        return Codings()
+    if found.unread:
+        damage.append(f"{found.unread} line(s) of the file of codes could not be read")
+    return found
+
+
+def nameless(damage: Damage) -> Damage:
+    """The damage without names of files, which hold dates, and without names of unknown kinds."""
+    unreadable = ["a file of the log could not be read to its end"] * len(damage.unreadable)
+    absent = ["its name is left out"] * len(damage.absent)
+    return replace(damage, places=[], kinds=[], unreadable=unreadable, absent=absent)
+
+
+def _name(session: Session) -> str:
+    """The log's own name; without its date if dates are taken out."""
+    if not session.redacted:
+        return session.name
+    codes = [*session.participants[:1], session.code]
+    return "_".join(letters(code, "") for code in codes if code) or "session"
+
+
+class _Sums:
+    """Compares the checkpoints of a log with its lines: finds changed and lost ones."""
+
+    def __init__(self) -> None:
+        self._hash = hashlib.sha256()
+        self._sound_to = -1
+        self._broken = False
+
+    def take(self, line: Line) -> None:
+        told = line.fields.get("sha256")
+        if line.kind in ("checkpoint", "session.end") and told and not self._broken:
+            if told == self._hash.hexdigest():
+                self._sound_to = line.seq
+            else:
+                self._broken = True
+        self._hash.update(line.raw + b"\n")
+
+    def sentences(self) -> list[str]:
+        if not self._broken:
+            return []
+        if self._sound_to < 0:
+            return ["lines before the first checkpoint were changed or lost"]
+        return [f"lines after number {self._sound_to} were changed or lost"]
+
+
+class Names:
+    """Gives each session a name of its own; a number tells apart those that were the same."""
+
+    def __init__(self) -> None:
+        self._given: set[str] = set()
+
+    def apart(self, wanted: str) -> str:
+        """`wanted`, or with a number behind it. Case does not tell names apart, nor do disks."""
+        name, number = wanted, 1
+        while name.casefold() in self._given:
+            number += 1
+            name = f"{wanted}-{number}"
+        self._given.add(name.casefold())
+        return name

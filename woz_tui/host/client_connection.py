@@ -1,0 +1,356 @@
+"""One connection to the robot process: lines in, lines out, and neither can hold up the robot.
+
+A stop is looked for in whatever has been received; everything else waits for its turn.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from collections import deque
+from collections.abc import Callable
+from contextlib import suppress
+
+import msgspec
+
+from woz_tui.bus.hub import Hub, Subscription
+from woz_tui.host.role_view import View
+from woz_tui.protocol import codec
+from woz_tui.protocol.requests import (
+    AnyRequest,
+    AskAnswer,
+    AskAssign,
+    AskCheck,
+    AskEnd,
+    AskMarker,
+    AskMistake,
+    AskNote,
+    AskQuestionnaire,
+    AskRelease,
+    AskSet,
+    AskStop,
+    AskTrial,
+    Hello,
+    Reply,
+)
+from woz_tui.system.clock import Standstill
+
+#: Lines that may wait for a client that does not read; then its samples are dropped.
+CAPACITY = 4096
+#: Bytes that the kernel and asyncio may hold for it before lines begin to wait.
+HIGH_WATER = 256 * 1024
+#: Requests of all clients together that are carried out in one turn of the loop, and the seconds
+#: after which no further one begins.
+REQUESTS_A_TURN, TURN_S = 8, 0.005
+#: Bytes of requests that are read ahead, to find a stop behind them.
+READ_AHEAD = 1 << 20
+#: What is carried out although its sender has left: the stop, the end, and what the log is for.
+LASTING = (
+    AskStop
+    | AskEnd
+    | AskMarker
+    | AskNote
+    | AskMistake
+    | AskSet
+    | AskAssign
+    | AskTrial
+    | AskQuestionnaire
+    | AskAnswer
+    | AskCheck
+)
+#: Bytes of answers that may wait for a client that asks and asks and never reads.
+MOST_WAITING = 8 << 20
+#: How long a closed connection may take to deliver what was written, in seconds.
+LINGER_S = 1.0
+
+
+class Turns:
+    """Has waiting requests carried out: so many in one turn of the loop, one of each client after
+    the other. However much is asked and by however many, the robot and a stop come in between.
+    """
+
+    def __init__(self) -> None:
+        self._waiting: deque[Client] = deque()
+        self._under_way = False
+
+    def join(self, client: Client) -> None:
+        """`client` has requests again; unless this turn had its requests, the first begin now."""
+        self._waiting.append(client)
+        if not self._under_way:
+            self._serve()
+
+    def _serve(self) -> None:
+        self._under_way = bool(self._waiting)
+        if not self._under_way:
+            return
+        loop = asyncio.get_running_loop()
+        loop.call_soon(self._serve)
+        until = loop.time() + TURN_S
+        for _ in range(REQUESTS_A_TURN):
+            client = self._waiting.popleft()
+            try:
+                client.serve()
+            finally:
+                if client.waits:
+                    self._waiting.append(client)
+            if not self._waiting or loop.time() >= until:
+                return
+
+
+class Client(asyncio.Protocol):
+    """Splits lines, decodes requests, writes what the hub offers.
+
+    Args:
+        name: How the log calls this connection: `con1`, `con2` ...
+        hub: Source of the stream.
+        turns: Decides when a request is carried out.
+        standstill: Knows how long what is read now has waited in the socket.
+        on_request: Called with each decoded request.
+        on_stop: Called with a stop as soon as it has been received; its answer waits for its turn.
+        on_gone: Called once when the connection has ended.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        hub: Hub,
+        turns: Turns,
+        standstill: Standstill,
+        *,
+        on_request: Callable[[Client, AnyRequest], None],
+        on_stop: Callable[[Client, AskStop], None],
+        on_gone: Callable[[Client, str], None],
+    ) -> None:
+        self.name = name
+        self.hello: Hello | None = None
+        self.role = ""
+        #: What this client may see; None: all.
+        self.view: View | None = None
+        self.beat_us = 0
+        self.silent = False
+        #: Done when the connection has ended.
+        self.gone: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self._hub = hub
+        self._turns = turns
+        self._standstill = standstill
+        self._on_request = on_request
+        self._on_stop = on_stop
+        self._on_gone = on_gone
+        self._transport: asyncio.Transport | None = None
+        self._subscription: Subscription | None = None
+        self._rest = bytearray()
+        #: Lines that wait, and the answer to a stop that has overtaken those in front of it; each
+        #: with the `Clock.boot_us` since which it may have waited, here and in the socket.
+        self._lines: deque[tuple[bytes | Reply, int]] = deque()
+        self._ahead = 0
+        self._overtaken = 0
+        self._ended = False
+        self._paused = False
+        self._wake_due = False
+        self._due: list[bytes] = []
+        self._why = "closed"
+
+    # -- asyncio -----------------------------------------------------------------------------
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """The peer is there."""
+        assert isinstance(transport, asyncio.Transport)
+        transport.set_write_buffer_limits(high=HIGH_WATER)
+        self._transport = transport
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """The peer is gone."""
+        self._unsubscribe()
+        transport, self._transport = self._transport, None
+        if exc is not None and transport is not None:
+            # Found out by writing: asyncio reads no more, but a stop may have come before.
+            self.data_received(_left_unread(transport))
+        self.gone.set_result(None)
+        self._on_gone(self, self._why)
+
+    def eof_received(self) -> bool:
+        """It sends no more: what it has sent is carried out and answered, then it is closed."""
+        self._ended = True
+        if not self._lines:
+            self.close("closed")
+        return True
+
+    def pause_writing(self) -> None:
+        """The peer does not read: lines wait in the subscription, where samples may be dropped."""
+        self._paused = True
+
+    def resume_writing(self) -> None:
+        """It reads again."""
+        self._paused = False
+        self._wake()
+
+    def data_received(self, data: bytes) -> None:
+        """A stop is pressed at once; other whole lines wait; an over-long one ends the connection.
+
+        Only the last stop overtakes what is in front of it: a thousand are no more than one.
+        """
+        self._rest += data
+        lines: list[bytes] = []
+        if b"\n" in data:
+            *lines, rest = bytes(self._rest).split(b"\n")
+            self._rest = bytearray(rest)
+        if len(self._rest) > codec.MAX_LINE:
+            lines.append(bytes(self._rest))
+            self._rest.clear()
+        lines = [line for line in lines if line.strip()]
+        idle = not self._lines
+        self._ahead += sum(map(len, lines))
+        place, stop = _last_stop(lines)
+        if stop is not None:
+            self._ahead -= len(lines[place])
+            self._overtaken = len(self._lines) + place
+            self._on_stop(self, stop)
+        since_us = self._standstill.since_us() if lines else 0
+        self._lines.extend((line, since_us) for line in lines)
+        if stop is not None:
+            self._lines[self._overtaken] = Reply(ref=stop.ref, ok=True), since_us
+        if self._transport is not None and self._ahead > READ_AHEAD:
+            self._transport.pause_reading()
+        if idle and lines:
+            self._turns.join(self)
+
+    @property
+    def waits(self) -> bool:
+        """Whether it has sent requests that have not been carried out."""
+        return bool(self._lines)
+
+    def serve(self) -> None:
+        """Carry out the first request that waits."""
+        line, since_us = self._lines.popleft()
+        overtaken, self._overtaken = self._overtaken > 0, max(0, self._overtaken - 1)
+        if isinstance(line, Reply):
+            self.send(line)
+        else:
+            self._ahead -= len(line)
+            self._line(line, since_us, overtaken)
+        if self._transport is None:
+            return
+        if self._ahead <= READ_AHEAD:
+            self._transport.resume_reading()
+        if self._ended and not self._lines:
+            self.close("closed")
+
+    def _line(self, line: bytes, since_us: int, overtaken: bool) -> None:
+        left = self._transport is None or self._transport.is_closing()
+        if len(line) > codec.MAX_LINE:
+            self.send(
+                Reply(ref=0, ok=False, reason=f"a line can have at most {codec.MAX_LINE} bytes")
+            )
+            self.close("line too long")
+            return
+        try:
+            request = codec.decode_request(line)
+        except codec.WireError as error:
+            self.send(
+                Reply(
+                    ref=codec.ref_of(line),
+                    ok=False,
+                    reason=str(error),
+                    hint="docs/reference/protocol.md",
+                )
+            )
+            return
+        if overtaken and isinstance(request, AskRelease):
+            # It was sent before the stop, and so not because of it.
+            reason = "a newer stop arrived on the same connection"
+            self.send(
+                Reply(ref=request.ref, ok=False, reason=reason, hint="release the stop again")
+            )
+        elif not left or isinstance(request, LASTING):
+            if not request.sent_us:
+                request = msgspec.structs.replace(request, sent_us=since_us)
+            self._on_request(self, request)
+
+    # -- out ---------------------------------------------------------------------------------
+
+    def send(self, answer: msgspec.Struct) -> None:
+        """An answer to this client alone, after what the stream has already given it."""
+        if self._transport is not None:
+            self._collect()
+            self._due.append(codec.encode(answer))
+            self._wake()
+
+    def follow(self, samples: bool) -> None:
+        """Give it the stream from here on."""
+        see = self.view.see if self.view is not None else None
+        self._subscription = self._hub.subscribe(CAPACITY, samples, self._wake, see)
+
+    @property
+    def dropped(self) -> int:
+        """Samples it did not get because it was too slow."""
+        return self._subscription.dropped if self._subscription is not None else 0
+
+    def _wake(self) -> None:
+        """Write in the loop's next turn but one: all of its messages in one packet.
+
+        The jobs and stops that a request sets in motion run in the next turn. They come first: a
+        console that has been written to wakes up and competes for the processor.
+        """
+        if not self._wake_due:
+            self._wake_due = True
+            loop = asyncio.get_running_loop()
+            loop.call_soon(loop.call_soon, self._write)
+
+    def _write(self) -> None:
+        self._wake_due = False
+        self._flush()
+        transport, subscription = self._transport, self._subscription
+        overrun = subscription is not None and subscription.overrun
+        if transport and (overrun or transport.get_write_buffer_size() > MOST_WAITING):
+            self.close("the client reads too slowly")
+
+    def _collect(self) -> None:
+        if self._subscription is not None and not self._paused:
+            self._due += self._subscription.take()
+
+    def _flush(self) -> None:
+        self._collect()
+        if self._due and self._transport is not None:
+            self._transport.write(b"".join(self._due))
+        self._due.clear()
+
+    def close(self, why: str) -> None:
+        """End the connection; what was sent before still goes out, if it is read soon."""
+        if self._transport is None or self._transport.is_closing():
+            return
+        self._why = why
+        self._flush()
+        self._unsubscribe()
+        self._transport.close()
+        asyncio.get_running_loop().call_later(LINGER_S, self._abort)
+
+    def _abort(self) -> None:
+        # A transport that has delivered everything in the meantime cannot be aborted any more.
+        if self._transport is not None:
+            self._transport.abort()
+
+    def _unsubscribe(self) -> None:
+        if self._subscription is not None:
+            self._hub.unsubscribe(self._subscription)
+            self._subscription = None
+
+
+def _last_stop(lines: list[bytes]) -> tuple[int, AskStop | None]:
+    """The last stop among `lines` and where it is."""
+    for index in reversed(range(len(lines))):
+        if b'"stop"' in lines[index] and len(lines[index]) <= codec.MAX_LINE:
+            with suppress(codec.WireError):
+                request = codec.decode_request(lines[index])
+                if isinstance(request, AskStop):
+                    return index, request
+    return 0, None
+
+
+def _left_unread(transport: asyncio.Transport) -> bytes:
+    """What the peer sent before it left and nobody has read; no more than is read ahead."""
+    pieces: list[bytes] = []
+    with suppress(OSError):
+        file = transport.get_extra_info("socket").fileno()
+        while (piece := os.read(file, READ_AHEAD)) and sum(map(len, pieces)) < READ_AHEAD:
+            pieces.append(piece)
+    return b"".join(pieces)

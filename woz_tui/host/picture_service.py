@@ -1,0 +1,146 @@
+"""A camera's pictures for consoles: each one asked for, scaled for who asks, never in the log.
+
+A console asks again when it has shown the last one. So the slowest of camera, socket and the line
+to the terminal decides how many there are, and nothing ever piles up.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+
+from msgspec.structs import replace
+
+from woz_tui.host.client_connection import Client
+from woz_tui.protocol.camera_pictures import (
+    MOST_PIXELS,
+    MOST_RATE,
+    PICTURE,
+    WATCHED,
+    Picture,
+    PictureShown,
+    Watched,
+)
+from woz_tui.protocol.requests import AskPicture, Reply
+from woz_tui.session.session import Session
+
+#: How long a new picture is waited for, and how often it is looked for, in seconds.
+WAIT_S, LOOK_S = 1.0, 0.02
+#: A camera is told that it is watched for so much longer than the longest wait, in seconds.
+WATCHED_S = 2.5
+#: Who may see pictures: they show people, and a program can ask a camera itself.
+MAY = ("wizard", "watcher")
+
+log = logging.getLogger(__name__)
+
+
+class Pictures:
+    """Answers `AskPicture` for one session."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._asking: dict[Client, asyncio.Task[None]] = {}
+        self._watching: dict[tuple[str, str], Watched] = {}
+        self._one = asyncio.Lock()  # scaling takes a core: one picture after the other
+
+    @property
+    def cameras(self) -> list[str]:
+        """The drivers that have one, in the order of the experiment."""
+        named = self._session.feeds.drivers(PICTURE)
+        return [driver for driver in self._session.drivers if driver in named]
+
+    def ask(self, client: Client, request: AskPicture) -> None:
+        """Answer with a picture, at once or within a second; or refuse."""
+        refused = self._refusal(client, request)
+        if refused is not None:
+            client.send(refused)
+            return
+        driver = request.driver or self.cameras[0]
+        self._watch(client, driver, request)
+        task = asyncio.get_running_loop().create_task(self._answer(client, driver, request))
+        self._asking[client] = task
+        task.add_done_callback(lambda done: self._asking.pop(client, None))
+
+    def _refusal(self, client: Client, request: AskPicture) -> Reply | None:
+        reason = hint = ""
+        if client.role not in MAY:
+            reason = f"a {client.role} cannot see camera pictures"
+            hint = "start `woz attach --watch` to see them"
+        elif client in self._asking:
+            reason = "the previous picture has not arrived yet"
+        elif not (1 <= request.width <= MOST_PIXELS and 1 <= request.height <= MOST_PIXELS):
+            reason = f"a picture can have 1 x 1 to {MOST_PIXELS} x {MOST_PIXELS} pixels"
+        elif not 0 < request.rate <= MOST_RATE:
+            reason = f"the rate must be above 0 and at most {MOST_RATE:g} pictures a second"
+        elif request.driver and request.driver not in self._session.drivers:
+            reason = f"there is no driver {request.driver!r}"
+        elif request.driver and request.driver not in self.cameras:
+            reason = f"{request.driver} has no camera"
+            hint = f"drivers with a camera: {', '.join(self.cameras)}" if self.cameras else ""
+        elif not self.cameras:
+            reason = "no driver of this session has a camera"
+            hint = "docs/how-to/camera.md explains how to add one"
+        return Reply(ref=request.ref, ok=False, reason=reason, hint=hint) if reason else None
+
+    def _watch(self, client: Client, driver: str, request: AskPicture) -> None:
+        """Tell the camera that somebody watches, with the wishes of all who do."""
+        now = self._session.clock.now_us()
+        mine = Watched(now + round(WATCHED_S * 1_000_000), request.width, request.rate)
+        self._watching[driver, client.name] = mine
+        self._watching = {who: one for who, one in self._watching.items() if one.until_us > now}
+        all_of = [one for (of, _), one in self._watching.items() if of == driver]
+        together = Watched(
+            mine.until_us, max(one.width for one in all_of), max(one.rate for one in all_of)
+        )
+        self._session.feeds.feed(driver, WATCHED).put(together)
+
+    async def _answer(self, client: Client, driver: str, request: AskPicture) -> None:
+        shown = PictureShown(ref=request.ref, driver=driver, cameras=self.cameras)
+        try:
+            client.send(await self._shown(shown, request))
+        except Exception as error:
+            # Whoever asked waits for an answer, also when a driver's picture is none.
+            if not isinstance(error, ValueError):
+                log.exception("a picture of %s could not be drawn", driver)
+            reason = f"a picture of {driver} could not be drawn: {error}"
+            client.send(Reply(ref=request.ref, ok=False, reason=reason))
+
+    async def _shown(self, shown: PictureShown, request: AskPicture) -> PictureShown:
+        found = await self._next(shown.driver, request.after)
+        if found is None:
+            why = f"{shown.driver} sent no new picture within {WAIT_S:g} s"
+            return replace(shown, why=why)
+        number, picture = found
+        async with self._one:
+            # With it comes numpy: neither may hold up the robot.
+            width, height, data = await asyncio.to_thread(_drawn, picture, request)
+        return replace(
+            shown,
+            number=number,
+            t=self._session.hub.t(picture.t_us),
+            width=width,
+            height=height,
+            camera_width=picture.width,
+            camera_height=picture.height,
+            format=request.format,
+            data=data,
+        )
+
+    async def _next(self, driver: str, after: int) -> tuple[int, Picture] | None:
+        """The newest picture that is not number `after`, as soon as there is one."""
+        feed = self._session.feeds.feed(driver, PICTURE)
+        loop = asyncio.get_running_loop()
+        until = loop.time() + WAIT_S
+        while True:
+            latest = feed.latest()
+            if latest.serial not in (0, after) and isinstance(latest.value, Picture):
+                return latest.serial, latest.value
+            if loop.time() >= until:
+                return None
+            await asyncio.sleep(LOOK_S)
+
+
+def _drawn(picture: Picture, request: AskPicture) -> tuple[int, int, str]:
+    from woz_tui.host.picture_scaling import drawn  # noqa: PLC0415 - loads numpy
+
+    return drawn(picture, request.width, request.height, request.format)

@@ -1,0 +1,406 @@
+"""What may be asked of a session, and the answers: one function for each kind of request."""
+
+from __future__ import annotations
+
+import asyncio
+import dataclasses
+import logging
+from collections.abc import Callable, Mapping
+
+import msgspec
+from msgspec.structs import replace
+
+from woz_tui.config.experiment import Call, Experiment, ExperimentError, Place
+from woz_tui.config.reload_changes import compare
+from woz_tui.drivers.contract import Finding
+from woz_tui.host.client_connection import Client
+from woz_tui.host.picture_service import Pictures
+from woz_tui.protocol.messages import Json, Notice
+from woz_tui.protocol.requests import (
+    AnyRequest,
+    AskAction,
+    AskAnswer,
+    AskAssign,
+    AskCancel,
+    AskCheck,
+    AskEmptyQueue,
+    AskEnd,
+    AskKeepTyped,
+    AskLock,
+    AskMarker,
+    AskMistake,
+    AskNote,
+    AskPhase,
+    AskPicture,
+    AskPreflight,
+    AskProfile,
+    AskProposal,
+    AskQuestionnaire,
+    AskRelease,
+    AskReload,
+    AskScript,
+    AskSet,
+    AskTakeOver,
+    AskTraining,
+    AskTrial,
+    AskVerb,
+    Reply,
+)
+from woz_tui.session.action_runner import Origin
+from woz_tui.session.participant_identity import AskError
+from woz_tui.session.preflight import preflight
+from woz_tui.session.questionnaire_control import PARTICIPANT
+from woz_tui.session.session import Session
+from woz_tui.session.typed_actions import Reader, copied, without_typed, written
+from woz_tui.session.variables import MissingError, call_with
+
+log = logging.getLogger(__name__)
+
+#: What somebody who only watches may ask for (stop and taking over: see `server`).
+WATCHER_MAY = (AskPreflight, AskMarker, AskNote, AskPicture, AskTakeOver)
+#: What a participant may ask for, who sits at a terminal to answer a questionnaire.
+PARTICIPANT_MAY = (AskQuestionnaire, AskAnswer)
+#: What takes its time, because it reads files or asks devices.
+Slow = AskReload | AskKeepTyped | AskPreflight | AskProposal
+#: So many of one kind may wait for each client, while the one before is worked on.
+SLOW_WAITING = 16
+_NOWHERE = Place("", 0, 0)
+
+
+class Desk:
+    """Answers requests for one session.
+
+    Args:
+        session: What is asked of.
+        load: Reads the experiment file again; raises `ExperimentError`.
+        read: Reads a text as if that file held it; raises `ExperimentError`.
+    """
+
+    def __init__(
+        self, session: Session, load: Callable[[], Experiment], read: Reader | None = None
+    ) -> None:
+        self._session = session
+        self._load = load
+        self._read = read or (lambda data: load())
+        self._pictures = Pictures(session)
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._slow: dict[tuple[Client, type[Slow]], list[Slow]] = {}
+        self._reading = asyncio.Lock()  # what was read last is what counts
+        self._looking = asyncio.Lock()  # into the earlier logs, one after the other
+        self.on_end: Callable[[str], None] = lambda reason: None
+        self.on_training: Callable[[], None] | None = None
+        self.on_panels: Callable[[], None] = lambda: None
+        #: Called before an experiment is adopted.
+        self.on_reload: Callable[[Experiment], None] = lambda experiment: None
+
+    def answer(self, client: Client, request: AnyRequest) -> None:
+        """Carry `request` out and reply; every request gets exactly one reply; a picture is one."""
+        if client.view is not None:
+            request = client.view.redactor.request(request)
+        if client.role == "watcher" and not isinstance(request, WATCHER_MAY):
+            client.send(self._only_watches(request))
+        elif client.role == PARTICIPANT and not isinstance(request, PARTICIPANT_MAY):
+            reason = "this console can only answer questionnaires"
+            client.send(Reply(ref=request.ref, ok=False, reason=reason))
+        elif isinstance(request, AskPicture):
+            self._pictures.ask(client, request)
+        elif isinstance(request, Slow):
+            self._later(client, request)
+        else:
+            client.send(self._now(client, request))
+
+    def _only_watches(self, request: AnyRequest) -> Reply:
+        if self._session.bus.unwatched:
+            reason = "this console only watches, and nobody plays the robot"
+            return Reply(ref=request.ref, ok=False, reason=reason, command="take_over")
+        return Reply(
+            ref=request.ref,
+            ok=False,
+            reason="this console only watches; another console plays the robot",
+            hint="start `woz attach --take-over` to play the robot here",
+        )
+
+    def _now(self, client: Client, request: AnyRequest) -> Reply:
+        try:
+            run = self._carry(client, request)
+        except AskError as error:
+            return _refused(client, request, error)
+        return Reply(ref=request.ref, ok=True, run=run)
+
+    def _carry(self, client: Client, request: AnyRequest) -> str:
+        session = self._session
+        run, stale = "", self._stale(request)
+        match request:
+            case AskAction():
+                run = self._action(client, request, stale)
+            case AskVerb():
+                run = self._verb(client, request, stale)
+            case AskScript():
+                run = self._script(client, request, stale)
+            case AskRelease(source=source):
+                session.release(source, stale)
+            case _ if stale and (undone := _undone(request)):
+                session.refuse(undone, stale)
+            case AskCancel() | AskEmptyQueue():
+                self._end(client, request)
+            case AskSet(participant=participant, condition=condition, trial=trial):
+                session.set(participant, condition, trial)
+            case AskMarker() | AskNote() | AskMistake():
+                self._write(client, request)
+            case AskLock(panel=panel, locked=locked):
+                session.lock(panel, locked)
+            case AskProfile(profile=profile, source=source):
+                session.use_profile(profile, source)
+                self.on_panels()
+            case AskEnd(reason=reason):
+                session.end_tells = self._tells(client)
+                self.on_end(reason)
+            case _:
+                self._study(client, request)
+        return run
+
+    def _end(self, client: Client, request: AskCancel | AskEmptyQueue) -> None:
+        match request:
+            case AskCancel(run=wanted):
+                self._session.cancel(wanted)
+            case AskEmptyQueue():
+                self._session.empty_queue(f"{client.role} {client.name}")
+
+    def _study(self, client: Client, request: AnyRequest) -> None:
+        study = self._session.study
+        if self._session.ended:
+            raise AskError("the session is ending")
+        match request:
+            case AskPhase(phase=phase, source=by, key=key):
+                self._session.phase(phase, Origin(by, key, client.name))
+            case AskAssign(participant=participant, order=order):
+                study.assign(participant, order)
+            case AskTrial(what=what, text=text):
+                study.trial(what, text, self._tells(client))
+            case AskQuestionnaire(questionnaire=name, what=what, source=source):
+                by = PARTICIPANT if client.role == PARTICIPANT else source
+                study.questioning.ask(name, what, by)
+            case AskAnswer():
+                study.questioning.answer(request)
+            case AskTraining():
+                if self.on_training is None:
+                    raise AskError("this session is no training", "`woz train` begins one")
+                self.on_training()
+            case AskCheck(check=check, ok=ok, text=text):
+                study.check(check, ok, text, client.role)
+            case _:
+                raise AskError(f"{type(request).__name__} cannot be used here")
+
+    def _write(self, client: Client, request: AskMarker | AskNote | AskMistake) -> None:
+        tells = self._tells(client)
+        match request:
+            case AskMarker(text=text):
+                self._session.mark(text, client.role, tells)
+            case AskNote(text=text):
+                self._session.note(text, tells)
+            case AskMistake(run=wrong, text=text):
+                self._session.mistake(wrong, text, tells)
+
+    def _tells(self, client: Client) -> tuple[str, ...]:
+        """What words of this client may tell: one that sees all may write of the condition."""
+        design = self._session.experiment.study.design
+        blinds = design is not None and bool(design.blind)
+        return ("condition",) if blinds and client.view is None else ()
+
+    def _action(self, client: Client, request: AskAction, stale: str) -> str:
+        return self._session.play(
+            request.action,
+            Origin(request.source, request.key, client.name),
+            request.when_busy,
+            stale,
+        )
+
+    def _script(self, client: Client, request: AskScript, stale: str) -> str:
+        if request.to is not None:
+            if stale:
+                self._session.refuse("Script not moved", stale)
+            self._session.script_to(request.to)
+        if not request.play:
+            return ""
+        return self._session.script_next(Origin("script", request.key, client.name), stale)
+
+    def _verb(self, client: Client, request: AskVerb, stale: str) -> str:
+        """Send it with its variables filled in, as in the experiment file."""
+        # First of all: a sentence about a variable would quote what stands between braces.
+        args = self._session.bus.hidden(request.verb, request.args)
+        texts = {name: text for name, text in args.items() if isinstance(text, str)}
+        call = Call(request.verb, texts, request.on, _NOWHERE)
+        if not stale:
+            try:
+                call = call_with(call, self._session.values())
+            except MissingError as error:
+                raise AskError(str(error), "to write a brace, double it: {{ or }}") from error
+        if tells := self._tells(client):
+            call = dataclasses.replace(call, tells=tells, unfilled=dict.fromkeys(texts, "..."))
+        run = self._session.send(
+            request.verb,
+            {**args, **call.args},
+            request.on,
+            Origin(request.source, request.key, client.name),
+            when_busy=request.when_busy,
+            stale=stale,
+            tells=call.tells,
+            unfilled=call.unfilled,
+        )
+        typed = request.verb == "say" and request.source == "key" and client.role == "wizard"
+        if typed and [*args] == ["text"] and self._session.keep_typed(texts["text"], request.on):
+            self.on_panels()
+        return run
+
+    def _stale(self, request: AnyRequest) -> str:
+        """Why it is too old to move anything; its time in the socket counts."""
+        age_us = self._session.standstill.waited_us(request.sent_us)
+        if isinstance(request, AskAction | AskVerb | AskScript | AskPhase):
+            if request.stale:
+                return "too late: it arrived in a burst after the connection had stalled"
+            age_us += max(0, request.age_us)
+        return self._session.too_old(age_us)
+
+    # -- what takes its time -----------------------------------------------------------------
+
+    def _later(self, client: Client, request: Slow) -> None:
+        """One of a kind at a time for each client; what waits for one that left is dropped."""
+        waiting = self._slow.get((client, type(request)))
+        if waiting is None:
+            waiting = self._slow[client, type(request)] = []
+            task = asyncio.get_running_loop().create_task(self._work_off(client, type(request)))
+            self._tasks.add(task)
+            task.add_done_callback(self._tasks.discard)
+        if len(waiting) < SLOW_WAITING:
+            waiting.append(request)
+        else:
+            reason = f"too many requests of this kind are waiting ({SLOW_WAITING})"
+            client.send(
+                Reply(ref=request.ref, ok=False, reason=reason, hint="wait for their answers")
+            )
+
+    async def _work_off(self, client: Client, kind: type[Slow]) -> None:
+        waiting = self._slow[client, kind]
+        while waiting and not client.gone.done():
+            request = waiting[0]
+            # Whoever asks the same from here on gets an answer of its own: things may have changed.
+            same = [each for each in waiting if replace(each, ref=request.ref) == request]
+            waiting[:] = [each for each in waiting if each not in same]
+            reply = await self._reply(client, request)
+            for each in same:
+                client.send(replace(reply, ref=each.ref))
+        del self._slow[client, kind]
+
+    async def _reply(self, client: Client, request: Slow) -> Reply:
+        #: Lines that may tell the condition, and what stands for them where it is kept.
+        instead: dict[str, str] = {}
+        try:
+            data = await self._data(request, instead)
+        except AskError as error:
+            return _refused(client, request, error)
+        except ExperimentError as error:
+            count = len(error.problems)
+            reply = Reply(
+                ref=request.ref,
+                ok=False,
+                reason=f"the file has {count} error{'' if count == 1 else 's'};"
+                " nothing was changed",
+                hint="woz check tells what is wrong",
+                data=[str(problem) for problem in error.problems],
+            )
+            places = {str(problem): str(problem.place) for problem in error.problems}
+            return _seen(client, reply, places)
+        except Exception as error:
+            # Whoever asked waits for an answer, also when a driver's package is broken.
+            log.exception("%s failed", type(request).__name__)
+            return Reply(ref=request.ref, ok=False, reason=f"{type(error).__name__}: {error}")
+        return _seen(client, Reply(ref=request.ref, ok=True, data=data), instead)
+
+    async def _data(self, request: Slow, instead: dict[str, str]) -> Json:
+        if isinstance(request, AskPreflight):
+            return _plain(await preflight(self._session))
+        if isinstance(request, AskProposal):
+            async with self._looking:
+                study, participant = self._session.study, request.participant
+                return (await asyncio.to_thread(study.propose, participant)).data()
+        async with self._reading:
+            if isinstance(request, AskKeepTyped):
+                return await self._keep_typed(request.dry_run)
+            return await self._reload(request.dry_run, instead)
+
+    async def _keep_typed(self, dry_run: bool) -> Json:
+        """Also while the session ends: the sentences are there until the process has gone."""
+        session = self._session
+        typed, path = session.typed, session.experiment.path
+        kept, file = session.kept
+        data: dict[str, Json] = {"sentences": 0, "file": file, "diff": [], "written": False}
+        if typed == kept:
+            return data
+        copy = await asyncio.to_thread(copied, path, typed, self._read)
+        if copy.sentences and not dry_run:
+            copy = await asyncio.to_thread(written, path, copy)
+            session.kept = typed, str(copy.file)
+            data["written"] = True
+            text = f"Typed sentences are in {copy.file.name}, a copy of the experiment file"
+            if not session.ended:
+                session.hub.publish(Notice(level="info", text=text))
+        return {**data, "sentences": copy.sentences, "file": str(copy.file), "diff": [*copy.diff]}
+
+    async def _reload(self, dry_run: bool, instead: dict[str, str]) -> Json:
+        """Read in a thread: a network folder must not hold up the robot."""
+        experiment = await asyncio.to_thread(self._load)
+        if self._session.ended:
+            raise AskError("the session is ending")
+        difference = compare(without_typed(self._session.experiment), experiment)
+        if difference.drivers:
+            raise AskError(
+                "the drivers changed: " + "; ".join(difference.drivers),
+                "end the session and start it again to use other drivers",
+            )
+        reread = await asyncio.to_thread(self._session.reread, experiment, dry_run=dry_run)
+        changes = [*difference.changes, *reread]
+        telling = [*difference.telling, *reread]
+        instead.update(dict.fromkeys(telling, "a change that could reveal the condition"))
+        if self._session.ended:
+            raise AskError("the session is ending")
+        if not dry_run:
+            self.on_reload(experiment)
+            self._session.adopt(experiment, changes, telling)
+            self.on_panels()
+        return [*changes]
+
+
+def _undone(request: AnyRequest) -> str:
+    """What is not done if the request is too old: it would let something move, or mean another
+    thing by now. Empty: it is done all the same, as are records and whatever takes away.
+    """
+    match request:
+        case AskLock(panel=panel, locked=False):
+            return f"Panel {panel!r} not unlocked"
+        case AskProfile():
+            return "Profile not changed"
+        case AskPhase():
+            return "Phase not changed"
+        case AskMistake(run=""):
+            return "Last action not marked as a mistake"
+        case AskEnd():
+            return "Session not ended"
+    return ""
+
+
+def _refused(client: Client, request: AnyRequest, error: AskError) -> Reply:
+    """Why not; conditions are listed by the names that the client knows."""
+    hint = error.hint
+    if client.view is not None and error.conditions:
+        hint = f"there are {', '.join(client.view.redactor.labels(error.conditions))}"
+    return Reply(ref=request.ref, ok=False, reason=error.reason, hint=hint, command=error.command)
+
+
+def _seen(client: Client, reply: Reply, instead: Mapping[str, str]) -> Reply:
+    """What the client may have of an answer."""
+    return reply if client.view is None else client.view.redactor.reply(reply, instead)
+
+
+def _plain(findings: list[Finding]) -> Json:
+    plain: Json = msgspec.to_builtins(findings)
+    return plain

@@ -1,0 +1,308 @@
+"""`woz host`: the robot process from start to end."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import functools
+import gc
+import json
+import logging
+import os
+import signal
+import socket
+import sys
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.loading import load
+from woz_tui.drivers.plugins import Catalogue, installed
+from woz_tui.host.request_handlers import Desk
+from woz_tui.host.server import Host
+from woz_tui.host.socket_place import bind, next_session, running, socket_path, starting
+from woz_tui.log.file_names import name_after
+from woz_tui.log.recorder import Recorder, stem
+from woz_tui.machine.scheduling import ask_for_short_turns
+from woz_tui.protocol import messages as m
+from woz_tui.session.participant_identity import AskError, Identity, check_code, check_participant
+from woz_tui.session.profile_limits import Profiles
+from woz_tui.session.session import Session
+from woz_tui.system.clock import RealClock
+
+if TYPE_CHECKING:  # most sessions are neither, and begin without loading them
+    from woz_tui.drivers.contract import Driver
+    from woz_tui.host.rerun_session import Rerun, RerunOptions
+    from woz_tui.host.training_session import TrainingOptions, TrainingSession
+    from woz_tui.replay.rerun_plan import Plan
+    from woz_tui.training.cue_plan import PlannedCue
+
+#: Collections of young objects are cheap; the long ones must not fall into a wizard's key press.
+GC_THRESHOLDS = (50_000, 20, 100)
+#: A thread of a driver or of the recorder keeps the interpreter so long at most while a key waits.
+SWITCH_S = 0.0005
+#: How long the end of a session may take at most, and what is left of the process after it.
+CLOSE_LIMIT_S = 30.0
+EXIT_LIMIT_S = 3.0
+
+#: Seconds from a line to the sync that sees it onto the disk: the robot's move comes first.
+SYNC_AFTER_S = 0.002
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class HostOptions:
+    """What `woz host` was told.
+
+    `name` is the socket's (empty: the session's code); a session without a code gets the next free
+    one. `recordings` the folder of logs; `spill` a second folder for when the
+    first one fails. `announce` writes one JSON line with socket and log to standard output.
+    `profile` is what the wizard may use at the beginning; empty: everything. `rerun`: which log's
+    commands are run again. `training`: a wizard is trained, and nothing moves.
+    """
+
+    experiment: Path
+    identity: Identity
+    name: str
+    recordings: Path
+    spill: Path | None = None
+    announce: bool = False
+    profile: str = ""
+    rerun: RerunOptions | None = None
+    training: TrainingOptions | None = None
+
+
+def run(options: HostOptions) -> int:
+    """Serve one session until it ends; the exit code.
+
+    Raises `ExperimentError`, `PlaceError`, `PluginError`, `AskError` or `OSError` before anything
+    has begun; afterwards everything is handled here.
+    """
+    _fill_standard_streams()
+    catalogue = installed()
+    experiment = _read(options, catalogue)
+    _check_identity(options.identity, experiment)
+    if options.profile:
+        Profiles(lambda message: None).use(options.profile, experiment, "")
+    plan: Plan | None = None
+    if options.rerun is not None:
+        from woz_tui.host.rerun_session import read_plan  # noqa: PLC0415
+
+        plan = read_plan(options.rerun, experiment)
+    cues: tuple[PlannedCue, ...] = ()
+    if options.training is not None:
+        from woz_tui.host.training_session import in_training, read_cues  # noqa: PLC0415
+
+        cues = read_cues(options.training, experiment, options.identity.seed)
+        options = replace(options, identity=in_training(options.identity, experiment))
+    return asyncio.run(_serve(options, catalogue, experiment, plan, cues))
+
+
+def _read(options: HostOptions, catalogue: Catalogue) -> Experiment:
+    """The experiment's file as it is now, for this kind of session."""
+    experiment = load(options.experiment, catalogue)
+    if options.training is not None:
+        from woz_tui.host.training_session import without_participant  # noqa: PLC0415
+
+        return without_participant(experiment)
+    if options.rerun is not None:
+        from woz_tui.host.rerun_session import without_model  # noqa: PLC0415
+
+        return without_model(experiment)
+    return experiment
+
+
+def _fill_standard_streams() -> None:
+    """Where they were closed, the log or a socket would take their numbers, and get what a child
+    process has to say.
+    """
+    while (number := os.open(os.devnull, os.O_RDWR)) <= 2:
+        os.set_inheritable(number, True)
+    os.close(number)
+
+
+def _check_identity(identity: Identity, experiment: Experiment) -> None:
+    if identity.session:
+        check_code(identity.session, "session")
+    if identity.wizard:
+        check_code(identity.wizard, "wizard")
+    if identity.participant:
+        check_participant(identity.participant, experiment.participant_pattern)
+    identity.changed(experiment, None, identity.condition or None, None)
+
+
+async def _serve(
+    options: HostOptions,
+    catalogue: Catalogue,
+    experiment: Experiment,
+    plan: Plan | None,
+    cues: tuple[PlannedCue, ...],
+) -> int:
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a closed terminal does not end the session
+    clock = RealClock()
+    sessions: list[Session] = []
+
+    def recorder_moved(state: m.RecorderState) -> None:
+        for session in sessions:  # none yet while the recorder makes its files
+            session.recorder_moved(state)
+
+    identity, path, listener, recorder = _begin_files(options, clock, recorder_moved)
+    session = Session(experiment, _offered(options, catalogue), identity, recorder, clock)
+    sessions.append(session)
+    participants: set[str] = set()
+    session.hub.listen(functools.partial(_note_participant, participants))
+    if options.profile:
+        session.use_profile(options.profile, "start")
+    read = functools.partial(load, options.experiment, catalogue)
+    desk = Desk(session, lambda: _read(options, catalogue), read)
+    host = Host(session, path, desk)
+    rerun, training = _played(host, options, plan, cues)
+    for number in (signal.SIGTERM, signal.SIGINT):
+        asyncio.get_running_loop().add_signal_handler(number, host.end, "terminated")
+    reason = "crashed"
+    try:
+        await session.open()
+        if training is None:
+            await _assign_proposed(session)
+        host.listen(listener)
+        if options.announce:
+            _announce(path, recorder)
+        ask_for_short_turns()
+        gc.collect()
+        gc.freeze()
+        gc.set_threshold(*GC_THRESHOLDS)
+        sys.setswitchinterval(SWITCH_S)
+        if rerun is not None:
+            rerun.begin_when_ready()
+        reason = await host.serve()
+    finally:
+        _leave_within(CLOSE_LIMIT_S)
+        try:
+            if rerun is not None:
+                rerun.end("the session ends")
+            if training is not None:
+                training.end()
+        finally:  # whatever that came to: the robot rests and the log is finished
+            await session.close(reason)
+            _name_log(recorder.path, participants)
+            await host.close()
+            _leave_within(EXIT_LIMIT_S)
+    return 0
+
+
+def _begin_files(
+    options: HostOptions, clock: RealClock, moved: Callable[[m.RecorderState], None]
+) -> tuple[Identity, Path, socket.socket, Recorder]:
+    """Session code, socket and log, while no other session of this user chooses its own."""
+    identity = options.identity
+    with starting():
+        if not identity.session:
+            identity = replace(identity, session=next_session(options.recordings, running()))
+        path = socket_path(options.name or identity.session)
+        listener = bind(path)
+        recorder = Recorder(
+            options.recordings,
+            stem(clock.wall(), identity.participant, identity.session),
+            clock,
+            spill=options.spill,
+            on_state=moved,
+            defer=functools.partial(asyncio.get_running_loop().call_later, SYNC_AFTER_S),
+        )
+    return identity, path, listener, recorder
+
+
+async def _assign_proposed(session: Session) -> None:
+    """Give the participant of the command line the order that the start dialog would propose;
+    whoever names a condition there has chosen.
+    """
+    who, study = session.identity, session.study
+    if not who.participant or who.condition or session.experiment.study.design is None:
+        return
+    try:
+        proposal = await asyncio.to_thread(study.propose, who.participant)
+        study.assign(who.participant, [*proposal.order])
+    except AskError as error:
+        session.hub.publish(
+            m.Notice(
+                level="warning",
+                text=f"{who.participant} has no order of conditions: {error.reason}",
+                remedy=error.hint or "choose the participant again",
+            )
+        )
+
+
+def _note_participant(participants: set[str], message: m.AnyMessage) -> None:
+    if isinstance(message, m.SessionChanged) and message.participant:
+        participants.add(message.participant)
+
+
+def _name_log(path: Path, participants: set[str]) -> None:
+    """The one participant that was chosen stands in the names of the files; of several, none."""
+    if len(participants) == 1:
+        try:
+            name_after(path, *participants)
+        except OSError as error:
+            log.warning("the log keeps its name: %s", error)
+
+
+def _offered(options: HostOptions, catalogue: Catalogue) -> Mapping[str, type[Driver]]:
+    """The drivers of this kind of session, by type."""
+    if options.training is None:
+        return catalogue
+    from woz_tui.training.rehearsal_driver import rehearsed  # noqa: PLC0415
+
+    return rehearsed(catalogue)
+
+
+def _played(
+    host: Host, options: HostOptions, plan: Plan | None, cues: tuple[PlannedCue, ...]
+) -> tuple[Rerun | None, TrainingSession | None]:
+    """What goes on in the session by itself, if anything does."""
+    rerun = training = None
+    if plan is not None and options.rerun is not None:
+        from woz_tui.host.rerun_session import Rerun  # noqa: PLC0415
+
+        rerun = Rerun(host, plan, options.rerun)
+    if options.training is not None:
+        from woz_tui.host.training_session import TrainingSession  # noqa: PLC0415
+
+        training = TrainingSession(host, cues)
+    return rerun, training
+
+
+def _leave_within(seconds: float) -> None:
+    """No driver keeps the process, neither by blocking the loop nor by a job that goes on."""
+
+    def leave() -> None:
+        log.error("a driver does not stop; the robot process ends without it")
+        os._exit(1)
+
+    timer = threading.Timer(seconds, leave)
+    timer.daemon = True
+    timer.start()
+
+
+def _announce(path: Path, recorder: Recorder) -> None:
+    """Tell the parent, then let go of its pipes: the robot process outlives the terminal.
+
+    From here on standard error goes to a file beside the log. A parent that has died in the
+    meantime is no other case than one that dies later.
+    """
+    own_log = recorder.path.with_suffix(".host.log")
+    said = {"socket": str(path), "log": str(recorder.path), "host_log": str(own_log)}
+    file = -1
+    with contextlib.suppress(OSError):
+        file = os.open(own_log, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o600)
+    with contextlib.suppress(BrokenPipeError):
+        print(json.dumps(said), flush=True)  # noqa: T201 - the one line of this protocol
+    null = os.open(os.devnull, os.O_RDWR)
+    os.dup2(null, 0)
+    for number in (1, 2):
+        os.dup2(file if file >= 0 else null, number)
+    os.close(null)
+    if file >= 0:
+        os.close(file)

@@ -1,0 +1,204 @@
+"""The lines of one file: cut out of its bytes, decoded one by one, the damaged ones counted."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, get_args
+
+import msgspec
+
+from woz_tui.log.damage import Damage
+from woz_tui.protocol import codec
+from woz_tui.protocol.messages import SCHEMA, AnyMessage, Segment
+from woz_tui.system.files import open_regular
+
+#: Bytes that are read at once: small enough to stay in the processor's cache with what they hold,
+#: and for Python's collector not to go through them before they are given on.
+BLOCK = 1 << 15
+#: The first bytes of a file come by themselves: its first lines are looked at one by one.
+_BEGINNING = 1 << 12
+#: No line of a log is longer; a file of garbage cannot make a reader hoard memory.
+LONGEST = 1 << 24
+
+#: Every kind of message that this version knows.
+KINDS = frozenset(each.__struct_config__.tag for each in get_args(AnyMessage))
+
+
+@dataclass(frozen=True)
+class Line:
+    """One message as it stands in the log. `seq` rises from line to line; gaps can occur.
+
+    Attributes:
+        seq: Its number in the session.
+        t: Microseconds since the session began.
+        ts: Wall clock, RFC 3339; empty for samples.
+        kind: Its kind, maybe one that this version does not know.
+        fields: The whole object, unknown fields included.
+        raw: The line's bytes, without the newline.
+        message: The line as a message; None if this version does not know its kind or cannot
+            take its fields.
+    """
+
+    seq: int
+    t: int
+    ts: str
+    kind: str
+    fields: dict[str, Any]
+    raw: bytes
+    message: AnyMessage | None = field(default=None, compare=False, repr=False)
+
+    @property
+    def sample(self) -> bool:
+        """Whether it is a raw sample of a sensor, or another value that is soon replaced."""
+        return self.kind in codec.SAMPLE_KINDS
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Whole lines of a file, or its last one if no newline follows it (then not `whole`).
+
+    `data` None: one line that is longer than any message.
+    """
+
+    path: Path
+    offset: int
+    data: bytes | None
+    whole: bool = True
+
+
+def lines_of(path: Path, damage: Damage) -> Iterator[Line]:
+    """The messages in one file as they stand there, without the lines that open a segment."""
+    for chunk in chunks_of(path, damage):
+        yield from lines_in(chunk, damage)
+
+
+def lines_in(chunk: Chunk, damage: Damage) -> list[Line]:
+    """The messages of a chunk, without the lines that open a segment."""
+    if chunk.data is None:
+        _lost(chunk, 0, damage)
+        return []
+    found = []
+    offset = 0
+    for piece in chunk.data.split(b"\n"):
+        raw = _clean(piece, damage)
+        if raw:
+            line = decode(raw)
+            if line is None:
+                _lost(chunk, offset + len(piece) - len(piece.lstrip(b"\0 \t\r")), damage)
+            elif line.seq < 0:
+                _account(line, damage)
+            else:
+                _judge(line, damage)
+                found.append(line)
+        offset += len(piece) + 1
+    return found
+
+
+def _lost(chunk: Chunk, offset: int, damage: Damage) -> None:
+    if chunk.whole:
+        damage.damaged += 1
+    else:
+        damage.torn += 1
+    damage.at(chunk.path, chunk.offset + offset)
+
+
+def _account(line: Line, damage: Damage) -> None:
+    """What the recorder says of lines that it could not keep: so far, of the whole session."""
+    if isinstance(line.message, Segment):
+        damage.dropped = max(damage.dropped, line.message.dropped)
+        damage.dropped_samples = max(damage.dropped_samples, line.message.dropped_samples)
+
+
+def _judge(line: Line, damage: Damage) -> None:
+    """Note what this version does not know about the line."""
+    if line.kind == "session.start":
+        schema = line.fields.get("schema", SCHEMA)
+        if type(schema) is int and schema > SCHEMA:
+            damage.newer = max(damage.newer, schema)
+    if line.message is None:
+        if line.kind in KINDS:
+            damage.misshapen += 1
+        else:
+            damage.stranger(line.kind)
+
+
+def decode(raw: bytes) -> Line | None:
+    """A line, with `seq` -1 if it opens a segment; None if it is no message."""
+    message = _message(raw)
+    try:
+        raw.decode()
+        fields = codec.decode_unknown(raw)
+    except UnicodeDecodeError:
+        return None
+    except codec.WireError:
+        if message is None:
+            return None
+        fields = msgspec.to_builtins(message)  # an unknown field holds what no program can
+    kind, seq, t = fields.get("kind"), fields.get("seq", -1), fields.get("t", -1)
+    ts = fields.get("ts", "")
+    if not isinstance(kind, str) or not isinstance(ts, str):
+        return None
+    if type(seq) is not int or type(t) is not int:
+        return None
+    if kind == "segment":
+        seq = -1
+    elif seq < 0 or t < 0:
+        return None
+    return Line(seq, t, ts, kind, fields, raw, message)
+
+
+def _message(raw: bytes) -> AnyMessage | None:
+    try:
+        return codec.decode_message(raw)
+    except codec.WireError:
+        return None
+
+
+def chunks_of(path: Path, damage: Damage, block: int = BLOCK) -> Iterator[Chunk]:
+    """A file in pieces of whole lines, each about `block` bytes long."""
+    try:
+        with open_regular(path) as file:
+            yield from _cut(path, file.fileno(), damage, block)
+    except OSError as error:
+        damage.unreadable.append(f"{path}: {error.strerror}")
+
+
+def _cut(path: Path, fd: int, damage: Damage, block: int) -> Iterator[Chunk]:
+    start, size = 0, min(block, _BEGINNING)
+    while data := os.pread(fd, size, start):
+        end = data.rfind(b"\n") + 1
+        if end:
+            yield Chunk(path, start, data[:end])
+            start, size = start + end, block
+        elif not data.strip(b"\0"):  # a hole full of NULs takes no memory
+            damage.nul_bytes += len(data)
+            start += len(data)
+        elif len(data) >= LONGEST:
+            end, whole = _end_of_line(fd, start + len(data), block)
+            yield Chunk(path, start, None, whole)
+            start, size = end, block
+        elif not os.pread(fd, 1, start + len(data)):
+            yield Chunk(path, start, data, whole=False)
+            return
+        else:
+            size *= 2
+
+
+def _end_of_line(fd: int, start: int, block: int) -> tuple[int, bool]:
+    """Where the line that goes on at `start` ends, and whether with a newline."""
+    while data := os.pread(fd, block, start):
+        end = data.find(b"\n") + 1
+        if end:
+            return start + end, True
+        start += len(data)
+    return start, False
+
+
+def _clean(text: bytes, damage: Damage) -> bytes:
+    if b"\0" in text:
+        damage.nul_bytes += text.count(b"\0")
+        text = text.replace(b"\0", b"")
+    return text.strip(b" \t\r\n")

@@ -1,0 +1,188 @@
+"""Which files belong to one session, and in what order."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from woz_tui.log.file_names import FileName, second_places, unique
+from woz_tui.protocol import codec
+from woz_tui.system.files import open_regular
+
+#: The last line of a file is looked for in so many bytes.
+_TAIL = 1 << 14
+#: So many folders are believed of one line.
+_PLACES = 16
+#: What stands in a log that was cut off, or whose session still runs.
+NO_END = "the session has no end: it is still running, or it was interrupted"
+
+
+@dataclass(frozen=True)
+class LogFiles:
+    """All files of one session, in the order of their segments.
+
+    Attributes:
+        stem: What their names begin with.
+        paths: Those that were found.
+        missing: Files of actions that those name as the one before or after them, found nowhere.
+        spill: The folder in which the log goes on if its own fails, as its first line has it.
+    """
+
+    stem: str
+    paths: tuple[Path, ...]
+    missing: tuple[Path, ...] = ()
+    spill: str = ""
+
+    @property
+    def actions(self) -> tuple[Path, ...]:
+        """Those that hold actions."""
+        return tuple(path for path in self.paths if not holds_samples(path))
+
+    @property
+    def samples(self) -> tuple[Path, ...]:
+        """Those that hold samples."""
+        return tuple(path for path in self.paths if holds_samples(path))
+
+    def no_end(self) -> str:
+        """What it may mean that no end of the session is in these files."""
+        if not self.spill or self.missing or len(self.actions) > 1:
+            return NO_END
+        return f"{NO_END}, or it went on in {self.spill}, but no file was found there"
+
+
+def holds_samples(path: Path) -> bool:
+    """Whether a log file of this name is for samples."""
+    name = FileName.parse(path.name)
+    return name is not None and name.samples
+
+
+def files_of(path: Path, places: Iterable[Path] | None = None, *, samples: bool = True) -> LogFiles:
+    """Find every file of the session to which `path` belongs.
+
+    They are looked for beside `path`, in `places` (default: the folders into which a recorder
+    moves by itself), and where the files themselves say that the log was before, went on, or would
+    go on. Without `samples` no file of samples is opened or named.
+
+    Raises:
+        FileNotFoundError: There is no such file.
+        ValueError: It is not called like a log.
+    """
+    if not path.is_file():
+        raise FileNotFoundError(f"{path}: there is no such log")
+    name = FileName.parse(path.name)
+    if name is None:
+        raise ValueError(f"{path}: the name of a log must end in .jsonl")
+    folders = unique([path.parent, *(second_places() if places is None else places)])
+    real = set(map(os.path.realpath, folders))
+    found: dict[Path, FileName] = {}
+    known: set[tuple[str, int]] = set()
+    links = _Links(name.stem)
+    for folder in folders:  # grows while we walk it
+        for each, parsed in _of_stem(folder, name.stem):
+            if parsed.samples and not samples:
+                continue
+            first = _fields(_first_line(each))
+            if folder != folders[0] and parsed.number > 1 and first.get("log") != name.stem:
+                continue
+            if (same := (each.name, _size(each))) in known:
+                continue  # copied from where it was; the one that lies nearer is read
+            known.add(same)
+            found[each] = parsed
+            for further in links.of(each, first):
+                if os.path.realpath(further) not in real:
+                    real.add(os.path.realpath(further))
+                    folders.append(further)
+    order = sorted(found, key=lambda each: (found[each].number, found[each].samples, str(each)))
+    return LogFiles(name.stem, tuple(order), links.missing(order), links.spill)
+
+
+@dataclass
+class _Links:
+    """What the files of a log say of each other, in their first lines and in their last ones."""
+
+    stem: str
+    spill: str = ""
+    #: By name: files that others name, and those of which a copy is there.
+    _named: dict[str, Path] = field(default_factory=dict)
+    _copied: set[str] = field(default_factory=set)
+
+    def of(self, path: Path, first: dict[str, Any]) -> list[Path]:
+        """Take in a file whose first line is `first`; the folders that it names."""
+        before = _elsewhere(path, first.get("previous"))
+        after = _elsewhere(path, _fields(_last_line(path)).get("next_file"))
+        if before is not None and first.get("copied") is True:
+            self._copied.add(before.name)
+        others = [other for other in (before, after) if other is not None]
+        self._named.update({other.name: other for other in others})
+        return [*(other.parent for other in others), *self._spill(path, first)]
+
+    def _spill(self, path: Path, first: dict[str, Any]) -> list[Path]:
+        said = first.get("spill")
+        texts = said[:_PLACES] if isinstance(said, list) else []
+        if texts and isinstance(texts[0], str):
+            self.spill = texts[0]
+        folders = (_elsewhere(path, text) for text in texts)
+        return [folder for folder in folders if folder is not None]
+
+    def missing(self, found: Iterable[Path]) -> tuple[Path, ...]:
+        """Files of actions that are named but not among those found, wherever those lie."""
+        there = {path.name for path in found} | self._copied
+        named = ((FileName.parse(name), path) for name, path in self._named.items())
+        return tuple(
+            path
+            for name, path in named
+            if path.name not in there and name and name.stem == self.stem and not name.samples
+        )
+
+
+def _of_stem(folder: Path, stem: str) -> list[tuple[Path, FileName]]:
+    try:
+        paths = sorted(path for path in folder.iterdir() if path.name.startswith(stem))
+    except OSError:
+        return []
+    named = ((path, FileName.parse(path.name)) for path in paths)
+    return [(path, name) for path, name in named if name is not None and name.stem == stem]
+
+
+def _size(path: Path) -> int:
+    try:
+        return path.stat().st_size
+    except OSError:
+        return -1
+
+
+def _first_line(path: Path) -> bytes:
+    try:
+        with open_regular(path) as file:
+            return file.readline(codec.MAX_LINE)
+    except OSError:
+        return b""
+
+
+def _last_line(path: Path) -> bytes:
+    try:
+        with open_regular(path) as file:
+            file.seek(max(0, file.seek(0, os.SEEK_END) - _TAIL))
+            return file.read(_TAIL).rstrip(b"\0 \t\r\n").rpartition(b"\n")[2]
+    except OSError:
+        return b""
+
+
+def _fields(line: bytes) -> dict[str, Any]:
+    try:
+        return codec.decode_unknown(line)
+    except codec.WireError:
+        return {}
+
+
+def _elsewhere(path: Path, said: object) -> Path | None:
+    """The file or folder that the log file `path` names, if it does."""
+    if not isinstance(said, str) or not said or "\0" in said:
+        return None
+    try:
+        return Path(os.path.abspath(path.parent / Path(said).expanduser()))  # noqa: PTH100
+    except RuntimeError:
+        return None

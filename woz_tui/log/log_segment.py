@@ -1,0 +1,305 @@
+"""One pair of files that takes the log's lines, and the thread that sees them onto the disk."""
+
+from __future__ import annotations
+
+import errno
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+from woz_tui.log.disk import Disk, in_words
+from woz_tui.log.file_names import FileName
+from woz_tui.log.samples_index import IndexBuilder
+from woz_tui.log.unsynced_lines import Backlog
+
+ACTIONS = 0
+SAMPLES = 1
+
+#: Samples are seen onto the disk five times a second: each time costs a flash card an erase.
+SAMPLES_EVERY_S = 0.2
+_COPY_BLOCK = 1 << 20
+_DELETED = "the log was deleted"
+
+#: Does what it is given, from the caller's thread: at once, or when the caller has time for it.
+Defer = Callable[[Callable[[], None]], object]
+
+
+def at_once(work: Callable[[], None]) -> None:
+    """The `Defer` of a caller without an event loop."""
+    work()
+
+
+#: Called with the segment and the reason in words; its files may well go on taking lines.
+Trouble = Callable[["OpenSegment", str], None]
+
+
+class LogFile:
+    """A new file that only grows, line by whole line."""
+
+    def __init__(self, disk: Disk, path: Path) -> None:
+        self._disk = disk
+        self.path = path
+        self.fd = disk.create(path)
+        self.size = 0
+        self.sync_failed = False
+
+    def append(self, data: bytes) -> None:
+        """Whole lines into the kernel with one write. A part that got in is cut off again.
+
+        Raises `OSError`, also if the file has no name any more: nobody would find the lines.
+        """
+        taken = self._disk.write(self.fd, data)
+        if taken != len(data):
+            with suppress(OSError):
+                self._disk.truncate(self.fd, self.size)
+            raise OSError(errno.ENOSPC, f"only {taken} of {len(data)} bytes were written")
+        self.size += taken
+        if self.deleted:
+            raise OSError(_DELETED)
+
+    def sync(self) -> None:
+        """Onto the disk. After one failure never again: the kernel has dropped the pages and
+        would report success for lines that are gone.
+        """
+        self._sync_with(self._disk.fdatasync)
+
+    def settle(self) -> None:
+        """Onto the disk with its inode; once, when the file is new."""
+        self._sync_with(self._disk.fsync)
+
+    def _sync_with(self, call: Callable[[int], None]) -> None:
+        if self.sync_failed:
+            raise OSError(errno.EIO, "an earlier sync of this file failed")
+        try:
+            call(self.fd)
+        except OSError:
+            self.sync_failed = True
+            raise
+
+    def trouble(self) -> str:
+        """What became of the file's name; empty while it is in its place."""
+        if self.deleted:
+            return _DELETED
+        if not self._disk.is_at(self.fd, self.path):
+            return "the log was moved or replaced"
+        known = self.size
+        return "another program cut the log short" if self._disk.size(self.fd) < known else ""
+
+    @property
+    def deleted(self) -> bool:
+        """Whether the file has lost its last name; its content stays until it is closed."""
+        return self._disk.links(self.fd) == 0
+
+    def copied(self, folder: Path, name: str, header: bytes) -> None:
+        """A settled copy of everything in this file, whether it still has a name or not.
+
+        Raises `OSError`, leaving nothing.
+        """
+        self._disk.make_folder(folder)
+        copy = LogFile(self._disk, folder / name)
+        try:
+            copy.append(header)
+            offset = 0
+            while block := self._disk.read(self.fd, min(_COPY_BLOCK, self.size - offset), offset):
+                copy.append(block)
+                offset += len(block)
+            copy.settle()
+        except OSError:
+            copy.discard()
+            raise
+        copy.close()
+
+    def close(self) -> None:
+        """Give the descriptor back."""
+        with suppress(OSError):
+            self._disk.close(self.fd)
+
+    def discard(self) -> None:
+        """Close and delete; for a file that holds nothing of value."""
+        self.close()
+        with suppress(OSError):
+            self._disk.remove(self.path)
+
+
+class OpenSegment:
+    """Segment `number`: the file of actions and, unless there is no room for it, that of samples.
+
+    `append` is called with `lock` held. The thread takes the lock only to read and set marks,
+    never while it waits for the disk.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        name: FileName,
+        *,
+        disk: Disk,
+        backlogs: tuple[Backlog, Backlog],
+        lock: threading.Condition,
+        now_us: Callable[[], int],
+        trouble: Trouble,
+    ) -> None:
+        self._disk = disk
+        self._now_us = now_us
+        self._backlogs = backlogs
+        self._lock = lock
+        self._trouble = trouble
+        self._wake = threading.Event()
+        self._waking = False
+        self._released = threading.Event()
+        self._after: Callable[[OpenSegment], None] | None = None
+        self._last_line = b""
+        self.folder = folder
+        self.number = name.number
+        self.current = True
+        disk.make_folder(folder)
+        self._actions = LogFile(disk, folder / str(name))
+        self._samples: LogFile | None = None
+        self._samples_path = folder / str(FileName(name.stem, name.number, True))
+        self._index = IndexBuilder()
+        self._thread = threading.Thread(
+            target=self._run, name=f"log-disk-{name.number}", daemon=True
+        )
+
+    @property
+    def path(self) -> Path:
+        """The file of actions."""
+        return self._actions.path
+
+    @property
+    def samples_path(self) -> Path:
+        """The file of samples, there or not."""
+        return self._samples_path
+
+    @property
+    def takes_samples(self) -> bool:
+        """Whether there is a file of samples."""
+        return self._samples is not None
+
+    @property
+    def files(self) -> list[tuple[int, LogFile]]:
+        """The files there are, actions first."""
+        samples = [(SAMPLES, self._samples)] if self._samples else []
+        return [(ACTIONS, self._actions), *samples]
+
+    def open_samples(self, header: bytes) -> None:
+        """Begin the file of samples with what waits for it. Raises `OSError`, leaving nothing."""
+        file = LogFile(self._disk, self._samples_path)
+        try:
+            file.append(header + b"".join(self._backlogs[SAMPLES].lines()))
+        except OSError:
+            file.discard()
+            raise
+        self._samples = file
+
+    def append(self, which: int, data: bytes) -> None:
+        """Lines into the kernel; samples without a file are passed over. Raises `OSError`."""
+        if which == ACTIONS:
+            self._actions.append(data)
+        elif self._samples is not None:
+            self._samples.append(data)
+
+    def wake(self, defer: Defer) -> None:
+        """Let the thread see the actions onto the disk, when `defer` comes to it."""
+        if not self._waking:
+            self._waking = True
+            defer(self._wake.set)
+
+    def start(self) -> None:
+        """Begin to see lines onto the disk."""
+        self._wake.set()
+        self._thread.start()
+
+    def discard(self) -> None:
+        """Delete the files of a segment that was never started."""
+        for _, file in self.files:
+            file.discard()
+
+    def release(
+        self, after: Callable[[OpenSegment], None] | None = None, last_line: bytes = b""
+    ) -> None:
+        """No more lines will come but `last_line`, if the disk takes it: one last sync, then
+        `after(self)`, then the files are closed.
+        """
+        self._after = after
+        self._last_line = self._last_line or last_line
+        self._released.set()
+        self._wake.set()
+
+    def join(self, timeout_s: float) -> None:
+        """Wait for the thread's end, no longer than `timeout_s`."""
+        self._thread.join(max(0.0, timeout_s))
+
+    # -- the thread ---------------------------------------------------------------------------
+
+    def _run(self) -> None:
+        try:
+            self._serve()
+        except OSError as error:
+            self._trouble(self, in_words(error))
+        self._released.wait()
+        self._finish()
+
+    def _serve(self) -> None:
+        settled = self._settle()
+        samples_due = time.monotonic()
+        while not self._released.is_set():
+            self._wake.wait(SAMPLES_EVERY_S)
+            self._wake.clear()
+            self._waking = False  # before the look at what there is: nothing slips through
+            self._sync(ACTIONS, self._actions)
+            now = time.monotonic()
+            if self._samples is not None and now >= samples_due:
+                settled = settled or self._settle()
+                self._sync(SAMPLES, self._samples)
+                self._index.extend(self._samples.fd, self._samples.size, whole=False)
+                samples_due = now + SAMPLES_EVERY_S
+            trouble = next(filter(None, (file.trouble() for _, file in self.files)), "")
+            if trouble:
+                self._trouble(self, trouble)
+                return
+
+    def _settle(self) -> bool:
+        """New files, and the folders' mention of them, onto the disk; True if both were there."""
+        files = self.files
+        for _, file in files:
+            file.settle()
+        self._disk.fsync_folder(self.folder)
+        with suppress(OSError):
+            self._disk.fsync_folder(self.folder.parent)
+        return len(files) == 2
+
+    def _sync(self, which: int, file: LogFile) -> None:
+        backlog = self._backlogs[which]
+        with self._lock:
+            target, done = backlog.last, backlog.synced
+            if target == done or not self.current:
+                return
+        file.sync()
+        with self._lock:
+            if self.current:
+                backlog.confirm(target, self._now_us())
+                self._lock.notify_all()
+
+    def _finish(self) -> None:
+        if self._last_line and not self._actions.deleted:
+            with suppress(OSError):
+                self._actions.append(self._last_line)
+        for which, file in self.files:
+            try:
+                if self.current:
+                    self._sync(which, file)
+                elif not file.deleted:
+                    file.sync()
+            except OSError as error:
+                if self.current:  # nobody has its lines elsewhere yet
+                    self._trouble(self, in_words(error))
+        if self._after is not None:
+            self._after(self)
+        if self._samples is not None and not self._samples.deleted:
+            self._index.extend(self._samples.fd, self._samples.size, whole=True)
+            self._index.leave(self._samples.path, self._samples.fd)
+        for _, file in self.files:
+            file.close()

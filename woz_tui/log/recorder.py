@@ -1,0 +1,443 @@
+"""Writes the log of a session: every line is with the kernel before anything moves.
+
+The caller makes one checked write(2) a line and never waits for the disk; a thread of its own sees
+the lines onto the disk and another one watches. Whatever goes wrong with a file, the session goes
+on in a new pair of files, a *segment*, somewhere else; lines that may not have reached the disk
+are written again from memory, and readers drop the repetition.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from itertools import chain
+from pathlib import Path
+
+from woz_tui.log.disk import Disk, RealDisk, in_words
+from woz_tui.log.file_names import (
+    FileName,
+    from_folder,
+    second_places,
+    stem,
+    unique,
+    without_home,
+)
+from woz_tui.log.file_series import Series
+from woz_tui.log.log_health import Gauge, state_of
+from woz_tui.log.log_segment import (
+    ACTIONS,
+    SAMPLES,
+    SAMPLES_EVERY_S,
+    Defer,
+    LogFile,
+    OpenSegment,
+    at_once,
+)
+from woz_tui.log.unsynced_lines import Backlog
+from woz_tui.protocol import codec
+from woz_tui.protocol.messages import AnyMessage, RecorderState
+from woz_tui.system.clock import Clock
+
+__all__ = ["Recorder", "stem"]
+#: Lines kept for writing again, or for when no place takes them: actions, samples (bytes).
+MEMORY = (32 << 20, 8 << 20)
+#: The longest that closing may take; a disk that hangs does not hang the exit.
+CLOSE_WAIT_S = 2.0
+#: The longest that one line waits for the next segment, and two pauses of the keeper.
+_SWITCH_WAIT_S, _POLL_S, _RETRY_S = 0.05, 0.1, 3.0
+#: The keeper wakes up so much too late only if the whole process did.
+STANDSTILL_S = 0.05
+#: A disk that has not answered for this long is left; the time doubles with every leaving.
+_STALL_US = 10_000_000
+#: How long after a move the state stays `alarm` before it becomes a standing `warn`.
+_MOVE_ALARM_US = 10_000_000
+
+
+class Recorder:
+    """The log of a session. `record` belongs to the hub's thread, the rest is thread-safe.
+
+    Args:
+        folder: Where the files go; made (0700) if missing.
+        stem: What their names begin with, see `stem`; changed to `<stem>-2` rather than
+            overwriting anything.
+        clock: The session's clock.
+        spill: Where the log goes on when `folder` fails; by default a folder in the user's state
+            directory, then one in the temporary directory.
+        on_state: Told when the level changes, otherwise at most once a second; called from a
+            thread of the recorder.
+        disk: The calls to the operating system.
+        memory: The most bytes of actions and of samples that are held for writing again.
+        defer: Wakes the thread that syncs: later, where the robot's move should come first.
+
+    Never raises because of a disk, not even when made: what is wrong stands in `state()`.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        stem: str,
+        clock: Clock,
+        *,
+        spill: Path | None = None,
+        on_state: Callable[[RecorderState], None] | None = None,
+        disk: Disk | None = None,
+        memory: tuple[int, int] = MEMORY,
+        defer: Defer = at_once,
+    ) -> None:
+        places = unique([folder, *([spill] if spill else second_places())])
+        self._series = Series(places, stem, clock)
+        self._clock = clock
+        self._on_state = on_state
+        self._disk: Disk = disk or RealDisk()
+        self._defer = defer
+        self._lock = threading.Condition(threading.Lock())
+        self._backlogs = (Backlog(memory[ACTIONS]), Backlog(memory[SAMPLES]))
+        self._hash = hashlib.sha256()
+        self._lines = 0
+        self._news = False
+        self._segment: OpenSegment | None = None
+        self._left: list[OpenSegment] = []
+        self._path = self._series.first_path(samples=False)
+        self._samples_path = self._series.first_path(samples=True)
+        #: Whether the segment's files take lines; what is wrong with it; why no place takes one.
+        self._writable = False
+        self._reason = ""
+        self._failed = ""
+        #: What became of earlier files: why the last one was left, what could not be copied.
+        self._story = ""
+        self._unrescued = ""
+        self._moved_us: int | None = None
+        self._opened_us = clock.now_us()
+        self._stall_us = _STALL_US
+        self._retry_at = 0.0
+        self._gauge = Gauge()
+        self._wake = threading.Event()
+        self._closed = False
+        self._move_on("")
+        self._keeper = threading.Thread(target=self._keep, name="log-keeper", daemon=True)
+        self._keeper.start()
+
+    # -- the hub's side -----------------------------------------------------------------------
+
+    def record(self, message: AnyMessage, line: bytes) -> None:
+        """Hand one line, newline included, to the kernel. Never raises, never waits for the disk.
+
+        If the write fails, an action's line waits a moment (at most 50 ms) for the next segment
+        to open, so that it is safe before the robot moves; after that it is held in memory.
+        """
+        which = SAMPLES if codec.is_sample(message) else ACTIONS
+        with self._lock:
+            if self._closed:
+                return
+            now_us = self._clock.now_us()
+            self._series.tie(now_us, message.t)
+            if which == ACTIONS:
+                self._hash.update(line)
+                self._lines += 1
+            self._news = self._news or not isinstance(message, RecorderState)
+            self._backlogs[which].push(line, now_us)
+            if self._segment is None or not self._writable:
+                return
+            try:
+                self._segment.append(which, line)
+                if which == ACTIONS:
+                    self._segment.wake(self._defer)
+            except OSError as error:
+                self._stop_writing(in_words(error))
+                if which == ACTIONS:
+                    self._lock.wait_for(lambda: self._writable or self._failed, _SWITCH_WAIT_S)
+
+    def _stop_writing(self, reason: str) -> None:
+        """The segment takes no more lines. With the lock held."""
+        if self._segment is not None:
+            self._segment.current = False
+        self._writable = False
+        for backlog in self._backlogs:
+            backlog.lose_home()
+        self._reason = reason
+        self._retry_at = 0.0
+        self._wake.set()
+
+    def digest(self) -> tuple[str, int]:
+        """SHA-256 (hex) of all action lines so far, each once and in order, and their number.
+
+        As long as there is one segment, these are exactly the bytes of `path`.
+        """
+        with self._lock:
+            return self._hash.hexdigest(), self._lines
+
+    @property
+    def path(self) -> Path:
+        """The file that takes the actions now."""
+        return self._path
+
+    @property
+    def samples_path(self) -> Path:
+        """The file that takes the samples now."""
+        return self._samples_path
+
+    @property
+    def spill(self) -> list[str]:
+        """Folders in which the log goes on if that of `path` fails, for the log's first line: each
+        as it is on this machine, and as seen from there, because they may be moved together.
+        """
+        folder = self._path.parent
+        others = [place for place in self._series.places if place != folder]
+        names = ((without_home(place), from_folder(place, folder)) for place in others)
+        return list(dict.fromkeys(chain.from_iterable(names)))
+
+    def state(self) -> RecorderState:
+        """How well the log keeps up at this moment."""
+        with self._lock:
+            self._measure()
+            return self._state()
+
+    def sync(self, timeout_s: float) -> bool:
+        """Wait until every line so far is on the disk, `timeout_s` at most; whether it is."""
+        with self._lock:
+            return self._lock.wait_for(self._all_synced, timeout_s)
+
+    def close(self) -> bool:
+        """Finish the files, within two seconds; whether everything is on the disk."""
+        ends_at = time.monotonic() + CLOSE_WAIT_S
+        with self._lock:
+            if self._closed:
+                return self._all_synced()
+            self._closed = True
+            self._retry_at = 0.0
+        self._wake.set()
+        self._keeper.join(max(0.0, ends_at - time.monotonic()))
+        self._release_all(ends_at)
+        if self._reason and not self._all_synced():  # its last sync failed: once more, elsewhere
+            self._move_on(self._reason)
+            self._release_all(ends_at)
+        return self._all_synced()
+
+    def _release_all(self, ends_at: float) -> None:
+        for segment in reversed([*self._left, *([self._segment] if self._segment else [])]):
+            segment.release(self._rescue)
+            segment.join(ends_at - time.monotonic())
+
+    def _all_synced(self) -> bool:
+        return all(backlog.synced == backlog.last for backlog in self._backlogs)
+
+    # -- the keeper's side --------------------------------------------------------------------
+
+    def _keep(self) -> None:
+        while True:
+            began = time.monotonic()
+            self._wake.wait(_POLL_S)
+            self._stood_still(time.monotonic() - began - _POLL_S)
+            self._wake.clear()
+            closing = self._closed
+            self._report()
+            self._mend()
+            self._report()
+            if closing:
+                return
+
+    def _stood_still(self, seconds: float) -> None:
+        """The process was stopped, or had no processor: no fault of the disk."""
+        if seconds > STANDSTILL_S:
+            with self._lock:
+                for backlog in self._backlogs:
+                    backlog.excuse(round(seconds * 1e6), self._clock.now_us())
+
+    def _mend(self) -> None:
+        """Whatever has to be opened is opened, or tried again when its time has come."""
+        with self._lock:
+            if time.monotonic() < self._retry_at:
+                return
+            reason = self._reason or self._stalled()
+            if self._writable and not reason:
+                if self._segment and not self._segment.takes_samples:
+                    self._retry_at = time.monotonic() + _RETRY_S
+                    self._begin_samples()
+                return
+        if not self._move_on(reason):
+            self._retry_at = time.monotonic() + _RETRY_S
+
+    def _stalled(self) -> str:
+        now_us = self._clock.now_us()
+        waited = min(self._backlogs[ACTIONS].age_us(now_us), now_us - self._opened_us)
+        if waited < self._stall_us:
+            return ""
+        self._stall_us *= 2
+        return f"the disk has not responded for {waited // 1_000_000} s"
+
+    def _trouble(self, segment: OpenSegment, reason: str) -> None:
+        """The segment's thread has given up; the files may go on taking lines until we move."""
+        with self._lock:
+            if segment is self._segment and not self._reason:
+                self._reason = reason
+                self._retry_at = 0.0
+        self._wake.set()
+
+    def _move_on(self, reason: str) -> bool:
+        """Open the next segment in the first place that takes one; False if none does."""
+        old = self._segment
+        problems: list[str] = []
+        for folder in self._series.order(old.folder if old else None):
+            try:
+                new = self._open(folder, reason or "; ".join(problems))
+            except OSError as error:
+                problems.append(f"{without_home(folder)}: {in_words(error)}")
+                continue
+            new.start()
+            if old is not None:
+                self._left.append(old)
+                old.release(self._rescue, self._goodbye(old, new, reason))
+            return True
+        with self._lock:
+            self._failed = "; ".join(problems)
+            self._lock.notify_all()
+        return False
+
+    def _open(self, folder: Path, reason: str) -> OpenSegment:
+        """A segment in `folder` that holds everything held so far. Raises `OSError`."""
+        new = self._series.create(folder, lambda name: self._make(folder, name))
+        try:
+            with self._lock:
+                self._adopt(new, reason)
+        except OSError:
+            new.discard()
+            raise
+        return new
+
+    def _make(self, folder: Path, name: FileName) -> OpenSegment:
+        return OpenSegment(
+            folder,
+            name,
+            disk=self._disk,
+            backlogs=self._backlogs,
+            lock=self._lock,
+            now_us=self._clock.now_us,
+            trouble=self._trouble,
+        )
+
+    def _adopt(self, new: OpenSegment, reason: str) -> None:
+        """Everything held goes into `new`, and from now on every line. With the lock held."""
+        old, actions = self._segment, self._backlogs[ACTIONS]
+        now_us = self._clock.now_us()
+        lines = b"".join(actions.lines())
+        if old is not None:
+            lines = self._header(new.path, new.number, reason, self._path) + lines
+        if lines:
+            new.append(ACTIONS, lines)
+        if old is not None:
+            old.current = False
+            for backlog in self._backlogs:
+                backlog.lose_home()
+        if old is not None or new.folder != self._series.places[0]:
+            self._moved_us, self._story = now_us, reason
+            self._gauge.insist()
+        self._segment, self._path, self._opened_us = new, new.path, now_us
+        self._series.used()
+        self._writable, self._reason, self._failed = True, "", ""
+        actions.find_home()
+        self._begin_samples()
+        self._lock.notify_all()
+
+    def _begin_samples(self) -> None:
+        """Open the segment's file of samples; without one, samples are held as long as they fit."""
+        segment, backlog = self._segment, self._backlogs[SAMPLES]
+        if segment is None:
+            return
+        path, number = segment.samples_path, segment.number
+        previous = self._samples_path if number > 1 else None
+        try:
+            segment.open_samples(self._header(path, number, self._story, previous))
+        except OSError:
+            backlog.lose_home()
+            return
+        backlog.find_home()
+        self._samples_path = path
+
+    def _header(
+        self, path: Path, number: int, reason: str, previous: Path | None, *, copied: bool = False
+    ) -> bytes:
+        return self._series.header(
+            path, number, reason=reason, previous=previous, copied=copied, lost=self._lost
+        )
+
+    def _goodbye(self, old: OpenSegment, new: OpenSegment, reason: str) -> bytes:
+        with self._lock:
+            return self._series.header(
+                old.path, old.number, reason=reason, next_file=new.path, lost=self._lost
+            )
+
+    @property
+    def _lost(self) -> tuple[int, int]:
+        return self._backlogs[ACTIONS].lost, self._backlogs[SAMPLES].lost
+
+    def _rescue(self, old: OpenSegment) -> None:
+        """Copy what somebody deleted while it was written; in the old segment's thread."""
+        for which, file in old.files:
+            problem = ""
+            for folder in self._series.order(old.folder):
+                try:
+                    if file.deleted:
+                        self._copy(which, file, folder)
+                    problem = ""
+                    break
+                except OSError as error:
+                    problem = f"{file.path.name} was deleted and not copied: {in_words(error)}"
+            with self._lock:
+                self._unrescued = problem or self._unrescued
+
+    def _copy(self, which: int, file: LogFile, folder: Path) -> None:
+        with self._lock:
+            name = self._series.claim(which == SAMPLES)
+            what = "copy of a deleted file"
+            path = folder / str(name)
+            header = self._header(path, name.number, what, file.path, copied=True)
+        file.copied(folder, str(name), header)
+
+    # -- what is told -------------------------------------------------------------------------
+
+    def _measure(self) -> int:
+        now_us = self._clock.now_us()
+        self._gauge.measure(now_us, self._lag_us(now_us), self._floor(now_us))
+        return now_us
+
+    def _lag_us(self, now_us: int) -> int:
+        actions, samples = (backlog.take_worst_us(now_us) for backlog in self._backlogs)
+        if self._segment is None or not self._segment.takes_samples:
+            return actions
+        return max(actions, samples - round(SAMPLES_EVERY_S * 1e6), 0)
+
+    def _floor(self, now_us: int) -> str:
+        if self._failed:
+            return "failed"
+        if self._reason or (self._segment and not self._segment.takes_samples):
+            return "alarm"
+        if self._moved_us is None:
+            return "ok"
+        return "alarm" if now_us - self._moved_us < _MOVE_ALARM_US else "warn"
+
+    def _state(self) -> RecorderState:
+        return state_of(
+            self._gauge,
+            path=without_home(self._path),
+            broken=self._reason,
+            failed=self._failed,
+            left="" if self._moved_us is None else self._story,
+            samples=self._segment is None or self._segment.takes_samples,
+            uncopied=self._unrescued,
+            lost=self._lost,
+        )
+
+    def _report(self) -> None:
+        with self._lock:
+            now_us = self._measure()
+            if not self._gauge.due(now_us, self._news):
+                return
+            state = self._state()
+            self._gauge.reported(now_us)
+            self._news = False
+        if self._on_state is not None:
+            with suppress(RuntimeError):  # an event loop that has closed: the session is over
+                self._on_state(state)

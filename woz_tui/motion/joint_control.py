@@ -1,0 +1,355 @@
+"""Who moves the joints: the pose people want, the one primary on it, the mode, and the changes.
+
+Priorities and resumption are decided here; docs/explanation/decisions/010-layers-of-motion.md has
+them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from woz_tui.motion.body_shape import BodyShape
+from woz_tui.motion.easing import EASE
+from woz_tui.motion.engine_io import Ended
+from woz_tui.motion.modes import Mode
+from woz_tui.motion.move import Cue, Move
+from woz_tui.motion.pose_blending import Fade, Shaping
+from woz_tui.motion.pose_sources import (
+    Hold,
+    Line,
+    Moment,
+    Playing,
+    Primary,
+    legs_of,
+)
+from woz_tui.motion.safety import number
+
+# -- stance ---------------------------------------------------------------------------------------
+# The pose that people want: one angle for each joint, and the zoom on top of them.
+#
+# It is what the joint controls and every gaze and pose write, what moves are played around, and
+# where the body returns to when a mode ends.
+
+
+class Stance:
+    """The pose wanted, in degrees.
+
+    `zoom` moves several joints together by shares of one angle; when the first of them reaches
+    its limit the others stop too, so that they always move as one.
+    """
+
+    def __init__(self, shape: BodyShape, pose: Mapping[str, float]) -> None:
+        self._joints = shape.joints
+        self._shares = {name: share for name, share in shape.zoom.items() if share}
+        #: The zoom's whole way to one side: half of the narrowest joint's range.
+        self._reach = min(
+            (
+                (self._joints[name].max - self._joints[name].min) / 2 / abs(share)
+                for name, share in self._shares.items()
+            ),
+            default=0.0,
+        )
+        self._base = {name: joint.within(pose[name]) for name, joint in self._joints.items()}
+        self._zoom = 0.0
+        #: Every joint's angle. Do not change it.
+        self.pose: Mapping[str, float] = dict(self._base)
+
+    @property
+    def zoom(self) -> float:
+        """Place of the zoom's control, 0..1; the middle is none."""
+        return (self._zoom + 1.0) / 2.0
+
+    def place(self, joint: str) -> float:
+        """Place of a joint's own control, 0 (its lowest angle) to 1."""
+        shape = self._joints[joint]
+        return (self._base[joint] - shape.min) / (shape.max - shape.min)
+
+    def turn(self, joint: str, place: float) -> None:
+        """Move a joint's own control."""
+        shape = self._joints[joint]
+        self._base[joint] = shape.within(shape.min + place * (shape.max - shape.min))
+        self._settle()
+
+    def turn_zoom(self, place: float) -> None:
+        """Move the zoom's control."""
+        self._zoom = 2.0 * place - 1.0
+        self._settle()
+
+    def take(self, angles: Mapping[str, float]) -> None:
+        """Want these angles, zoom included; it gives way where it would not fit."""
+        pose = {**self.pose, **angles}
+        zoom = self._zoom if not self._shares else self._effective()
+        low, high = self._room(pose, -1.0)
+        self._zoom = min(high, max(low, zoom))
+        for name, angle in pose.items():
+            own = angle - self._zoom * self._reach * self._shares.get(name, 0.0)
+            self._base[name] = self._joints[name].within(own)
+        self._settle()
+
+    def _settle(self) -> None:
+        zoom = self._effective() * self._reach
+        self.pose = {
+            name: shape.within(self._base[name] + zoom * self._shares.get(name, 0.0))
+            for name, shape in self._joints.items()
+        }
+
+    def _effective(self) -> float:
+        """The zoom as far as every joint can follow it."""
+        low, high = self._room(self._base, 1.0)
+        return min(high, max(low, self._zoom))
+
+    def _room(self, pose: Mapping[str, float], sign: float) -> tuple[float, float]:
+        """Zooms, -1..1, that keep `pose + sign * zoom` inside all ranges; always about 0."""
+        low, high = -1.0, 1.0
+        for name, share in self._shares.items():
+            shape, step = self._joints[name], sign * share * self._reach
+            ends = ((shape.min - pose[name]) / step, (shape.max - pose[name]) / step)
+            low, high = max(low, min(ends)), min(high, max(ends))
+        return min(0.0, low), max(0.0, high)
+
+
+def found(shape: BodyShape, present: Mapping[str, float] | None) -> dict[str, float]:
+    """Where the joints are, as far as that is known: those of the body, finite angles only."""
+    angles = {name: number(angle) for name, angle in (present or {}).items()}
+    return {name: a for name, a in angles.items() if name in shape.joints and a is not None}
+
+
+def beginning(shape: BodyShape, present: Mapping[str, float] | None = None) -> dict[str, float]:
+    """The pose to begin with: where the joints are, as far as that is known, else their start."""
+    known = found(shape, present)
+    return {
+        name: joint.within(known.get(name, joint.home if joint.start is None else joint.start))
+        for name, joint in shape.joints.items()
+    }
+
+
+# --------------------------------------------------------------------------------------------------
+
+#: In how long the body returns from a mode to the pose that the controls want, in seconds.
+RETURN_S = 1.0
+#: A joint counts as arrived this near to where it is wanted, in degrees; after so many seconds a
+#: movement is over even if a joint never gets there.
+ARRIVED, PATIENCE_S = 0.5, 2.0
+
+
+class Steering:
+    """Wants one pose at a time, in degrees.
+
+    Attributes:
+        mode: Changed by `enter`, by `stop` and by the end of a demo.
+        stance: The pose people want.
+        primary: Who decides now.
+        here: The pose that was wanted last: where new lines begin.
+    """
+
+    def __init__(
+        self,
+        shape: BodyShape,
+        shaping: Shaping,
+        pose: Mapping[str, float],
+    ) -> None:
+        self.mode = Mode.NORMAL
+        self.stance = Stance(shape, pose)
+        self.primary: Primary = Hold()
+        self.here: dict[str, float] = dict(self.stance.pose)
+        self.easing = shape.easing
+        self._shape = shape
+        self._shaping = shaping
+        self._fade = Fade(shape.crossfade)
+        self._fresh = False
+        #: The pose in which a mode began; it does not follow the controls.
+        self._base: Mapping[str, float] | None = None
+        self._lagging: Mapping[str, float] = {}
+        self._waited = 0.0
+        self._ended: list[Ended] = []
+        self._cues: tuple[Cue, ...] = ()
+        self.notices: list[str] = []
+
+    # -- what people want -----------------------------------------------------------------------
+
+    @property
+    def base(self) -> Mapping[str, float]:
+        """The pose that the primary works on."""
+        return self.stance.pose if self._base is None else self._base
+
+    @property
+    def move(self) -> str:
+        """The move being played, or empty."""
+        return self.primary.name if isinstance(self.primary, Playing) else ""
+
+    def turn(self, joint: str, place: float, by: str) -> None:
+        """A joint's own control; in modes it only counts for the way back."""
+        self.stance.turn(joint, place)
+        self._let_go({joint}, by)
+
+    def turn_zoom(self, place: float, by: str) -> None:
+        """The zoom's control; in modes it only counts for the way back."""
+        self.stance.turn_zoom(place)
+        self._let_go({name for name, share in self._shape.zoom.items() if share}, by)
+
+    def put(self, angles: Mapping[str, float], by: str) -> None:
+        """Joints directly, under whatever is being played."""
+        self.stance.take(angles)
+        self._let_go(set(angles), by)
+
+    def shift(self, angles: Mapping[str, float], by: str) -> None:
+        """As `put`, but what is being played leans over to its new pose in the time of a fade."""
+        pose = self.stance.pose
+        before = {joint: pose[joint] for joint in angles}
+        self.put(angles, by)
+        for joint, angle in before.items():
+            self._fade.more(joint, angle - self.stance.pose[joint])
+
+    def _let_go(self, joints: set[str], by: str) -> None:
+        """Take joints out of a line: they are where people want them now."""
+        line = self.primary
+        if self.mode is not Mode.NORMAL or not isinstance(line, Line):
+            return
+        for joint in joints & line.joints:
+            line.joints.discard(joint)
+            self._fade.add(joint, self.here[joint] - self.stance.pose[joint])
+        if not line.joints:
+            self._take(Hold(), f"replaced by {by}", fading=False)
+
+    # -- who decides ----------------------------------------------------------------------------
+
+    def go(
+        self,
+        name: str,
+        goals: Sequence[tuple[Mapping[str, float], float]],
+        token: int,
+        easing: str = "",
+    ) -> Line:
+        """Go through poses, each in its seconds (0: the soonest), from where the body is."""
+        easing = easing if easing in EASE else self.easing
+        line = Line(name, legs_of(self._start(), goals, self._shape, easing), easing, token)
+        self._take(line, f"replaced by {name}")
+        for goal, _ in goals:
+            self.stance.take(goal)
+        return line
+
+    def play(self, move: Move, speed: float, amplitude: float, token: int) -> Playing:
+        """Play a move around the pose of this moment, from its beginning."""
+        self._stay()
+        playing = Playing(move, self._shape, speed, amplitude, token)
+        self._take(playing, f"replaced by {move.name}")
+        return playing
+
+    def enter(self, mode: Mode, primary: Primary) -> None:
+        """Begin a mode: `primary` decides until the stop or its own end."""
+        base = self.here if isinstance(self.primary, Line) else self.stance.pose
+        self._take(primary, f"replaced by {mode.value}")
+        self._base = dict(base)
+        self.mode = mode
+
+    def stop(self, why: str) -> None:
+        """End whatever goes on and return to the pose wanted; a way back is not interrupted."""
+        if isinstance(self.primary, Line) and self.primary.returning:
+            return
+        seconds = RETURN_S if self.mode is not Mode.NORMAL else self._shape.crossfade
+        self._stay()
+        self._return(seconds, why)
+
+    def freeze(self, why: str, joints: Mapping[str, float], still: bool) -> None:
+        """End whatever goes on and want the pose in which the joints are.
+
+        `still`: they are where people want them, but for the breath: then that pose remains.
+        """
+        remains = still and isinstance(self.primary, Hold)
+        self._take(Hold(), why, fading=False)
+        self._fade.clear()
+        self._base, self.mode = None, Mode.NORMAL
+        self._shaping.restart(joints)
+        self.here = {name: self._shaping.undo(name, angle) for name, angle in joints.items()}
+        if remains:
+            self._fade.begin(self.here, self.stance.pose, self.here)
+        else:
+            self.stance.take(self.here)
+
+    def restart(self, present: Mapping[str, float]) -> None:
+        """Begin anew in this pose."""
+        self.freeze("the joints are where they are", beginning(self._shape, present), False)
+
+    def drop(self, why: str) -> None:
+        """The primary failed: hold the pose that is wanted."""
+        self._base = None
+        if self.mode is not Mode.NORMAL:
+            self.mode = Mode.NORMAL
+            self._return(RETURN_S, why)
+        else:
+            self._take(Hold(), why)
+
+    def _stay(self) -> None:
+        """A line that is under way ends where it is."""
+        if isinstance(self.primary, Line):
+            start = self._start()
+            self.stance.take({name: start[name] for name in self.primary.joints})
+
+    def _return(self, seconds: float, why: str) -> None:
+        """Lead back to the pose wanted, in a straight line."""
+        self._base, self.mode = None, Mode.NORMAL
+        start, goal = self._start(), dict(self.stance.pose)
+        if all(abs(start[name] - angle) < 1e-9 for name, angle in goal.items()):
+            self._take(Hold(), why)
+            return
+        legs = legs_of(start, [(goal, seconds)], self._shape, "linear")
+        self._take(Line("return", legs, "linear", returning=True), why)
+
+    def _start(self) -> dict[str, float]:
+        """Where lines begin: what was wanted last, or where a joint is that could not follow."""
+        for joint, angle in self._lagging.items():
+            self.here[joint] = self._shaping.undo(joint, angle)
+            self._shaping.restart({joint: angle})
+        self._lagging = {}
+        return dict(self.here)
+
+    def _take(self, primary: Primary, why: str, *, fading: bool = True) -> None:
+        if self.primary.token:
+            self._ended.append(Ended(self.primary.token, why))
+        self.primary = primary
+        self._fresh = fading
+        self._waited = 0.0
+
+    # -- every tick -----------------------------------------------------------------------------
+
+    def step(self, moment: Moment) -> dict[str, float]:
+        """The pose wanted now. An exception is the primary's; nothing has changed then."""
+        wanted = self.primary.step(moment)
+        if self._fresh:
+            self._fresh = False
+            lines = self.primary.joints if isinstance(self.primary, Line) else set()
+            self._fade.begin(self.here, wanted, set(wanted) - lines)
+        self.here = self._fade.over(wanted, moment.dt)
+        if isinstance(self.primary, Playing):
+            self._cues = tuple(self.primary.cues)
+        return self.here
+
+    def settle(self, dt: float, lagging: Mapping[str, float]) -> None:
+        """After safety: `lagging` are joints that are elsewhere than wanted, and where they are."""
+        self._lagging = lagging
+        primary = self.primary
+        if not primary.over:
+            return
+        if isinstance(primary, Line):
+            self._waited += dt
+            if not lagging.keys() & primary.joints or self._waited > PATIENCE_S:
+                self._take(Hold(), "", fading=False)
+            return
+        if self.mode is not Mode.NORMAL:
+            self.notices.append(f"the {self.mode.value} is over")
+            self._return(RETURN_S, "")
+        elif isinstance(primary, Playing) and primary.move.stays:
+            self.stance.take(self.here)
+            self._take(Hold(), "")
+        else:
+            self._return(self._shape.crossfade, "")
+
+    def cues(self) -> tuple[Cue, ...]:
+        """What happens at this moment of a move."""
+        cues, self._cues = self._cues, ()
+        return cues
+
+    def ended(self) -> list[Ended]:
+        """What ended since this was asked last."""
+        ended, self._ended = self._ended, []
+        return ended

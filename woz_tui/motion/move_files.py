@@ -1,0 +1,465 @@
+"""Move files: one move each, in a folder, written by hand or by a recording.
+
+    name: greet
+    about: looks up and nods
+    frames:
+      - {seconds: 0.3, nod: -8, emotion: happy, intensity: 0.8}
+      - {seconds: 0.4, nod: 12}
+      - {seconds: 0.5, nod: 0, sound: ../media/gong.wav}
+
+Angles are named by role, which fits every body, or by joint. Every mistake is reported with its
+line, all at once; what cannot be a mistake of typing is left to the engine, which is safe anyway.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+from woz_tui.config.annotated_decoder import resolved
+from woz_tui.config.experiment import Place, Problem
+from woz_tui.config.file_text import Source, SourceError, read
+from woz_tui.config.problems import Report, quoted
+from woz_tui.config.yaml_cursor import (
+    Spot,
+    missing,
+    read_flag,
+    read_number,
+    read_seconds,
+    read_text,
+    read_word,
+)
+from woz_tui.config.yaml_nodes import Items, Table, described, tree
+from woz_tui.drivers.fields import Range
+from woz_tui.motion.body_shape import ROLES, BodyShape, JointShape
+from woz_tui.motion.body_verbs import EMOTIONS
+from woz_tui.motion.builtin_moves import BUILT_IN
+from woz_tui.motion.easing import EASINGS
+from woz_tui.motion.keyframes import MIXES, PLACE_DECIMALS, KeyFrame, KeyframeMove, Layer, Samples
+
+# -- moveframes -----------------------------------------------------------------------------------
+# The frames and the samples of a move file's layer.
+
+#: What a frame may say beside names of roles and joints.
+FRAME = (
+    *("seconds", "beats", "at", "easing", "emotion", "intensity", "eyes", "lid"),
+    *("sound", "volume", "roles", "joints"),
+)
+#: Degrees that a frame may name at most, and seconds or beats it may take.
+ANGLES = Range(-360, 360, "deg")
+LENGTHS = Range(0, 600)
+RATES = Range(0.1, 1000)
+UNIT = Range(0, 1)
+BOTH = Range(-1, 1)
+#: Range of each number of a face.
+FEATURE_RANGES: Mapping[str, Range] = {"x": BOTH, "y": BOTH, "lid": UNIT, "intensity": UNIT}
+
+#: What the eyes of a frame are expected to be.
+_EYES = "where they look, such as {x: 0.2, y: 0}"
+T = TypeVar("T")
+_SAMPLE = re.compile(r"[-+]?(\d{1,9}(\.\d{0,60})?|\.\d{1,60})([eE][-+]?\d{1,3})?")
+
+
+class FrameReader:
+    """Reads one layer's angles and times; `named` collects the roles and joints it met."""
+
+    def __init__(self, shape: BodyShape, *, beats: bool, relative: bool) -> None:
+        self._joints = shape.joints
+        self._beats = beats
+        self._relative = relative
+        self.named: set[str] = set()
+
+    def read(self, spot: Spot) -> tuple[KeyFrame, ...]:
+        """All frames that are right."""
+        entries = spot.list("a list of frames, such as [{seconds: 0.3, nod: 12}]")
+        if entries is not None and not entries:
+            spot.error("no frame stands here")
+        frames: list[KeyFrame] = []
+        before = 0.0
+        for index, entry in enumerate(entries or ()):
+            table = entry.table("a frame, such as {seconds: 0.3, nod: 12}")
+            if table is None:
+                continue
+            place = self._place(entry, table, before, first=index == 0)
+            before = before if place is None else place
+            frames.append(self._frame(table, before))
+        return tuple(frames)
+
+    # -- when -----------------------------------------------------------------------------------
+
+    def _place(
+        self, spot: Spot, table: dict[str, Spot], before: float, *, first: bool
+    ) -> float | None:
+        unit, other = ("beats", "seconds") if self._beats else ("seconds", "beats")
+        if (wrong := table.get(other)) is not None:
+            said = "true" if self._beats else "false"
+            wrong.error(f"this move counts {unit} (beats: {said}); write {unit} here")
+            return None
+        took, at = table.get(unit), table.get("at")
+        if took is not None and at is not None:
+            at.error(f"write either {unit}, from the frame before, or at, from the beginning")
+            return None
+        if at is not None:
+            return self._moment(at, before, first=first)
+        if took is None:
+            missing(table, unit, spot, "how long it takes from the frame before")
+            return None
+        length = self._duration(took)
+        if length is not None and length <= 0 and not first:
+            took.error("must be more than 0; only the first frame may be at the very beginning")
+            return None
+        return None if length is None else round(before + length, PLACE_DECIMALS)
+
+    def _moment(self, spot: Spot, before: float, *, first: bool) -> float | None:
+        at = self._duration(spot)
+        if at is None or (first and at >= 0) or at > before:
+            return None if at is None else round(at, PLACE_DECIMALS)
+        spot.error(f"{at:g} is not after the frame before, which is at {before:g}")
+        return None
+
+    def _duration(self, spot: Spot) -> float | None:
+        return read_number(spot, LENGTHS) if self._beats else read_seconds(spot, LENGTHS)
+
+    # -- what -----------------------------------------------------------------------------------
+
+    def _frame(self, table: dict[str, Spot], at: float) -> KeyFrame:
+        roles, joints = self._angles(table)
+        eyes = _known(table.get("eyes"), ("x", "y"), "eyes have", _EYES)
+        sound = _given(table, "sound", "", read_text, "a sound file")
+        if "volume" in table and "sound" not in table:
+            table["volume"].warning("there is no sound in this frame")
+        return KeyFrame(
+            at,
+            roles,
+            joints,
+            easing=_given(table, "easing", "smooth", read_word, EASINGS),
+            emotion=_given(table, "emotion", None, read_word, EMOTIONS),
+            intensity=_given(table, "intensity", None, read_number, UNIT),
+            x=_given(eyes, "x", None, read_number, BOTH),
+            y=_given(eyes, "y", None, read_number, BOTH),
+            lid=_given(table, "lid", None, read_number, UNIT),
+            sound=sound and resolved(table["sound"], sound, must_exist=True),
+            volume=_given(table, "volume", 1.0, read_number, UNIT),
+        )
+
+    def _angles(self, table: dict[str, Spot]) -> tuple[dict[str, float], dict[str, float]]:
+        """Those of roles and of joints."""
+        roles: dict[str, Spot] = {}
+        joints: dict[str, Spot] = {}
+        for name, entry in table.items():
+            if self.is_joint(name):
+                joints[name] = entry
+            elif name in ROLES:
+                roles[name] = entry
+            elif name not in FRAME:
+                entry.unknown((*ROLES, *self._joints, *FRAME), "a frame may name")
+        roles |= _known(table.get("roles"), ROLES, "roles are")
+        joints |= _known(table.get("joints"), self._joints, "joints are")
+        self.named |= {*roles, *joints}
+        turned = {name: read_number(entry, ANGLES) for name, entry in roles.items()}
+        moved = {name: self.joint(entry, name) for name, entry in joints.items()}
+        return _read(turned), _read(moved)
+
+    def is_joint(self, name: str) -> bool:
+        """Whether a name alone means a joint: what is both is a role, but among absolute angles."""
+        known = name in self._joints and name not in FRAME
+        return known and (name not in ROLES or not self._relative)
+
+    def joint(self, spot: Spot, name: str) -> float | None:
+        """An angle of a joint: inside its range if it is absolute."""
+        angle = read_number(spot, ANGLES)
+        if angle is not None:
+            self.check(spot, name, self._joints[name], (angle,))
+        return angle
+
+    def check(self, spot: Spot, name: str, joint: JointShape, angles: tuple[float, ...]) -> None:
+        """Report the first angle that the joint cannot have."""
+        for angle in angles:
+            if not self._relative and not joint.min <= angle <= joint.max:
+                spot.error(
+                    f"{angle:g} lies outside the joint's range,"
+                    f" {joint.min:g} to {joint.max:g} degrees"
+                )
+                return
+            if self._relative and abs(angle) > joint.max - joint.min:
+                spot.warning(
+                    f"{angle:g} degrees are more than {name!r} can turn in all"
+                    f" ({joint.max - joint.min:g})"
+                )
+                return
+
+    # -- samples --------------------------------------------------------------------------------
+
+    def samples(self, spot: Spot, table: dict[str, Spot]) -> Samples | None:
+        """The dense part of a layer; None if it has none."""
+        if not table.keys() & {"joints", "roles", "face"}:
+            if "rate" in table:
+                table["rate"].error("there are no samples: joints, roles or face are missing")
+            return None
+        missing(table, "rate", spot, "samples each second, or beat")
+        rate = _given(table, "rate", 1.0, read_number, RATES)
+        roles = _lists(table.get("roles"), dict.fromkeys(ROLES, ANGLES), "roles are")
+        face = _lists(table.get("face"), FEATURE_RANGES, "samples of a face are")
+        known = dict.fromkeys(self._joints, ANGLES)
+        joints = _lists(table.get("joints"), known, "joints are")
+        for name, values in joints.items():
+            entry = dict(table["joints"].entries())[name]
+            self.check(entry, name, self._joints[name], values)
+        return Samples(rate, roles, joints, face)
+
+
+def _given(
+    table: Mapping[str, Spot], name: str, default: T, read: Callable[..., T | None], *allowed: Any
+) -> T:
+    """What an entry says; the default if it is missing, or wrong, which is reported."""
+    spot = table.get(name)
+    value = None if spot is None else read(spot, *allowed)
+    return default if value is None else value
+
+
+def _known(
+    spot: Spot | None, names: Collection[str], listing: str, expected: str = "a mapping"
+) -> dict[str, Spot]:
+    """The entries of a mapping that have one of these names; others are reported."""
+    table = (spot.table(expected) if spot is not None else None) or {}
+    for name, entry in table.items():
+        if name not in names:
+            entry.unknown(names, listing)
+    return {name: entry for name, entry in table.items() if name in names}
+
+
+def _read(angles: Mapping[str, float | None]) -> dict[str, float]:
+    return {name: angle for name, angle in angles.items() if angle is not None}
+
+
+def _lists(
+    spot: Spot | None, ranges: Mapping[str, Range], listing: str
+) -> dict[str, tuple[float, ...]]:
+    lists = {
+        name: _numbers(entry, ranges[name]) for name, entry in _known(spot, ranges, listing).items()
+    }
+    return {name: values for name, values in lists.items() if values}
+
+
+def _numbers(spot: Spot, allowed: Range) -> tuple[float, ...]:
+    """A list of numbers, or a text of numbers with blanks between them."""
+    if not isinstance(spot.node, Items):
+        return _written(spot, read_text(spot, "numbers") or "", allowed)
+    if not spot.node.nodes:
+        spot.error("no number stands here")
+    read = [read_number(entry, allowed) for entry in spot.items()]
+    return tuple(number for number in read if number is not None)
+
+
+def _written(spot: Spot, text: str, allowed: Range) -> tuple[float, ...]:
+    values = []
+    for index, word in enumerate(text.split()):
+        number = float(word) if _SAMPLE.fullmatch(word) else None
+        if number is None or not allowed.contains(number):
+            wrong = "is no number" if number is None else f"is out of range; allowed is {allowed}"
+            spot.error(f"sample {index + 1}: {quoted(word)} {wrong}")
+            return ()
+        values.append(number)
+    return tuple(values)
+
+
+# --------------------------------------------------------------------------------------------------
+
+#: Layer of the frames that stand at a file's top level.
+MAIN = "main"
+#: What a move file and a layer of it may say.
+TOP_LEVEL = ("name", "about", "relative", "beats", "stays", "frames", "layers")
+LAYER = ("name", "muted", "share", "mix", "relative", "frames", "rate", "joints", "roles", "face")
+
+#: Seconds (or beats) after which `play` gives up waiting for a move's end.
+LONGEST = 120.0
+
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,31}")
+NAME_RULE = "a name has letters, digits, _ and -, and begins with a letter"
+_ENDINGS = (".yaml", ".yml")
+
+
+class MoveFileError(Exception):
+    """Files cannot be used; `problems` holds every reason, in the order of files and lines."""
+
+    def __init__(self, problems: list[Problem]) -> None:
+        super().__init__("\n".join(map(str, problems)))
+        self.problems = problems
+
+
+@dataclass(frozen=True, slots=True)
+class MoveFolder:
+    """What a folder holds: the moves that are right, what is wrong or odd, the files read."""
+
+    moves: Mapping[str, KeyframeMove]
+    problems: tuple[Problem, ...]
+    sources: tuple[Source, ...] = ()
+
+
+def read_moves(folder: Path, shape: BodyShape) -> Mapping[str, KeyframeMove]:
+    """The moves of all files (*.yaml, *.yml) in `folder`, by name.
+
+    Raises `MoveFileError` with every error of every file; nothing else, whatever they hold.
+    """
+    found = read_folder(folder, shape)
+    errors = [problem for problem in found.problems if not problem.warning]
+    if errors:
+        raise MoveFileError(errors)
+    return found.moves
+
+
+def read_folder(folder: Path, shape: BodyShape) -> MoveFolder:
+    """As `read_moves`, with the errors and warnings instead of an exception."""
+    report = Report()
+    try:
+        files = sorted(
+            path
+            for path in folder.iterdir()
+            if path.suffix in _ENDINGS and not path.name.startswith(".")
+        )
+    except OSError as error:
+        reason = error.strerror or str(error)
+        return MoveFolder({}, (Problem(Place(str(folder), 1, 1), "moves", reason),))
+    moves: dict[str, KeyframeMove] = {}
+    sources: list[Source] = []
+    where: dict[str, str] = {}
+    for path in files:
+        broken = len(report.errors)
+        source, root = _root(path, report)
+        sources += [] if source is None else [source]
+        move = None if root is None else decode(root, path, shape)
+        # What is wrong as YAML (a key that stands twice) was reported before it was decoded.
+        if move is None or len(report.errors) > broken:
+            continue
+        if move.name in moves:
+            place = report.place("name", str(path))
+            report.error(place, "name", f"{quoted(move.name)} is the move of {where[move.name]}")
+        moves.setdefault(move.name, move)
+        where.setdefault(move.name, path.name)
+    return MoveFolder(moves, (*report.errors, *report.warnings), tuple(sources))
+
+
+def read_move(path: Path, shape: BodyShape) -> KeyframeMove:
+    """The move of one file. Raises `MoveFileError`."""
+    report = Report()
+    _, root = _root(path, report)
+    move = None if root is None else decode(root, path, shape)
+    if move is None or report.errors:
+        raise MoveFileError(report.errors)
+    return move
+
+
+def _root(path: Path, report: Report) -> tuple[Source | None, Spot | None]:
+    name = str(path)
+    report.file(name)
+    try:
+        source = read(path, name)
+    except SourceError as error:
+        report.error(Place(name, error.line, error.column), "file", error.message)
+        return None, None
+    broken = len(report.errors)
+    node = tree(source, report)
+    start = Place(name, 1, 1)
+    if isinstance(node, Table):
+        return source, Spot(node, "", start, report)
+    if len(report.errors) == broken:
+        said = "nothing" if node is None else described(node)
+        report.error(start, "file", f"expected a move, such as name: greet, not {said}")
+    return source, None
+
+
+def decode(root: Spot, path: Path, shape: BodyShape) -> KeyframeMove | None:
+    """The move, or None after reporting what is wrong. Its name is by default the file's."""
+    broken = len(root.report.errors)
+    move = _Decoder(root, shape).move(path)
+    return move if len(root.report.errors) == broken else None
+
+
+class _Decoder:
+    def __init__(self, root: Spot, shape: BodyShape) -> None:
+        self._root = root
+        self._shape = shape
+        self._broken = len(root.report.errors)
+        self._table = dict(root.entries())
+        self._beats = _given(self._table, "beats", False, read_flag)
+        self._relative = _given(self._table, "relative", True, read_flag)
+
+    def move(self, path: Path) -> KeyframeMove:
+        for name, entry in self._table.items():
+            if name not in TOP_LEVEL:
+                entry.unknown(TOP_LEVEL, "a move has")
+        move = KeyframeMove(
+            name=self._name(path),
+            summary=_given(self._table, "about", "", read_text),
+            layers=tuple(self._layers()),
+            beats=self._beats,
+            stays=_given(self._table, "stays", False, read_flag),
+        )
+        if len(self._root.report.errors) == self._broken:
+            self._length(move)
+        return move
+
+    def _name(self, path: Path) -> str:
+        spot = self._table.get("name")
+        name = path.stem if spot is None else read_text(spot, "the move's name")
+        spot = spot or self._root
+        if name is not None and not NAME.fullmatch(name):
+            spot.error(f"{quoted(name)} cannot be a move's name; {NAME_RULE}")
+        elif name in BUILT_IN:
+            spot.warning(f"takes the place of the built-in move {name!r}")
+        return name or ""
+
+    def _layers(self) -> list[Layer]:
+        layers = []
+        frames, many = self._table.get("frames"), self._table.get("layers")
+        if frames is not None:
+            reader = FrameReader(self._shape, beats=self._beats, relative=self._relative)
+            layers.append(Layer(MAIN, reader.read(frames), relative=self._relative))
+        elif many is None:
+            missing({}, "frames", self._root, "frames: [{seconds: 0.3, nod: 12}, ...]")
+        for entry in (many.list("a list of layers") if many is not None else None) or ():
+            layer = self._layer(entry)
+            if layer is None:
+                continue
+            if layer.name in [known.name for known in layers]:
+                entry.error(f"there is a layer {quoted(layer.name)} already")
+            layers.append(layer)
+        return layers
+
+    def _layer(self, spot: Spot) -> Layer | None:
+        table = spot.table("a layer, such as {name: head, frames: [...]}")
+        if table is None:
+            return None
+        for key, entry in table.items():
+            if key not in LAYER:
+                entry.unknown(LAYER, "a layer has")
+        missing(table, "name", spot)
+        relative = _given(table, "relative", self._relative, read_flag)
+        reader = FrameReader(self._shape, beats=self._beats, relative=relative)
+        frames = reader.read(table["frames"]) if "frames" in table else ()
+        samples = reader.samples(spot, table)
+        if "frames" not in table and samples is None:
+            spot.error("has neither frames nor samples (rate and joints, roles or face)")
+        for twice in reader.named & ({*samples.roles, *samples.joints} if samples else set()):
+            spot.error(f"{twice} is in this layer's frames and in its samples; use two layers")
+        return Layer(
+            _given(table, "name", "", read_text),
+            frames,
+            samples,
+            relative=relative,
+            mix=_given(table, "mix", MIXES[0], read_word, MIXES),
+            share=_given(table, "share", 1.0, read_number, UNIT),
+            muted=_given(table, "muted", False, read_flag),
+        )
+
+    def _length(self, move: KeyframeMove) -> None:
+        spot = self._table.get("frames") or self._table.get("layers")
+        if spot is None:
+            return
+        if move.length <= 0:
+            spot.error("takes no time; a frame after the beginning is missing")
+        elif move.length > LONGEST and not move.beats:
+            spot.warning(f"takes {move.length:g} s; play waits for {LONGEST:g} s at most")

@@ -1,0 +1,1 @@
+"""Messages, requests, the welcome, and their form as JSON lines."""

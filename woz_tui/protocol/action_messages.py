@@ -1,0 +1,212 @@
+"""The part of the messages that makes the robot act: actions, commands, acknowledgements, the stop.
+
+Everybody imports these from `woz_tui.protocol.messages`, where all messages are together.
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+from woz_tui.protocol.envelope import Json, Message, Worded
+
+#: Verbs with which a robot shows by itself how the engagement model stands.
+SIGNALS = frozenset({"eyes", "screen", "sound"})
+#: Sources of what a hand asks for, or a program in its place; `phase` is what begins with a phase
+#: that a hand chose. A body that asks for the sound of a move is none.
+HANDS = frozenset({"key", "script", "palette", "midi", "program", "phase"})
+
+
+class ActionRequested(
+    Message, frozen=True, kw_only=True, omit_defaults=True, tag="action.requested"
+):
+    """Somebody asked for an action by name: one press, from which one or more commands follow.
+
+    `source` is key, script, palette, midi, program, phase, engagement or replay; `console` names
+    the connection it came over. `run` ties the action's commands and its end together.
+    """
+
+    run: str
+    action: str
+    panel: str = ""
+    source: str
+    key: str = ""
+    console: str = ""
+
+
+class ActionEnd(Worded, frozen=True, kw_only=True, omit_defaults=True):
+    """How the run of an action ended; each `action.requested` has exactly one such line."""
+
+    run: str
+    action: str
+    reason: str = ""
+
+
+class ActionDone(ActionEnd, frozen=True, kw_only=True, omit_defaults=True, tag="action.done"):
+    """Every command of the action was done."""
+
+
+class ActionFailed(ActionEnd, frozen=True, kw_only=True, omit_defaults=True, tag="action.failed"):
+    """A command failed, timed out or was refused; `reason` says which."""
+
+
+class ActionStopped(ActionEnd, frozen=True, kw_only=True, omit_defaults=True, tag="action.stopped"):
+    """The stop, the wizard or the end of what it belonged to cut the action short."""
+
+
+class ActionSuperseded(
+    ActionEnd, frozen=True, kw_only=True, omit_defaults=True, tag="action.superseded"
+):
+    """A newer act of the wizard took the place of what was still to be done; `by` names it."""
+
+    by: str
+
+
+class ActionRefused(ActionEnd, frozen=True, kw_only=True, omit_defaults=True, tag="action.refused"):
+    """Nothing of the action was tried: unknown, locked, stale, stopped, or a value missing."""
+
+
+class Command(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="command.requested"):
+    """One verb with its arguments, for one driver, on its way to the bus.
+
+    `deadline_us`, on the session's `t` axis, is the moment after which it may no longer begin
+    (0: none). `limit_s` bounds how long it may run once begun. `when_busy`: queue, replace or
+    refuse, if its lane is occupied. `unfilled`: those of `args` that tell what `tells` says, with
+    such variables left in place: `{greeting}`.
+    """
+
+    command: str
+    run: str = ""
+    action: str = ""
+    panel: str = ""
+    verb: str
+    args: dict[str, Json]
+    driver: str = ""
+    source: str
+    key: str = ""
+    deadline_us: int = 0
+    limit_s: float = 30.0
+    when_busy: str = "queue"
+    unfilled: dict[str, Json] = msgspec.field(default_factory=dict)
+
+    @property
+    def passing(self) -> bool:
+        """A panel's knob on its way, also in a re-run, or what a robot shows of the engagement
+        model by itself: logged, but worth no line of its own.
+        """
+        if self.source == "engagement":
+            return not self.run and self.verb in SIGNALS
+        return self.source in ("midi", "replay") and self.verb == "control"
+
+
+class FilledCall(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """One verb of an action as it would be sent now; `tells` and `unfilled` as in `Command`."""
+
+    verb: str
+    args: dict[str, Json] = {}
+    driver: str = ""
+    tells: tuple[str, ...] = ()
+    unfilled: dict[str, Json] = {}
+
+
+class ActionsFilled(Message, frozen=True, kw_only=True, omit_defaults=True, tag="actions.filled"):
+    """What actions would do if they were played now: texts chosen, variables filled in.
+
+    `actions`: name -> its steps, one after the other: a pause in seconds, or verbs that begin
+    together, each with its `verb`, `args` and `driver`, and `tells` and `unfilled` as a command has
+    them. A variable that has no value yet stands as it is written. What is not named is as before.
+    """
+
+    actions: dict[str, list[list[FilledCall] | float]]
+
+    def after(self, before: ActionsFilled | None) -> ActionsFilled:
+        """With what was known before."""
+        known = before.actions if before is not None else {}
+        return msgspec.structs.replace(self, actions={**known, **self.actions})
+
+
+class Ack(Worded, frozen=True, kw_only=True, omit_defaults=True):
+    """What became of a command. Only the subclasses are sent."""
+
+    command: str
+    driver: str = ""
+
+
+class Dispatched(Ack, frozen=True, kw_only=True, omit_defaults=True, tag="command.dispatched"):
+    """The driver's `perform` was called. `latency_us` counts from the request."""
+
+    latency_us: int
+
+
+class Progress(Ack, frozen=True, kw_only=True, omit_defaults=True, tag="command.progress"):
+    """The driver now knows how long it will take: `expected_us` more from this line's `t`."""
+
+    expected_us: int
+
+
+class End(Ack, frozen=True, kw_only=True, omit_defaults=True):
+    """How a command ended; each `command.requested` has exactly one such line."""
+
+    reason: str = ""
+    remedy: str = ""
+
+
+class Done(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.done"):
+    """It was carried out. `sent` is what really went to the hardware, after clamping."""
+
+    sent: dict[str, Json]
+    latency_us: int
+    duration_us: int
+
+
+class Failed(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.failed"):
+    """The driver raised; `reason` says what, `remedy` what to do."""
+
+
+class TimedOut(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.timed_out"):
+    """It ran longer than `limit_s`; its lane is faulted until the job really ends."""
+
+
+class Refused(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.refused"):
+    """It never began: `code` is stopped, late, stale, profile, full, busy, faulted, unknown,
+    unwatched or args.
+    """
+
+    code: str
+
+
+class Stopped(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.stopped"):
+    """The stop, or the loss of the wizard while driving, ended it."""
+
+
+class Superseded(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.superseded"):
+    """A newer setpoint or a replacing command replaced it; `by` names that one."""
+
+    by: str
+
+
+class StopPressed(Message, frozen=True, kw_only=True, omit_defaults=True, tag="stop.pressed"):
+    """The stop latched. `source` is key, program, console-lost ...; `scope` all or drive."""
+
+    source: str
+    scope: str = msgspec.field(default_factory=lambda: "all")
+
+
+class StopConfirmed(Message, frozen=True, kw_only=True, omit_defaults=True, tag="stop.confirmed"):
+    """Which drivers confirmed within 0.5 s and which did not, by name.
+
+    `unreached`: those of `missing` whose hardware was not connected, so that no stop came to it.
+    `parts` and `missing_parts` tell of drivers that have several: driver -> speech, motion ...
+    """
+
+    confirmed: list[str]
+    missing: list[str]
+    elapsed_us: int
+    parts: dict[str, list[str]] = msgspec.field(default_factory=dict)
+    missing_parts: dict[str, list[str]] = msgspec.field(default_factory=dict)
+    unreached: list[str] = msgspec.field(default_factory=list)
+
+
+class StopReleased(Message, frozen=True, kw_only=True, omit_defaults=True, tag="stop.released"):
+    """A wizard released the stop on purpose."""
+
+    source: str

@@ -1,0 +1,156 @@
+"""Message <-> JSON line; the only codec in the project."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from numbers import Real
+from typing import Any, TypeVar
+
+import msgspec
+
+from woz_tui.protocol.messages import AnyMessage, Message
+from woz_tui.protocol.requests import AnyAnswer, AnyRequest
+
+#: A longer line is refused; a client cannot make the host hoard memory.
+MAX_LINE = 1 << 20
+#: Lists and mappings nested deeper than this are cut off.
+MAX_DEPTH = 100
+
+#: Kinds of message of which the newest says it all: kept beside the log of actions.
+SAMPLE_KINDS = frozenset({"sample", "engagement.shown"})
+
+T = TypeVar("T")
+
+_encoder = msgspec.json.Encoder()
+_message: msgspec.json.Decoder[AnyMessage] = msgspec.json.Decoder(AnyMessage)
+_request: msgspec.json.Decoder[AnyRequest] = msgspec.json.Decoder(AnyRequest)
+_incoming: msgspec.json.Decoder[AnyMessage | AnyAnswer] = msgspec.json.Decoder(
+    AnyMessage | AnyAnswer
+)
+_anything: msgspec.json.Decoder[Any] = msgspec.json.Decoder()
+
+
+class WireError(ValueError):
+    """A line that is no message; the text says what is wrong with it."""
+
+
+def encode(message: msgspec.Struct) -> bytes:
+    """One JSON object and a newline, UTF-8. Non-finite numbers become null.
+
+    Whatever the fields hold, it can be written: see `plain`.
+    """
+    try:
+        return _encoder.encode(message) + b"\n"
+    except (UnicodeEncodeError, TypeError, RecursionError):
+        return _encoder.encode(plain(message)) + b"\n"
+
+
+def encode_lines(messages: Iterable[msgspec.Struct | msgspec.Raw]) -> bytes:
+    """Messages that came from lines as lines again; a `Raw` stands for itself."""
+    return _encoder.encode_lines(messages)
+
+
+def plain(value: Any, depth: int = 0) -> Any:
+    """`value` with everything replaced that JSON cannot say.
+
+    Drivers hand on what they were given: numpy's numbers, names of files that are no UTF-8.
+    """
+    match value:
+        case None | bool() | msgspec.Raw():
+            return value
+        case Real():
+            return _number(value)
+        case Mapping() | list() | tuple() | msgspec.Struct():
+            return _nested(value, depth + 1) if depth < MAX_DEPTH else "..."
+    return str(value).encode("utf-8", "backslashreplace").decode()
+
+
+def _number(value: Any) -> int | float | None:
+    if type(value) is int:
+        return value
+    try:
+        number = float(value)
+    except OverflowError:  # a fraction beyond all floats
+        return None
+    return number if math.isfinite(number) else None
+
+
+def _nested(value: Any, depth: int) -> Any:
+    if isinstance(value, Mapping):
+        return {plain(str(key)): plain(item, depth) for key, item in value.items()}
+    if isinstance(value, msgspec.Struct):
+        names = value.__struct_fields__
+        fields = {name: plain(getattr(value, name), depth) for name in names}
+        return msgspec.structs.replace(value, **fields)
+    return [plain(item, depth) for item in value]
+
+
+def decode_message(line: bytes) -> AnyMessage:
+    """A message of the session; `WireError` if the line is none or of an unknown kind."""
+    try:
+        return _message.decode(line)
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
+        raise WireError(str(error)) from error
+
+
+def decode_messages(lines: bytes) -> list[AnyMessage]:
+    """Many messages at once, several times as fast as one by one; see `decode_lines`."""
+    return decode_lines(_message, lines)
+
+
+def decode_lines(decoder: msgspec.json.Decoder[T], lines: bytes) -> list[T]:
+    """What stands on `lines`, one object on each, each with its newline; `WireError` if anything is
+    wrong with any of them, be it a blank too many.
+    """
+    try:
+        values = decoder.decode_lines(lines)
+        if not lines.isascii():
+            lines.decode()  # the decoder passes over the bytes of fields that it does not know
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
+        raise WireError(str(error)) from error
+    count = len(values)
+    if not (count == lines.count(b"\n") == lines.count(b"}\n{") + 1 and lines[-2:] == b"}\n"):
+        raise WireError("expected one object on each line")
+    return values
+
+
+def decode_request(line: bytes) -> AnyRequest:
+    """A client's request; `WireError` says which field is wrong."""
+    try:
+        return _request.decode(line)
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
+        raise WireError(str(error)) from error
+
+
+def decode_incoming(line: bytes) -> AnyMessage | AnyAnswer | dict[str, Any]:
+    """A line from the host; a kind that this version does not know comes as a plain dict."""
+    try:
+        return _incoming.decode(line)
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
+        return decode_unknown(line)
+
+
+def decode_unknown(line: bytes) -> dict[str, Any]:
+    """Any JSON object, with all its fields; `WireError` if it is none."""
+    try:
+        value = _anything.decode(line)
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
+        raise WireError(str(error)) from error
+    if not isinstance(value, dict):
+        raise WireError(f"expected a JSON object, got {type(value).__name__}")
+    return value
+
+
+def ref_of(line: bytes) -> int:
+    """The `ref` of a request that may otherwise be nonsense, so that its refusal finds it; or 0."""
+    try:
+        ref = decode_unknown(line).get("ref", 0)
+    except WireError:
+        return 0
+    return ref if type(ref) is int else 0
+
+
+def is_sample(message: Message) -> bool:
+    """Whether it is a raw sample: these may be dropped under pressure, nothing else may."""
+    return message.__struct_config__.tag in SAMPLE_KINDS

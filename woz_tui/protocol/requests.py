@@ -1,0 +1,464 @@
+"""What a console or any other program may ask of the robot process, and the answers.
+
+Requests travel from the client to the host, one JSON object a line; `ref` is a number the client
+chooses, repeated in the `reply`. Unknown fields are refused, so that a misspelt one is noticed.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import msgspec
+
+from woz_tui.protocol.camera_pictures import PictureFormat, PictureShown
+from woz_tui.protocol.envelope import Json
+from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
+from woz_tui.protocol.welcome import Allowance, ModelLimits, Settings, StudySettings
+
+PROTOCOL = 1
+
+
+#: What becomes of a command whose lane is occupied; empty: what the experiment says.
+WhenBusy = Literal["", "queue", "replace", "refuse"]
+
+
+class Request(
+    msgspec.Struct,
+    frozen=True,
+    kw_only=True,
+    omit_defaults=True,
+    forbid_unknown_fields=True,
+    tag_field="kind",
+):
+    """What all requests carry.
+
+    `sent_us`: CLOCK_BOOTTIME in microseconds when it was sent, from clients with the `boot_id` of
+    the welcome; 0: unknown.
+    """
+
+    ref: int = 0
+    sent_us: int = 0
+
+
+class Hello(Request, frozen=True, kw_only=True, omit_defaults=True, tag="hello"):
+    """First line of a client. `role`: wizard (one at a time), watcher, program, or participant, who
+    may do nothing but answer questionnaires (and stop).
+
+    A wizard must send a `beat` at least every second; when three seconds pass without one, driving
+    stops. `stream`: everything, actions (no samples) or nothing. While a wizard is attached a
+    second one becomes a watcher, unless it says `take_over`: then the first one does. `sees`: a
+    program sees `all`, also what is kept from the wizard, unless it says `wizard`.
+    """
+
+    role: str
+    name: str = ""
+    protocol: int = PROTOCOL
+    stream: str = "everything"
+    take_over: bool = False
+    sees: Literal["", "all", "wizard"] = ""
+
+
+class AskAction(Request, frozen=True, kw_only=True, omit_defaults=True, tag="action"):
+    """Play an action of the experiment by name.
+
+    `key` is the chord that was pressed, if one was. `age_us`: how old the press already is.
+    `stale`: the console decided not to play it; it is logged as refused.
+    """
+
+    action: str
+    source: str = "program"
+    key: str = ""
+    age_us: int = 0
+    stale: bool = False
+    when_busy: WhenBusy = ""
+
+
+class AskVerb(Request, frozen=True, kw_only=True, omit_defaults=True, tag="verb"):
+    """Send one verb with its arguments; `on` names the driver where several offer it.
+
+    Variables in braces (`{participant}`) are filled in, in arguments that are texts.
+
+    `key`, `age_us` and `stale` as for an action.
+    """
+
+    verb: str
+    args: dict[str, Json] = {}
+    on: str = ""
+    source: str = "program"
+    key: str = ""
+    age_us: int = 0
+    stale: bool = False
+    when_busy: WhenBusy = ""
+
+
+class AskStop(Request, frozen=True, kw_only=True, omit_defaults=True, tag="stop"):
+    """Stop everything, now."""
+
+    source: str = "program"
+
+
+class AskRelease(Request, frozen=True, kw_only=True, omit_defaults=True, tag="release"):
+    """Release the stop."""
+
+    source: str = "program"
+
+
+class AskScript(Request, frozen=True, kw_only=True, omit_defaults=True, tag="script"):
+    """Play the script's next line (`play`), or move its position to `to` without playing.
+
+    `key`, `age_us` and `stale` as for an action.
+    """
+
+    play: bool = True
+    to: int | None = None
+    key: str = ""
+    age_us: int = 0
+    stale: bool = False
+
+
+class AskCancel(Request, frozen=True, kw_only=True, omit_defaults=True, tag="cancel"):
+    """Cut one running or queued action short."""
+
+    run: str
+
+
+class AskEmptyQueue(Request, frozen=True, kw_only=True, omit_defaults=True, tag="empty-queue"):
+    """End everything that waits in a queue; what runs goes on, and nothing is stopped."""
+
+
+class AskTakeOver(Request, frozen=True, kw_only=True, omit_defaults=True, tag="take-over"):
+    """A console that watches plays from now on; refused while another one plays and responds."""
+
+
+class AskSet(Request, frozen=True, kw_only=True, omit_defaults=True, tag="set"):
+    """Set the participant, the condition or the trial."""
+
+    participant: str | None = None
+    condition: str | None = None
+    trial: int | None = None
+
+
+class AskMarker(Request, frozen=True, kw_only=True, omit_defaults=True, tag="marker"):
+    """Put a marker into the log."""
+
+    text: str = ""
+
+
+class AskNote(Request, frozen=True, kw_only=True, omit_defaults=True, tag="note"):
+    """Put a note into the log."""
+
+    text: str
+
+
+class AskMistake(Request, frozen=True, kw_only=True, omit_defaults=True, tag="mistake"):
+    """Label a run as a mistake; an empty `run` means the last action."""
+
+    run: str = ""
+    text: str = ""
+
+
+class AskLock(Request, frozen=True, kw_only=True, omit_defaults=True, tag="lock"):
+    """Lock or unlock a panel."""
+
+    panel: str
+    locked: bool
+
+
+class AskPhase(Request, frozen=True, kw_only=True, omit_defaults=True, tag="phase"):
+    """Go on to the phase `phase` of the experiment; an empty one: to the next.
+
+    `key`, `age_us` and `stale` as for an action.
+    """
+
+    phase: str = ""
+    source: str = "program"
+    key: str = ""
+    age_us: int = 0
+    stale: bool = False
+
+
+class AskProfile(Request, frozen=True, kw_only=True, omit_defaults=True, tag="profile"):
+    """Play with what a profile of the experiment allows; an empty one allows everything."""
+
+    profile: str = ""
+    source: str = "program"
+
+
+class AskReload(Request, frozen=True, kw_only=True, omit_defaults=True, tag="reload"):
+    """Read the experiment file again. `dry_run` only tells the differences or errors."""
+
+    dry_run: bool = False
+
+
+class AskKeepTyped(Request, frozen=True, kw_only=True, omit_defaults=True, tag="keep-typed"):
+    """Write the sentences that were typed into a copy of the experiment file, as the panel `Typed`.
+
+    `dry_run` only shows it. The reply's `data` has `sentences`: how many, `file`: the copy, `diff`:
+    the lines that come in, and `written`. No sentences: there is nothing new since `file`.
+    """
+
+    dry_run: bool = False
+
+
+class AskPreflight(Request, frozen=True, kw_only=True, omit_defaults=True, tag="preflight"):
+    """Run the robot side's checks; the reply's `data` lists them."""
+
+
+class AskEnd(Request, frozen=True, kw_only=True, omit_defaults=True, tag="end"):
+    """End the session: rest pose, drivers closed, log finished, process gone."""
+
+    reason: str = "wizard"
+
+
+class Beat(Request, frozen=True, kw_only=True, omit_defaults=True, tag="beat"):
+    """The wizard's console lives, and so does the line to its terminal if `line_ok`."""
+
+    line_ok: bool = True
+
+
+class AskProposal(Request, frozen=True, kw_only=True, omit_defaults=True, tag="proposal"):
+    """Which conditions should this participant get? The reply's `data` has `order`, `method`,
+    `row`, `why`, and `condition` and `trial`: where this session would go on, of `planned` trials.
+    """
+
+    participant: str
+
+
+class AskAssign(Request, frozen=True, kw_only=True, omit_defaults=True, tag="assign"):
+    """This participant gets the conditions in this order: as proposed, or otherwise."""
+
+    participant: str
+    order: list[str]
+
+
+class AskTrial(Request, frozen=True, kw_only=True, omit_defaults=True, tag="trial"):
+    """Begin the next trial, end the present one (done, aborted, excluded), begin or end a break."""
+
+    what: Literal["begin", "done", "aborted", "excluded", "break", "resume"]
+    text: str = ""
+
+
+class AskQuestionnaire(Request, frozen=True, kw_only=True, omit_defaults=True, tag="questionnaire"):
+    """Begin a questionnaire of the experiment file, or end the one that is under way."""
+
+    questionnaire: str
+    what: Literal["begin", "done", "declined", "left"] = "begin"
+    source: str = "wizard"
+
+
+class AskAnswer(Request, frozen=True, kw_only=True, omit_defaults=True, tag="answer"):
+    """Answer one item of the questionnaire that is under way, or leave it out."""
+
+    questionnaire: str
+    item: str
+    value: float | None = None
+    text: str = ""
+    answered_us: int = -1
+    skipped: bool = False
+
+
+class AskCheck(Request, frozen=True, kw_only=True, omit_defaults=True, tag="check"):
+    """Tick an item of the preflight list that only a human can see to, or take the tick away."""
+
+    check: str
+    ok: bool = True
+    text: str = ""
+
+
+class AskTraining(Request, frozen=True, kw_only=True, omit_defaults=True, tag="training"):
+    """Begin the training that waits for it."""
+
+
+class AskReplay(Request, frozen=True, kw_only=True, omit_defaults=True, tag="replay"):
+    """Move through a log that is being replayed; a robot process refuses it.
+
+    `seek` goes `by_s` seconds on or back, `go` to a time (`12:34`, `754.2`) or to the marker with
+    the text `to`.
+    """
+
+    what: Literal["pause", "step", "faster", "slower", "seek", "go"]
+    by_s: float = 0.0
+    to: str = ""
+
+
+class AskPicture(Request, frozen=True, kw_only=True, omit_defaults=True, tag="picture"):
+    """The newest picture of the camera of `driver` (empty: of the first one) that is not number
+    `after`, in at most `width` x `height` pixels; the answer is a `pictures.PictureShown`.
+    """
+
+    driver: str = ""
+    width: int = 320
+    height: int = 240
+    format: PictureFormat = "rgb"
+    after: int = 0
+    rate: float = 5.0
+
+
+AnyRequest = (
+    Hello
+    | AskAction
+    | AskVerb
+    | AskStop
+    | AskRelease
+    | AskScript
+    | AskCancel
+    | AskEmptyQueue
+    | AskTakeOver
+    | AskSet
+    | AskMarker
+    | AskNote
+    | AskMistake
+    | AskLock
+    | AskPhase
+    | AskProfile
+    | AskReload
+    | AskKeepTyped
+    | AskPreflight
+    | AskEnd
+    | AskProposal
+    | AskAssign
+    | AskTrial
+    | AskQuestionnaire
+    | AskAnswer
+    | AskCheck
+    | AskTraining
+    | AskReplay
+    | AskPicture
+    | Beat
+)
+
+
+class Reply(
+    msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="reply"
+):
+    """The answer to one request; not part of the session's stream and never logged.
+
+    `run` names what was started. `reason` says why not, `hint` what would help, and
+    `command` which of the console's own keys (its id). `data` carries what the request asked for.
+    """
+
+    ref: int
+    ok: bool
+    reason: str = ""
+    hint: str = ""
+    command: str = ""
+    run: str = ""
+    data: Json = None
+
+
+class Welcome(
+    msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="welcome"
+):
+    """First line to a client that said hello: the whole picture, so any console can begin here.
+
+    `state` are messages of the stream that still hold (session start and changes, health of each
+    driver, stop if pressed, commands and actions not yet ended, last reading of each sensor,
+    recorder state, position of each script, phase, locks); a client treats them like any other.
+    `recent` is the tail of the log, oldest first, for the console's list. `seq` is the last one
+    contained.
+    `settings`: `stale_after` and `dead_man` in seconds, `participant_pattern`, and `joints`: joint
+    -> [lowest, highest angle] in degrees, for those whose driver tells them, `outlines`: driver ->
+    what it looks like (see `docs/reference/protocol.md`), `values`: variable -> its value at this
+    moment, `steps`: how far one press of an arrow goes (`head`, `hip`, `turn` in degrees, `drive`
+    in m), `lanes`: driver -> verb -> the lane in which it is queued, `repairs`: moves that save a
+    dialogue, actions of their own,
+    `profiles`: their names, `profile`: the one in use, or nothing, and `allows`: profile -> what it
+    names (`panels`, `actions`, `controls`, `verbs`), and `hide` where the rest is not shown;
+    `engagement`, in a session with that model: its `timeouts` (seconds, or null), the seconds of a
+    whole `handshake` and how many `attempts` it has; `phases`: those of the file; `study`: what the
+    file says of the study, and how it stands (see `docs/reference/protocol.md`). `boot_id`: of
+    the robot process's machine; a client with the same one may stamp its requests with `sent_us`.
+    """
+
+    protocol: int
+    console: str
+    role: str
+    seq: int
+    t: int
+    title: str
+    log: str
+    panels: list[PanelView]
+    script: list[str]
+    verbs: dict[str, list[str]]
+    variables: list[str]
+    conditions: list[str]
+    keyboard: str
+    drivers: list[str]
+    state: list[msgspec.Raw] = []
+    recent: list[msgspec.Raw] = []
+    settings: Settings = Settings()
+    boot_id: str = ""
+
+
+class Pulse(
+    msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="pulse"
+):
+    """Once a second from the host to every client: it lives; `dropped` readings were left out.
+
+    `rate`: how fast `t` goes on from here; a replay stands still (0) or hurries.
+    """
+
+    t: int
+    dropped: int = 0
+    rate: float = 1.0
+
+
+class Replaying(
+    msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="replaying"
+):
+    """How a replay stands: at `t` of `length_us`, at `rate` times its real speed, or still.
+
+    `marks` are times of markers and what they say, oldest first, for the time line; only in the
+    first one, and when it begins anew. `sorts`: what each of them is (marker, note, mistake, stop,
+    trial, phase, break, questionnaire, lost, engagement, end, code). `cut_us`: how much of idle
+    gaps has been left out so far.
+    """
+
+    t: int
+    length_us: int
+    rate: float
+    paused: bool
+    ended: bool = False
+    cut_us: int = 0
+    marks: list[tuple[int, str]] | None = None
+    sorts: list[str] = []
+
+
+class PanelsChanged(
+    msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="panels"
+):
+    """After a reload or a change of profile: the panels and the script as they are now, and the
+    variables' present values. What is called as in `Settings` (`PANEL_SETTINGS`) takes the place of
+    what the welcome said there; null: as before.
+    """
+
+    title: str
+    panels: list[PanelView]
+    script: list[str]
+    verbs: dict[str, list[str]]
+    conditions: list[str]
+    keyboard: str
+    variables: list[str] | None = None
+    values: dict[str, str] = {}
+    steps: dict[str, float] | None = None
+    repairs: list[ActionView] = []
+    profiles: list[str] = []
+    profile: str = ""
+    allows: dict[str, Allowance] = {}
+    engagement: ModelLimits = ModelLimits()
+    phases: list[PhaseView] = []
+    sensors: list[str] = []
+    study: StudySettings | None = None
+    stale_after: float | None = None
+    dead_man: float | None = None
+    participant_pattern: str | None = None
+
+
+#: The settings that may be others after a reload.
+PANEL_SETTINGS = tuple(
+    name for name in PanelsChanged.__struct_fields__ if name in Settings.__struct_fields__
+)
+
+
+#: Lines from the host that are not messages of the session.
+AnyAnswer = Reply | Welcome | Pulse | PanelsChanged | Replaying | PictureShown

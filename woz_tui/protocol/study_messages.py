@@ -1,0 +1,301 @@
+"""The experiment around the robot: who gets which condition, trials, questionnaires, training.
+
+And what makes a log readable by itself: the experiment's files and what consoles were shown.
+Everybody imports these from `woz_tui.protocol.messages`, where all messages are together.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+
+from woz_tui.protocol.envelope import Message, Worded
+from woz_tui.protocol.panels import PanelView
+from woz_tui.protocol.welcome import Settings
+
+# -- a log that needs nothing beside it -----------------------------------------------------------
+
+
+class ExperimentFiles(
+    Message, frozen=True, kw_only=True, omit_defaults=True, tag="experiment.files"
+):
+    """The experiment as it was read: name of each file, relative to the experiment's folder, and
+    its text, the experiment itself first. At the beginning and after each reload. `left_out` names
+    files that are too large to be kept here.
+    """
+
+    experiment_sha256: str
+    files: dict[str, str]
+    left_out: list[str] = msgspec.field(default_factory=list)
+
+
+class SessionPlan(Message, frozen=True, kw_only=True, omit_defaults=True, tag="session.plan"):
+    """What consoles are shown, as in a `welcome` (docs/reference/protocol.md), so that a replay can
+    show the same: when the session begins and whenever it changes.
+    """
+
+    title: str
+    panels: list[PanelView]
+    script: list[str]
+    verbs: dict[str, list[str]]
+    variables: list[str]
+    conditions: list[str]
+    keyboard: str
+    drivers: list[str]
+    settings: Settings
+
+
+# -- conditions and trials ------------------------------------------------------------------------
+
+
+class ConditionsAssigned(
+    Message, frozen=True, kw_only=True, omit_defaults=True, tag="condition.assigned"
+):
+    """The order in which the participant gets the conditions; with one condition for each
+    participant, that one. `method` is latin-square, blocks or fixed, or `hand` where the wizard
+    chose otherwise; `row` counts the rows of the square, or the places of all blocks, from 0 (-1:
+    none).
+    """
+
+    participant: str
+    order: list[str]
+    method: str
+    row: int = -1
+    why: str = ""
+
+
+class TrialStarted(Message, frozen=True, kw_only=True, omit_defaults=True, tag="trial.started"):
+    """A trial begins. `planned`: how many there are to be (0: nobody said)."""
+
+    trial: int
+    condition: str = ""
+    planned: int = 0
+
+
+class TrialEnded(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="trial.ended"):
+    """It is over. `outcome`: done, aborted (to be run again) or excluded (not to be analysed)."""
+
+    trial: int
+    outcome: str
+    text: str = ""
+
+
+class BreakStarted(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="break.started"):
+    """A break: what happens now belongs to no trial."""
+
+    text: str = ""
+
+
+class BreakEnded(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="break.ended"):
+    """The break is over."""
+
+    text: str = ""
+
+
+# -- asked of people ------------------------------------------------------------------------------
+
+
+class PreflightChecked(
+    Message, frozen=True, kw_only=True, omit_defaults=True, tag="preflight.checked"
+):
+    """One line of the preflight list: `level` is ok, warning or error; `source` is robot for what a
+    program found out, and else who ticked it.
+    """
+
+    check: str
+    level: str
+    detail: str = ""
+    source: str
+
+
+class QuestionnaireStarted(
+    Message, frozen=True, kw_only=True, omit_defaults=True, tag="questionnaire.started"
+):
+    """A questionnaire is put to the participant. `items` are as in the experiment file: `name`,
+    `question`, and for a scale `low`, `high` and what its ends are called.
+    """
+
+    questionnaire: str
+    title: str
+    items: list[dict[str, Any]]
+    trial: int = -1
+    source: str = msgspec.field(default_factory=lambda: "wizard")
+
+
+class QuestionnaireAnswered(
+    Message, frozen=True, kw_only=True, omit_defaults=True, tag="questionnaire.answered"
+):
+    """One answer: a number on the item's scale, or a text. A later answer to the same item of the
+    same round replaces it. `answered_us`: from the item's being shown. `skipped`: left out on
+    purpose.
+    """
+
+    questionnaire: str
+    item: str
+    question: str
+    value: float | None = None
+    text: str = ""
+    answered_us: int = -1
+    skipped: bool = False
+
+
+class QuestionnaireEnded(
+    Message, frozen=True, kw_only=True, omit_defaults=True, tag="questionnaire.ended"
+):
+    """It is over: `reason` is done, declined (the participant did not want to) or left."""
+
+    questionnaire: str
+    reason: str
+    answered: int
+
+
+# -- what shapes a wizard's answers ---------------------------------------------------------------
+
+
+class ShapingChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag="shaping.changed"):
+    """From here on the robot answers a cue no sooner than `floor_us` and a random 0 to `jitter_us`
+    after it; both 0: at once. `cues`: which (see `action.held`).
+    """
+
+    floor_us: int
+    jitter_us: int
+    cues: list[str]
+
+
+class ActionHeld(Message, frozen=True, kw_only=True, omit_defaults=True, tag="action.held"):
+    """An action was asked for sooner after a cue than the robot answers: it begins at `until`. The
+    cue's `sort` is speech (the visitor's speech ended), engagement or marker; `cued` is its moment,
+    `until` that of the beginning, on the axis of `t`.
+    """
+
+    run: str
+    action: str
+    sort: str
+    cued: int
+    until: int
+
+
+class PerceptionChanged(
+    Message, frozen=True, kw_only=True, omit_defaults=True, tag="perception.changed"
+):
+    """What the wizard can see from here on: not what is `hidden`, and of what is `blurred` only
+    that it is there.
+    """
+
+    hidden: list[str]
+    blurred: list[str]
+
+
+# -- training -----------------------------------------------------------------------------------
+
+
+class TrainingChanged(
+    Message, frozen=True, kw_only=True, omit_defaults=True, tag="training.changed"
+):
+    """How far a training of the wizard is: `state` is waits (for the key that begins it), runs or
+    over. `planned`: how many cues there are. When it is over, the counts are as in `cue.answered`,
+    and `median_us` is the median reaction time to all that was answered (-1: nothing was).
+    """
+
+    state: str
+    planned: int
+    right: int = 0
+    wrong: int = 0
+    missed: int = 0
+    uncalled: int = 0
+    median_us: int = -1
+
+
+class CueGiven(Message, frozen=True, kw_only=True, omit_defaults=True, tag="cue.given"):
+    """Training: the simulated visitor did something that wants an answer: one of the actions that
+    `expects` names, within `window_us`. `sort`: approach, question, silence, turn-away, leave ...
+    """
+
+    cue: str
+    sort: str
+    text: str = ""
+    expects: list[str]
+    window_us: int
+
+
+class CueAnswered(Message, frozen=True, kw_only=True, omit_defaults=True, tag="cue.answered"):
+    """What the wizard made of it. `judged`: right, wrong (another action), missed (nothing in time)
+    uncalled (an action without a cue, then `cue` is empty) or void (the stop was pressed, or the
+    training ended meanwhile). `reaction_us`: from the cue to the request (-1: none).
+    """
+
+    cue: str
+    judged: str
+    action: str = ""
+    run: str = ""
+    reaction_us: int = -1
+
+
+# -- run again ----------------------------------------------------------------------------------
+
+
+class RerunStarted(Message, frozen=True, kw_only=True, omit_defaults=True, tag="rerun.started"):
+    """This session runs the commands of another one again: `original` is the name of its log,
+    `original_session` its code, `original_sha256` of the bytes of its action log's lines.
+    `commands`: how many are to come.
+    """
+
+    original: str
+    original_session: str
+    original_sha256: str = ""
+    commands: int = 0
+
+
+class RerunSent(Message, frozen=True, kw_only=True, omit_defaults=True, tag="rerun.sent"):
+    """A command was sent again: `command` is its id here, `original_command` there. `due` is when
+    it should have been, on this session's axis of `t`; `late_us` how much later it was.
+    """
+
+    command: str
+    original_command: str
+    due: int
+    late_us: int
+
+
+class RerunSkipped(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="rerun.skipped"):
+    """A command of the original that is not sent again, and why."""
+
+    original_command: str
+    reason: str
+
+
+class RerunEnded(Message, frozen=True, kw_only=True, omit_defaults=True, tag="rerun.ended"):
+    """The re-run is over: how many were sent and skipped, and the lateness of those sent."""
+
+    reason: str
+    sent_again: int
+    skipped_commands: int
+    late_p50_us: int = 0
+    late_max_us: int = 0
+
+
+#: All of this module, for the union of all messages.
+StudyMessage = (
+    ExperimentFiles
+    | SessionPlan
+    | ConditionsAssigned
+    | TrialStarted
+    | TrialEnded
+    | BreakStarted
+    | BreakEnded
+    | PreflightChecked
+    | QuestionnaireStarted
+    | QuestionnaireAnswered
+    | QuestionnaireEnded
+    | ShapingChanged
+    | ActionHeld
+    | PerceptionChanged
+    | TrainingChanged
+    | CueGiven
+    | CueAnswered
+    | RerunStarted
+    | RerunSent
+    | RerunSkipped
+    | RerunEnded
+)

@@ -1,0 +1,215 @@
+"""What a welcome says beside the panels: how the session is set, and the study around it.
+
+Each struct is a JSON object of the same shape on the socket and in `session.plan` of a log; a key
+that an older log does not have has its default.
+"""
+
+from __future__ import annotations
+
+import msgspec
+from msgspec import UNSET, UnsetType
+
+from woz_tui.protocol.envelope import Json
+from woz_tui.protocol.panels import ActionView, PhaseView
+
+#: The highest number of one digit.
+_DIGIT = 9
+
+
+class Allowance(msgspec.Struct, frozen=True, omit_defaults=True):
+    """What a profile names; `hide`: the rest is not shown."""
+
+    panels: list[str] = []
+    actions: list[str] = []
+    controls: list[str] = []
+    verbs: list[str] = []
+    hide: bool = False
+
+
+class ModelLimits(msgspec.Struct, frozen=True, omit_defaults=True):
+    """What limits the engagement model in time, in seconds; the defaults: there is no model.
+
+    `handshake`: seconds of a whole one, which has `attempts`.
+    """
+
+    timeouts: dict[str, float | None] = {}
+    handshake: float = 0.0
+    attempts: int = 0
+
+    def __bool__(self) -> bool:
+        """Whether the session has a model."""
+        return self != ModelLimits()
+
+
+class DesignView(msgspec.Struct, frozen=True):
+    """How conditions are ordered; `within`: each participant gets all; `trials` in each."""
+
+    order: str = ""
+    within: bool = True
+    trials: int = 0
+
+
+class Item(msgspec.Struct, frozen=True):
+    """One question: a scale of whole numbers from `low` to `high`, or a free text.
+
+    `ends` is what the scale's ends are called; `optional`: may be left out.
+    """
+
+    name: str
+    question: str = ""
+    low: int = 1
+    high: int = 7
+    ends: tuple[str, str] = ("", "")
+    text: bool = False
+    optional: bool = False
+
+    @property
+    def digits(self) -> bool:
+        """Whether each point of the scale is one digit."""
+        return self.low >= 0 and self.high <= _DIGIT
+
+
+class Questionnaire(msgspec.Struct, frozen=True):
+    """Items asked together; `when` is end, trial, condition or hand."""
+
+    name: str
+    title: str = ""
+    introduction: str = ""
+    when: str = "end"
+    items: tuple[Item, ...] = ()
+
+    @property
+    def heading(self) -> str:
+        """Its title, or its name."""
+        return self.title or self.name
+
+
+class Check(msgspec.Struct, frozen=True):
+    """What a human has to see to before the first participant, and whether it is ticked."""
+
+    check: str
+    ok: bool = False
+
+
+class Restricted(msgspec.Struct, frozen=True):
+    """What is not shown to the wizard (`hide`), or not legibly (`blur`)."""
+
+    hide: list[str] = []
+    blur: list[str] = []
+
+
+class ShapingView(msgspec.Struct, frozen=True):
+    """How soon the robot may answer one of the `cues`: `floor` and `jitter` in seconds."""
+
+    floor: float = 0.0
+    jitter: float = 0.0
+    cues: list[str] = []
+
+
+class QuestionnaireWords(msgspec.Struct, frozen=True, omit_defaults=True):
+    """What a participant reads of the console, in the language of the experiment. What stands
+    between braces is filled in; `stop_key` and `go_on_key` are letters.
+    """
+
+    wait: str = "Please wait."
+    thanks: str = "Thank you!"
+    moment: str = "Just a moment, please."
+    kept: str = "What you have answered is kept."
+    stopped: str = "The robot has been stopped."
+    questions_one: str = "1 question."
+    questions: str = "{count} questions."
+    position: str = "{number} of {count}"
+    optional: str = "can be skipped"
+    left_out: str = "left out"
+    no_answer: str = "no answer"
+    finish: str = "Everything is as it should be: finish"
+    stop_question: str = "Stop here and leave the rest unanswered?"
+    stop_kept: str = "What has been answered so far is kept."
+    keys_begin: str = "enter begins · Ctrl+D: decline"
+    keys_scale: str = "{low} to {high}, or {left} {right} and enter · {up} back"
+    keys_scale_enter: str = "{low} to {high} and enter · {up} back"
+    keys_text: str = "enter goes on · {up} at the top: back"
+    keys_skip: str = "tab leaves it out"
+    keys_stop: str = "Ctrl+D: stop here"
+    keys_summary: str = "enter finishes · {up} choose one to change"
+    keys_decline: str = "{stop}: stop here · {go_on}: go on"
+    stop_key: str = "y"
+    go_on_key: str = "n"
+    press_again: str = "If that was meant, please press it again."
+    open_item: str = "This one has no answer yet."
+    answer_first: str = "Please answer first."
+    answer_or_skip: str = "Please answer first; tab leaves it out."
+    number: str = "A number from {low} to {high}, please."
+    number_or_skip: str = "A number from {low} to {high}, or tab leaves it out."
+    wants_answer: str = "This one wants an answer; Ctrl+D if you would rather stop here."
+    too_long: str = "An answer may have {most} characters at most."
+    refused: str = "This answer was not taken. Please try again."
+
+
+#: What every word says by itself.
+ENGLISH = QuestionnaireWords()
+
+
+class StudySettings(msgspec.Struct, frozen=True):
+    """What the file says of the study, and how it stands at this moment.
+
+    `blind`: condition -> label; for whoever is blind to the condition, label -> label.
+    `by_condition`: variable -> condition -> text. The last six are as of this moment: `assigned`
+    is the participant's order of conditions, `trial` the number of the next one or of that which
+    is `running`, `due` names questionnaires. `words`: what participants read of the console.
+    """
+
+    design: DesignView | None = None
+    blind: dict[str, str] = {}
+    questionnaires: list[Questionnaire] = []
+    preflight: list[Check] = []
+    perception: Restricted = Restricted()
+    shaping: ShapingView | None = None
+    answers: dict[str, list[str]] = {}
+    by_condition: dict[str, dict[str, str]] = {}
+    assigned: list[str] = []
+    planned: int = 0
+    trial: int = 1
+    running: bool = False
+    on_break: bool = False
+    due: list[str] = []
+    words: QuestionnaireWords = ENGLISH
+
+
+class ReplayedLog(msgspec.Struct, frozen=True):
+    """The log that a replay plays: at `t` microseconds the clock on the wall said `ts`. `coder` is
+    who codes it; empty: nobody.
+    """
+
+    t: int = 0
+    ts: str = ""
+    notes: list[str] = []
+    wizard: str = ""
+    experiment: str = ""
+    software: str = ""
+    lines: int = 0
+    coder: str = ""
+
+
+class Settings(msgspec.Struct, frozen=True, kw_only=True):
+    """See `docs/reference/protocol.md`. `outlines` are as the drivers' classes give them; `replay`
+    is there in a replay alone.
+    """
+
+    stale_after: float = 0.0
+    dead_man: float = 0.0
+    participant_pattern: str = ""
+    joints: dict[str, tuple[float, float]] = {}
+    outlines: dict[str, Json] = {}
+    values: dict[str, str] = {}
+    steps: dict[str, float] = {}
+    lanes: dict[str, dict[str, str]] = {}
+    repairs: list[ActionView] = []
+    profiles: list[str] = []
+    profile: str = ""
+    allows: dict[str, Allowance] = {}
+    engagement: ModelLimits = ModelLimits()
+    phases: list[PhaseView] = []
+    sensors: list[str] = []
+    study: StudySettings = StudySettings()
+    replay: ReplayedLog | UnsetType = UNSET

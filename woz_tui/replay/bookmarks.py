@@ -1,0 +1,176 @@
+"""Places in a log that somebody may want to go to, and stretches in which nothing happens."""
+
+from __future__ import annotations
+
+import bisect
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from woz_tui.log.line_order import falls
+from woz_tui.protocol import messages as m
+
+#: How much is shown before what ends an idle stretch, in microseconds, at most.
+LEAD_US = 1_000_000
+#: What happens; everything else, above all samples, comes by itself also where nobody does a thing.
+_DEEDS = (
+    m.ActionRequested,
+    m.ActionEnd,
+    m.Command,
+    m.End,
+    m.EngagementChanged,
+    m.SpeechStarted,
+    m.SpeechEnded,
+    m.SpeechText,
+    m.Marker,
+    m.Note,
+    m.Mistake,
+    m.StopPressed,
+    m.StopReleased,
+    m.DriverLost,
+    m.SessionStart,
+    m.SessionChanged,
+    m.SessionEnd,
+    m.TrialStarted,
+    m.TrialEnded,
+    m.PhaseChanged,
+    m.BreakStarted,
+    m.BreakEnded,
+    m.QuestionnaireStarted,
+    m.QuestionnaireAnswered,
+    m.QuestionnaireEnded,
+    m.CueGiven,
+    m.CueAnswered,
+)
+
+
+#: Sort of a trial's number that somebody set; where trials are begun, it says nothing by itself.
+SET = "trial set"
+
+
+class Mark(NamedTuple):
+    """A place on the time line: when, what sort (marker, note, mistake, stop, trial, phase,
+    break, questionnaire, lost, engagement, end; code: a coder set it), what it says.
+    """
+
+    t: int
+    sort: str
+    text: str
+
+
+def mark_of(message: object, t: int) -> Mark | None:  # noqa: PLR0911 - a table of kinds
+    """The mark that a line of the log is; None for most of them."""
+    match message:
+        case m.Marker(text=text):
+            return Mark(t, "marker", text or "marker")
+        case m.Note(text=text):
+            return Mark(t, "note", text)
+        case m.Mistake(action=action, run=run, text=text):
+            return Mark(t, "mistake", f"{action or run} {text}".strip())
+        case m.StopPressed(scope="all", source=source):
+            return Mark(t, "stop", f"stop by {source}")
+        case m.TrialStarted(trial=trial, condition=condition):
+            return Mark(t, "trial", f"trial {trial} {condition}".rstrip())
+        case m.SessionChanged(trial=int(trial)):
+            return Mark(t, SET, f"trial {trial}")
+        case m.PhaseChanged(phase=str(phase)) if phase:
+            return Mark(t, "phase", f"phase {phase}")
+        case m.BreakStarted(text=text):
+            return Mark(t, "break", f"break {text}".rstrip())
+        case m.QuestionnaireStarted(questionnaire=name):
+            return Mark(t, "questionnaire", f"questionnaire {name}")
+        case m.DriverLost(driver=driver):
+            return Mark(t, "lost", f"{driver} lost")
+        case m.SessionEnd(reason=reason):
+            return Mark(t, "end", f"end: {reason}" if reason else "end")
+    return None
+
+
+def marks_of(marks: Iterable[Mark | None]) -> list[Mark]:
+    """What there is to go to: trials that were begun, or else the numbers that were set."""
+    found = [mark for mark in marks if mark is not None]
+    begun = any(mark.sort == "trial" for mark in found)
+    return [
+        mark._replace(sort="trial") if mark.sort == SET else mark
+        for mark in found
+        if mark.sort != SET or not begun
+    ]
+
+
+def is_deed(message: object) -> bool:
+    """Whether a line is something that happened, so that it ends an idle stretch."""
+    return isinstance(message, _DEEDS)
+
+
+@dataclass(frozen=True, slots=True)
+class Cut:
+    """A stretch that is left out: playing jumps from `begin` to `end` (microseconds)."""
+
+    begin: int
+    end: int
+
+
+class Cuts:
+    """What is left out of the idle stretches between `deeds`, times in microseconds, rising.
+
+    A stretch longer than `most_us` keeps that much: most of it at its beginning, the rest before
+    what ends it. Without `most_us` nothing is left out.
+    """
+
+    def __init__(self, deeds: Iterable[int], most_us: int | None) -> None:
+        self._cuts = [] if most_us is None else list(_cuts(deeds, most_us))
+        self._begins = [cut.begin for cut in self._cuts]
+        self._shown = []
+        left_out = 0
+        for cut in self._cuts:
+            self._shown.append(cut.begin - left_out)
+            left_out += cut.end - cut.begin
+
+    def __len__(self) -> int:
+        return len(self._cuts)
+
+    def crossed(self, start: int, to: int) -> Cut | None:
+        """The first cut that playing from `start` to `to` comes to."""
+        index = bisect.bisect_left(self._begins, start)
+        if index < len(self._cuts) and self._begins[index] < to:
+            return self._cuts[index]
+        return None
+
+    def before(self, t: int) -> int:
+        """How much has been left out up to `t`."""
+        return sum(
+            min(cut.end, t) - cut.begin for cut in self._cuts[: bisect.bisect_left(self._begins, t)]
+        )
+
+    def moved(self, t: int, by: int) -> int:
+        """`by` microseconds further or back, of what is shown."""
+        wanted = t - self.before(t) + by
+        index = bisect.bisect_left(self._shown, wanted)
+        return wanted + sum(cut.end - cut.begin for cut in self._cuts[:index])
+
+
+def _cuts(deeds: Iterable[int], most_us: int) -> Iterable[Cut]:
+    lead = min(LEAD_US, most_us // 2)
+    before: int | None = None
+    for t in deeds:
+        if before is not None and t - before > most_us:
+            yield Cut(before + most_us - lead, t - lead)
+        before = t
+
+
+def steady(times: Sequence[int]) -> list[int]:
+    """Times that never go back, from those of a log in its order.
+
+    A single time that does not fit between its neighbours is damaged: one that is too late takes
+    that of the line behind it, one that is too early that of the line before.
+    """
+    if not falls(times):
+        return [*times]
+    found: list[int] = []
+    last = 0
+    for index, t in enumerate(times):
+        following = times[index + 1 : index + 3]
+        late = following and last <= following[0] and max(following) < t
+        last = max(last, following[0] if late else t)
+        found.append(last)
+    return found

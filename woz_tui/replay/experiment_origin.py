@@ -1,0 +1,205 @@
+"""The experiment that a log was made with: where its file is now, and whether it is still the same.
+
+A log names its experiment by the file's name and the hash of all files that were read, and keeps
+their text (`experiment.files`), so that what has been changed since can be shown.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from woz_tui.config.experiment import Experiment, ExperimentError
+from woz_tui.config.loading import load
+from woz_tui.config.study_sections import BLIND
+from woz_tui.drivers.contract import Driver
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.welcome import StudySettings
+from woz_tui.replay.study_snapshot import last_blind
+from woz_tui.session.session_start import name_beside, without_home
+
+#: The folder in which a project keeps its experiments, beside the one of its logs.
+EXPERIMENTS = "experiments"
+
+
+class OriginError(Exception):
+    """The experiment of a log cannot be found or read; `remedy` says what would help."""
+
+    def __init__(self, reason: str, remedy: str = "") -> None:
+        super().__init__(f"{reason} ({remedy})" if remedy else reason)
+        self.reason = reason
+        self.remedy = remedy
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """What a log says about its experiment.
+
+    Attributes:
+        name: The experiment file's name, without a folder.
+        hashes: SHA-256 of the experiment's files, at the beginning and after each reload.
+        files: Their text as it was last; None in logs of a version that did not keep it.
+        study: The study as consoles were told of it, by the last plan in the log whose wizard was
+            blind to the condition; the defaults if none was; None if the log has no plan.
+    """
+
+    name: str
+    hashes: tuple[str, ...]
+    files: m.ExperimentFiles | None = None
+    study: StudySettings | None = None
+
+    def made_with(self, experiment: Experiment) -> bool:
+        """Whether the session was played, or ended, with just these files."""
+        return bool(self.hashes) and experiment.sha256 in (self.hashes[0], self.hashes[-1])
+
+    @property
+    def blind(self) -> bool:
+        """Whether the wizard was blind to the condition, or may have been: in a log without a plan
+        the word in one of the files is enough.
+        """
+        if self.study is None and self.files is not None:
+            return any(BLIND in text for text in self.files.files.values())
+        return self.study is not None and bool(self.study.blind)
+
+
+def origin_of(lines: Iterable[object]) -> Origin:
+    """What a log says about its experiment."""
+    name, hashes, files, study = "", [], None, None
+    for line in lines:
+        match line:
+            case m.SessionStart(experiment=name, experiment_sha256=sha256):
+                hashes.append(sha256)
+            case m.ExperimentReloaded(experiment_sha256=sha256):
+                hashes.append(sha256)
+            case m.ExperimentFiles():
+                files = line
+            case m.SessionPlan():
+                study = last_blind(study, line)
+    return Origin(name, tuple(hashes), files, study)
+
+
+def places(log: Path, name: str) -> list[Path]:
+    """Where the experiment called `name` may be: beside the log, above it, here; best first."""
+    near = (log.resolve().parent, log.resolve().parent.parent, Path.cwd())
+    folders = dict.fromkeys(folder / sub for sub in ("", EXPERIMENTS) for folder in near)
+    return [file for folder in folders if name and (file := folder / name).is_file()]
+
+
+def find(
+    log: Path,
+    origin: Origin,
+    catalogue: Mapping[str, type[Driver]],
+    given: Path | None = None,
+) -> Experiment:
+    """The experiment of the log `log`, as its file is now.
+
+    `given` is where somebody says that it is. Of several files of its name the one that has not
+    changed since is taken, and else the nearest.
+
+    Raises:
+        OriginError: There is no such file.
+        ExperimentError: It is there, and has errors.
+    """
+    if given is not None:
+        return load(given, catalogue)
+    found = places(log, Path(origin.name).name)
+    if not found:
+        raise OriginError(
+            f"the experiment {origin.name or 'of this log'} is not beside the log",
+            "name it with --experiment FILE",
+        )
+    read: list[Experiment] = []
+    broken: list[ExperimentError] = []
+    for file in found:
+        try:
+            read.append(load(file, catalogue))
+        except ExperimentError as error:
+            broken.append(error)
+    if not read:
+        raise broken[0]
+    return next((one for one in read if origin.made_with(one)), read[0])
+
+
+def blind(origin: Origin, experiment: Experiment) -> bool:
+    """Whether a wizard of this study is blind to the condition: in the log, or by now."""
+    return origin.blind or bool(experiment.study.design and experiment.study.design.blind)
+
+
+def differences(origin: Origin, experiment: Experiment, *, places: bool = False) -> list[str]:
+    """What has changed since the session, as the lines of a unified diff; empty: nothing has.
+
+    With `places` only where: names of files and numbers of lines, no word of any text. Where the
+    log does not hold the files' text, one line says so.
+    """
+    if origin.made_with(experiment):
+        return []
+    if origin.files is None:
+        was = origin.hashes[-1][:12] if origin.hashes else "unknown"
+        return [
+            f"{experiment.path.name} is not the file that the session was played with"
+            f" (its hash was {was}, now it is {experiment.sha256[:12]});"
+            " the log does not contain its text, so the changes are unknown"
+        ]
+    compared = _places if places else _unified
+    return _diff(compared, origin.files.files, now_of(experiment), origin.files.left_out)
+
+
+def now_of(experiment: Experiment) -> dict[str, str]:
+    """The experiment's files as they were read now: text by name, as a log has them."""
+    folder = experiment.path.parent
+    return {
+        name_beside(path, folder): without_home(text)
+        for path, text in zip(experiment.files, experiment.texts, strict=True)
+    }
+
+
+#: Says in lines how the two texts of the file of this name differ; None: there is none.
+_Compared = Callable[[str, str | None, str | None], Iterable[str]]
+
+
+def _diff(
+    compared: _Compared,
+    then: Mapping[str, str],
+    now: Mapping[str, str],
+    left_out: Sequence[str],
+) -> list[str]:
+    lines: list[str] = []
+    for name in dict.fromkeys([*then, *now]):
+        if name not in left_out:
+            lines += compared(name, then.get(name), now.get(name))
+    if not lines:
+        kept = f" ({', '.join(left_out)} is not kept in the log)" if left_out else ""
+        lines.append(f"the hash of the experiment's files differs{kept}")
+    return lines
+
+
+def _unified(name: str, then: str | None, now: str | None) -> Iterable[str]:
+    return difflib.unified_diff(
+        (then or "").splitlines(),
+        (now or "").splitlines(),
+        "/dev/null" if then is None else f"{name} (in the log)",
+        "/dev/null" if now is None else f"{name} (now)",
+        lineterm="",
+    )
+
+
+def _places(name: str, then: str | None, now: str | None) -> Iterator[str]:
+    """`small.yaml: line 6 in the log, lines 6 to 8 now`, a line for each place."""
+    if then is None or now is None:
+        yield f"{name}: {'not in the log, but exists now' if then is None else 'is gone'}"
+        return
+    matcher = difflib.SequenceMatcher(None, then.splitlines(), now.splitlines())
+    for what, i1, i2, j1, j2 in matcher.get_opcodes():
+        if what == "replace":
+            yield f"{name}: {_lines(i1, i2)} in the log, {_lines(j1, j2)} now"
+        elif what == "delete":
+            yield f"{name}: {_lines(i1, i2)} in the log, removed now"
+        elif what == "insert":
+            yield f"{name}: {_lines(j1, j2)} now, not in the log"
+
+
+def _lines(first: int, end: int) -> str:
+    """`line 6` or `lines 6 to 8` of the lines `first` <= n < `end`, counted from 0."""
+    return f"line {end}" if end - first == 1 else f"lines {first + 1} to {end}"

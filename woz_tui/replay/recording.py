@@ -1,0 +1,335 @@
+"""A log made ready to be played: its lines on one time line, and what held at any moment.
+
+The lines of actions are kept in memory, an hour of them is a few megabytes; samples are fetched
+when they are due. Every few seconds of log a copy of the `SessionState` is kept, so that any moment
+is a few hundred lines from one.
+"""
+
+from __future__ import annotations
+
+import bisect
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Protocol
+
+import msgspec
+
+from woz_tui.log.log_reader import Line
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.envelope import Message
+from woz_tui.protocol.messages import SCHEMA
+from woz_tui.protocol.welcome import StudySettings
+from woz_tui.replay.bookmarks import Cuts, Mark, is_deed, mark_of, marks_of, steady
+from woz_tui.replay.legacy_plan import plan_from
+from woz_tui.replay.study_snapshot import revealed
+from woz_tui.session.recent_lines import MOST, Recent
+from woz_tui.session.redactor import CoderRedactor, Perception, Redactor, marked
+from woz_tui.session.study_settings import study_snapshot
+from woz_tui.timeline.episodes import Engagement
+from woz_tui.timeline.session_state import SessionState
+
+#: A message, or the fields of a line whose kind this version does not know.
+Told = m.AnyMessage | dict[str, Any]
+
+#: A copy of the state is kept after so much of the log's time, after so many lines at the latest.
+SNAPSHOT_US, SNAPSHOT_LINES = 5_000_000, 500
+#: What the engagement model follows from.
+_OF_MODEL = m.EngagementAdopted | m.EngagementChanged | m.SessionPlan | m.Done
+#: Lines that show nothing by themselves: a step does not stop at them.
+_HOUSEKEEPING = frozenset(
+    {"clock", "checkpoint", "recorder.state", "experiment.files", "session.plan"}
+)
+
+
+class Samples(Protocol):
+    """The samples of a log, in order."""
+
+    @property
+    def length_us(self) -> int:
+        """The last moment of the session as far as is known; 0 if nothing is."""
+        ...
+
+    def between(self, after_us: int, until_us: int) -> Iterable[m.AnyMessage]:
+        """Those taken after `after_us`, up to and with `until_us`. Some may be left out that
+        are replaced by a later one of the same stretch.
+        """
+        ...
+
+    def at(self, t_us: int) -> Iterable[m.AnyMessage]:
+        """The last one of each sensor, and of whatever else is soon replaced, at `t_us`."""
+        ...
+
+
+class NoSamples:
+    """A log without samples."""
+
+    length_us = 0
+
+    def between(self, after_us: int, until_us: int) -> Iterable[m.AnyMessage]:
+        """None."""
+        return ()
+
+    def at(self, t_us: int) -> Iterable[m.AnyMessage]:
+        """None."""
+        return ()
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """What holds at a moment, in the order in which it came about, and the lines before it.
+
+    `study`: `settings["study"]` of a welcome; empty where the log says nothing of one.
+    """
+
+    state: list[m.Message]
+    recent: list[m.Message]
+    study: StudySettings
+
+
+class Reel:
+    """See the module's text.
+
+    Args:
+        lines: Of actions, in order: messages, or lines of a kind that is not known.
+        samples: Everything else.
+        plan: What consoles were shown, for a log that does not say so.
+        reveal: Show also what was kept from the wizard: conditions, what restricted perception hid.
+        coded: A coder sees it, who is not to know the condition, whatever the wizard knew.
+    """
+
+    def __init__(
+        self,
+        lines: Iterable[m.AnyMessage | Line],
+        samples: Samples | None = None,
+        plan: m.SessionPlan | None = None,
+        *,
+        reveal: bool = False,
+        coded: bool = False,
+    ) -> None:
+        self.samples: Samples = samples or NoSamples()
+        found = [_told(line) for line in lines]
+        shown = (line for line, _ in found if isinstance(line, m.SessionPlan))
+        first = next(shown, plan)
+        kind = CoderRedactor if coded else Redactor
+        redactor = kind(first.settings.study if first is not None else None)
+        kept: list[tuple[int, Perception]] = []
+        if reveal:
+            found = [(_revealed(line), t) for line, t in found]
+        else:
+            found = [*_seen(found, redactor, kept)]
+        self.lines: list[Told] = [line for line, _ in found]
+        self.samples = _SeenSamples(self.samples, kept)
+        known = self.samples.length_us
+        self.times = steady([min(t, known) if known else t for _, t in found])
+        self.length_us = max(self.times[-1] if self.times else 0, known)
+        #: The first moment at which anything is known.
+        self.begin_us = self.times[0] if self.times else 0
+        self.start = next((line for line in self.lines if isinstance(line, m.SessionStart)), None)
+        self._plans = [
+            (index, line)
+            for index, line in enumerate(self.lines)
+            if isinstance(line, m.SessionPlan)
+        ]
+        self._plan = plan and (revealed(plan) if reveal else redactor.plan(plan))
+        #: What the viewer has set while watching.
+        self.codes: list[Mark] = []
+        recent = Recent()
+        self._listed = [
+            index
+            for index, line in enumerate(self.lines)
+            if isinstance(line, Message) and recent.lists(line)
+        ]
+        self._snapshots = [(0, SessionState())]
+        self._upto = (0, SessionState())
+
+    @property
+    def marks(self) -> list[Mark]:
+        """Everything to go to, oldest first."""
+        return sorted([*self._of_log, *self.codes], key=lambda mark: mark.t)
+
+    @cached_property
+    def _of_log(self) -> list[Mark]:
+        return marks_of(self._marks())
+
+    def _marks(self) -> Iterator[Mark | None]:
+        state = SessionState()
+        for line, t in zip(self.lines, self.times, strict=True):
+            yield mark_of(line, t)
+            if isinstance(line, _OF_MODEL):
+                for episode in state.take(line):
+                    if isinstance(episode, Engagement) and episode.end is None:
+                        yield Mark(t, "engagement", state.model.state)
+
+    def cuts(self, most_us: int | None) -> Cuts:
+        """What is left out where nothing happens for longer than `most_us`."""
+        deeds = (t for line, t in zip(self.lines, self.times, strict=True) if is_deed(line))
+        return Cuts(deeds, most_us)
+
+    @property
+    def told(self) -> bool:
+        """Whether the log says itself what consoles were shown."""
+        return bool(self._plans)
+
+    @cached_property
+    def files(self) -> m.ExperimentFiles | None:
+        """The experiment as the session began with it; None in an old log."""
+        return next((line for line in self.lines if isinstance(line, m.ExperimentFiles)), None)
+
+    # -- moments -----------------------------------------------------------------------------
+
+    def index(self, t: int) -> int:
+        """How many lines lie before or at `t`."""
+        return bisect.bisect_right(self.times, t)
+
+    def step(self, index: int) -> int:
+        """The next line from `index` on at which a step stops; their number if there is none."""
+        for number in range(index, len(self.lines)):
+            if _kind(self.lines[number]) not in _HOUSEKEEPING:
+                return number
+        return len(self.lines)
+
+    def plan(self, index: int) -> m.SessionPlan:
+        """What consoles were shown after `index` lines."""
+        place = bisect.bisect_left(self._plans, index, key=lambda entry: entry[0])
+        if self._plans:
+            return self._plans[max(0, place - 1)][1]
+        if self._plan is None:
+            self._plan = plan_from(self.lines)
+        return self._plan
+
+    def moment(self, index: int, t: int) -> Moment:
+        """What held after `index` lines, at `t`."""
+        state = self.state(index)
+        held = [*state.messages(plan=False), *self.samples.at(t)]
+        if state.model.gone:
+            held = [message for message in held if not isinstance(message, m.EngagementShown)]
+        held.sort(key=lambda message: message.seq)
+        settings = self.plan(index).settings.study
+        state.study.settings = settings  # the plan need not be a line of the log
+        study = study_snapshot(settings, state.study)
+        return Moment(held, self.recent(index), study)
+
+    def recent(self, index: int) -> list[m.Message]:
+        """The last of the first `index` lines that a list of events has."""
+        end = bisect.bisect_left(self._listed, index)
+        found = [self.lines[place] for place in self._listed[max(0, end - MOST) : end]]
+        return [line for line in found if isinstance(line, Message)]
+
+    def state(self, index: int) -> SessionState:
+        """What held after `index` lines, without samples; the caller's own."""
+        while self._upto[0] < index:
+            self.prepare(SNAPSHOT_LINES)
+        place = bisect.bisect_right(self._snapshots, index, key=lambda entry: entry[0]) - 1
+        begin, kept = self._snapshots[place]
+        state = kept.copy()
+        self._play(state, begin, index)
+        return state
+
+    def _play(self, state: SessionState, begin: int, end: int) -> None:
+        for line, t in zip(self.lines[begin:end], self.times[begin:end], strict=True):
+            if isinstance(line, Message):
+                state.take(line if line.t == t else msgspec.structs.replace(line, t=t))
+
+    def prepare(self, count: int) -> bool:
+        """Work `count` lines ahead; whether there are more."""
+        begin, state = self._upto
+        end = min(len(self.lines), begin + count)
+        for at in range(begin, end):
+            before, _ = self._snapshots[-1]
+            late = self.times[at] - self.times[before] >= SNAPSHOT_US
+            if late or at - before >= SNAPSHOT_LINES:
+                self._snapshots.append((at, state.copy()))
+            self._play(state, at, at + 1)
+        self._upto = (end, state)
+        return end < len(self.lines)
+
+    def wall(self, index: int) -> tuple[int, str]:
+        """A moment of the log, and what the clock on the wall said then: of the last line before
+        `index` that tells, or of the first one that does; an empty text if none does.
+        """
+        for at in (*range(min(index, len(self.lines)) - 1, -1, -1), *range(index, len(self.lines))):
+            line = self.lines[at]
+            if isinstance(line, Message) and line.ts:
+                return self.times[at], line.ts
+        return 0, ""
+
+
+class _SeenSamples:
+    """Samples as the wizard saw them: `kept` says from when on (microseconds) what was kept."""
+
+    def __init__(self, samples: Samples, kept: Sequence[tuple[int, Perception]]) -> None:
+        self._samples = samples
+        self._kept = kept
+        self._redactor = Redactor()
+        self.length_us = samples.length_us
+
+    def between(self, after_us: int, until_us: int) -> Iterable[m.AnyMessage]:
+        """See `Samples`."""
+        return self._seen(self._samples.between(after_us, until_us))
+
+    def at(self, t_us: int) -> Iterable[m.AnyMessage]:
+        """See `Samples`."""
+        return self._seen([*self._samples.at(t_us)], t_us)
+
+    def _seen(self, samples: Iterable[m.AnyMessage], t_us: int = -1) -> Iterator[m.AnyMessage]:
+        for sample in samples:
+            t = max(sample.t, t_us)
+            place = bisect.bisect_right(self._kept, t, key=lambda entry: entry[0])
+            self._redactor.perception = self._kept[place - 1][1] if place else Perception()
+            self._redactor.take(sample)
+            seen: Any = self._redactor.message(sample)
+            if seen is not None:
+                yield seen
+
+
+def _seen(
+    lines: Iterable[tuple[Told, int]], redactor: Redactor, kept: list[tuple[int, Perception]]
+) -> Iterator[tuple[Told, int]]:
+    """Lines as the wizard saw them, and in `kept` from when on something was kept."""
+    schema = SCHEMA
+    kept.append((-1, redactor.perception))
+    for line, t in lines:
+        if isinstance(line, dict):  # of a newer version: nobody knows what it tells
+            if not redactor:
+                yield line, t
+            continue
+        if isinstance(line, m.SessionStart):
+            schema = line.schema
+        redactor.take(line)
+        if redactor.perception != kept[-1][1]:
+            kept.append((t, redactor.perception))
+        seen: Any = redactor.message(marked(line, schema))
+        if seen is not None:
+            yield seen, t
+
+
+def _told(line: m.AnyMessage | Line) -> tuple[Told, int]:
+    if not isinstance(line, Line):
+        return line, line.t
+    message = line.message
+    return (message if message is not None else line.fields), line.t
+
+
+def _revealed(line: Told) -> Told:
+    if isinstance(line, m.SessionPlan):
+        return revealed(line)
+    if isinstance(line, m.PerceptionChanged):
+        return msgspec.structs.replace(line, hidden=[], blurred=[])
+    return line
+
+
+def _kind(line: Told) -> str:
+    if isinstance(line, Mapping):
+        return str(line.get("kind"))
+    return str(line.__struct_config__.tag)
+
+
+def thinned(samples: Iterable[m.AnyMessage]) -> list[m.AnyMessage]:
+    """Of what replaces each other only the last, in order."""
+    last: dict[str, m.AnyMessage] = {}
+    for sample in samples:
+        name = sample.sensor if isinstance(sample, m.Reading) else type(sample).__name__
+        last.pop(name, None)
+        last[name] = sample
+    return [*last.values()]

@@ -1,0 +1,259 @@
+"""What a session's log says that its robot did, as a plan for doing it again.
+
+A command is repeated if it was dispatched then: at the moment at which it began, with the arguments
+as they were asked for, and it is cut short at the moment at which it was cut short. Nothing is
+decided anew: who waited for whom, and what took whose place, is in the log (see decision 021).
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections import Counter
+from collections.abc import Container, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TypeGuard
+
+import msgspec
+
+from woz_tui.analysis.played_actions import ASKED
+from woz_tui.config.session_verbs import ENGAGEMENT, SESSION
+from woz_tui.log.log_reader import Damage, files_of, read
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import SCHEMA
+from woz_tui.replay.bookmarks import steady
+from woz_tui.replay.experiment_origin import Origin, origin_of
+from woz_tui.session.redactor import marked
+from woz_tui.timeline.episodes import Command, Moment
+from woz_tui.timeline.timeline import Timeline
+
+#: Whose commands they are, in the log of the re-run.
+REPLAY = "replay"
+#: These take something in from the room, and in a re-run another one stands there.
+LEARNING = frozenset({"learn_face", "listen_room"})
+#: What of the session's own verbs has a meaning without a participant and a wizard's panels.
+SESSION_VERBS = frozenset({"mark", "note"})
+#: Markers that the session itself puts: the preflight's, and those of the verb `mark`.
+_OWN_MARKS = frozenset({"preflight", "action"})
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One command of the original.
+
+    Attributes:
+        command: As it was asked for; its `t` is when.
+        at: When it began, on the original's axis, in microseconds; of a command that never began,
+            when it was asked for.
+        cut: When it was cut short; -1: it was not.
+        why_cut: By what.
+        end: How it ended, as the end of the message's kind: done, stopped ...; empty: never.
+        skip: Why it is not sent again; empty: it is.
+        drives: Whether it moves the robot through the room; known once the plan has been fitted.
+    """
+
+    command: m.Command
+    at: int
+    cut: int = -1
+    why_cut: str = ""
+    end: str = ""
+    skip: str = ""
+    drives: bool = False
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All that is to be done again, in order of `at`.
+
+    Attributes:
+        name: What the original's files are called, without their endings.
+        origin: Its experiment.
+        session: Its session code; empty if the log does not say.
+        seed: Its seed.
+        sha256: Of all lines of actions of the log.
+        steps: The commands.
+        marks: The wizard's markers, which are put again.
+        stops: How often the stop was pressed.
+        ended: Whether the log has an end.
+        damage: What of the log could not be read, in words.
+    """
+
+    name: str
+    origin: Origin
+    session: str = ""
+    seed: int = 0
+    sha256: str = ""
+    steps: tuple[Step, ...] = ()
+    marks: tuple[m.Marker, ...] = ()
+    stops: int = 0
+    ended: bool = False
+    damage: tuple[str, ...] = ()
+
+    @cached_property
+    def sent(self) -> tuple[Step, ...]:
+        """What is sent again."""
+        return tuple(step for step in self.steps if not step.skip)
+
+    @cached_property
+    def skipped(self) -> tuple[Step, ...]:
+        """What is not."""
+        return tuple(step for step in self.steps if step.skip)
+
+    @cached_property
+    def start(self) -> int:
+        """The first moment at which anything is done, on the original's axis in microseconds."""
+        moments = [step.at for step in self.sent] or [mark.t for mark in self.marks] or [0]
+        return min(moments)
+
+    @cached_property
+    def duration(self) -> int:
+        """From there to the last moment that is known, in microseconds."""
+        moments = [moment for step in self.sent for moment in (step.at, step.cut)]
+        return max([self.start, *moments]) - self.start
+
+    @cached_property
+    def drivers(self) -> tuple[str, ...]:
+        """The drivers that it needs, in the order in which it needs them."""
+        names = dict.fromkeys(step.command.driver for step in self.sent)
+        return tuple(name for name in names if name not in (SESSION, ENGAGEMENT))
+
+    @cached_property
+    def counts(self) -> dict[tuple[str, str], int]:
+        """How many commands are sent, by driver and verb."""
+        return dict(Counter((step.command.driver, step.command.verb) for step in self.sent))
+
+
+def plan_of(path: Path) -> Plan:
+    """The plan of the session to which the log file `path` belongs.
+
+    Samples are never read. Raises what `record.log.files_of` raises; nothing damaged raises.
+    """
+    digest, damage = hashlib.sha256(), Damage()
+    times: list[int] = []
+    schema = SCHEMA
+    lines: list[tuple[int, m.AnyMessage]] = []
+    for line in read(path, damage, samples=False):
+        digest.update(line.raw + b"\n")
+        if line.message is not None:
+            if isinstance(line.message, m.SessionStart):
+                schema = line.message.schema
+            lines.append((len(times), marked(line.message, schema)))
+        times.append(line.t)
+    # A flipped bit in a time must neither hold the robot up for hours nor hurry it.
+    times = steady(times)
+    messages = [msgspec.structs.replace(message, t=times[place]) for place, message in lines]
+    timeline = Timeline(passing=True)
+    for message in messages:
+        timeline.take(message)
+    timeline.finish()
+    start, presses = timeline.state.start, [*_presses(messages)]
+    steps = [*_steps(timeline, presses, times[-1] if times else 0)]
+    return Plan(
+        name=files_of(path).stem,
+        origin=origin_of(messages),
+        session=start.session if start else "",
+        seed=start.seed if start else 0,
+        sha256=digest.hexdigest(),
+        steps=tuple(sorted(steps, key=lambda step: (step.at, step.command.seq))),
+        marks=tuple(each for each in messages if _is_mark(each)),
+        stops=len(presses),
+        ended=timeline.state.end is not None,
+        damage=tuple(damage.sentences()),
+    )
+
+
+def _is_mark(message: m.AnyMessage) -> TypeGuard[m.Marker]:
+    return isinstance(message, m.Marker) and message.source not in _OWN_MARKS
+
+
+def _presses(messages: Iterable[m.AnyMessage]) -> Iterator[int]:
+    for message in messages:
+        if isinstance(message, m.StopPressed) and message.scope == "all":
+            yield message.t
+
+
+def _steps(timeline: Timeline, presses: Sequence[int], last: int) -> Iterator[Step]:
+    commands = timeline.of(Command)
+    for command in commands:
+        step = _step(command)
+        yield step if command.ended is not None or step.skip else _left_open(step, presses, last)
+    yield from _lost(timeline, {command.request.command for command in commands})
+
+
+def _left_open(step: Step, presses: Sequence[int], last: int) -> Step:
+    """Its end is not in the log: it may not go on for longer than anybody knows that it did.
+
+    A damaged line may be just the one that says that a stop cut it short.
+    """
+    for press in presses:
+        if press >= step.at:
+            return replace(
+                step, cut=press, why_cut="the stop was pressed; the end of the command is missing"
+            )
+    return replace(step, cut=max(last, step.at), why_cut="the log ends")
+
+
+def _lost(timeline: Timeline, known: Container[str]) -> Iterator[Step]:
+    """Commands whose request is damaged or missing, so that nobody knows what they were."""
+    lost: dict[str, m.Command] = {}
+    for moment in timeline.of(Moment):
+        ack = moment.message
+        if isinstance(ack, m.Dispatched | m.End) and ack.command not in known:
+            before = lost.get(ack.command)
+            lost[ack.command] = m.Command(
+                command=ack.command,
+                verb="?",
+                args={},
+                driver=ack.driver if isinstance(ack, m.End) else "",
+                source="?",
+                t=before.t if before is not None else ack.t,
+            )
+    for command in lost.values():
+        why = "its request is not in the log, so the command is unknown"
+        yield Step(command, command.t, skip=why)
+
+
+def _step(command: Command) -> Step:
+    request, ended, began = command.request, command.ended, command.started
+    if began is not None and ended is not None:  # an estimate of the end may be wrong
+        began = min(began, ended.t)
+    cut, why = -1, ""
+    if isinstance(ended, m.Stopped | m.Superseded):
+        cut, why = ended.t, _why_cut(ended)
+    kind = str(command.outcome) if ended is not None else ""
+    at = command.begin if began is None else max(began, command.begin)
+    if isinstance(ended, m.Refused):
+        return Step(request, at, end=kind, skip=f"refused in the log: {ended.reason or ended.code}")
+    if began is None:
+        return Step(request, at, end=kind, skip=_never(ended))
+    return Step(request, at, cut, why, kind, skip=_senseless(request))
+
+
+def _why_cut(end: m.Stopped | m.Superseded) -> str:
+    return f"replaced by {end.by}" if isinstance(end, m.Superseded) else end.reason
+
+
+def _never(end: m.End | None) -> str:
+    match end:
+        case None:
+            return "it never began: the log ends before"
+        case m.Superseded():
+            return "it never began: it was replaced"
+        case m.Stopped(reason=reason):
+            return f"it never began: {reason}"
+        case _:
+            return f"it never began: {end.reason}" if end.reason else "it never began"
+
+
+def _senseless(command: m.Command) -> str:
+    """Why a command makes no sense a second time; empty: it does."""
+    if command.driver == ENGAGEMENT:
+        return "the engagement model does not act in a re-run"
+    if command.driver == SESSION and command.verb not in SESSION_VERBS:
+        return "it belongs to the recorded session and does not move the robot"
+    if command.verb in LEARNING:
+        return "it would learn from the person who is there now"
+    if command.source not in ASKED:
+        return f"{command.source} requests it by itself, also in the re-run"
+    return ""

@@ -1,0 +1,88 @@
+"""Where to go: a time, or a place that the log names."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+
+from woz_tui.replay.bookmarks import Mark
+from woz_tui.replay.recording import Reel
+
+_CLOCK = re.compile(r"(?:(\d+):)?(\d+):(\d{1,2}(?:\.\d*)?)")
+_SECONDS = re.compile(r"\d+(?:\.\d*)?|\.\d+")
+
+#: Sorts of marks at which going from one to the next does not halt.
+MANY = frozenset({"engagement", "end"})
+#: Going back from a mark within so much after it, in microseconds, goes to the one before.
+AGAIN_US = 1_000_000
+
+
+class PlaceError(ValueError):
+    """There is no such place; `hint` says what would help."""
+
+    def __init__(self, reason: str, hint: str = "") -> None:
+        super().__init__(reason)
+        self.hint = hint
+
+
+def time_of(text: str) -> int | None:
+    """Microseconds of `12:34`, `1:02:03`, `12:34.5` or `754.2` (seconds); None if it is no time."""
+    text = text.strip()
+    if clock := _CLOCK.fullmatch(text):
+        hours, minutes, seconds = (float(part or 0) for part in clock.groups())
+        return round((hours * 3600 + minutes * 60 + seconds) * 1_000_000)
+    return round(float(text) * 1_000_000) if _SECONDS.fullmatch(text) else None
+
+
+def said(us: int) -> str:
+    """A time as `time_of` reads it: `12:34`, from an hour on `1:02:03`."""
+    hours, rest = divmod(max(0, us) // 1_000_000, 3600)
+    minutes, seconds = divmod(rest, 60)
+    return f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes:02}:{seconds:02}"
+
+
+def find(text: str, reel: Reel, now: int) -> int:
+    """The time that is meant: `start`, `end`, `next` and `before` (marks, seen from `now`), a time,
+    or the text of a mark: the next one after `now` that is called so, begins so or has it in
+    itself, or else the first. Raises `PlaceError`.
+    """
+    wanted = text.strip()
+    word = wanted.casefold()
+    if word in ("start", "end"):
+        return reel.begin_us if word == "start" else reel.length_us
+    if word in ("next", "before"):
+        return _beside(reel.marks, now, later=word == "next")
+    t = time_of(wanted)
+    if t is not None:
+        if t > reel.length_us:
+            raise PlaceError(f"the session is {said(reel.length_us)} long")
+        return t
+    mark = _named(wanted.casefold(), reel.marks, now)
+    if mark is None:
+        raise PlaceError(f"there is no {wanted!r} in this log", "press g for the list")
+    return mark.t
+
+
+def _beside(marks: Sequence[Mark], now: int, *, later: bool) -> int:
+    places = [mark.t for mark in marks if mark.sort not in MANY]
+    found = (
+        [t for t in places if t > now] if later else [t for t in places[::-1] if t < now - AGAIN_US]
+    )
+    if not found:
+        raise PlaceError(f"there is no marker, stop or trial {'later' if later else 'before'}")
+    return found[0]
+
+
+def _named(wanted: str, marks: Sequence[Mark], now: int) -> Mark | None:
+    if not wanted:
+        return None
+    tests: tuple[Callable[[str], bool], ...] = (
+        lambda text: text == wanted,
+        lambda text: text.startswith(wanted),
+        lambda text: wanted in text,
+    )
+    for test in tests:
+        found = [mark for mark in marks if test(mark.text.casefold())]
+        if found:
+            return next((mark for mark in found if mark.t > now), found[0])
+    return None

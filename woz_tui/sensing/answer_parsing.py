@@ -1,0 +1,238 @@
+"""What a visitor's answer means: a name, yes, no. Names are taken out of sentences.
+
+The phrases are those of `phrases.LANGUAGES`. A guess that is wrong costs one question, because
+the robot repeats every name before it learns it; a wrong yes would not, so what is both a yes and
+a no is neither.
+"""
+
+from __future__ import annotations
+
+import unicodedata
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from woz_tui.config.visitor_names import key_of, shown
+from woz_tui.sensing.name_phrases import LANGUAGES
+
+#: A name has no more words than this.
+WORDS = 4
+#: Whoever says more has not answered.
+LONGEST = 400
+
+_ENDS_CLAUSE = frozenset(",.;:!?…")
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What was understood; `why` nothing was."""
+
+    name: str = ""
+    yes: bool = False
+    no: bool = False
+    declined: bool = False
+    why: str = ""
+
+
+_YES = Answer(yes=True)
+_AMBIGUOUS = Answer(why="both yes and no")
+
+
+@dataclass(frozen=True, slots=True)
+class _Word:
+    """A word as it was said, how it is compared, and whether a clause ends with it."""
+
+    text: str
+    key: str
+    last: bool
+
+
+_Words = Sequence[_Word]
+_Phrase = tuple[str, ...]
+
+
+class Answers:
+    """Reads answers. `yes` and `no` are an experiment's words, beside those of the table."""
+
+    def __init__(self, yes: Iterable[str], no: Iterable[str]) -> None:
+        self._yes = _phrases("yes", more=yes)
+        self._no = _phrases("no", more=no)
+        self._negations = _phrases("negations")
+        self._declines = _phrases("declines")
+        self._before = _phrases("before")
+        self._copulas = _phrases("copulas")
+        self._starting = _phrases("copulas", "opening")
+        self._after = _phrases("after")
+        self._fillers = _phrases("fillers")
+        self._ends = {word for (word,) in _phrases("ends")}
+        answers: list[_Phrase] = [phrase for phrase in self._yes + self._no if len(phrase) == 1]
+        self._leads = self._fillers + answers
+        self._never = {word for (word,) in [*_phrases("never"), *answers]}
+        self._denials = {word for (word,) in self._negations}
+
+    def read(self, text: str, asked: str = "") -> Answer:
+        """What `text` says; `asked` is the name that the visitor was asked to confirm, if any."""
+        if len(text) > LONGEST:
+            return Answer(why="the answer was too long")
+        words = _words(text)
+        if not words:
+            return Answer(why="nothing was understood")
+        if _anywhere(words, self._declines):
+            return Answer(declined=True)
+        why = f"no name in {shown(text.strip())}"
+        if not asked:
+            return Answer(name=self._name(self._led(words)), why=why)
+        return self._about(words, asked)
+
+    def _about(self, words: _Words, asked: str) -> Answer:
+        """The answer to whether `asked` is right."""
+        if self._is_yes(words):
+            return _YES
+        introduced = self._introduced(words)
+        if introduced and key_of(introduced) != key_of(asked):
+            return Answer(name=introduced, no=True)
+        without = _without(words, asked)
+        yes, no = self._agrees(without), self._denies(without)
+        if yes:
+            return _AMBIGUOUS if no else _YES
+        if no:
+            return self._instead(words, asked)
+        name = self._name(self._led(words))
+        return _YES if name and key_of(name) == key_of(asked) else Answer(name=name)
+
+    def _instead(self, words: _Words, asked: str) -> Answer:
+        """A no, and the name that comes with it, if any: `no, not Anna, Bob`."""
+        rest = _without(self._led(words), asked)
+        left = [word for word in rest if word.key not in self._denials]
+        return Answer(name=self._name(self._led(left)), no=True)
+
+    # -- yes and no -----------------------------------------------------------------------------
+
+    def _is_yes(self, words: _Words) -> bool:
+        """Whether it is a yes and nothing else."""
+        led = self._led(words, self._fillers)
+        return 0 < _leading(led, self._yes) == len(led)
+
+    def _agrees(self, words: _Words) -> bool:
+        """A yes in front, or one somewhere in a short answer that denies nothing."""
+        led = self._led(words, self._fillers)
+        if length := _leading(led, self._yes):
+            return not _leading(led[length:], self._negations)
+        return len(words) <= 2 * WORDS and not self._denies(words) and _anywhere(words, self._yes)
+
+    def _denies(self, words: _Words) -> bool:
+        return _anywhere(words, self._no) or _anywhere(words, self._negations)
+
+    # -- names ----------------------------------------------------------------------------------
+
+    def _led(self, words: _Words, leads: Sequence[_Phrase] | None = None) -> _Words:
+        """The words without `leads` in front; these are fillers, yes and no if not given."""
+        while length := _leading(words, self._leads if leads is None else leads):
+            words = words[length:]
+        return words
+
+    def _name(self, words: _Words) -> str:
+        return self._introduced(words) or self._named_before(words) or self._bare(words)
+
+    def _introduced(self, words: _Words) -> str:
+        """`my name is Anna`, wherever it stands in the sentence."""
+        for start in range(len(words)):
+            here = words[start:]
+            if length := _leading(here, self._before):
+                name = self._spoken(self._led(here[length:], self._fillers), set())
+            elif length := _leading(here, self._copulas if start else self._starting):
+                name = self._spoken(self._led(here[length:]), self._never)
+            else:
+                continue
+            if name:
+                return name
+        return ""
+
+    def _named_before(self, words: _Words) -> str:
+        """`Anna is my name`."""
+        for end in range(1, len(words)):
+            if _leading(words[end:], self._after):
+                clause = list(_clauses(words[:end]))[-1]
+                return self._spoken(self._led(clause), self._never)
+        return ""
+
+    def _bare(self, words: _Words) -> str:
+        """The name and nothing else, as one clause of what was said."""
+        for clause in _clauses(words):
+            name = self._spoken(self._led(clause), self._never)
+            if name:
+                return name
+        return ""
+
+    def _spoken(self, words: _Words, never: set[str]) -> str:
+        """The words in front, up to an end; empty if they are no name."""
+        name: list[str] = []
+        for word in words:
+            if word.key in self._ends:
+                break
+            if word.key in self._denials or word.key in never:
+                return ""
+            name.append(word.text)
+            if word.last:
+                break
+        return _written(" ".join(name)) if len(name) <= WORDS else ""
+
+
+def _phrases(*kinds: str, more: Iterable[str] = ()) -> list[_Phrase]:
+    """Phrases of all languages, and `more`, as words to compare, the longest first."""
+    known = [getattr(language, kind) for language in LANGUAGES.values() for kind in kinds]
+    found = {tuple(word.key for word in _words(one)) for table in (*known, more) for one in table}
+    return sorted((phrase for phrase in found if phrase), key=lambda one: (-len(one), one))
+
+
+def _words(text: str) -> list[_Word]:
+    words: list[_Word] = []
+    for piece in unicodedata.normalize("NFC", text).replace("\u2019", "'").split():
+        bare = piece.lstrip("".join(c for c in set(piece) if not c.isalnum()))
+        bare = bare.rstrip("".join(c for c in set(piece) if not _belongs(c)))
+        last = bool(_ENDS_CLAUSE & set(piece[piece.rfind(bare) + len(bare) :]))
+        if bare:
+            words.append(_Word(bare, _key(bare), last))
+        elif words and _ENDS_CLAUSE & set(piece):
+            words[-1] = _Word(words[-1].text, words[-1].key, True)
+    return words
+
+
+def _belongs(character: str) -> bool:
+    """Whether a word may end with it: letters, digits, marks that lie on letters."""
+    return character.isalnum() or unicodedata.category(character).startswith("M")
+
+
+def _key(word: str) -> str:
+    apart = unicodedata.normalize("NFKD", word.casefold())
+    return "".join(character for character in apart if not unicodedata.combining(character))
+
+
+def _clauses(words: _Words) -> Iterator[_Words]:
+    start = 0
+    for end, word in enumerate(words, 1):
+        if word.last or end == len(words):
+            yield words[start:end]
+            start = end
+
+
+def _leading(words: _Words, phrases: Iterable[_Phrase]) -> int:
+    """How many words the first phrase has that stands in front; 0: none does."""
+    keys = tuple(word.key for word in words[: 2 * WORDS])
+    return next((len(phrase) for phrase in phrases if keys[: len(phrase)] == phrase), 0)
+
+
+def _anywhere(words: _Words, phrases: Sequence[_Phrase]) -> bool:
+    return any(_leading(words[start:], phrases) for start in range(len(words)))
+
+
+def _without(words: _Words, name: str) -> list[_Word]:
+    """The words without those of the name."""
+    keys = {word.key for word in _words(name)}
+    return [word for word in words if word.key not in keys]
+
+
+def _written(name: str) -> str:
+    """A name as it is written: recognisers often know no capitals."""
+    if name != name.lower():
+        return name
+    return " ".join(word[:1].upper() + word[1:] for word in name.split(" "))

@@ -1,0 +1,166 @@
+"""What the wizard may tell the model: verbs of the performer `engagement`, understood and obeyed.
+
+Live, a verb is understood when it is performed, and obeyed when its `command.done` has gone into
+the log; so whoever reads the log obeys the very same orders at the same places.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from woz_tui.config.engagement import CONDITION, SIGNS
+from woz_tui.config.sign_values import SENSOR, identity_of, nonsense, sensed
+from woz_tui.config.visitor_names import name_of
+from woz_tui.protocol.messages import Json
+from woz_tui.sensing.engagement_model import Change, Engagement
+from woz_tui.sensing.state_machine import Event, State, named_from
+
+ALL = "all"
+_STEP = "step"
+
+#: Arguments of the types that the verbs have (`experiment.verbs`); the bus has checked them.
+Args = Mapping[str, Any]
+
+
+# -- understood --------------------------------------------------------------------------------
+
+
+def understood(model: Engagement, verb: str, args: Args) -> dict[str, Json]:
+    """The arguments in the form in which they are obeyed, as things stand now.
+
+    Raises `ValueError` with a sentence if they make no sense at this moment.
+    """
+    return _UNDERSTAND[verb](model, args)
+
+
+def _toggle(model: Engagement, args: Args) -> dict[str, Json]:
+    sign = args["sign"]
+    return {"sign": sign, "value": "off" if model.verdicts.get(sign) == 1 else "on"}
+
+
+def _sense(model: Engagement, args: Args) -> dict[str, Json]:
+    sign, value = args["sign"], args["value"].strip()
+    meant = sensed("presence" if sign == ALL else sign, value)
+    if sign == "identity" and isinstance(meant, str):
+        value = identity_of(meant)
+    return {"sign": sign, "value": value}
+
+
+def _force(model: Engagement, args: Args) -> dict[str, Json]:
+    to = args["to"]
+    leaving = dict.fromkeys(edge.outcome for edge in named_from(model.state))
+    if to == model.state:
+        raise ValueError(f"it is {to} already")
+    if to in set(State) or to in leaving:
+        return {"to": to}
+    outcomes = f", or {', '.join(leaving)}" if leaving else ""
+    raise ValueError(f"{to!r} does not lead out of {model.state}: name a state{outcomes}")
+
+
+def _run(model: Engagement, args: Args) -> dict[str, Json]:
+    run = args["run"]
+    if run == _STEP and model.run != "hold":
+        raise ValueError("only a model on hold goes step by step")
+    if run == _STEP and not model.pending:
+        raise ValueError(f"no way out of {model.state} is open now: `force` takes one all the same")
+    return {"run": run}
+
+
+def _filter(model: Engagement, args: Args) -> dict[str, Json]:
+    wrong = nonsense("filter", args)
+    if wrong:
+        raise ValueError(wrong)
+    return dict(args)
+
+
+def _social_distance(model: Engagement, args: Args) -> dict[str, Json]:
+    if args["metres"] >= model.settings.farthest:
+        raise ValueError(
+            f"{args['metres']:g} m is beyond the sensor's reach, {model.settings.farthest:g} m"
+        )
+    return dict(args)
+
+
+def _handshake(model: Engagement, args: Args) -> dict[str, Json]:
+    what = args["what"]
+    code = name_of(args["code"]) if args.get("code") else ""
+    if what != "begin" and model.state is not State.HANDSHAKE:
+        raise ValueError(f"there is no handshake to end: the state is {model.state}")
+    if what == "ok" and not (code or model.known or model.visitor):
+        raise ValueError("nobody has a name yet: give it with `code`, or with `visitor`")
+    return {"what": what, "code": code} if code else {"what": what}
+
+
+def _visitor(model: Engagement, args: Args) -> dict[str, Json]:
+    given = {**args, "code": name_of(args["code"])}
+    return {key: value for key, value in given.items() if value != ""}
+
+
+_UNDERSTAND: Mapping[str, Callable[[Engagement, Args], dict[str, Json]]] = {
+    "toggle": _toggle,
+    "sense": _sense,
+    "force": _force,
+    "engagement": _run,
+    "filter": _filter,
+    "social_distance": _social_distance,
+    "attend": lambda model, args: dict(args),
+    "handshake": _handshake,
+    "visitor": _visitor,
+}
+
+
+# -- obeyed ------------------------------------------------------------------------------------
+
+
+def obeyed(model: Engagement, verb: str, args: Args) -> Change | None:
+    """Do what was understood; the transition that it brought, if it brought one.
+
+    Raises `ValueError` if it makes no sense any more.
+    """
+    match verb:
+        case "toggle" | "sense":
+            _give(model, args["sign"], args["value"])
+        case "force":
+            return model.force(args["to"])
+        case "engagement":
+            if args["run"] == _STEP:
+                return model.step_once()
+            model.run = args["run"]
+        case "filter":
+            _configure(model, args)
+        case "social_distance":
+            model.near_within(args["metres"])
+        case "handshake" | "visitor":
+            return _introduced(model, verb, args)
+        case _:
+            return None
+    return model.step()
+
+
+def _give(model: Engagement, sign: str, value: str) -> None:
+    if sign == ALL:
+        for each in SIGNS if value == SENSOR else CONDITION:
+            _give(model, each, value)
+        return
+    meant = sensed(sign, value)
+    model.override(sign, meant, meant if isinstance(meant, str) else "")
+
+
+def _configure(model: Engagement, args: Args) -> None:
+    numbers = {name: args.get(name) for name in ("kind", "samples", "threshold")}
+    for each in SIGNS if args["sign"] == ALL else (args["sign"],):
+        model.configure(each, **numbers)
+
+
+def _introduced(model: Engagement, verb: str, args: Args) -> Change | None:
+    what = "ok" if verb == "visitor" else args["what"]
+    if what == "begin":
+        return None if model.state is State.HANDSHAKE else model.force(State.HANDSHAKE)
+    if what == "ok" and args.get("code"):
+        model.known_as(args["code"])
+    if model.state is not State.HANDSHAKE:
+        return model.step()
+    if model.run != "run":  # the wizard says so: nothing is left to decide
+        return model.force("eng2know" if what == "ok" else "eng2unknow")
+    return model.step(Event.HANDSHAKE_OK if what == "ok" else Event.HANDSHAKE_FAIL)

@@ -1,0 +1,310 @@
+"""How the robot learns an unknown visitor's name: asks, repeats, has it confirmed, gives up.
+
+Pure: time comes in as whole microseconds, what the robot shall do comes back as an order.
+
+    handshake = Handshake(settings, visitors.is_taken)
+    order = handshake.begin(t)              -> Say: the robot speaks it
+    handshake.said(t)                       its utterance has ended, in whatever way: silence counts
+    handshake.speaks(t) / .spoke(t)         the visitor begins, stops: meanwhile nothing is asked
+    order = handshake.heard(text, t)        what was understood ("" for nothing)
+    order = handshake.advance(t)            time passes; at the latest at `due()`
+    order = handshake.learnt(ok, t)         answer to Learn: face and name are stored, or not
+    order = handshake.recognised(name, t)   the recogniser knows them meanwhile
+    order = handshake.abandon(why, t)       wizard, machine or stop end it
+
+Orders: `Say(text, why)`; `Learn(name, known)`: store the name (`known`: it is a visitor from
+before; give them the face, leave the profile alone) and answer with `learnt`; `Done(name, known,
+say)` and `Failed(say, why)` end it, `say` is the robot's last sentence (may be empty). Where there
+is nothing to do, the answer is None. After the end every call returns None.
+
+Bounds: a name is asked for or taken up at most `attempts` times, whoever causes it: silence, an
+answer that holds no name, a denial, another name. The whole takes at most `seconds` from `begin`.
+Nothing is learnt that was not confirmed, and a name that is taken is never given a second time.
+"""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from woz_tui.config.engagement import HandshakeSettings
+from woz_tui.config.utterance_template import fill
+from woz_tui.config.visitor_names import BadNameError, name_of, shown
+from woz_tui.sensing.answer_parsing import Answer, Answers
+
+_SECOND = 1_000_000
+#: So many words in a row of the robot's own are an echo.
+_ECHO = 3
+#: The only variable that the sentences know.
+_NAME = "name"
+
+
+@dataclass(frozen=True, slots=True)
+class Say:
+    """The robot shall say this; `said` when it is over."""
+
+    text: str
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Learn:
+    """Store the visitor, and their face where it can be; then `learnt`."""
+
+    name: str
+    known: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Done:
+    """They are known. `known`: from before this handshake."""
+
+    name: str
+    known: bool
+    say: str
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Failed:
+    """They stay unknown."""
+
+    say: str
+    why: str
+
+
+Order = Say | Learn | Done | Failed
+
+
+class Stage(enum.StrEnum):
+    """What the handshake waits for."""
+
+    NEW = "new"
+    NAME = "a name"
+    CONFIRMATION = "a confirmation"
+    ACQUAINTANCE = "whether it is the visitor of this name"
+    LEARNING = "the name to be stored"
+    OVER = "over"
+
+
+class Handshake:
+    """One handshake with one visitor. `is_taken` tells whether a name belongs to somebody."""
+
+    def __init__(self, settings: HandshakeSettings, is_taken: Callable[[str], bool]) -> None:
+        self.stage = Stage.NEW
+        #: How many names were asked for or taken up so far.
+        self.attempt = 0
+        #: The name in question; empty: none yet.
+        self.name = ""
+        self._settings = settings
+        self._is_taken = is_taken
+        self._answers = Answers(settings.yes, settings.no)
+        self._known = False
+        self._now = 0
+        self._ends = 0
+        self._quiet_since = 0
+        self._talks = False
+        self._speaks = False
+        self._question = ""
+        self._sentence = ""
+
+    # -- what happens ---------------------------------------------------------------------------
+
+    def begin(self, t: int) -> Say:
+        """Ask for the name. Raises `ValueError` if it has begun already."""
+        if self.stage is not Stage.NEW:
+            raise ValueError("this handshake has begun already")
+        self._now = t
+        self._ends = t + round(self._settings.seconds * _SECOND)
+        self.stage = Stage.NAME
+        self.attempt = 1
+        return self._say(self._settings.ask, "asks for the name")
+
+    def said(self, t: int) -> None:
+        """The robot's sentence is over, or could not be spoken."""
+        self._pass(t)
+        self._talks = False
+        self._quiet_since = self._now
+
+    def speaks(self, t: int) -> None:
+        """The visitor speaks: nothing is asked until `spoke` or `heard`."""
+        self._pass(t)
+        self._speaks = True
+
+    def spoke(self, t: int) -> None:
+        """The visitor has stopped; what was said may still come."""
+        self._pass(t)
+        self._speaks = False
+        self._quiet_since = self._now
+
+    def heard(self, text: str, t: int) -> Order | None:
+        """What the visitor said, as it was understood; empty: it was not.
+
+        While the robot speaks it is taken for the robot's own voice, and so is what repeats the
+        robot's last sentence.
+        """
+        self._pass(t)
+        self._speaks = False
+        if not self._asks or self._talks or self._now >= self._ends or self._echo(text):
+            return self.advance(t)
+        answer = self._answers.read(text, self.name)
+        if answer.declined:
+            return self._fail("the visitor does not want to tell")
+        if self.stage is Stage.NAME:
+            return self._named(answer)
+        return self._answered(answer)
+
+    def advance(self, t: int) -> Order | None:
+        """Time passes: a silence may be over, or all the time there is."""
+        self._pass(t)
+        if self.stage in (Stage.NEW, Stage.OVER):
+            return None
+        if self._now >= self._ends:
+            return self._fail(f"no name after {self._settings.seconds:g} s")
+        quiet = self._quiet_until
+        if quiet is not None and self._now >= quiet:
+            return self._again(f"no answer for {self._settings.silence:g} s")
+        return None
+
+    def due(self) -> int | None:
+        """When `advance` has something to do, if nothing happens before."""
+        if self.stage in (Stage.NEW, Stage.OVER):
+            return None
+        quiet = self._quiet_until
+        return self._ends if quiet is None else min(quiet, self._ends)
+
+    def learnt(self, ok: bool, t: int, why: str = "") -> Order | None:
+        """The answer to `Learn`; `why` it was not possible."""
+        self._pass(t)
+        if self.stage is not Stage.LEARNING:
+            return None
+        if not ok:
+            return self._fail(why or f"{shown(self.name)} could not be learnt")
+        return self._done("a visitor from before" if self._known else "name confirmed and learnt")
+
+    def recognised(self, name: str, t: int) -> Done | None:
+        """Somebody, a camera or the wizard, knows who it is."""
+        self._pass(t)
+        if self.stage in (Stage.NEW, Stage.OVER):
+            return None
+        self.name, self._known = name, True
+        return self._done("recognised meanwhile")
+
+    def abandon(self, why: str, t: int) -> Failed | None:
+        """End it without a word of farewell."""
+        self._pass(t)
+        if self.stage is Stage.OVER:
+            return None
+        self._end()
+        return Failed("", why)
+
+    def worded(self, sentence: str) -> str:
+        """A sentence of the settings as the robot says it: `{name}` is the name in question."""
+        return fill(sentence, lambda variable: self.name if variable == _NAME else "")
+
+    # -- answers --------------------------------------------------------------------------------
+
+    def _named(self, answer: Answer) -> Order:
+        """An answer to the question for a name."""
+        if not answer.name:
+            return self._again(answer.why or "no name was understood")
+        return self._take_up(answer)
+
+    def _answered(self, answer: Answer) -> Order:
+        """An answer to `is that right?` or `is that you?`."""
+        if answer.yes:
+            return self._confirmed()
+        if answer.name:
+            return self._next_attempt() or self._take_up(answer)
+        if not answer.no:
+            return self._again(answer.why or "neither yes nor no was understood")
+        return self._next_attempt() or self._ask_for_another()
+
+    def _confirmed(self) -> Order:
+        known = self._is_taken(self.name)
+        if known and self.stage is not Stage.ACQUAINTANCE:
+            return self._next_attempt(f"{shown(self.name)} was taken meanwhile") or self._ask_back()
+        self.stage = Stage.LEARNING
+        self._known = known
+        return Learn(self.name, known)
+
+    def _take_up(self, answer: Answer) -> Order:
+        try:
+            self.name = name_of(answer.name)
+        except BadNameError as error:
+            self.stage, self.name = Stage.NAME, ""
+            return self._again(error.reason)
+        return self._ask_back()
+
+    def _ask_back(self) -> Say:
+        """Ask whether the name is right, or whether it is the visitor who has it already."""
+        if self._is_taken(self.name):
+            self.stage = Stage.ACQUAINTANCE
+            return self._say(self._settings.taken, f"{shown(self.name)} is known already")
+        self.stage = Stage.CONFIRMATION
+        return self._say(self._settings.confirm, f"understood {shown(self.name)}")
+
+    def _ask_for_another(self) -> Say:
+        taken = self.stage is Stage.ACQUAINTANCE
+        why = f"{shown(self.name)} was denied"
+        self.stage, self.name = Stage.NAME, ""
+        return self._say(self._settings.another if taken else self._settings.again, why)
+
+    def _again(self, why: str) -> Order:
+        """Ask once more what was asked; it counts."""
+        failed = self._next_attempt(why)
+        if failed is not None:
+            return failed
+        if self.stage is Stage.NAME:
+            return self._say(self._settings.again, why)
+        return self._say(self._question, why)
+
+    # -- bounds ---------------------------------------------------------------------------------
+
+    @property
+    def _asks(self) -> bool:
+        return self.stage in (Stage.NAME, Stage.CONFIRMATION, Stage.ACQUAINTANCE)
+
+    @property
+    def _quiet_until(self) -> int | None:
+        """When silence has lasted long enough; None while somebody speaks."""
+        if self._talks or self._speaks or not self._asks:
+            return None
+        return self._quiet_since + round(self._settings.silence * _SECOND)
+
+    def _echo(self, text: str) -> bool:
+        """Whether `text` is a good part of what the robot has just said."""
+        words = text.casefold().split()
+        return len(words) >= _ECHO and " ".join(words) in " ".join(self._sentence.split())
+
+    def _pass(self, t: int) -> None:
+        self._now = max(self._now, t)
+
+    def _say(self, template: str, why: str) -> Say:
+        self._talks = True
+        self._question = template
+        text = self.worded(template)
+        self._sentence = text.casefold()
+        return Say(text, why)
+
+    def _next_attempt(self, why: str = "the name was denied") -> Failed | None:
+        if self.attempt >= self._settings.attempts:
+            return self._fail(f"{why}; no name in {_attempts(self.attempt)}")
+        self.attempt += 1
+        return None
+
+    def _done(self, why: str) -> Done:
+        self._end()
+        return Done(self.name, self._known, self.worded(self._settings.welcome), why)
+
+    def _fail(self, why: str) -> Failed:
+        self._end()
+        return Failed(self.worded(self._settings.give_up), why)
+
+    def _end(self) -> None:
+        self.stage = Stage.OVER
+
+
+def _attempts(count: int) -> str:
+    return f"{count} attempt{'s' if count > 1 else ''}"

@@ -1,0 +1,115 @@
+"""What a raw value of a sensor means, whatever it is; None stands for "says nothing".
+
+The paper does not say what becomes of a missing or an impossible value. Here it is no evidence,
+neither for nor against: it takes no place in a queue. Nothing in here ever raises.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+from woz_tui.config.visitor_names import BadNameError, label_of
+
+#: A face that nobody knows; an identity, but nobody's.
+UNKNOWN = "Unknown"
+#: Numbers that JSON has no notation for, as lines of samples spell them.
+SPELT = {"NaN": math.nan, "Infinity": math.inf, "-Infinity": -math.inf}
+#: Whole numbers are no larger than this, so that each fits into a float.
+_LARGEST = 10**300
+#: A label is looked at up to here at all, in characters.
+_READABLE = 1000
+
+
+def number(value: object) -> float | None:
+    """A number, also infinite, NaN or spelt in words; None for everything else, also for a bool."""
+    if isinstance(value, float):
+        return value
+    if isinstance(value, bool):
+        return None
+    if isinstance(value, int):
+        return float(max(-_LARGEST, min(value, _LARGEST)))
+    return SPELT.get(value) if isinstance(value, str) else None
+
+
+def presence(value: object) -> bool | None:
+    """Whether somebody is there: a truth value, or a number such as a count of faces; any above
+    zero is somebody.
+    """
+    amount = _amount(value)
+    return None if amount is None else amount > 0.0
+
+
+def gaze(value: object) -> bool | None:
+    """Whether somebody looks: a truth value, a share from 0 to 1 of which one half is yes, or a
+    count of those who look.
+    """
+    amount = _amount(value)
+    return None if amount is None else amount >= 0.5
+
+
+#: How the signs that are yes or no are read.
+FLAGS = {"presence": presence, "gaze": gaze}
+
+
+def _amount(value: object) -> float | None:
+    found = float(value) if isinstance(value, bool) else number(value)
+    return found if found is not None and 0.0 <= found < math.inf else None
+
+
+def metres(value: object, farthest: float) -> float | None:
+    """A distance; beyond the sensor's reach, or infinite, is far: infinite metres.
+
+    Nothing and less is no measurement. The least that a sonar can say (0.30 m on Pepper) is near
+    like any other small distance.
+    """
+    distance = number(value)
+    if distance is None or math.isnan(distance) or distance <= 0.0:
+        return None
+    return distance if distance <= farthest else math.inf
+
+
+def name(value: object, text: str = "") -> str | None:
+    """An identity: the recogniser's label in `text` or `value`, or "Unknown".
+
+    A number beside an empty text is a score for nobody: "Unknown". The spelt numbers are no names,
+    and neither is what nobody could read.
+    """
+    if not text:
+        if not isinstance(value, str):
+            score = number(value)
+            return None if score is None or math.isnan(score) else UNKNOWN
+        text = value
+    if text in SPELT or len(text) > _READABLE:
+        return None
+    return _label(text)
+
+
+def level(value: object, threshold: float) -> float | None:
+    """A chunk's loudness (RMS). NaN is a chunk, and a quiet one.
+
+    Above 1, full scale, only where the threshold is on another scale too; never negative.
+    """
+    rms = number(value)
+    if rms is None:
+        return None
+    if math.isnan(rms):
+        return 0.0
+    return rms if 0.0 <= rms <= 1.0 or (threshold > 1.0 and 0.0 <= rms < math.inf) else None
+
+
+def absent(value: object) -> bool:
+    """Whether a value that says nothing is an honest "nothing": null or NaN."""
+    found = number(value)
+    return value is None or (found is not None and math.isnan(found))
+
+
+@lru_cache(maxsize=256)
+def _label(text: str) -> str | None:
+    if not text.strip():
+        return UNKNOWN
+    try:
+        label = label_of(text)
+    except BadNameError:
+        return None
+    return UNKNOWN if label.casefold() == UNKNOWN.casefold() else label

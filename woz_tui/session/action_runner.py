@@ -1,0 +1,449 @@
+"""From the name of an action to commands on the bus, step after step."""
+
+from __future__ import annotations
+
+import asyncio
+import functools
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import msgspec
+
+from woz_tui.bus.bus import Bus
+from woz_tui.bus.hub import Hub
+from woz_tui.config.experiment import Action, Call
+from woz_tui.config.session_verbs import ENGAGEMENT, PERFORMERS, SESSION
+from woz_tui.drivers.contract import Verb
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.action_messages import HANDS
+from woz_tui.sensing.engagement_stream import SPEECH
+from woz_tui.session.response_delay import Shaper, may_wait
+from woz_tui.session.variables import MissingError
+
+#: Runs and commands that can still be labelled as mistakes.
+REMEMBERED = 2000
+#: What the robot does by itself, or does again, nobody's hand has asked for just now.
+_NO_HANDS = frozenset({ENGAGEMENT, "replay"})
+#: Lanes of the gaze and of the face: what is played there goes with what is said.
+_ACCOMPANYING = frozenset({"head", "face", "eyes"})
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """Where a press came from."""
+
+    source: str
+    key: str = ""
+    console: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """Why a command is not even tried: as a word (of `m.Refused`) and in a sentence."""
+
+    code: str
+    reason: str
+
+
+@dataclass
+class Run:
+    """One action being played; `pending` are the commands of the present step, of `together`
+    in all. `left`: how it ends after this step, unless something of the step goes wrong.
+    """
+
+    id: str
+    action: Action
+    origin: Origin
+    steps: list[tuple[Call, ...] | float]
+    when_busy: str
+    at: int = -1
+    pending: set[str] = field(default_factory=set)
+    together: int = 0
+    timer: asyncio.TimerHandle | None = None
+    problem: m.ActionEnd | None = None
+    left: m.ActionEnd | None = None
+    ended: m.ActionEnd | None = None
+
+    @property
+    def still_to_come(self) -> list[Call]:
+        """The calls of the steps after the present one, or after the first if none has begun."""
+        later = self.steps[max(self.at, 0) + 1 :]
+        return [call for step in later if isinstance(step, tuple) for call in step]
+
+
+class Runner:
+    """Plays actions. Every `action.requested` it publishes gets exactly one end.
+
+    Args:
+        hub: Where everything is published.
+        bus: Takes the commands.
+        verbs: Each driver's verbs by name, for the time limits.
+        fill: Gives an action's steps with their texts chosen and all variables filled in; raises
+            `MissingError`.
+        deadline: Seconds a command may wait before it must have begun; 0 means for ever.
+        shaper: Holds what answers a cue too soon; None: nothing does.
+    """
+
+    def __init__(
+        self,
+        hub: Hub,
+        bus: Bus,
+        verbs: Mapping[str, Mapping[str, Verb]],
+        fill: Callable[[Action], list[tuple[Call, ...] | float]],
+        deadline: float,
+        *,
+        shaper: Shaper | None = None,
+    ) -> None:
+        self._hub = hub
+        self._shaper = shaper
+        self._bus = bus
+        self._verbs = verbs
+        self._fill = fill
+        self.deadline = deadline
+        self._runs: dict[str, Run] = {}
+        self._actions = 0
+        self._commands = 0
+        #: Single commands that wait for their moment after a cue, and who is told of their end.
+        self._held: dict[str, tuple[m.Command, Callable[[m.End], None] | None]] = {}
+        #: What was asked for, oldest first: run or command id, and the action's or verb's name.
+        self.played: dict[str, str] = {}
+        #: The last of them that a human asked for: what the robot does by itself is not meant when
+        #: somebody says that the last one was a mistake.
+        self.by_hand = ""
+
+    # -- asked for ---------------------------------------------------------------------------
+
+    def refuse(self, name: str, panel: str, origin: Origin, reason: str) -> str:
+        """Log a press that is not played; returns its run id."""
+        run = self._request(name, panel, origin)
+        self._hub.publish(m.ActionRefused(run=run, action=name, reason=reason))
+        return run
+
+    def play(
+        self,
+        action: Action,
+        origin: Origin,
+        when_busy: str = "",
+        steps: list[tuple[Call, ...] | float] | None = None,
+    ) -> tuple[str, str]:
+        """Begin an action: run id, and why it was refused (empty: it was not).
+
+        `steps`: what it does, filled in, where that is not what stands in the file.
+        """
+        run_id = self._request(action.name, action.panel, origin)
+        try:
+            # All of them before the first: no action ends half-way because a value is missing.
+            steps = self._fill(action) if steps is None else steps
+        except MissingError as error:
+            self._hub.publish(m.ActionRefused(run=run_id, action=action.name, reason=str(error)))
+            return run_id, str(error)
+        run = Run(run_id, action, origin, steps, when_busy or action.when_busy)
+        self._runs[run_id] = run
+        calls = [call for step in steps if isinstance(step, tuple) for call in step]
+        if not self._holds(run_id, action.name, origin, calls, lambda: self._begin(run)):
+            self._advance(run)
+        if run.id in self._runs or isinstance(run.ended, m.ActionDone):
+            self._supersede(run.id, action.label, origin, calls)
+        return run_id, run.ended.reason if isinstance(run.ended, m.ActionRefused) else ""
+
+    def _begin(self, run: Run) -> None:
+        """Its moment has come; unless it has been cut short meanwhile."""
+        if run.id in self._runs:
+            self._advance(run)
+
+    def send(
+        self,
+        call: Call,
+        origin: Origin,
+        when_busy: str = "queue",
+        refusal: Refusal | None = None,
+        on_end: Callable[[m.End], None] | None = None,
+        *,
+        like: m.Command | None = None,
+    ) -> m.Command:
+        """Send one command that belongs to no action; with a `refusal` it is only logged.
+
+        `like`: it repeats this command, and is called after the same action in the log.
+        """
+        command = self._command(call, origin, when_busy=when_busy)
+        if like is not None:
+            command = msgspec.structs.replace(
+                command,
+                action=like.action,
+                panel=like.panel,
+                tells=like.tells,
+                unfilled=like.unfilled,
+            )
+        if not command.passing:
+            self._remember(command.command, call.verb, origin)
+        if refusal is not None:
+            return self._bus.refuse(command, refusal.code, refusal.reason)
+
+        refused: list[m.End] = []
+
+        def ended(end: m.End) -> None:
+            if isinstance(end, m.Refused):
+                refused.append(end)
+            if on_end is not None:
+                on_end(end)
+
+        def submit() -> m.Command:
+            self._held.pop(command.command, None)
+            late = self._hub.now() + round(self.deadline * 1_000_000) if self.deadline else 0
+            return self._bus.submit(msgspec.structs.replace(command, deadline_us=late), ended)
+
+        if self._holds(command.command, call.verb, origin, [call], submit):
+            self._held[command.command] = command, on_end
+        else:
+            command = submit()
+        if not refused:
+            self._supersede(command.command, call.verb, origin, [call])
+        return command
+
+    def _holds(
+        self, run: str, name: str, origin: Origin, calls: list[Call], begin: Callable[[], object]
+    ) -> bool:
+        """Whether this answers a cue too soon, and `begin` is called when its moment has come."""
+        if self._shaper is None:
+            return False
+        verbs = [
+            known
+            for call in calls
+            if call.driver not in (SESSION, ENGAGEMENT)
+            and (known := self._verbs.get(call.driver, {}).get(call.verb)) is not None
+        ]
+        if any(verb.drives for verb in verbs) or not any(map(may_wait, verbs)):
+            return False
+        return self._shaper.hold(run, name, origin.source, begin)
+
+    def _let_go(self, command: str, reason: str) -> None:
+        """A single command that was held is not sent any more; its log line says so."""
+        held, on_end = self._held.pop(command)
+        self._bus.refuse(held, "stopped", reason, on_end)
+
+    def _remember(self, played: str, name: str, origin: Origin) -> None:
+        self.played[played] = name
+        if origin.source not in _NO_HANDS:
+            self.by_hand = played
+        if len(self.played) > REMEMBERED:
+            del self.played[next(iter(self.played))]
+
+    def _request(self, name: str, panel: str, origin: Origin) -> str:
+        self._actions += 1
+        run = f"a{self._actions:05d}"
+        self._remember(run, name, origin)
+        self._hub.publish(
+            m.ActionRequested(
+                run=run,
+                action=name,
+                panel=panel,
+                source=origin.source,
+                key=origin.key,
+                console=origin.console,
+            )
+        )
+        return run
+
+    # -- step after step ---------------------------------------------------------------------
+
+    def _advance(self, run: Run) -> None:
+        run.at += 1
+        if run.at >= len(run.steps):
+            self._finish(run, m.ActionDone(run=run.id, action=run.action.name))
+            return
+        step = run.steps[run.at]
+        if isinstance(step, float | int):
+            run.timer = asyncio.get_running_loop().call_later(step, self._advance, run)
+            return
+        commands = [
+            self._command(call, run.origin, action=run.action, run=run.id, when_busy=run.when_busy)
+            for call in step
+        ]
+        # All are pending before the first is submitted: a refusal ends within `submit`.
+        run.pending = {command.command for command in commands}
+        run.together = len(commands)
+        for command in commands:
+            self._bus.submit(command, functools.partial(self._ended, run, command.verb))
+
+    def _command(
+        self,
+        call: Call,
+        origin: Origin,
+        *,
+        action: Action | None = None,
+        run: str = "",
+        when_busy: str = "queue",
+    ) -> m.Command:
+        self._commands += 1
+        known = self._verbs.get(call.driver, {}).get(call.verb)
+        return m.Command(
+            command=f"c{self._commands:05d}",
+            run=run,
+            action=action.name if action else "",
+            panel=action.panel if action else "",
+            verb=call.verb,
+            args=dict(call.args),
+            driver=call.driver,
+            source=origin.source,
+            key=origin.key,
+            deadline_us=self._hub.now() + round(self.deadline * 1_000_000) if self.deadline else 0,
+            limit_s=known.limit_s if known else 30.0,
+            when_busy=when_busy,
+            tells=call.tells,
+            unfilled=dict(call.unfilled),
+        )
+
+    def _ended(self, run: Run, verb: str, end: m.End) -> None:
+        run.pending.discard(end.command)
+        if run.problem is None:
+            run.problem = self._problem(run, verb, end)
+        if run.pending or run.id not in self._runs:
+            return
+        over = run.problem or run.left
+        if over is not None:
+            self._finish(run, over)
+        else:
+            self._advance(run)
+
+    def _problem(self, run: Run, verb: str, end: m.End) -> m.ActionEnd | None:
+        reason = _reason(verb, end)
+        match end:
+            case m.Done():
+                return None
+            case m.Stopped():
+                return m.ActionStopped(run=run.id, action=run.action.name, reason=end.reason)
+            case m.Superseded(by=by):
+                newer = next((each for each in self._runs.values() if by in each.pending), None)
+                if newer is not None:
+                    return _superseded(run, newer.id, newer.action.label)
+                return _superseded(run, by, self.played.get(by, by))
+            case m.Refused() if run.at == 0:
+                return m.ActionRefused(
+                    run=run.id, action=run.action.name, reason=reason, tells=end.tells
+                )
+            case _:
+                return m.ActionFailed(
+                    run=run.id, action=run.action.name, reason=reason, tells=end.tells
+                )
+
+    def _finish(self, run: Run, end: m.ActionEnd) -> None:
+        if self._runs.pop(run.id, None) is None:
+            return
+        if run.timer is not None:
+            run.timer.cancel()
+        run.ended = end
+        self._hub.publish(end)
+
+    # -- a newer act takes the place ----------------------------------------------------------
+
+    def _supersede(self, newer: str, label: str, origin: Origin, calls: list[Call]) -> None:
+        """Older actions do nothing any more after their present step, if the wizard's `newer` act
+        needs a lane that they would still need.
+
+        Otherwise their next step would cut it off, or come out of its context behind it. What is
+        spoken is not ended by what accompanies speech: the gaze, the face.
+        """
+        if origin.source not in HANDS:
+            return
+        needed = self._lanes(calls)
+        for run in list(self._runs.values()):
+            if run.id == newer:
+                continue
+            later = run.still_to_come
+            speaks = any(call.verb in SPEECH for call in later)
+            if self._lanes(later) & (self._lanes(calls, leading=True) if speaks else needed):
+                self.leave(run.id, _superseded(run, newer, label))
+
+    def _lanes(self, calls: list[Call], leading: bool = False) -> set[tuple[str, str]]:
+        """Driver and lane of each call; `leading`: without those of what accompanies speech."""
+        found = set()
+        for call in calls:
+            verb = self._verbs.get(call.driver, {}).get(call.verb)
+            if verb is None or call.driver in PERFORMERS:
+                continue
+            accompanies = verb.stream or verb.brief or verb.lane in _ACCOMPANYING
+            if not (leading and accompanies):
+                found.add((call.driver, verb.lane))
+        return found
+
+    # -- cut short ---------------------------------------------------------------------------
+
+    def cancel(self, run_id: str, reason: str) -> bool:
+        """End one run, or one command that belongs to none; says whether it was under way."""
+        run = self._runs.get(run_id)
+        found = self._bus.cancel(run_id, reason)
+        if self._shaper is not None:
+            self._shaper.drop(run_id)
+        if run_id in self._held:
+            self._let_go(run_id, reason)
+            return True
+        if run is not None:
+            self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
+        return found or run is not None
+
+    def cut_speech(self, reason: str) -> None:
+        """End the runs that say something now or would later."""
+        for run in list(self._runs.values()):
+            present = run.steps[max(run.at, 0)] if run.steps else ()
+            calls = [*(present if isinstance(present, tuple) else ()), *run.still_to_come]
+            if any(call.verb in SPEECH for call in calls):
+                self.cancel(run.id, reason)
+
+    def leave(self, run_id: str, end: str | m.ActionEnd) -> None:
+        """Finish the step that one run has begun, and drop those after it; one whose commands all
+        wait behind others has not begun. What fails in that step is a failure all the same.
+
+        `end`: how it ends then, or why it is stopped.
+        """
+        run = self._runs.get(run_id)
+        if run is None:
+            return
+        if isinstance(end, str):
+            end = m.ActionStopped(run=run.id, action=run.action.name, reason=end)
+        if not run.pending:
+            self._finish(run, end)
+        elif len(run.pending) == run.together and not self._bus.performs(run.id):
+            run.problem = end
+            self._bus.cancel(run.id, end.reason)
+        elif run.at + 1 < len(run.steps):
+            run.left = end
+
+    def empty(self, reason: str) -> bool:
+        """End what waits in queues or is held after a cue; whether anything did."""
+        before = len(self._runs), len(self._held), len(self._bus.waiting)
+        if self._shaper is not None:
+            self._shaper.clear()
+        for command in list(self._held):
+            self._let_go(command, reason)
+        for run in [run for run in self._runs.values() if run.at < 0]:
+            self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
+        self._bus.empty(reason)
+        return before != (len(self._runs), len(self._held), len(self._bus.waiting))
+
+    def stop_waiting(self, reason: str) -> None:
+        """End the runs that are in a pause; those with commands on the bus end through them.
+
+        What is held after a cue never begins.
+        """
+        if self._shaper is not None:
+            self._shaper.clear()
+        for command in list(self._held):
+            self._let_go(command, reason)
+        for run in list(self._runs.values()):
+            self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
+
+
+def _superseded(run: Run, by: str, label: str) -> m.ActionSuperseded:
+    return m.ActionSuperseded(
+        run=run.id, action=run.action.name, reason=f'replaced by "{label}"', by=by
+    )
+
+
+def _reason(verb: str, end: m.End) -> str:
+    """Why a command has not worked, in words that do without the verb."""
+    match end:
+        case m.Refused(code="late", reason=reason):
+            return f"not said: {reason}" if verb == "say" else f"not played: {reason}"
+        case m.Refused(code="full", reason=reason):
+            return f"{reason}: not played"
+    return f"{end.driver}: {end.reason}" if end.reason else end.driver

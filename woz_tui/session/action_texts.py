@@ -1,0 +1,172 @@
+"""What each action does at this moment: its texts chosen, its variables filled in.
+
+Consoles are told before anything is played, and what they were told is what is played.
+"""
+
+from __future__ import annotations
+
+import random
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+
+from woz_tui.bus.hub import Hub
+from woz_tui.config.experiment import Action, Call, Experiment, Together, Wait
+from woz_tui.config.utterance_template import VISITOR
+from woz_tui.protocol import messages as m
+from woz_tui.session.variables import MissingError, Values, call_with
+
+#: Actions in one line of the log, which may have 1 MiB.
+AT_ONCE = 100
+#: The variables on which a text may depend and that change during a session.
+_MOVING = ("participant", "condition", "trial", VISITOR)
+#: After these they may have changed.
+_CHANGES = (m.SessionChanged, m.VisitorChanged, m.EngagementChanged)
+
+Steps = list[tuple[Call, ...] | float]
+
+
+def variant(key: str, count: int, size: int) -> int:
+    """Which of `size` variants is the one after `count` others: shuffled by `key`, none again
+    before all were used, and none twice in a row.
+    """
+    turn, place = divmod(count, size)
+    if size == 2:
+        turn = 0  # in turns: any other order would repeat one
+    order = _shuffled(f"{key} {turn}", size)
+    if turn and order[0] == _shuffled(f"{key} {turn - 1}", size)[-1]:
+        order[:2] = order[1::-1]
+    return order[place]
+
+
+def _shuffled(key: str, size: int) -> list[int]:
+    order = list(range(size))
+    random.Random(key).shuffle(order)
+    return order
+
+
+class Wording:
+    """Chooses and fills in what actions say.
+
+    Args:
+        hub: Where consoles are told, and where what changes it is heard.
+        seed: Of the order of variants.
+        experiment: The experiment as it is now.
+        values: The variables' present values.
+    """
+
+    def __init__(
+        self,
+        hub: Hub,
+        seed: int,
+        experiment: Callable[[], Experiment],
+        values: Callable[[], Values],
+    ) -> None:
+        self._hub = hub
+        self._seed = seed
+        self._experiment = experiment
+        self._values = values
+        #: How often variants were played to this participant, by action and variants.
+        self._played: Counter[tuple[str, Sequence[str]]] = Counter()
+        self._participant = ""
+        self._told: list[str | None] | None = None
+        hub.listen(self._hear)
+
+    def play(self, action: Action) -> Steps:
+        """The steps of an action that is played now; its variants move on. Raises `MissingError`,
+        before anything has changed.
+        """
+        used: set[tuple[str, Sequence[str]]] = set()
+        steps = self._steps(action, self._values(), used)
+        self._played.update(used)
+        # Of a part of an action that is played alone, all of it is told.
+        whole = self._experiment().action(action.name)
+        if whole is not None and any(call.choices for call in action.calls):
+            # Whatever the condition: that something is told must not depend on it.
+            self._tell([whole])
+        return steps
+
+    def calls(self, action: Action) -> list[Call]:
+        """All calls of an action as they would be sent now; none while a value is missing."""
+        try:
+            steps = self._steps(action, self._values(), set())
+        except MissingError:
+            return []
+        return [call for step in steps if isinstance(step, tuple) for call in step]
+
+    def other(self, action: Action, said: m.Command) -> Steps | None:
+        """The step of `action` that said this, in its next wording; None if it has one alone."""
+        values = self._values()
+        for call in action.calls:
+            choice = call.choices.get("text")
+            texts = choice.of(values.get("condition", "")) if choice is not None else ()
+            if call.driver != said.driver or call.verb != said.verb or len(texts) < 2:
+                continue
+            if said.args["text"] in [_spoken(call, values, text) for text in texts]:
+                return self.play(replace(action, steps=(Together((call,)),)))
+        return None
+
+    def tell(self) -> None:
+        """Tell consoles of every action."""
+        values = self._values()
+        self._told = [values.get(name) for name in _MOVING]
+        experiment = self._experiment()
+        actions = [action for panel in experiment.panels for action in panel.actions]
+        actions += experiment.repairs
+        for first in range(0, len(actions), AT_ONCE):
+            self._tell(actions[first : first + AT_ONCE])
+
+    def _hear(self, message: m.AnyMessage) -> None:
+        if isinstance(message, _CHANGES) and self._told is not None:
+            values = self._values()
+            if self._told != [values.get(name) for name in _MOVING]:
+                self.tell()
+
+    def _tell(self, actions: Iterable[Action]) -> None:
+        values = self._values().to_show()
+        filled = {action.name: _shown(self._steps(action, values, set())) for action in actions}
+        self._hub.publish(m.ActionsFilled(actions=filled))
+
+    def _steps(self, action: Action, values: Values, used: set[tuple[str, Sequence[str]]]) -> Steps:
+        participant = values.get("participant", "")
+        if participant != self._participant:
+            self._participant = participant
+            self._played.clear()
+
+        def pick(texts: Sequence[str]) -> str:
+            place = (action.name, texts)
+            used.add(place)
+            key = f"{self._seed} {participant} {action.name}"
+            return texts[variant(key, self._played[place], len(texts))]
+
+        steps: Steps = []
+        for step in action.steps:
+            match step:
+                case Wait(seconds=seconds):
+                    steps.append(seconds)
+                case Together(calls=calls):
+                    steps.append(tuple(call_with(call, values, pick) for call in calls))
+        return steps
+
+
+def _shown(steps: Steps) -> list[list[m.FilledCall] | float]:
+    return [
+        step
+        if isinstance(step, float | int)
+        else [
+            m.FilledCall(
+                verb=call.verb,
+                args=dict(call.args),
+                driver=call.driver,
+                tells=call.tells,
+                unfilled=dict(call.unfilled),
+            )
+            for call in step
+        ]
+        for step in steps
+    ]
+
+
+def _spoken(call: Call, values: Values, text: str) -> m.Json:
+    """What the call says in this wording."""
+    return call_with(call, values, lambda texts: text).args["text"]

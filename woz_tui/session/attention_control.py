@@ -1,0 +1,154 @@
+"""The robot turns its head to a sound elsewhere, and back to whom it talks with.
+
+`woz_tui.sensing.attention` decides; here it gets directions and loudness, and its orders become
+`gaze` commands. It takes part only with `attention: {look: true}` and a robot that offers `gaze`
+and hears directions. A wizard who turns the head meanwhile has it: it is not turned back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from woz_tui.config.engagement import EngagementSettings
+from woz_tui.config.experiment import Call, DriverSpec, Experiment, Place
+from woz_tui.config.sensor_names import published_names
+from woz_tui.drivers.contract import Verb
+from woz_tui.protocol import messages as m
+from woz_tui.sensing.attention import Attention, Look, Order, Return, Stimulus
+from woz_tui.sensing.engagement_stream import Follower
+from woz_tui.sensing.state_machine import ENGAGED
+from woz_tui.session.engagement_robot import ORIGIN, Robot
+from woz_tui.session.wake_up import Alarm
+
+GAZE, DIRECTION = "gaze", "direction"
+_NOWHERE = Place("", 0, 0)
+
+
+class Attending:
+    """Looks elsewhere and back.
+
+    Args:
+        robot: Turns its head.
+        follower: Says what is heard and who is engaged.
+        settings: What the section says.
+        news: Called when what it attends to has changed.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        follower: Follower,
+        settings: EngagementSettings,
+        news: Callable[[], object],
+    ) -> None:
+        self._robot = robot
+        self._follower = follower
+        self._settings = settings.attention
+        self._attention = Attention(settings.attention)
+        self._news = news
+        self._alarm = Alarm(robot.hub, self._ring)
+        self._head = head_of(robot.experiment()) if settings.attention.look else None
+        self._sensor = _direction_beside(robot.experiment(), self._head) if self._head else ""
+        self._direction: float | None = None
+        self._before: dict[str, m.Json] = {}
+        self._overruled = False
+
+    def fits(self, settings: EngagementSettings) -> bool:
+        """Whether it goes on with these settings as it is."""
+        return settings.attention == self._settings
+
+    def hear(self, message: m.AnyMessage) -> None:
+        """Directions, and what the wizard does with the head."""
+        if self._head is None:
+            return
+        head = self._head[0].name
+        match message:
+            case m.Reading(sensor=sensor, value=float() | int()) if sensor == self._sensor:
+                self._heard(message.value)
+            case m.Command(driver=driver, verb="gaze", source=source) if (
+                driver == head and source != ORIGIN.source
+            ):
+                self._before = dict(message.args)
+                self._overruled = self._attention.away
+            case m.StopPressed(scope="all"):
+                self._overruled = self._attention.away
+
+    def entered(self, state: str) -> None:
+        """The machine is in another state."""
+        engaged = state in ENGAGED
+        self._carry_out(self._attention.engaged(engaged, self._direction, self._now))
+
+    def attend(self, mode: str) -> None:
+        """Another mode counts."""
+        if mode != self._attention.mode:
+            self._carry_out(self._attention.attend(mode, self._now))
+
+    def close(self) -> None:
+        """Turn no further."""
+        self._head = None
+        self._alarm.cancel()
+
+    # -- inside ------------------------------------------------------------------------------------
+
+    @property
+    def _now(self) -> int:
+        return self._robot.hub.now()
+
+    def _heard(self, direction: float | None) -> None:
+        """A direction is a sound where it is loud, and not the robot itself."""
+        if self._follower.speaks or not self._follower.loud:
+            if not self._attention.away:
+                self._direction = direction
+            return
+        self._carry_out(self._attention.stimulus(Stimulus.SOUND, direction, self._now))
+
+    def _carry_out(self, order: Order | None) -> None:
+        match order:
+            case Look(direction=direction):
+                self._overruled = self._robot.is_stopped  # it does not turn, so not back either
+                self._look({"yaw": direction, "pitch": 0.0})
+            case Return(direction=direction) if not self._overruled:
+                self._look(self._before or {"yaw": direction or 0.0, "pitch": 0.0})
+        self._alarm.set(self._attention.due())
+        if self._follower.model.attention != self._attention.shown:
+            self._follower.model.attention = self._attention.shown
+            self._news()
+
+    def _look(self, args: Mapping[str, m.Json]) -> None:
+        if self._head is None or not self._robot.may_move:
+            return
+        spec, verb = self._head
+        known = {argument.name for argument in verb.arguments}
+        fitting = {name: _within(verb, name, args[name]) for name in args if name in known}
+        self._robot.send(Call(GAZE, fitting, spec.name, _NOWHERE))
+
+    def _ring(self) -> None:
+        self._carry_out(self._attention.advance(self._now))
+
+
+def head_of(experiment: Experiment) -> tuple[DriverSpec, Verb] | None:
+    """The first driver that can look into a direction."""
+    for spec in experiment.drivers:
+        for verb in spec.verbs:
+            if verb.name == GAZE:
+                return spec, verb
+    return None
+
+
+def _direction_beside(experiment: Experiment, head: tuple[DriverSpec, Verb]) -> str:
+    """What the direction of sound is called that the same robot hears; empty: it hears none."""
+    robot = head[0].name.rpartition(".")[0]
+    published = published_names(experiment.drivers)
+    for spec in experiment.drivers:
+        if spec.name.rpartition(".")[0] == robot and DIRECTION in spec.sensors:
+            return published[spec.name][DIRECTION]
+    return ""
+
+
+def _within(verb: Verb, name: str, value: m.Json) -> m.Json:
+    """As far as the head turns."""
+    span = next((argument.range for argument in verb.arguments if argument.name == name), None)
+    if span is None or not isinstance(value, int | float):
+        return value
+    low = value if span.low is None else max(value, span.low)
+    return low if span.high is None else min(low, span.high)

@@ -1,0 +1,148 @@
+"""Which conditions a participant should get, from what the earlier ones got: pure."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from woz_tui.config.counterbalancing import Order, block_size, order_at, planned, rows
+from woz_tui.config.study import Design
+from woz_tui.protocol.messages import Json
+
+
+@dataclass
+class Past:
+    """What the earlier logs have of one participant.
+
+    `over`: the highest number of a trial that was done or excluded under the present order. `begun`
+    and `done`: whether any trial was begun, and was done.
+    """
+
+    participant: str
+    order: Order = ()
+    method: str = ""
+    row: int = -1
+    over: int = 0
+    begun: bool = False
+    done: bool = False
+
+    @property
+    def counts(self) -> bool:
+        """Whether the order has been used. Whose trials were all aborted or excluded, has left it
+        to somebody else.
+        """
+        return bool(self.method) and (self.done or not self.begun)
+
+
+@dataclass(frozen=True, slots=True)
+class Proposal:
+    """An order for one participant, and where this session would go on: `trial` is one more than
+    `planned` if all are over. `why` names no condition, because a wizard may be blind to them.
+    """
+
+    participant: str
+    order: Order
+    method: str
+    row: int
+    why: str
+    condition: str
+    trial: int
+    planned: int
+
+    def data(self) -> dict[str, Json]:
+        """As the reply to a `proposal` has it."""
+        return {
+            "order": [*self.order],
+            "method": self.method,
+            "row": self.row,
+            "why": self.why,
+            "condition": self.condition,
+            "trial": self.trial,
+            "planned": self.planned,
+        }
+
+
+@dataclass(frozen=True)
+class Used:
+    """Who has used which row of a design so far."""
+
+    design: Design
+    conditions: Sequence[str]
+    past: Sequence[Past]
+    counted: list[Past] = field(init=False)
+
+    def __post_init__(self) -> None:
+        fitting = [each for each in self.past if each.counts and self.fits(each.order)]
+        object.__setattr__(self, "counted", fitting)
+
+    def fits(self, order: Order) -> bool:
+        """Whether somebody with this order is part of this design."""
+        if self.design.within:
+            return sorted(order) == sorted(self.conditions)
+        return len(order) == 1 and order[0] in self.conditions
+
+    def times(self) -> Counter[int]:
+        """How many participants have which row."""
+        if self.design.order == "blocks" and self.conditions:
+            return Counter(each.row for each in self.counted if self._in_its_place(each))
+        known = {order: row for row, order in enumerate(rows(self.design, self.conditions))}
+        return Counter(known[each.order] for each in self.counted if each.order in known)
+
+    def _in_its_place(self, past: Past) -> bool:
+        """Whether the order is what the blocks of today have in this row."""
+        if past.method != "blocks" or past.row < 0:
+            return False
+        return order_at(self.design, self.conditions, past.row) == past.order
+
+
+def propose(
+    participant: str, design: Design, conditions: Sequence[str], past: Sequence[Past]
+) -> Proposal:
+    """The order for this participant: their own if they have one, else the row least used."""
+    used = Used(design, conditions, past)
+    own = next((each for each in past if each.participant == participant and each.method), None)
+    if own is not None and used.fits(own.order):
+        trials = planned(design, conditions)
+        why = f"{participant} continues with their own order: {own.over} of {trials} trials done"
+        return _proposal(own, design, why)
+    row, why = _free(used)
+    if own is not None:
+        why += f"; the earlier order of {participant} does not fit the present design"
+    order = order_at(design, conditions, row)
+    return _proposal(Past(participant, order, design.order, row), design, why)
+
+
+def _proposal(past: Past, design: Design, why: str) -> Proposal:
+    place = min(past.over // design.trials, len(past.order) - 1)
+    return Proposal(
+        participant=past.participant,
+        order=past.order,
+        method=past.method,
+        row=past.row,
+        why=why,
+        condition=past.order[place] if past.order else "",
+        trial=past.over + 1,
+        planned=design.trials * max(len(past.order), 1),
+    )
+
+
+def _free(used: Used) -> tuple[int, str]:
+    """The row least used so far, the lowest of several; and why."""
+    times = used.times()
+    if used.design.order == "blocks" and used.conditions:
+        row = next(row for row in range(len(times) + 1) if not times[row])
+        size = block_size(used.design, used.conditions)
+        return (
+            row,
+            f"place {row % size + 1} of {size} in block {row // size + 1}: the first free one",
+        )
+    count = len(rows(used.design, used.conditions))
+    row = min(range(count), key=lambda each: (times[each], each))
+    if count == 1:
+        return row, f"all participants have the order of the file ({_people(times[row])} so far)"
+    return row, f"row {row + 1} of {count}: least used so far ({_people(times[row])})"
+
+
+def _people(count: int) -> str:
+    return f"{count} participant{'' if count == 1 else 's'}"

@@ -1,0 +1,146 @@
+"""The drivers of a session, called together: to open, to get ready, to rest, to close."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Any
+
+from woz_tui.bus.driver_calls import guarded
+from woz_tui.bus.hub import Hub
+from woz_tui.drivers.contract import Driver, DriverError
+from woz_tui.protocol import messages as m
+
+#: Seconds that drivers may take to open, and to rest and to close when the session ends.
+OPEN_WAIT_S = 3.0
+REST_WAIT_S = 10.0
+CLOSE_WAIT_S = 8.0
+
+log = logging.getLogger(__name__)
+
+
+class Crew:
+    """All drivers at once; none of them can hold up the others or fail the session.
+
+    Args:
+        drivers: By name.
+        hub: What goes wrong is published here.
+        on_closed: Called with the name of each driver that has let go of its hardware.
+    """
+
+    def __init__(
+        self, drivers: Mapping[str, Driver], hub: Hub, on_closed: Callable[[str], None]
+    ) -> None:
+        self._drivers = drivers
+        self._hub = hub
+        self._on_closed = on_closed
+        self._resting: list[asyncio.Task[None]] = []
+        self._preparing: dict[str, asyncio.Task[None]] = {}
+        self._asides: set[asyncio.Task[None]] = set()
+
+    async def open(self) -> None:
+        """Let every driver look for its hardware."""
+        calls = self._call(lambda driver: driver.open)
+        for name, problem in (await self._finished(calls, OPEN_WAIT_S)).items():
+            self._hub.publish(
+                m.DriverFaulted(
+                    driver=name,
+                    detail=f"it did not open: {problem}",
+                    remedy="the traceback is in the log file of the robot process",
+                )
+            )
+
+    def prepare(self, utterances: Mapping[str, list[str]]) -> None:
+        """Have voices get ready what will be said, so that it is heard at once when it is."""
+        for name, texts in utterances.items():
+            driver = self._drivers.get(name)
+            if driver is not None:
+                earlier = self._preparing.pop(name, None)
+                if earlier is not None:
+                    earlier.cancel()
+                self._preparing[name] = asyncio.get_running_loop().create_task(
+                    self._prepare(name, driver, texts)
+                )
+
+    async def _prepare(self, name: str, driver: Driver, texts: list[str]) -> None:
+        try:
+            await guarded(lambda: driver.prepare(texts))
+        except Exception as error:
+            log.exception("%s could not prepare its utterances", name)
+            text = f"{name}: utterances are not ready: {error}"
+            self._hub.publish(m.Notice(level="warning", text=text, tells=("request",)))
+
+    def reread(self, settings: Mapping[str, Any], dry_run: bool) -> list[str]:
+        """Have drivers look at the files that their settings name; what is different, in words."""
+        changes: list[str] = []
+        for name, driver in self._drivers.items():
+            if name in settings:
+                changes += driver.reread(settings[name], dry_run=dry_run)
+        return [*dict.fromkeys(changes)]
+
+    async def rest(self) -> None:
+        """Take the rest pose, unless `stop_resting` is called on the way."""
+        self._resting = self._call(lambda driver: driver.rest)
+        await self._tell("rest", self._resting, REST_WAIT_S)
+
+    def stop_resting(self) -> None:
+        """The stop: no further on the way to the rest pose."""
+        for rest in self._resting:
+            rest.cancel()
+
+    def resume(self) -> None:
+        """The stop was released: what moves by itself may stir again."""
+        for name, driver in self._drivers.items():
+            self._aside(name, "resume", driver.resume)
+
+    def _aside(self, name: str, what: str, call: Callable[[], Awaitable[None]]) -> None:
+        task = asyncio.get_running_loop().create_task(self._told(name, what, call))
+        self._asides.add(task)
+        task.add_done_callback(self._asides.discard)
+
+    async def _told(self, name: str, what: str, call: Callable[[], Awaitable[None]]) -> None:
+        try:
+            await guarded(call)
+        except Exception as error:
+            log.exception("%s failed to %s", name, what)
+            self._hub.publish(m.Notice(level="error", text=f"{name}: {what} failed: {error}"))
+
+    async def close(self) -> None:
+        """Let go of the hardware."""
+        for task in self._preparing.values():
+            task.cancel()
+        calls = self._call(lambda driver: driver.close)
+        for call in calls:
+            call.add_done_callback(lambda closed: self._on_closed(closed.get_name()))
+        await self._tell("close", calls, CLOSE_WAIT_S)
+
+    async def _tell(self, what: str, calls: list[asyncio.Task[None]], seconds: float) -> None:
+        for name, problem in (await self._finished(calls, seconds)).items():
+            self._hub.publish(m.Notice(level="error", text=f"{name}: {what} failed: {problem}"))
+
+    def _call(
+        self, what: Callable[[Driver], Callable[[], Awaitable[None]]]
+    ) -> list[asyncio.Task[None]]:
+        loop = asyncio.get_running_loop()
+        return [
+            loop.create_task(guarded(what(driver)), name=name)
+            for name, driver in self._drivers.items()
+        ]
+
+    @staticmethod
+    async def _finished(calls: list[asyncio.Task[None]], seconds: float) -> dict[str, str]:
+        """Wait `seconds` at most; what went wrong, by driver."""
+        if calls:
+            await asyncio.wait(calls, timeout=seconds)
+        problems = {}
+        for call in calls:
+            name = call.get_name()
+            if not call.done():
+                call.cancel()
+                problems[name] = f"it took longer than {seconds:g} s"
+            elif not call.cancelled() and (error := call.exception()) is not None:
+                log.error("%s failed", name, exc_info=error)
+                kind = "" if isinstance(error, DriverError) else f"{type(error).__name__}: "
+                problems[name] = f"{kind}{error}"
+        return problems

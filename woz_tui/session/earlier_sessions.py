@@ -1,0 +1,197 @@
+"""What the earlier logs of an experiment say about its participants, read quickly.
+
+Only the action files are opened, and only lines with one of a few words are decoded: an hour of a
+session has thousands of lines and a dozen of these. Whatever is damaged is passed over.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from woz_tui.config.due_questionnaires import OVER
+from woz_tui.log.file_names import FileName
+from woz_tui.log.log_files import files_of
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.welcome import Settings
+from woz_tui.session.condition_proposal import Past
+from woz_tui.system.files import open_regular
+from woz_tui.timeline.episodes import Outcome
+from woz_tui.timeline.session_state import SessionState
+
+#: Bytes read at once: a thread that looks through more of them keeps others waiting.
+CHUNK = 64 << 10
+#: A piece without a line's end that is longer is no log.
+LONGEST = 4 << 20
+#: A line is looked at if it has one of these; a text in a line cannot, its quotes are escaped.
+_KINDS = (
+    *("session.start", "session.plan", "session.changed", "session.end"),
+    *("condition.assigned", "trial.started", "trial.ended"),
+)
+_WORDS = tuple(f'"{kind}"'.encode() for kind in _KINDS)
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """Participants of an experiment, in the order in which they came, and what could not be read.
+
+    `logs`: how many sessions of this experiment there are.
+    """
+
+    past: tuple[Past, ...] = ()
+    logs: int = 0
+    unreadable: tuple[str, ...] = ()
+
+
+@dataclass
+class Earlier:
+    """The logs of one folder. Files that have not changed are read once.
+
+    Args:
+        folder: Where recordings are. Sessions that went on in a second folder (`--spill`) are read
+            to their end, those that began there are not looked for.
+    """
+
+    folder: Path
+    _known: dict[Path, tuple[tuple[int, int], list[m.AnyMessage]]] = field(default_factory=dict)
+
+    def read(self, title: str, file: str) -> Found:
+        """Everything about the experiment of this title; logs that tell no title (of version 1)
+        count if the experiment's `file` had this name. Reads files: may be called from any thread,
+        but only from one at a time.
+        """
+        people: dict[str, Past] = {}
+        unreadable: list[str] = []
+        logs = 0
+        for paths in self._sessions():
+            lines = self._joined(paths, unreadable)
+            if not any(isinstance(line, m.SessionEnd) for line in lines):
+                lines += self._joined(_elsewhere(paths, unreadable), unreadable)
+            if _is_of(lines, title, file):
+                logs += 1
+                _attribute(lines, people)
+        return Found(tuple(people.values()), logs, tuple(unreadable))
+
+    def _joined(self, paths: Sequence[Path], unreadable: list[str]) -> list[m.AnyMessage]:
+        lines: list[m.AnyMessage] = []
+        for path in paths:
+            try:
+                lines += self._lines(path)
+            except OSError:
+                unreadable.append(path.name)
+        return lines
+
+    def _sessions(self) -> Iterator[list[Path]]:
+        """The action files of each session, oldest session first, segments in their order."""
+        found: dict[str, list[tuple[int, Path]]] = {}
+        try:
+            paths = [*self.folder.iterdir()]
+        except OSError:  # no recordings yet
+            return
+        for path in paths:
+            name = FileName.parse(path.name)
+            if name is not None and not name.samples:
+                found.setdefault(name.stem, []).append((name.number, path))
+        for stem in sorted(found):
+            yield [path for _, path in sorted(found[stem])]
+
+    def _lines(self, path: Path) -> list[m.AnyMessage]:
+        facts = path.stat()
+        stamp = (facts.st_size, facts.st_mtime_ns)
+        known = self._known.get(path)
+        if known is None or known[0] != stamp:
+            known = (stamp, [*_messages(path)])
+            self._known[path] = known
+        return known[1]
+
+
+def _elsewhere(paths: Sequence[Path], unreadable: list[str]) -> list[Path]:
+    """Further action files of a session, in folders that these of its files name."""
+    try:
+        files = files_of(paths[0], samples=False)
+    except FileNotFoundError:  # a pipe, or a folder
+        return []
+    unreadable += [path.name for path in files.missing]
+    return [path for path in files.actions if path not in paths]
+
+
+def _messages(path: Path) -> Iterator[m.AnyMessage]:
+    for line in _candidates(path):
+        try:
+            message = codec.decode_message(line)
+        except codec.WireError:  # torn, or another kind's
+            continue
+        yield _bare(message) if isinstance(message, m.SessionPlan) else message
+
+
+def _bare(plan: m.SessionPlan) -> m.SessionPlan:
+    """Only the title: what is known is kept in memory, and a study has hundreds of logs."""
+    return m.SessionPlan(
+        title=plan.title,
+        panels=[],
+        script=[],
+        verbs={},
+        variables=[],
+        conditions=[],
+        keyboard="",
+        drivers=[],
+        settings=Settings(),
+    )
+
+
+def _candidates(path: Path) -> Iterator[bytes]:
+    rest = b""
+    with open_regular(path) as file:
+        while chunk := file.read(CHUNK):
+            whole, newline, tail = (rest + chunk).rpartition(b"\n")
+            if not newline and len(tail) > LONGEST:
+                tail = b""
+            rest = tail
+            yield from _in(whole)
+            time.sleep(0)  # the robot's thread first
+    yield from _in(rest)
+
+
+def _in(piece: bytes) -> list[bytes]:
+    """Lines of a piece that have one of the words, found without looking at the others."""
+    starts: set[int] = set()
+    for word in _WORDS:
+        at = piece.find(word)
+        while at >= 0:
+            starts.add(piece.rfind(b"\n", 0, at) + 1)
+            at = piece.find(word, at + 1)
+    ends = ((start, piece.find(b"\n", start)) for start in sorted(starts))
+    return [piece[start:end] if end >= 0 else piece[start:] for start, end in ends]
+
+
+def _is_of(lines: list[m.AnyMessage], title: str, file: str) -> bool:
+    titles = [line.title for line in lines if isinstance(line, m.SessionPlan)]
+    if titles:
+        return title in titles
+    return any(isinstance(line, m.SessionStart) and line.experiment == file for line in lines)
+
+
+def _attribute(lines: list[m.AnyMessage], people: dict[str, Past]) -> None:
+    """Give each line of one session to the participant who was there."""
+    state = SessionState()
+    for line in lines:
+        state.take(line)
+        code = state.study.participant
+        if not code:
+            continue
+        past = people.setdefault(code, Past(code))
+        match line:
+            case m.ConditionsAssigned():
+                order = tuple(line.order)
+                if order != past.order:
+                    past.over = 0
+                past.order, past.method, past.row = order, line.method, line.row
+            case m.TrialStarted():
+                past.begun = True
+            case m.TrialEnded(trial=trial, outcome=outcome):
+                past.done |= outcome == Outcome.DONE
+                if outcome in OVER:
+                    past.over = max(past.over, trial)

@@ -1,0 +1,53 @@
+"""What the engagement model needs of a session: commands for the robot, and whether it may move."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from datetime import date
+
+from woz_tui.bus.bus import Bus
+from woz_tui.bus.hub import Hub
+from woz_tui.config.experiment import Call, Experiment
+from woz_tui.config.session_verbs import ENGAGEMENT
+from woz_tui.protocol import messages as m
+from woz_tui.session.action_runner import Origin, Runner
+from woz_tui.session.action_texts import Wording
+
+#: Whose hand it is, in the log.
+ORIGIN = Origin(ENGAGEMENT)
+
+
+@dataclass
+class Robot:
+    """See the module's text.
+
+    Args:
+        hub: Where everything is published.
+        experiment: As its file was read last.
+        is_over: Whether the session has ended.
+        today: The day on the calendar.
+    """
+
+    hub: Hub
+    experiment: Callable[[], Experiment]
+    is_over: Callable[[], bool]
+    today: Callable[[], date]
+    #: They come later: what the model offers belongs on the bus, too.
+    bus: Bus = field(init=False)
+    runner: Runner = field(init=False)
+    wording: Wording = field(init=False)
+
+    @property
+    def is_stopped(self) -> bool:
+        """Whether the stop is pressed."""
+        return self.bus.latched
+
+    @property
+    def may_move(self) -> bool:
+        """Whether anything may be asked of it."""
+        return not (self.is_stopped or self.is_over())
+
+    def send(self, call: Call, on_end: Callable[[m.End], None] | None = None) -> m.Command:
+        """Send one verb; it waits while its driver is busy."""
+        return self.runner.send(call, ORIGIN, "queue", None, on_end)

@@ -1,0 +1,343 @@
+"""The engagement model in the robot process: it hears every message and says what it makes of them.
+
+A session has one such object, also if its experiment has no section `engagement`: then it does
+nothing, until a reload brings the section. The model itself is in `woz_tui.sensing`; here it meets
+the hub, the clock and the robot.
+
+Its verbs (`toggle: gaze`) are commands to a performer of their own, `engagement`. They are taken
+while the stop is pressed too: nothing moves because of them then, and what happens to a visitor
+meanwhile is just what a wizard has to put right.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from woz_tui.config.engagement import EngagementSettings
+from woz_tui.config.engagement_json import plain
+from woz_tui.config.experiment import Action, Engagement, Together
+from woz_tui.config.session_verbs import ENGAGEMENT, engagement_verbs
+from woz_tui.config.utterance_template import VISITOR
+from woz_tui.drivers.contract import Job, RejectedError, Scope, Verb
+from woz_tui.protocol import messages as m
+from woz_tui.sensing import engagement_commands
+from woz_tui.sensing.engagement_model import Change
+from woz_tui.sensing.engagement_stream import Follower
+from woz_tui.session.attention_control import Attending
+from woz_tui.session.engagement_robot import Robot
+from woz_tui.session.state_effects import Effects
+from woz_tui.session.visitor_recognition import Visiting
+from woz_tui.session.wake_up import Alarm
+from woz_tui.timeline.session_state import SessionState
+
+#: Microseconds between two looks at the signs, while no state changes.
+SHOWN_EVERY_US = 200_000
+#: So many different failures are told; who has more has a bug that these show already.
+FAILURES = 20
+
+log = logging.getLogger(__name__)
+
+
+class LiveEngagement:
+    """See the module's text.
+
+    Args:
+        robot: What it has to do with; its bus and runner count from `begin` on.
+        state: What holds in the session.
+        locked: Panels by title: whether they are locked.
+        logs: The folder where the log began.
+    """
+
+    def __init__(
+        self, robot: Robot, state: SessionState, locked: Mapping[str, bool], logs: Path
+    ) -> None:
+        self._robot, self._state, self._logs = robot, state, logs
+        self._hub = robot.hub
+        self._loop = asyncio.get_running_loop()
+        self._follower: Follower | None = None
+        self._effects = Effects(robot, locked)
+        self._visiting: Visiting | None = None
+        self._attending: Attending | None = None
+        self._alarm = Alarm(robot.hub, self._ring)
+        self._look: asyncio.TimerHandle | None = None
+        self._shown: m.EngagementShown | None = None
+        self._shown_us = -SHOWN_EVERY_US
+        self._failed: set[str] = set()
+        self._opened = False
+        #: Verbs under way, by command.
+        self._named: dict[str, str] = {}
+        #: Verbs by name, as the bus has them; empty without the section.
+        self.offered: dict[str, Verb] = {}
+        #: The settings as the log has them; none without the section.
+        self._told: dict[str, m.Json] = {}
+        self._hub.listen(self._hear)
+        self._tell_settings()
+
+    # -- what the session asks ---------------------------------------------------------------------
+
+    def begin(self) -> None:
+        """The session is open: show how things stand, the robots too."""
+        self._opened = True
+        self._show()
+        self._show_robots()
+        self._wind()
+
+    def close(self) -> None:
+        """The session has ended: nothing is heard any more. Until here its last moments are, too,
+        so that the log has all that the model has seen; only nothing is done about it.
+        """
+        self._follower = None
+        self._alarm.cancel()
+        if self._look is not None:
+            self._look.cancel()
+            self._look = None
+        for part in (self._visiting, self._attending):
+            if part is not None:
+                part.close()
+        self._visiting = self._attending = None
+
+    async def finish(self) -> None:
+        """The same, and what has been learnt of visitors is saved. Bounded in time."""
+        visiting = self._visiting
+        self.close()
+        if visiting is not None:
+            await visiting.finish()
+
+    def values(self) -> dict[str, str]:
+        """Variables for utterances: `{visitor}`, empty while nobody is known."""
+        if self._follower is None or self._visiting is None:
+            return {}
+        return {VISITOR: self._visiting.name(self._follower.model.visitor)}
+
+    def believes(self, action: Action | None) -> bool:
+        """Whether an action does nothing but tell the model something."""
+        calls = [
+            call
+            for step in (action.steps if action else ())
+            for call in (step.calls if isinstance(step, Together) else ())
+        ]
+        return bool(calls) and all(call.driver == ENGAGEMENT for call in calls)
+
+    # -- a performer on the bus --------------------------------------------------------------------
+
+    async def perform(self, job: Job) -> Mapping[str, m.Json]:
+        """Understand a verb; it is obeyed when `command.done` is heard, as in the log."""
+        if self._follower is None or self._visiting is None:
+            raise RejectedError("the experiment has no engagement model")
+        try:
+            said = engagement_commands.understood(self._follower.model, job.verb, job.args)
+        except ValueError as error:
+            raise RejectedError(str(error)) from error
+        if isinstance(name := said.get("code"), str):
+            said["code"] = self._visiting.name(name)
+        self._named[job.command] = job.verb
+        return said
+
+    async def stop(self, scope: Scope) -> None:
+        """Nothing of it moves."""
+
+    # -- hearing -----------------------------------------------------------------------------------
+
+    def _hear(self, message: m.AnyMessage) -> None:
+        """A listener of the hub: whatever goes wrong in here, the others still hear."""
+        try:
+            self._listen(message)
+        except Exception as error:
+            if self._tell_failure(error):
+                log.exception("the engagement model failed at %s", type(message).__name__)
+
+    def _tell_failure(self, error: Exception) -> bool:
+        """Whether it is news: a sensor may bring the same failure fifty times a second."""
+        reason = f"{type(error).__name__}: {error}"
+        if reason in self._failed or len(self._failed) >= FAILURES:
+            return False
+        self._failed.add(reason)
+        self._hub.publish(
+            m.Notice(
+                level="error",
+                text=f"the engagement model failed: {reason}",
+                remedy="the traceback is in the log file of the robot process",
+            )
+        )
+        return True
+
+    def _listen(self, message: m.AnyMessage) -> None:
+        if isinstance(message, m.ExperimentReloaded | m.EngagementAdopted):
+            self._follow_file(message)
+        follower, visiting, attending = self._follower, self._visiting, self._attending
+        if follower is None or visiting is None or attending is None:
+            return
+        if isinstance(message, m.End):
+            verb = self._named.pop(message.command, "")
+            if isinstance(message, m.Done):
+                visiting.introduced(verb, message.sent)
+        was = follower.model.run
+        if follower.reads(message):
+            self._moved(follower.take(message))
+        elif isinstance(message, m.Reading):
+            attending.hear(message)
+            return
+        visiting.hear(message)
+        attending.hear(message)
+        match message:
+            case m.Done() | m.EngagementAdopted():
+                attending.attend(follower.mode)
+                if was == "off":
+                    self._show_robots()
+            case m.ActionEnd():
+                self._effects.ended(message)
+            case m.DriverConnected(driver=driver):
+                self._connected(driver)
+            case m.StopReleased():
+                if follower.model.run != "off":
+                    self._effects.released()
+                visiting.resume(follower.model.state)
+
+    def _connected(self, driver: str) -> None:
+        if self._opened and self._follower is not None and self._follower.model.run != "off":
+            self._effects.connected(driver)
+
+    def _show_robots(self) -> None:
+        """Robots that are there show how things stand."""
+        for name, driver in [*self._state.drivers.items()]:
+            if isinstance(driver.health, m.DriverConnected):
+                self._connected(name)
+
+    def _follow_file(self, message: m.ExperimentReloaded | m.EngagementAdopted) -> None:
+        """New settings count from when all hear of them; what the robot shows, at once."""
+        engagement = self._robot.experiment().engagement
+        if isinstance(message, m.EngagementAdopted):
+            self._reloaded(engagement if message.settings else None)
+        elif not self._tell_settings():
+            self._reloaded(engagement)
+
+    def _tell_settings(self) -> bool:
+        """Say which settings hold, if they are others than before. They are taken over when this is
+        heard: whoever reads the log later takes them over at the same place.
+        """
+        engagement = self._robot.experiment().engagement
+        settings = plain(engagement.settings) if engagement else {}
+        if settings == self._told:
+            return False
+        self._told = settings
+        self._hub.publish(m.EngagementAdopted(settings=settings))
+        return True
+
+    def _reloaded(self, engagement: Engagement | None) -> None:
+        had_one = self._follower is not None
+        self._adopt(engagement)
+        if self._follower is None:
+            self._effects.gone()
+            self._shown = None
+        elif not had_one:
+            self._follower.catch_up(self._state.messages())
+            self._show_robots()
+        self._show()
+        self._wind()
+
+    def _adopt(self, engagement: Engagement | None) -> None:
+        """Take the section as it is now in the file."""
+        verbs = engagement_verbs() if engagement else ()
+        self.offered.clear()
+        self.offered.update({verb.name: verb for verb in verbs})
+        if self._opened:
+            self._robot.bus.offer(ENGAGEMENT, verbs)
+        if engagement is None:
+            self.close()
+        else:
+            self._take_settings(engagement.settings)
+        self._effects.adopt()
+
+    def _take_settings(self, settings: EngagementSettings) -> None:
+        """For all but a follower that there is: it reads of them, as in the log."""
+        if self._follower is None or self._visiting is None:
+            self._follower = Follower(settings)
+            self._visiting = Visiting(self._robot, settings, self._logs)
+        else:
+            self._visiting.adopt(settings)
+        if self._attending is None or not self._attending.fits(settings):
+            self._attend(self._follower, settings)
+
+    def _attend(self, follower: Follower, settings: EngagementSettings) -> None:
+        if self._attending is not None:
+            self._attending.close()
+        self._attending = Attending(self._robot, follower, settings, self._show_later)
+        self._attending.entered(follower.model.state)
+        self._attending.attend(follower.mode)
+
+    # -- what comes of it --------------------------------------------------------------------------
+
+    def _moved(self, changes: Sequence[Change]) -> None:
+        for change in changes:
+            self._hub.publish(
+                m.EngagementChanged(
+                    was=change.was,
+                    now=change.now,
+                    outcome=change.outcome,
+                    why=change.why,
+                    verdicts=change.verdicts,
+                    visitor=change.visitor,
+                    forced=change.forced,
+                )
+            )
+            try:
+                self._entered(change)
+            except Exception as error:  # the next change belongs into the log all the same
+                if self._tell_failure(error):
+                    log.exception("the effects of %s failed", change.now)
+        if changes:
+            self._show()
+        else:
+            self._show_later()
+        self._wind()
+
+    def _entered(self, change: Change) -> None:
+        self._effects.entered(change)
+        if self._visiting is not None:
+            self._visiting.entered(change)
+        if self._attending is not None:
+            self._attending.entered(change.now)
+
+    def _wind(self) -> None:
+        """Wake up when something happens by itself."""
+        self._alarm.set(self._follower.due() if self._follower else None)
+
+    def _ring(self) -> None:
+        if self._follower is None:
+            return
+        try:
+            self._moved(self._follower.until(self._hub.now()))
+        except Exception as error:
+            if self._tell_failure(error):
+                log.exception("the engagement model failed by itself")
+
+    # -- what is shown -----------------------------------------------------------------------------
+
+    def _show_later(self) -> None:
+        if self._look is None:
+            wait = self._shown_us + SHOWN_EVERY_US - self._hub.now()
+            if wait <= 0:
+                self._show()
+            else:
+                self._look = self._loop.call_later(wait / 1_000_000, self._show)
+
+    def _show(self) -> None:
+        """Publish how things stand, if anything is different from what was told last."""
+        if self._look is not None:
+            self._look.cancel()
+            self._look = None
+        if self._follower is None or self._visiting is None or not self._opened:
+            return
+        if self._visiting.attempt:
+            self._follower.model.attempt = self._visiting.attempt
+        shown = self._follower.shown()
+        if shown == self._shown:
+            return
+        self._shown = shown
+        self._shown_us = self._hub.now()
+        self._hub.publish(shown)
+        if shown.run != "off":  # the signs are shown all the same, and the robot shows nothing
+            self._effects.noticed(shown)

@@ -1,0 +1,105 @@
+"""Who takes part: codes, never names; and the error for what cannot be done."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from woz_tui.config.participant_pattern import SIMPLER, looks_like, matches
+
+if TYPE_CHECKING:
+    from woz_tui.config.experiment import Experiment
+
+CODE = re.compile(r"[A-Za-z0-9]{1,16}")
+
+
+class AskError(ValueError):
+    """What was asked for cannot be done; `hint` says what would help, or lists `conditions`.
+
+    `command` is the id of the console's key (`experiment.builtins`) that helps.
+    """
+
+    def __init__(
+        self, reason: str, hint: str = "", conditions: Sequence[str] = (), command: str = ""
+    ) -> None:
+        super().__init__(reason)
+        self.command = command
+        self.reason = reason
+        self.hint = f"there are {', '.join(conditions)}" if conditions else hint
+        self.conditions = conditions
+
+
+@dataclass(frozen=True, slots=True)
+class Identity:
+    """Codes of session, participant, condition and wizard; the trial's number."""
+
+    session: str = "S01"
+    participant: str = ""
+    condition: str = ""
+    wizard: str = ""
+    trial: int = 1
+    seed: int = 0
+
+    def values(self) -> dict[str, str]:
+        """As variables of utterances."""
+        return {
+            "participant": self.participant,
+            "condition": self.condition,
+            "session": self.session,
+            "wizard": self.wizard,
+            "trial": str(self.trial),
+        }
+
+    def changed(
+        self,
+        experiment: Experiment,
+        participant: str | None,
+        condition: str | None,
+        trial: int | None,
+    ) -> Identity:
+        """With what is not None replaced; raises `AskError` if the experiment does not allow it."""
+        if participant is not None:
+            check_participant(participant, experiment.participant_pattern)
+        if condition is not None and experiment.conditions:
+            check_condition(condition, experiment.conditions)
+        if trial is not None and trial < 0:
+            raise AskError("the trial must be 0 or more")
+        return replace(
+            self,
+            participant=self.participant if participant is None else participant,
+            condition=self.condition if condition is None else condition,
+            trial=self.trial if trial is None else trial,
+        )
+
+
+def check_code(code: str, what: str) -> None:
+    """Raises `AskError` unless `code` may stand in a log and a file name."""
+    if not CODE.fullmatch(code):
+        raise AskError(
+            f"{code!r} is not a valid {what} code",
+            "use 1 to 16 letters and digits, such as P07; do not use names",
+        )
+
+
+def check_participant(code: str, pattern: str) -> None:
+    """Raises `AskError` unless `code` is a code and matches the experiment's `pattern`."""
+    check_code(code, "participant")
+    if pattern == CODE.pattern:
+        return
+    try:
+        fits = matches(pattern, code)
+    except TimeoutError:
+        raise AskError(
+            f"comparing {code!r} with the file's pattern {pattern} takes too long",
+            SIMPLER,
+        ) from None
+    if not fits:
+        raise AskError(f"{code!r} is not a code of this study", looks_like(pattern))
+
+
+def check_condition(condition: str, known: tuple[str, ...]) -> None:
+    """Raises `AskError` unless the file lists it."""
+    if condition not in known:
+        raise AskError(f"there is no condition {condition!r}", "the file lists none", known)

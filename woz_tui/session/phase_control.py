@@ -1,0 +1,127 @@
+"""Phases in the robot process: which holds, which may follow, what is locked in it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from woz_tui.config.experiment import Experiment, Phase
+from woz_tui.protocol import messages as m
+from woz_tui.session.participant_identity import AskError
+from woz_tui.timeline.study_history import StudyState
+
+
+class LivePhases:
+    """See the module's text.
+
+    Args:
+        publish: Publishes that another one holds.
+        state: What holds in the study.
+        read: Gives the experiment as its file was read last.
+        lock: Locks or unlocks a panel.
+        is_locked: Whether a panel is locked.
+    """
+
+    def __init__(
+        self,
+        publish: Callable[[m.PhaseChanged], object],
+        state: StudyState,
+        *,
+        read: Callable[[], Experiment],
+        lock: Callable[[str, bool], None],
+        is_locked: Callable[[str], bool],
+    ) -> None:
+        self._publish, self._state, self._read = publish, state, read
+        self._lock, self._is_locked = lock, is_locked
+        #: Panels that are locked because another phase holds.
+        self.locked: set[str] = set()
+
+    @property
+    def name(self) -> str:
+        """The phase that holds; empty: none."""
+        return self._state.phase.label if self._state.phase is not None else ""
+
+    @property
+    def current(self) -> Phase | None:
+        """The same as the file has it."""
+        return self._read().phase(self.name)
+
+    # -- going on ----------------------------------------------------------------------------------
+
+    def wanted(self, name: str) -> Phase:
+        """The phase `name`, or with an empty one the next; raises `AskError` if it cannot begin."""
+        phases = self._read().phases
+        if not phases:
+            raise AskError("the experiment has no phases", "add them to the file: phases: [...]")
+        if not name:
+            following = self._state.next_phase(phases)
+            if following is None:
+                raise AskError("no later phase can begin now", "choose one", command="phases")
+            return following
+        phase = self._read().phase(name)
+        if phase is None:
+            listed = ", ".join(each.name for each in phases)
+            raise AskError(f"there is no phase {name!r}", f"there are {listed}")
+        if name == self.name:
+            raise AskError(f"{phase.heading} is the present phase")
+        if not self._state.can_begin(phase, phases):
+            before = [each.heading for each in phases if each.name in phase.after]
+            raise AskError(f"{phase.heading} comes after {' or '.join(before)}")
+        return phase
+
+    def enter(self, phase: Phase | None, source: str) -> None:
+        """Let it hold from here on; None: none."""
+        self._publish(
+            m.PhaseChanged(
+                phase=phase.name if phase is not None else "",
+                source=source,
+                planned_us=round(phase.planned * 1_000_000) if phase is not None else 0,
+            )
+        )
+        self._lock_others(phase)
+
+    def begin_anew(self, source: str) -> Phase | None:
+        """Begin with the first one: with a trial, or else where the file has no design. In a study
+        with trials no phase holds until one begins.
+        """
+        experiment = self._read()
+        none = source != "trial" and experiment.study.design is not None
+        first = None if none or not experiment.phases else experiment.phases[0]
+        if first is not None or self.name:
+            self.enter(first, source)
+        return first
+
+    def adopt(self) -> None:
+        """Go on with a changed file: with the same phase, if it is still there."""
+        if self.name and self.current is None:
+            self.enter(None, "reload")
+        else:
+            self._lock_others(self.current)
+
+    def end(self) -> None:
+        """No phase holds any more, as the stream has said."""
+        self._lock_others(None)
+
+    def why_locked(self, panel: str) -> str:
+        """Which phase has locked a panel, for behind a sentence; empty: none has."""
+        phase = self.current
+        return f" in the phase {phase.heading}" if phase and panel in self.locked else ""
+
+    # -- locks -------------------------------------------------------------------------------------
+
+    def _lock_others(self, phase: Phase | None) -> None:
+        """Lock the panels of other phases where this one wants it; unlock what another has locked.
+        What a hand has locked stays so.
+        """
+        experiment = self._read()
+        others: set[str] = set()
+        if phase is not None and phase.lock_others:
+            others = {panel for each in experiment.phases for panel in each.panels}
+            others -= {*phase.panels} if phase.panels else others
+        there = {panel.title for panel in experiment.panels}
+        for panel in sorted((self.locked - others) & there):
+            self._lock(panel, False)
+        self.locked &= others
+        for panel in sorted(others - self.locked):
+            if not self._is_locked(panel):
+                self._lock(panel, True)
+                self.locked.add(panel)

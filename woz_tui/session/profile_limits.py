@@ -1,0 +1,90 @@
+"""What the wizard may use at the moment: everything, or what a profile of the experiment names.
+
+The stop, its release, marks, notes and whatever drivers do by themselves are no affair of profiles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from woz_tui.config.experiment import Action, Experiment, Profile
+from woz_tui.config.profiles import CONTROL
+from woz_tui.drivers.contract import Ask
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.action_messages import HANDS
+from woz_tui.session.action_runner import Refusal
+from woz_tui.session.participant_identity import AskError
+
+#: Verbs that count in every profile.
+_ALWAYS = frozenset({"mark", "note"})
+
+
+class Profiles:
+    """Which profile is in use, and what it does not allow.
+
+    Args:
+        publish: Publishes that another one is in use.
+    """
+
+    def __init__(self, publish: Callable[[m.ProfileChanged], object]) -> None:
+        self._publish = publish
+        self.current: Profile | None = None
+
+    def use(self, name: str, experiment: Experiment, source: str) -> None:
+        """Use the profile `name` of `experiment`, or none if it is empty.
+
+        Raises `AskError` if there is no such profile.
+        """
+        known = experiment.profiles
+        if name and name not in known:
+            raise AskError(
+                f"there is no profile {name!r}",
+                f"there are {', '.join(known)}" if known else "the file has no profiles",
+            )
+        self.current = known[name] if name else None
+        self._publish(m.ProfileChanged(profile=name, source=source))
+
+    def adopt(self, experiment: Experiment) -> str:
+        """Go on with a file that was read again. A profile that has gone from it holds on, because
+        nobody said that everything may be used now; a sentence then says so.
+        """
+        if self.current is None:
+            return ""
+        name = self.current.name
+        if name not in experiment.profiles:
+            return f"the profile {name} was removed from the file, but is still in use"
+        self.current = experiment.profiles[name]
+        return ""
+
+    def no_action(self, action: Action) -> str:
+        """Why it may not be played; empty if it may."""
+        if self.current is None or self.current.plays(action):
+            return ""
+        return f"{action.name!r} is not in the profile {self.current.name}"
+
+    def no_verb(self, verb: str, args: Mapping[str, m.Json]) -> Refusal | None:
+        """Why it may not be sent by itself; None if it may."""
+        profile, what = self.current, repr(verb)
+        if profile is None or verb in _ALWAYS or verb in profile.verbs:
+            return None
+        if verb == "mode" and args.get("mode") == "normal":  # the puppeteer's own stop
+            return None
+        if verb == CONTROL:
+            control = args.get(CONTROL)
+            if control in profile.controls:
+                return None
+            what = f"the control {control!r}"
+        return Refusal("profile", f"{what} is not in the profile {profile.name}")
+
+
+def by_hand(ask: Ask) -> bool:
+    """Whether somebody's hand is behind what a driver asks for; what it does by itself it may."""
+    return bool(ask.key) or ask.source in HANDS
+
+
+def covered(experiment: Experiment, locked: Mapping[str, bool], verb: str) -> Refusal | None:
+    """Why nobody may send `verb` by itself while panels are locked (by title); None: they may."""
+    for panel in experiment.panels:
+        if verb in panel.covers and locked.get(panel.title, panel.locked):
+            return Refusal("locked", f"the panel {panel.title!r} is locked, and with it {verb!r}")
+    return None

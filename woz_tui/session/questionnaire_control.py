@@ -1,0 +1,159 @@
+"""Questionnaires in the robot process: what is an answer, and when a questionnaire may begin."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.requests import AskAnswer
+from woz_tui.protocol.welcome import Item
+from woz_tui.session.participant_identity import AskError
+from woz_tui.timeline.study_history import StudyState
+
+#: Characters of the longest answer in words.
+LONGEST = 10_000
+#: Who may put a questionnaire only when it is due.
+PARTICIPANT = "participant"
+
+
+class Questioning:
+    """One questionnaire at a time, from its beginning to its end: a round.
+
+    Args:
+        study: What is due, under way and answered.
+        publish: Publishes a message of the session.
+    """
+
+    def __init__(self, study: StudyState, publish: Callable[[m.AnyMessage], object]) -> None:
+        self._study = study
+        self._publish = publish
+
+    def ask(self, name: str, what: str, source: str) -> None:
+        """Begin a questionnaire, or end the one under way; `what` as in `AskQuestionnaire`."""
+        if what == "begin":
+            self._begin(name, source)
+            return
+        started = self._under_way(name)
+        if what == "done":
+            self._all_answered(started)
+        self._end(name, what)
+
+    def leave(self) -> None:
+        """End what is under way, because the session ends."""
+        if (current := self._study.questionnaire) is not None:
+            self._end(current.name, "left")
+
+    def _begin(self, name: str, source: str) -> None:
+        current = self._study.questionnaire
+        if current is not None:
+            raise AskError(f"the questionnaire {current.name!r} is open", "end it first")
+        known = {each.name: each for each in self._study.settings.questionnaires}
+        if name not in known:
+            raise AskError(
+                f"there is no questionnaire {name!r}",
+                f"there are {', '.join(known)}" if known else "the file has no questionnaires",
+            )
+        due = {each.questionnaire: each.trial for each in self._study.due}
+        if source == PARTICIPANT and name not in due:
+            raise AskError(f"the questionnaire {name!r} is not due yet", "the wizard can start it")
+        trial = self._study.trial.started.trial if self._study.trial is not None else -1
+        self._publish(
+            m.QuestionnaireStarted(
+                questionnaire=name,
+                title=known[name].title,
+                items=[*map(_as_asked, known[name].items)],
+                trial=due.get(name, trial),
+                source=source,
+            )
+        )
+
+    def _under_way(self, name: str) -> m.QuestionnaireStarted:
+        current = self._study.questionnaire
+        if current is None or current.started is None or current.name != name:
+            other = f"{current.name!r} is" if current is not None else "none is"
+            raise AskError(f"the questionnaire {name!r} is not open", other)
+        return current.started
+
+    @property
+    def _answers(self) -> Mapping[str, m.QuestionnaireAnswered]:
+        current = self._study.questionnaire
+        return current.answers if current is not None else {}
+
+    def _all_answered(self, started: m.QuestionnaireStarted) -> None:
+        answers = self._answers
+        absent = [
+            item
+            for item in started.items
+            if not item.get("optional") and item["name"] not in answers
+        ]
+        if absent:
+            count = f"{len(absent)} item{'s have' if len(absent) > 1 else ' has'} no answer yet"
+            names = ", ".join(str(item["name"]) for item in absent[:5])
+            raise AskError(f"{count}: {names}{', ...' if len(absent) > 5 else ''}")
+
+    def _end(self, name: str, reason: str) -> None:
+        answered = sum(not answer.skipped for answer in self._answers.values())
+        self._publish(m.QuestionnaireEnded(questionnaire=name, reason=reason, answered=answered))
+
+    # -- answers -----------------------------------------------------------------------------------
+
+    def answer(self, request: AskAnswer) -> None:
+        """One answer; a later one to the same item takes its place."""
+        started = self._under_way(request.questionnaire)
+        items = {str(item["name"]): item for item in started.items}
+        if request.item not in items:
+            raise AskError(f"there is no item {request.item!r}", f"there are {', '.join(items)}")
+        item = items[request.item]
+        if request.skipped:
+            _check_skipped(request, item)
+        elif item.get("text"):
+            _check_text(request)
+        else:
+            _check_value(request, item)
+        self._publish(
+            m.QuestionnaireAnswered(
+                questionnaire=request.questionnaire,
+                item=request.item,
+                question=str(item["question"]),
+                value=request.value,
+                text=request.text,
+                answered_us=max(request.answered_us, -1),
+                skipped=request.skipped,
+            )
+        )
+
+
+def _as_asked(item: Item) -> dict[str, Any]:
+    """An item as in `questionnaire.started`: a scale's points and ends, or `text`."""
+    seen: dict[str, Any] = {"name": item.name, "question": item.question}
+    if item.text:
+        seen["text"] = True
+    else:
+        seen |= {"low": item.low, "high": item.high, "ends": [*item.ends]}
+    return {**seen, "optional": True} if item.optional else seen
+
+
+def _check_skipped(request: AskAnswer, item: Mapping[str, Any]) -> None:
+    if not item.get("optional"):
+        raise AskError(f"{request.item!r} needs an answer", "or end it as declined")
+    if request.value is not None or request.text:
+        raise AskError("a skipped item cannot have an answer")
+
+
+def _check_text(request: AskAnswer) -> None:
+    if request.value is not None:
+        raise AskError(f"{request.item!r} needs a text as its answer")
+    if not request.text.strip():
+        raise AskError("the answer is empty")
+    if len(request.text) > LONGEST:
+        raise AskError(f"an answer can have at most {LONGEST} characters")
+
+
+def _check_value(request: AskAnswer, item: Mapping[str, Any]) -> None:
+    low, high = int(item["low"]), int(item["high"])
+    if request.text:
+        raise AskError(f"{request.item!r} needs a number as its answer")
+    value = request.value
+    if value is None or value != round(value) or not low <= value <= high:
+        raise AskError(f"expected a whole number from {low} to {high}, not {value}")

@@ -1,0 +1,47 @@
+"""The last lines of a log: what the list of events of a console begins with that attaches late."""
+
+from __future__ import annotations
+
+from collections import deque
+
+from woz_tui.protocol import messages as m
+
+#: How many of them there are.
+MOST = 200
+#: What no list of events has a line for: samples, what is shown, what a log says of itself.
+_UNLISTED = (
+    m.Reading | m.Shown | m.EngagementShown | m.ExperimentFiles | m.SessionPlan | m.RerunSent
+)
+
+
+class Recent:
+    """Takes the messages of a session in their order."""
+
+    def __init__(self) -> None:
+        self._lines: deque[m.AnyMessage] = deque(maxlen=MOST)
+        #: Commands of knobs that are under way: nothing of them is listed.
+        self._passing: set[str] = set()
+
+    @property
+    def lines(self) -> list[m.AnyMessage]:
+        """The last ones, oldest first."""
+        return [*self._lines]
+
+    def take(self, message: m.AnyMessage) -> None:
+        """The next message; it may be none for a list."""
+        if self.lists(message):
+            self._lines.append(message)
+
+    def lists(self, message: m.AnyMessage) -> bool:
+        """Whether the next message is one for a list of events."""
+        if isinstance(message, _UNLISTED):
+            return False
+        if isinstance(message, m.Command) and message.passing:
+            self._passing.add(message.command)
+            return False
+        if not self._passing or not isinstance(message, m.Ack):
+            return True
+        passing = message.command in self._passing
+        if isinstance(message, m.End):
+            self._passing.discard(message.command)
+        return not passing

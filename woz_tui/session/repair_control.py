@@ -1,0 +1,89 @@
+"""Repairs that depend on what was said before: it again, in other words, or no more of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+from woz_tui.config.experiment import Action, Call, Experiment, Place
+from woz_tui.config.repairs import INTERRUPT, PANEL, REWORD
+from woz_tui.protocol import messages as m
+from woz_tui.sensing.engagement_stream import SPEECH
+from woz_tui.session.action_runner import Origin, Runner
+from woz_tui.session.action_texts import Steps, Wording
+from woz_tui.session.participant_identity import AskError
+from woz_tui.timeline.episodes import Command
+
+_NOWHERE = Place("", 0, 0)
+
+
+@dataclass
+class Repairs:
+    """Plays the repairs that have no steps of their own.
+
+    Args:
+        experiment: As it is now.
+        commands: The commands that are under way.
+        runner: Plays.
+        wording: Chooses among wordings.
+    """
+
+    experiment: Callable[[], Experiment]
+    commands: Callable[[], Mapping[str, Command]]
+    runner: Runner
+    wording: Wording
+    _last: m.Command | None = None
+    #: The action of the file that said it.
+    _action: str = ""
+
+    def hear(self, message: m.AnyMessage) -> None:
+        """Remember what was said last; repairs themselves are passed over."""
+        if not isinstance(message, m.Dispatched):
+            return
+        command = self.commands().get(message.command)
+        if command is None or command.request.verb not in SPEECH:
+            return
+        request = command.request
+        if request.panel == PANEL and request.action != REWORD:
+            return
+        self._last = request
+        self._action = self._action if request.action == REWORD else request.action
+
+    def play(self, action: Action, origin: Origin, when_busy: str) -> str:
+        """Play it; the run's id. Raises `AskError`; the refusal is in the log too."""
+        if action.name == INTERRUPT:
+            run, _ = self.runner.play(action, origin, when_busy, steps=[])
+            self._interrupt()
+            return run
+        steps = self._other_words() if action.name == REWORD else self._again()
+        if isinstance(steps, str):
+            self.runner.refuse(action.name, action.panel, origin, steps)
+            raise AskError(steps)
+        run, refused = self.runner.play(action, origin, when_busy, steps=steps)
+        if refused:
+            raise AskError(refused)
+        return run
+
+    def _again(self) -> Steps | str:
+        """As it was said, to whom it was kept from."""
+        last = self._last
+        if last is None:
+            return "nothing has been said yet"
+        call = Call(last.verb, dict(last.args), last.driver, _NOWHERE)
+        return [(replace(call, tells=last.tells, unfilled=dict(last.unfilled)),)]
+
+    def _other_words(self) -> Steps | str:
+        """The next wording of the call that said it."""
+        if self._last is None:
+            return "nothing has been said yet"
+        action = self.experiment().action(self._action)
+        steps = self.wording.other(action, self._last) if action is not None else None
+        return steps or "the last sentence has no other words"
+
+    def _interrupt(self) -> None:
+        """End what is said or is still to be said; everything else goes on."""
+        why = "interrupted by the wizard"
+        self.runner.cut_speech(why)
+        for command in list(self.commands().values()):
+            if command.request.verb in SPEECH and not command.request.run:
+                self.runner.cancel(command.request.command, why)

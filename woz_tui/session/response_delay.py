@@ -1,0 +1,124 @@
+"""How soon the robot answers a cue: no sooner than a floor and a random bit more.
+
+A robot that answers in 300 ms one time and in 3 s the next tells that a human is behind it; and
+wizards who differ in quickness are a difference between conditions. So what is asked for too soon
+after a cue waits; what comes later anyway is not held up. Two things never wait: driving, because
+it would begin when nobody expects it any more, and what streams (arrow keys, knobs).
+"""
+
+from __future__ import annotations
+
+import asyncio
+import random
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from woz_tui.bus.hub import Hub
+from woz_tui.config.session_verbs import ENGAGEMENT
+from woz_tui.drivers.contract import Verb
+from woz_tui.protocol import messages as m
+
+#: What the robot does by itself or does again is not a wizard's answer.
+_NOBODY = frozenset({ENGAGEMENT, "replay"})
+#: Markers that no human has put: they are no cues.
+_MACHINE = frozenset({"preflight", "action"})
+
+
+@dataclass(frozen=True, slots=True)
+class Cue:
+    """Something that wants an answer: its sort, its moment, and from when on it may be answered;
+    both in microseconds on the axis of `t`.
+    """
+
+    sort: str
+    cued: int
+    until: int
+
+
+def may_wait(verb: Verb) -> bool:
+    """Whether what comes too soon after a cue may wait: whatever it is, it shows a hand."""
+    return not (verb.stream or verb.drives or verb.brief)
+
+
+class Shaper:
+    """Knows the last cue, and holds what answers it too soon, as `shaping.changed` says.
+
+    Args:
+        hub: Whose messages are cues and settings, and where it is told what is held.
+        seed: Of the jitter.
+    """
+
+    def __init__(self, hub: Hub, seed: int) -> None:
+        self._hub = hub
+        self._random = random.Random(f"{seed} shaping")
+        self._settings = m.ShapingChanged(floor_us=0, jitter_us=0, cues=[])
+        self._cue: Cue | None = None
+        self._held: deque[tuple[int, str, Callable[[], object]]] = deque()
+        self._timer: asyncio.TimerHandle | None = None
+        hub.listen(self._see)
+
+    def _see(self, message: m.AnyMessage) -> None:
+        match message:
+            case m.ShapingChanged():
+                self._settings, self._cue = message, None
+            case m.SpeechEnded(ended=ended):
+                self._cued("speech", ended)
+            case m.EngagementChanged(t=t):
+                self._cued("engagement", t)
+            case m.Marker(t=t, source=source) if source not in _MACHINE:
+                self._cued("marker", t)
+
+    def _cued(self, sort: str, t: int) -> None:
+        if sort in self._settings.cues:
+            jitter = round(self._random.uniform(0.0, self._settings.jitter_us))
+            self._cue = Cue(sort, t, t + self._settings.floor_us + jitter)
+
+    # -- holding -----------------------------------------------------------------------------
+
+    def hold(self, run: str, name: str, source: str, begin: Callable[[], object]) -> bool:
+        """Whether `begin` waits, because it would answer a cue too soon; then it is called later.
+
+        `run` and `name` say what is held: an action's run, or a command.
+        """
+        cue, now = self._cue, self._hub.now()
+        if cue is None or source in _NOBODY:
+            return False
+        # Behind what is held already: the order of the presses is the order of the acts.
+        until = max(cue.until, self._held[-1][0] if self._held else 0)
+        if until <= now:
+            return False
+        self._hub.publish(
+            m.ActionHeld(run=run, action=name, sort=cue.sort, cued=cue.cued, until=until)
+        )
+        self._held.append((until, run, begin))
+        self._wait()
+        return True
+
+    def drop(self, run: str) -> None:
+        """Forget what is held as `run`."""
+        self._held = deque(entry for entry in self._held if entry[1] != run)
+        self._wait()
+
+    def clear(self) -> None:
+        """Forget everything that is held."""
+        self._held.clear()
+        self._wait()
+
+    def _wait(self) -> None:
+        """Wake up for the first that is held now, not for one that has been dropped."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        if self._held:
+            delay = max(0, self._held[0][0] - self._hub.now()) / 1_000_000
+            self._timer = asyncio.get_running_loop().call_later(delay, self._release)
+
+    def _release(self) -> None:
+        """Begin all whose moment has come; if one of them cannot, those behind it still do."""
+        self._timer = None
+        try:
+            while self._held and self._held[0][0] <= self._hub.now():
+                self._held.popleft()[2]()
+        finally:
+            self._wait()

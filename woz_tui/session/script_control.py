@@ -1,0 +1,239 @@
+"""The scripts of an experiment: which line is next, which were played, where one stands still.
+
+The experiment's own script has the name "", that of a phase the phase's. A line counts as played
+when its action is asked for, by whatever key; if it then fails, the script goes back to it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+from woz_tui.config.experiment import Experiment
+from woz_tui.protocol import messages as m
+from woz_tui.session.participant_identity import AskError
+from woz_tui.timeline.episodes import Action, Outcome
+
+#: How a line ends behind which the script does not go on.
+HALTING = (Outcome.FAILED, Outcome.REFUSED)
+#: How it ends where it was cut: before it began, or by the stop, it does not count as played.
+CUT = (Outcome.STOPPED, Outcome.SUPERSEDED)
+
+
+@dataclass(slots=True)
+class Script:
+    """Where one script stands. `position`: the next line, from 0; `halted`: how the line ended at
+    which it stands still.
+    """
+
+    lines: Sequence[str] = ()
+    position: int = 0
+    played: set[int] = field(default_factory=set)
+    halted: str = ""
+
+    def play(self, action: str) -> int | None:
+        """The action is played: which line that is, if any; the position goes to the next line that
+        was not played.
+        """
+        self.halted = ""
+        line = self._line(action)
+        if line is None:
+            return None
+        self.played.add(line)
+        if line == self.position:
+            rest = range(line + 1, len(self.lines))
+            self.position = next((each for each in rest if each not in self.played), rest.stop)
+        return line
+
+    def _line(self, action: str) -> int | None:
+        """The next line; or else one that was not played, behind it rather than before."""
+        count, here = len(self.lines), self.position
+        if here < count and self.lines[here] == action:
+            return here
+        order = (*range(here + 1, count), *range(min(here, count)))
+        return next((n for n in order if self.lines[n] == action and n not in self.played), None)
+
+    def take_back(self, line: int, halted: str) -> None:
+        """A line was not played after all: it is the next one, unless one before it is."""
+        self.played.discard(line)
+        if line < self.position:
+            self.position, self.halted = line, halted
+
+    def move(self, to: int) -> None:
+        """Choose the next line."""
+        if not 0 <= to <= len(self.lines):
+            raise AskError(f"the script has {len(self.lines)} lines")
+        self.position, self.halted = to, ""
+
+    def adopted(self, lines: Sequence[str]) -> Script:
+        """The same with other lines: each that was there keeps what became of it; what is new
+        before the next line becomes the next.
+        """
+        places = _places(self.lines, lines)
+        kept = {places[line] for line in self.played if line in places}
+        behind = [place for line, place in places.items() if line < self.position]
+        ahead = [place for line, place in sorted(places.items()) if line >= self.position]
+        at = min([max(behind, default=-1) + 1, *ahead[:1]])
+        return Script(lines, at, kept, self.halted if self.position in places else "")
+
+
+def _places(old: Sequence[str], new: Sequence[str]) -> dict[int, int]:
+    """Where each line of `old` stands in `new`; the n-th of those alike is the n-th there."""
+    numbered = {(line, new[:place].count(line)): place for place, line in enumerate(new)}
+    keys = {place: (line, old[:place].count(line)) for place, line in enumerate(old)}
+    return {place: numbered[key] for place, key in keys.items() if key in numbered}
+
+
+@dataclass(frozen=True, slots=True)
+class _Played:
+    """A line that is being played, and of which script."""
+
+    script: str
+    line: int
+
+
+class Scripts:
+    """All scripts of a session; see the module's text.
+
+    Args:
+        publish: Publishes where a script stands.
+        experiment: What the file says.
+        phase: Gives the name of the phase that holds; empty: none.
+        waits: Whether a run waits: nothing of it has begun.
+        latched: Whether the stop is pressed.
+        withdraw: Cuts a run short.
+    """
+
+    def __init__(
+        self,
+        publish: Callable[[m.ScriptMoved], object],
+        experiment: Experiment,
+        *,
+        phase: Callable[[], str],
+        waits: Callable[[str], bool],
+        latched: Callable[[], bool],
+        withdraw: Callable[[str], object],
+    ) -> None:
+        self._publish, self._phase = publish, phase
+        self._waits, self._latched, self._withdraw = waits, latched, withdraw
+        self._scripts: dict[str, Script] = {}
+        self._told: dict[str, tuple[int, frozenset[int], str]] = {}
+        self._runs: dict[str, _Played] = {}
+        #: Runs of lines that Space has played: they go with the line before them.
+        self.by_script: set[str] = set()
+        self.adopt(experiment)
+
+    # -- reading -----------------------------------------------------------------------------------
+
+    @property
+    def name(self) -> str:
+        """The script that Space plays: that of the phase, or the experiment's."""
+        phase = self._phase()
+        return phase if phase in self._scripts else ""
+
+    @property
+    def now(self) -> Script:
+        """How it stands."""
+        return self._scripts[self.name]
+
+    def next_line(self) -> str:
+        """The action that Space plays. Raises `AskError` if there is none, or one waits already."""
+        script = self.now
+        if script.position >= len(script.lines):
+            if not script.lines:
+                if len(self._scripts) > 1 and not self._phase():
+                    raise AskError("no phase holds", "begins one", command="phase_next")
+                raise AskError("there is no script", "add script: [...] to the file")
+            raise AskError(
+                "the script has no more lines", "go one line back", command="script_back"
+            )
+        for run, played in self._runs.items():
+            if self._waits(run):
+                waiting = self._scripts[played.script].lines[played.line]
+                raise AskError(
+                    f"{waiting!r} is still waiting", "play the next line when this one has started"
+                )
+        return script.lines[script.position]
+
+    # -- what happens ------------------------------------------------------------------------------
+
+    def take(self, action: Action) -> None:
+        """An action was asked for, or has ended."""
+        run = action.request.run
+        if action.end is None:
+            self._began(action)
+            return
+        self.by_script.discard(run)
+        if (played := self._runs.pop(run, None)) is not None:
+            self._ended(action, played)
+            self.tell()
+
+    def _began(self, action: Action) -> None:
+        own = self.name
+        names = [own]
+        if action.label not in self._scripts[own].lines:  # perhaps one of another phase's
+            names = [name for name, each in self._scripts.items() if action.label in each.lines]
+        for name in names[:1]:
+            line = self._scripts[name].play(action.label)
+            if line is not None:
+                self._runs[action.request.run] = _Played(name, line)
+
+    def _ended(self, action: Action, played: _Played) -> None:
+        script = self._scripts[played.script]
+        unsaid = action.dispatched is None or self._latched()
+        if action.outcome not in HALTING and not (action.outcome in CUT and unsaid):
+            return
+        script.take_back(played.line, script.halted or action.outcome)
+        for run, other in [*self._runs.items()]:
+            if run in self.by_script and other.script == played.script and self._waits(run):
+                self._withdraw(run)
+
+    def move(self, to: int) -> None:
+        """Choose the next line of the script that Space plays; 0 is the first."""
+        self.now.move(to)
+        self.tell()
+
+    def phase_began(self) -> None:
+        """How a line ended in another phase is no news in this one."""
+        for script in self._scripts.values():
+            script.halted = ""
+        self.tell()
+
+    def begin_anew(self) -> None:
+        """Every script begins with its first line."""
+        self._runs.clear()
+        self._scripts = {name: Script(each.lines) for name, each in self._scripts.items()}
+        self.tell()
+
+    def adopt(self, experiment: Experiment) -> None:
+        """Go on with what the file says now."""
+        own = {phase.name: phase.script for phase in experiment.phases if phase.script}
+        scripts = {"": experiment.script, **own}
+        for run, played in [*self._runs.items()]:
+            before = self._scripts[played.script].lines
+            place = _places(before, scripts.get(played.script, ())).get(played.line)
+            if place is None:
+                del self._runs[run]
+            else:
+                self._runs[run] = replace(played, line=place)
+        self._scripts = {
+            name: self._scripts.get(name, Script()).adopted(lines)
+            for name, lines in scripts.items()
+        }
+        self.tell()
+
+    def tell(self) -> None:
+        """Publish what has changed."""
+        for name, script in self._scripts.items():
+            now = script.position, frozenset(script.played), script.halted
+            if now == self._told.get(name, (0, frozenset(), "")):
+                continue
+            self._told[name] = now
+            self._publish(
+                m.ScriptMoved(
+                    position=script.position,
+                    phase=name,
+                    played=sorted(script.played),
+                    halted=script.halted,
+                )
+            )

@@ -1,0 +1,121 @@
+"""The first lines of a session's log: who, what, and the experiment itself."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from woz_tui import __version__
+from woz_tui.bus.hub import Hub
+from woz_tui.config.experiment import Experiment
+from woz_tui.protocol import messages as m
+from woz_tui.session.participant_identity import Identity
+from woz_tui.system.clock import Clock, boot_id, timestamp
+
+#: Fields of a file that say which key plays an action: in our own format, and in WoZ4U's.
+_KEY_FIELDS = ("key", "key_comb")
+#: So many keys that are other ones than the file says are told one by one.
+_KEYS_TOLD = 8
+#: Bytes of all files together in one line of the log; a line may have 1 MiB.
+FILES_BYTES = 512 * 1024
+
+
+def begin(
+    hub: Hub, identity: Identity, experiment: Experiment, clock: Clock, spill: list[str]
+) -> None:
+    """Publish what a log begins with; `spill`: where it goes on if its folder fails."""
+    hub.publish(session_start(identity, experiment, clock, spill))
+    hub.publish(experiment_files(experiment))
+    _tell_keys(hub, experiment)
+
+
+def reloaded(
+    hub: Hub, experiment: Experiment, changes: Sequence[str], telling: Sequence[str]
+) -> None:
+    """Publish that the session goes on with a changed file, and the file."""
+    sha256 = experiment.sha256
+    hub.publish(
+        m.ExperimentReloaded(experiment_sha256=sha256, changes=[*changes], telling=[*telling])
+    )
+    hub.publish(experiment_files(experiment))
+    _tell_keys(hub, experiment)
+
+
+def _tell_keys(hub: Hub, experiment: Experiment) -> None:
+    """Tell of keys that do not play what the file says: nobody may have checked it before."""
+    odd = [one for one in experiment.warnings if one.path.rpartition(".")[2] in _KEY_FIELDS]
+    for problem in odd[:_KEYS_TOLD]:
+        text = f"line {problem.place.line}, {problem.path}: {problem.message}"
+        hub.publish(m.Notice(level="warning", text=text, tells=("condition",)))
+    if len(odd) > _KEYS_TOLD:
+        text = f"{len(odd) - _KEYS_TOLD} more keys differ from the file"
+        remedy = f"woz check {experiment.path.name}"
+        hub.publish(m.Notice(level="warning", text=text, remedy=remedy))
+
+
+def session_start(
+    identity: Identity, experiment: Experiment, clock: Clock, spill: list[str]
+) -> m.SessionStart:
+    """Who, what, with which software, and how the clock and the calendar meet."""
+    return m.SessionStart(
+        session=identity.session,
+        participant=identity.participant,
+        condition=identity.condition,
+        wizard=identity.wizard,
+        software={"name": "woz-tui", "version": __version__},
+        experiment=experiment.path.name,
+        experiment_sha256=experiment.sha256,
+        seed=identity.seed,
+        clock={
+            "source": "monotonic",
+            "unit": "us",
+            "wall_at_t0": timestamp(clock.wall()),
+            "boot_id": boot_id(),
+        },
+        spill=spill,
+    )
+
+
+def experiment_files(experiment: Experiment) -> m.ExperimentFiles:
+    """The experiment's files as they were read, so that the log can be read without them.
+
+    The home folder is written as `~`, in names and in texts: logs are published.
+    """
+    files: dict[str, str] = {}
+    left_out: list[str] = []
+    room = FILES_BYTES
+    for path, text in zip(experiment.files, experiment.texts, strict=False):
+        name, told = name_beside(path, experiment.path.parent), without_home(text)
+        need = len(json.dumps(told))
+        if need <= room:
+            files[name] = told
+            room -= need
+        else:
+            left_out.append(name)
+    return m.ExperimentFiles(experiment_sha256=experiment.sha256, files=files, left_out=left_out)
+
+
+def name_beside(path: Path, folder: Path) -> str:
+    """`path` as seen from `folder`; a file of the home folder that is not near it as `~/...`."""
+    path, folder, home = path.absolute(), folder.absolute(), _home()
+    inside = home is not None and path.is_relative_to(home)
+    if inside and home is not None and not folder.is_relative_to(home):
+        return f"~/{path.relative_to(home).as_posix()}"
+    return Path(os.path.relpath(path, folder)).as_posix()
+
+
+def without_home(text: str) -> str:
+    """`text` with `~` for the home folder wherever a path begins with it, or is it."""
+    home = _home()
+    if home is None:
+        return text
+    return re.sub(rf"(?<![\w./~-]){re.escape(str(home))}(?![\w-]|\.\w)", "~", text)
+
+
+def _home() -> Path | None:
+    """Whose name must not be in a log; the root's home on a robot is nobody's."""
+    home = Path(os.path.expanduser("~"))  # noqa: PTH111 - this one never raises
+    return home if home.is_absolute() and home != Path(home.anchor) else None

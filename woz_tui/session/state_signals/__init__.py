@@ -1,0 +1,165 @@
+"""What the robot shows of the engagement model by itself: eyes, screen and a beep, by state.
+
+After the table of nonverbal signals of U. Maniscalco, P. Storniolo and A. Messina (Int. J. of
+Social Robotics 14, 2022, doi 10.1007/s12369-021-00855-w). Their text gives two accounts of waiting;
+here the eyes are off in Wait and white from PersonDetected on. Pictures (800 x 480) and sound lie
+beside this file; `tools/signal_pictures.py` draws them.
+
+Every robot that offers one of the verbs `eyes`, `screen` and `sound` shows what it can.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from woz_tui.config.experiment import Action, Call, Experiment, Place, Together
+from woz_tui.drivers.contract import Verb
+from woz_tui.protocol.messages import Json
+
+FOLDER = Path(__file__).parent
+#: Not a state but a moment within PersonDetected: somebody looks but stands too far away.
+NEARLY = "nearly"
+
+#: How the lids move: not at all, as if blinking, or the light itself coming and going.
+STEADY, BLINK, INTERMITTENT = "steady", "blink", "intermittent"
+
+
+@dataclass(frozen=True, slots=True)
+class Signal:
+    """What is shown in one situation; what is empty stays as it is."""
+
+    eyes: str = ""
+    animation: str = STEADY
+    screen: str = ""
+    sound: str = ""
+
+    def verbs(self, folder: Path) -> Iterator[tuple[str, dict[str, Json]]]:
+        """Verbs with their arguments; files as paths that start at `folder`, like all others."""
+        if self.eyes:
+            yield "eyes", {"color": self.eyes, "animation": self.animation}
+        if self.screen:
+            yield "screen", {"file": _from(folder, self.screen)}
+        if self.sound:
+            yield "sound", {"file": _from(folder, self.sound)}
+
+
+#: By situation. Where the paper is silent (the screen of strangers), what is near is used.
+SIGNALS: Mapping[str, Signal] = {
+    "Wait": Signal("off", STEADY, "waiting.gif"),
+    "PersonDetected": Signal("white", BLINK, "detected.gif"),
+    NEARLY: Signal("green", INTERMITTENT),
+    "EngagedWithUnknown": Signal("green", BLINK, "microphone.gif"),
+    "Handshake": Signal("green", BLINK, "microphone.gif"),
+    "EngagedWithKnown": Signal("green", BLINK, "microphone.gif"),
+    "UserSpeaks": Signal("green", BLINK, "recording.gif"),
+    "RobotThinks": Signal("white", BLINK, "thinking.gif", "beep.wav"),
+    "RobotReplies": Signal("blue", BLINK, "talking.gif"),
+    "RobotSpeaks": Signal("blue", BLINK, "talking.gif"),
+    "stop": Signal("off", STEADY, "waiting.gif"),
+}
+
+
+def default_signals(experiment: Experiment) -> dict[str, tuple[Call, ...]]:
+    """What to send by situation (a state's name, or `NEARLY`), for all robots of the experiment.
+
+    Where the experiment says itself what a driver shows with a verb on entering a state, by
+    `on_enter` or by an action named there, the default of that driver and verb steps back.
+    """
+    engagement = experiment.engagement
+    if engagement is None or engagement.settings.signals == "none":
+        return {}
+    place = Place(str(experiment.path), 1, 1)
+    return {
+        situation: tuple(
+            Call(verb.name, fitting, driver, place)
+            for name, args in signal.verbs(experiment.path.parent)
+            for driver, verb in _offering(experiment, name)
+            if (driver, name) not in _said(experiment, situation)
+            for fitting in _fitting(verb, args)
+        )
+        for situation, signal in SIGNALS.items()
+    }
+
+
+def nearly(verdicts: Mapping[str, Json], uses: tuple[str, ...] | list[str]) -> bool:
+    """All that engagement needs is there, but they stand too far away."""
+    if "distance" not in uses or verdicts.get("distance") != 0 or not verdicts.get("presence"):
+        return False
+    return all(verdicts.get(sign) for sign in uses if sign != "distance")
+
+
+class Signals:
+    """What is to be sent now. Asked after every change of state and every look at the signs."""
+
+    def __init__(self, experiment: Experiment) -> None:
+        self._calls = default_signals(experiment)
+        self._state = ""
+        self._nearly = False
+
+    def entered(self, state: str) -> tuple[Call, ...]:
+        """A state was entered, also again: all of its signals."""
+        self._state, self._nearly = state, False
+        return self._calls.get(state, ())
+
+    def noticed(self, near: bool) -> tuple[Call, ...]:
+        """Whether they are `nearly` engaged now; calls only where that makes a difference."""
+        near = near and self._state == "PersonDetected"
+        if near is self._nearly:
+            return ()
+        self._nearly = near
+        shown = self._calls.get(NEARLY, ())
+        if near:
+            return shown
+        touched = {(call.driver, call.verb) for call in shown}
+        return tuple(
+            call for call in self._calls.get(self._state, ()) if (call.driver, call.verb) in touched
+        )
+
+
+def _from(folder: Path, name: str) -> str:
+    """The way from `folder` to a file of ours: the log need not tell where woz-tui is installed."""
+    return os.path.relpath(FOLDER.resolve() / name, folder.resolve())
+
+
+def _offering(experiment: Experiment, name: str) -> Iterator[tuple[str, Verb]]:
+    for spec in experiment.drivers:
+        for verb in spec.verbs:
+            if verb.name == name:
+                yield spec.name, verb
+
+
+def _said(experiment: Experiment, situation: str) -> set[tuple[str, str]]:
+    """Driver and verb of all that the experiment itself does on entering a state."""
+    engagement = experiment.engagement
+    if engagement is None:
+        return set()
+    actions: list[Action | None] = [engagement.effects.get(situation)]
+    actions += [experiment.action(name) for name in engagement.plays.get(situation, ())]
+    return {
+        (call.driver, call.verb)
+        for action in actions
+        if action is not None
+        for step in action.steps
+        if isinstance(step, Together)
+        for call in step.calls
+    }
+
+
+def _fitting(verb: Verb, args: Mapping[str, Json]) -> Iterator[dict[str, Json]]:
+    """The arguments that this driver's verb takes; nothing where it cannot show it at all."""
+    known = {argument.name: argument for argument in verb.arguments}
+    main = next(iter(args))
+    if main not in known:
+        return
+    fitting = {
+        name: value
+        for name, value in args.items()
+        if name in known and (not known[name].choices or value in known[name].choices)
+    }
+    if main in fitting and all(
+        argument.name in fitting for argument in verb.arguments if argument.required
+    ):
+        yield fitting

@@ -1,0 +1,270 @@
+"""The study in the robot process: who gets which condition, trials and breaks, what is asked.
+
+Every change is a message; what follows from them is the timeline's. Refusals are `AskError`s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from woz_tui.bus.hub import Hub
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.study import Design
+from woz_tui.config.utterance_template import VISITOR, names
+from woz_tui.protocol import messages as m
+from woz_tui.session.condition_proposal import Proposal, propose
+from woz_tui.session.earlier_sessions import Earlier
+from woz_tui.session.participant_identity import (
+    AskError,
+    Identity,
+    check_condition,
+    check_participant,
+)
+from woz_tui.session.questionnaire_control import Questioning
+from woz_tui.session.study_settings import study_settings
+from woz_tui.session.variables import Values, by_condition
+from woz_tui.timeline.session_state import SessionState
+
+#: Where the wizard chose the order, and no design did.
+BY_HAND = "hand"
+
+
+class LiveStudy:
+    """See the module's text.
+
+    Args:
+        hub: Where everything is published.
+        state: What holds in the session.
+        read: Gives the experiment as its file was read last.
+        identity: Gives who takes part, and under which condition.
+        set_trial: Sets participant, condition and trial; None leaves one as it is.
+        trial_began: Called when a trial has begun.
+        logs: The folder with the logs of earlier sessions.
+    """
+
+    def __init__(
+        self,
+        hub: Hub,
+        state: SessionState,
+        *,
+        read: Callable[[], Experiment],
+        identity: Callable[[], Identity],
+        set_trial: Callable[[str | None, str | None, int | None], None],
+        trial_began: Callable[[], None],
+        logs: Path,
+    ) -> None:
+        self._hub, self._read = hub, read
+        self._identity, self._set_trial = identity, set_trial
+        self._trial_began = trial_began
+        #: What holds, and what the file says.
+        self.state = state.study
+        self.settings = self.state.settings = study_settings(read())
+        self._earlier = Earlier(logs)
+        self._proposed: dict[str, Proposal] = {}
+        self.questioning = Questioning(self.state, self._hub.publish)
+
+    # -- beginning and ending ----------------------------------------------------------------------
+
+    def begin(self) -> None:
+        """Say what shapes the wizard's answers, as far as the file has it."""
+        study = self._read().study
+        if study.perception.hide or study.perception.blur:
+            self._tell_perception()
+        if study.shaping is not None:
+            self._tell_shaping()
+
+    def adopt(self) -> None:
+        """Go on with a changed file; what is under way goes on as it began."""
+        old, new = self.settings, study_settings(self._read())
+        self.settings = self.state.settings = new
+        self._proposed.clear()
+        if old.perception != new.perception:
+            self._tell_perception()
+        if old.shaping != new.shaping:
+            self._tell_shaping()
+
+    def close(self) -> None:
+        """The session ends: so does what is under way."""
+        self.questioning.leave()
+        self._end_break("the session ended")
+        self._end_trial("aborted", "the session ended")
+
+    def _tell_perception(self) -> None:
+        perception = self._read().study.perception
+        self._hub.publish(
+            m.PerceptionChanged(hidden=[*perception.hide], blurred=[*perception.blur])
+        )
+
+    def _tell_shaping(self) -> None:
+        shaping = self._read().study.shaping
+        self._hub.publish(
+            m.ShapingChanged(
+                floor_us=round(shaping.floor * 1_000_000) if shaping else 0,
+                jitter_us=round(shaping.jitter * 1_000_000) if shaping else 0,
+                cues=[*shaping.cues] if shaping else [],
+            )
+        )
+
+    # -- values ------------------------------------------------------------------------------------
+
+    def filled(self, values: Mapping[str, str]) -> Values:
+        """`values`, and the variables that depend on the condition."""
+        texts = self._read().by_condition
+        now, why = by_condition(texts, self._identity().condition, values)
+        tells: dict[str, tuple[str, ...]]
+        tells = {"condition": ("condition",), VISITOR: ("identity",)}
+        for name, found in texts.items():
+            whose = any(VISITOR in names(text) for text in found.values())
+            tells[name] = ("condition", "identity") if whose else ("condition",)
+        return Values({**now, **values}, why, tells)
+
+    def label(self, condition: str) -> str:
+        """What a blind wizard reads instead of a condition."""
+        return self.settings.blind.get(condition, condition)
+
+    # -- conditions --------------------------------------------------------------------------------
+
+    def propose(self, participant: str) -> Proposal:
+        """The order for this participant, from what the logs say. Reads files: to be called from a
+        thread of its own, one at a time.
+        """
+        experiment = self._read()
+        design = self._design()
+        check_participant(participant, experiment.participant_pattern)
+        found = self._earlier.read(experiment.title, experiment.path.name)
+        proposal = propose(participant, design, experiment.conditions, found.past)
+        if found.unreadable:
+            left_out = f"; not counted because they cannot be read: {', '.join(found.unreadable)}"
+            proposal = replace(proposal, why=proposal.why + left_out)
+        self._proposed[participant] = proposal
+        return proposal
+
+    def _design(self) -> Design:
+        design = self._read().study.design
+        if design is None:
+            raise AskError(
+                "the file has no design",
+                "add one to the file, for example design: {order: latin-square}",
+            )
+        return design
+
+    def assign(self, participant: str, order: list[str]) -> None:
+        """This participant gets the conditions in this order, from the next trial on."""
+        design, experiment = self._design(), self._read()
+        check_participant(participant, experiment.participant_pattern)
+        self._between_trials()
+        _check_order(order, design, experiment.conditions)
+        proposal = self._proposed.get(participant)
+        as_proposed = proposal if proposal and [*proposal.order] == order else None
+        trial = as_proposed.trial if as_proposed else 1
+        place = min((trial - 1) // design.trials, len(order) - 1)
+        self._set_trial(participant, order[place] if order else None, trial)
+        self._hub.publish(
+            m.ConditionsAssigned(
+                participant=participant,
+                order=order,
+                method=as_proposed.method if as_proposed else BY_HAND,
+                row=as_proposed.row if as_proposed else -1,
+                why=as_proposed.why if as_proposed else "chosen by the wizard",
+            )
+        )
+
+    def allow(self, participant: str | None) -> None:
+        """Raises `AskError` if the participant cannot change now."""
+        if participant is not None and participant != self.state.participant:
+            self._between_trials()
+
+    def _between_trials(self) -> None:
+        trial, questionnaire = self.state.trial, self.state.questionnaire
+        if trial is not None:
+            raise AskError(
+                f"trial {trial.started.trial} is running", "end it first", command="trial"
+            )
+        if questionnaire is not None:
+            raise AskError(
+                f"the questionnaire {questionnaire.name!r} is open",
+                "end it first",
+                command="trial",
+            )
+
+    # -- trials and breaks -------------------------------------------------------------------------
+
+    def trial(self, what: str, text: str, tells: tuple[str, ...] = ()) -> None:
+        """Begin or end a trial or a break; `what` as in `AskTrial`, `tells` what `text` does."""
+        match what:
+            case "begin":
+                self._begin_trial()
+            case "break":
+                if self.state.in_break is not None:
+                    raise AskError("a break is already running")
+                self._hub.publish(m.BreakStarted(text=text, tells=tells))
+            case "resume":
+                if self.state.in_break is None:
+                    raise AskError("no break is running")
+                self._end_break(text, tells)
+            case _:
+                if self.state.trial is None:
+                    raise AskError("no trial is running", "start one", command="trial")
+                self._end_break("")
+                self._end_trial(what, text, tells)
+
+    def _begin_trial(self) -> None:
+        state = self.state
+        if not state.participant:
+            raise AskError("no participant is set", "choose one first", command="start")
+        self._between_trials()
+        number = state.next_trial
+        if number > state.planned > 0:
+            raise AskError(
+                f"all {state.planned} trials of {state.participant} are done",
+                "choose the next participant, or set a trial number to repeat a trial",
+                command="start",
+            )
+        condition = state.condition_of(number) or state.condition
+        if self._read().conditions and not condition:
+            raise AskError(
+                "no condition is set", "choose the participant's order first", command="start"
+            )
+        identity = self._identity()
+        if (identity.condition, identity.trial) != (condition, number):
+            changed = condition if condition != identity.condition else None
+            self._set_trial(None, changed, number)
+        self._end_break("")
+        self._hub.publish(m.TrialStarted(trial=number, condition=condition, planned=state.planned))
+        self._trial_began()
+
+    def _end_trial(self, outcome: str, text: str, tells: tuple[str, ...] = ()) -> None:
+        if (trial := self.state.trial) is not None:
+            number = trial.started.trial
+            self._hub.publish(m.TrialEnded(trial=number, outcome=outcome, text=text, tells=tells))
+
+    def _end_break(self, text: str, tells: tuple[str, ...] = ()) -> None:
+        if self.state.in_break is not None:
+            self._hub.publish(m.BreakEnded(text=text, tells=tells))
+
+    # -- preflight ---------------------------------------------------------------------------------
+
+    def check(self, check: str, ok: bool, text: str, source: str) -> None:
+        """Tick a line of the file's list, or take the tick away."""
+        known = [each.check for each in self.settings.preflight]
+        if check not in known:
+            raise AskError(
+                f"the preflight list has no {check!r}",
+                f"there are {', '.join(known)}" if known else "the file has none: preflight: [...]",
+            )
+        level = "ok" if ok else "warning"
+        self._hub.publish(m.PreflightChecked(check=check, level=level, detail=text, source=source))
+
+
+def _check_order(order: list[str], design: Design, conditions: tuple[str, ...]) -> None:
+    """Raises `AskError` unless the design allows it, whichever order it proposes itself."""
+    for condition in order:
+        check_condition(condition, conditions)
+    if len(set(order)) < len(order):
+        raise AskError("the order has a condition twice")
+    if design.within and len(order) < len(conditions):
+        raise AskError("each participant gets all conditions; the order lacks some")
+    if not design.within and len(order) != 1:
+        raise AskError("each participant gets one condition")

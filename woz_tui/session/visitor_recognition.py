@@ -1,0 +1,165 @@
+"""Who stands there: recognised by a sensor, introduced by the wizard or by the robot, remembered.
+
+The handshake is the wizard's unless the settings say otherwise: the machine waits in *Handshake*,
+a notice says what is to be done, and `visitor: CODE` or `handshake: fail` ends it. With `by: robot`
+the robot asks. While the stop is pressed nobody asks; after the release the question comes anew.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from pathlib import Path
+
+from woz_tui.config.engagement import EngagementSettings
+from woz_tui.drivers.contract import SPEECH_TEXT
+from woz_tui.protocol import messages as m
+from woz_tui.sensing.engagement_model import Change
+from woz_tui.sensing.state_machine import State
+from woz_tui.sensing.visitor_store import store_at
+from woz_tui.session import face_learning
+from woz_tui.session.engagement_robot import Robot
+from woz_tui.session.known_visitors import Acquaintances
+from woz_tui.session.robot_handshake import Introduction
+
+_SAY = "say"
+#: Who comes into one of these may be somebody whom another process has named meanwhile.
+_NEW = (State.DETECTED, State.HANDSHAKE)
+#: At the end of a session the disk gets so long for what it has refused before, in seconds.
+SAVE_S = 2.5
+
+
+class Visiting:
+    """See the module's text.
+
+    Args:
+        robot: Asks for a name, and learns faces.
+        settings: What the section says.
+        logs: Where the log began: it may move on to another folder, the visitors do not.
+    """
+
+    def __init__(self, robot: Robot, settings: EngagementSettings, logs: Path) -> None:
+        self._robot = robot
+        self._settings = settings
+        self._loop = asyncio.get_running_loop()
+        self._logs = logs
+        self.known = self._acquaintances(store_at(settings.visitors, self._logs))
+        self._introduction: Introduction | None = None
+
+    def adopt(self, settings: EngagementSettings) -> None:
+        """Other settings count from the next handshake on; another file from now on."""
+        self._settings = settings
+        path = store_at(settings.visitors, self._logs)
+        if path != self.known.path:
+            self.known.look()
+            self.known = self._acquaintances(path)
+
+    def _acquaintances(self, path: Path) -> Acquaintances:
+        known = Acquaintances(path, self._robot.hub.publish, self._later)
+        known.read()
+        return known
+
+    def _later(self, call: Callable[[], object]) -> None:
+        """From any thread: in the session's, if it still goes on."""
+        self._loop.call_soon_threadsafe(lambda: None if self._robot.is_over() else call())
+
+    def close(self) -> None:
+        """The session ends, or goes on without the section."""
+        self._end_introduction()
+        if not self._robot.is_over():
+            self.known.look()
+
+    async def finish(self) -> None:
+        """The session has ended: what is known goes into the file, if the disk takes it."""
+        await self.known.finish(SAVE_S)
+
+    @property
+    def attempt(self) -> int:
+        """How many names this handshake has asked for; 0: none is led by the robot."""
+        return self._introduction.attempt if self._introduction else 0
+
+    def name(self, label: str) -> str:
+        """The visitor's name, for what a recogniser calls them."""
+        visitor = self.known.called(label) if label else None
+        return visitor.name if visitor else label
+
+    # -- what happens ------------------------------------------------------------------------------
+
+    def entered(self, change: Change) -> None:
+        """The machine is in another state."""
+        if not self._robot.is_over():
+            face_learning.introduced(self._robot, change)
+        if change.was == State.HANDSHAKE and self._introduction is not None:
+            introduction, self._introduction = self._introduction, None
+            introduction.left(change.outcome, self.name(change.visitor))
+        if change.now == State.HANDSHAKE:
+            self._introduce()
+        elif change.now == State.KNOWN and change.visitor:
+            self.known.meet(change.visitor, self._robot.today())
+        elif change.now == State.WAIT:
+            self.known.gone()
+        if change.now in _NEW:
+            self.known.look()
+
+    def hear(self, message: m.AnyMessage) -> None:
+        """Speech, the stop, and verbs that say who it is."""
+        match message:
+            case m.SpeechStarted() | m.SpeechEnded() | m.SpeechText():
+                if self._introduction is not None:
+                    self._introduction.hear(message)
+            case m.StopPressed(scope="all"):
+                self._end_introduction()
+
+    def introduced(self, verb: str, args: dict[str, m.Json]) -> None:
+        """A verb that names the visitor was carried out."""
+        name = args.get("code")
+        named = verb == "visitor" or (verb == "handshake" and args.get("what") == "ok")
+        if named and isinstance(name, str) and name:
+            facts = {fact: str(args[fact]) for fact in ("age_group", "address") if args.get(fact)}
+            self.known.introduce(name, facts, self._robot.today())
+
+    def resume(self, state: State) -> None:
+        """The stop was released."""
+        if state is State.HANDSHAKE:
+            self._introduce()
+
+    # -- the handshake -----------------------------------------------------------------------------
+
+    def _introduce(self) -> None:
+        self._end_introduction()
+        if self._robot.is_over():
+            return
+        settings = self._settings.handshake
+        voice = self._voice()
+        if settings.by == "robot" and not voice:
+            self._notice("the robot cannot ask for a name: no driver speaks")
+        elif settings.by != "robot":
+            self._notice("a visitor has no name: who is it?")
+        elif not self._robot.is_stopped:
+            if not self._hears():
+                self._notice("the robot asks for a name, but no device recognises the answer")
+            self._introduction = Introduction(self._robot, settings, voice, self.known.is_taken)
+            self._introduction.begin()
+
+    def _end_introduction(self) -> None:
+        if self._introduction is not None:
+            self._introduction.stop()
+            self._introduction = None
+
+    def _voice(self) -> str:
+        drivers = self._robot.experiment().drivers
+        speaking = (spec.name for spec in drivers for verb in spec.verbs if verb.name == _SAY)
+        return next(speaking, "")
+
+    def _hears(self) -> bool:
+        return any(SPEECH_TEXT in spec.sensors for spec in self._robot.experiment().drivers)
+
+    def _notice(self, text: str) -> None:
+        self._robot.hub.publish(
+            m.Notice(
+                level="info",
+                text=f"handshake: {text}",
+                remedy="use `visitor` to give a name, or `handshake: fail` to continue without one",
+                tells=("engagement",),
+            )
+        )

@@ -1,0 +1,1 @@
+"""What every room may use: time, files, text that is safe to show."""

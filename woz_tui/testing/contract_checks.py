@@ -1,0 +1,464 @@
+"""Does a driver keep the contract of `core.driver`?
+
+What holds for every driver: verbs that an experiment file can name, an `open` that does not wait,
+refusals of the right kind, a stop in time, a `close` that leaves no task and no thread behind and
+after which nothing is published. With a `Device`: a command that ends when it is cancelled, a lost
+device that is noticed. Every finding is an error.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import dataclasses
+import re
+import threading
+import time
+from collections.abc import Awaitable, Callable, Iterable, Mapping
+from contextlib import AbstractAsyncContextManager
+from pathlib import Path
+from typing import Any
+
+from woz_tui.drivers.contract import (
+    KINDS,
+    UNKNOWN,
+    Argument,
+    DeviceLostError,
+    Driver,
+    DriverError,
+    Finding,
+    Health,
+    Probe,
+    RejectedError,
+    Scope,
+    Verb,
+    Written,
+)
+from woz_tui.drivers.fields import Section
+from woz_tui.protocol.messages import Json
+from woz_tui.testing.recording_context import PlainJob, RecordingContext, until
+
+#: Main argument of the verbs whose names everybody shares.
+COMMON_VERBS: Mapping[str, str] = {
+    "say": "text",
+    "play": "move",
+    "pose": "joints",
+    "poses": "poses",
+    "home": "seconds",
+    "gaze": "yaw",
+    "nudge": "yaw",
+    "torque": "on",
+    "emotion": "emotion",
+    "eyes": "color",
+    "screen": "file",
+    "sound": "file",
+    "drive": "x",
+    "mode": "mode",
+    "volume": "level",
+    "learn_face": "name",
+    "listen_room": "seconds",
+}
+
+#: Words that mean something else in every action: its own fields, and the session's verbs.
+RESERVED = (
+    *("key", "label", "name", "help", "locked", "when_busy", "on", "steps", "then"),
+    *("wait", "mark", "note", "set", "lock", "unlock"),
+)
+#: Verbs of the engagement model: in an experiment that has it a driver's could not be called.
+MODEL_VERBS = (
+    *("toggle", "sense", "force", "engagement", "filter", "social_distance"),
+    *("attend", "handshake", "visitor"),
+)
+
+#: `examine` and `close` may take so long, in seconds.
+EXAMINE_S, CLOSE_S = 10.0, 5.0
+#: So long a lost or found device may take to be noticed, in seconds.
+NOTICE_S = 15.0
+#: So long nothing may be published after `close`, in seconds: more than twice a tick of 10 Hz.
+QUIET_S = 0.25
+
+_NAME = re.compile(r"[a-z][a-z0-9_-]*")
+_LEVELS = ("ok", "info", "warning", "error")
+_UNKNOWN_VERB = PlainJob("no-such-verb", source="program")
+
+#: `open`, `stop`, a refusal and the end of a cancelled command may take so long, in seconds: the
+#: session waits no longer for a stop.
+PROMPT = 0.5
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Device:
+    """A stand-in for the hardware, at the other end of the driver's wire.
+
+    Attributes:
+        settings: With which the driver finds it.
+        unplug: Pulls its cable.
+        plug: Puts the cable back; None if that cannot be done.
+        command: One that goes on for at least 20 s; None for a driver that offers no such verb.
+    """
+
+    settings: Any
+    unplug: Callable[[], object]
+    plug: Callable[[], object] | None = None
+    command: PlainJob | None = None
+
+
+Devices = AbstractAsyncContextManager[Device]
+
+
+async def check(driver_class: type[Driver], settings: Any, folder: Path = Path()) -> list[Finding]:
+    """Everything wrong with a driver class and these settings, without hardware; empty if nothing.
+
+    `folder` is the experiment file's. Takes about a second, and never asks the driver to move.
+    """
+    findings = await declared(driver_class, settings, folder)
+    return findings or await closes(driver_class, settings, folder)
+
+
+def _error(subject: str, text: str, remedy: str = "") -> Finding:
+    return Finding("error", subject, text, remedy)
+
+
+# -- what it declares -----------------------------------------------------------------------------
+
+
+async def declared(
+    driver_class: type[Driver], settings: Any, folder: Path = Path()
+) -> list[Finding]:
+    """What is wrong with what the class says of itself: verbs, sensors, remarks, findings."""
+    findings = [*_offered(driver_class, settings), *_remarked(driver_class, settings, folder)]
+    if findings:
+        return findings
+    try:
+        found = await asyncio.wait_for(
+            driver_class.examine(Probe("driver", settings, folder)), EXAMINE_S
+        )
+    except Exception as error:  # noqa: BLE001 - a stranger's code may raise anything
+        return [_error("examine", f"raised {error!r}", "turn it into a Finding")]
+    return [
+        _error("examine", f"unknown level {each.level!r}", ", ".join(_LEVELS))
+        for each in found
+        if each.level not in _LEVELS
+    ]
+
+
+def _offered(driver_class: type[Driver], settings: Any) -> Iterable[Finding]:
+    kind = driver_class.Settings
+    if "problems" in vars(kind) and not issubclass(kind, Section):
+        yield _error("Settings", "nobody calls its problems()", f"class {kind.__name__}(Section)")
+    if not (dataclasses.is_dataclass(kind) and kind.__dataclass_params__.frozen):  # type: ignore[attr-defined]
+        yield _error("Settings", "must be a frozen dataclass", "@dataclass(frozen=True)")
+    if not driver_class.summary or "\n" in driver_class.summary:
+        yield _error("summary", "must be one line that says what the driver is")
+    verbs = driver_class.verbs(settings)
+    if verbs != driver_class.verbs(settings):
+        yield _error("verbs", "two calls with the same settings differ")
+    yield from _repeated("verbs", [verb.name for verb in verbs])
+    for verb in verbs:
+        yield from _verb(verb)
+    sensors = driver_class.sensors(settings)
+    yield from _repeated("sensors", sensors)
+
+
+def _repeated(subject: str, names: Iterable[str]) -> Iterable[Finding]:
+    seen: set[str] = set()
+    for name in names:
+        if name in seen:
+            yield _error(subject, f"{name!r} is there twice")
+        seen.add(name)
+
+
+def _verb(verb: Verb) -> Iterable[Finding]:
+    subject = f"verb {verb.name}"
+    if not _NAME.fullmatch(verb.name):
+        yield _error(subject, "a name is made of a-z, 0-9, - and _")
+    if verb.name in RESERVED:
+        yield _error(subject, "means something else in every action", "choose another name")
+    if verb.name in MODEL_VERBS:
+        yield _error(subject, "is a verb of the engagement model", "choose another name")
+    if not verb.summary:
+        yield _error(subject, "needs a summary")
+    if not verb.lane:
+        yield _error(subject, "needs a lane")
+    if not verb.limit_s > 0:
+        yield _error(subject, f"limit_s must be more than 0, not {verb.limit_s}")
+    main = verb.arguments[0].name if verb.arguments else ""
+    if verb.name in COMMON_VERBS and main != COMMON_VERBS[verb.name]:
+        yield _error(
+            subject,
+            f"its main argument is {main!r}",
+            f"everybody's is {COMMON_VERBS[verb.name]!r}, and it comes first",
+        )
+    yield from _repeated(subject, [argument.name for argument in verb.arguments])
+    for argument in verb.arguments:
+        yield from _argument(f"{subject}: {argument.name}", argument)
+
+
+def _argument(subject: str, argument: Argument) -> Iterable[Finding]:
+    if argument.kind not in KINDS:
+        yield _error(subject, f"unknown kind {argument.kind!r}", f"one of {', '.join(KINDS)}")
+    if argument.kind == "choice" and not argument.choices:
+        yield _error(subject, "a choice needs choices")
+    yield from _hiding(subject, argument)
+    default = argument.default
+    if default is None:
+        return
+    if argument.required:
+        yield _error(subject, "is required, so its default never counts")
+    if argument.choices and default not in argument.choices:
+        yield _error(subject, f"its default {default!r} is not one of its choices")
+    number = isinstance(default, int | float) and not isinstance(default, bool)
+    if argument.range and not (number and argument.range.contains(float(default))):  # type: ignore[arg-type]
+        yield _error(subject, f"its default {default!r} is not within {argument.range}")
+
+
+def _hiding(subject: str, argument: Argument) -> Iterable[Finding]:
+    hide = argument.hide
+    if hide is None:
+        return
+    for text in ("", "plain", "tcps://user:password@host"):
+        try:
+            once = hide(text)
+            again = hide(once)
+        except Exception as error:  # noqa: BLE001 - a stranger's code may raise anything
+            yield _error(subject, f"hide raised {error!r}", "hide what cannot be judged")
+            return
+        if again != once:
+            yield _error(subject, f"hide({text!r}) is {once!r}, then {again!r}", "twice is as once")
+
+
+# -- what it says of commands that are only written -----------------------------------------------
+
+#: Texts of a command that is looked at: none, one that only the session knows, and nonsense.
+_TEXTS = ("", UNKNOWN, "no/such thing")
+
+
+def _remarked(driver_class: type[Driver], settings: Any, folder: Path) -> Iterable[Finding]:
+    """`remarks`: about any command, without raising."""
+    names = [*(driver_class.joints(settings) or ())]
+    joints: dict[str, Json] = dict.fromkeys(names[:1] or ["joint"], 0.0)
+    for verb in driver_class.verbs(settings):
+        for text in _TEXTS:
+            args = {one.name: _sample(one, text, joints) for one in verb.arguments}
+            try:
+                found = [*driver_class.remarks(settings, Written(verb.name, args, folder))]
+            except Exception as error:  # noqa: BLE001 - a stranger's code may raise anything
+                yield _error("remarks", f"raised {error!r} about {verb.name}", "yield a Finding")
+                return
+            for finding in found:
+                if finding.level not in _LEVELS:
+                    yield _error("remarks", f"unknown level {finding.level!r}", ", ".join(_LEVELS))
+                if finding.subject not in args:
+                    what = f"{verb.name} has no argument {finding.subject!r}"
+                    yield _error("remarks", what, "a finding's subject is an argument")
+
+
+def _sample(argument: Argument, text: str, joints: dict[str, Json]) -> Json:
+    """A value that the argument may have."""
+    if argument.choices:
+        return argument.choices[0]
+    match argument.kind:
+        case "text" | "file" | "choice":
+            return text
+        case "flag":
+            return True
+        case "joints":
+            return joints
+        case "poses":
+            return [{"joints": joints, "seconds": 1.0}]
+    low = argument.range.low if argument.range is not None else None
+    return 0 if low is None else low
+
+
+# -- what it does ---------------------------------------------------------------------------------
+
+
+async def closes(driver_class: type[Driver], settings: Any, folder: Path = Path()) -> list[Finding]:
+    """What is wrong with a driver's life: open, refusals, a stop with nothing running, close."""
+    return await _Life(driver_class, settings, folder).lived()
+
+
+async def closes_with(driver_class: type[Driver], device: Devices) -> list[Finding]:
+    """The same with its device there, which it finds first."""
+    async with device as there:
+        return await _Life(driver_class, there.settings).lived(found=True)
+
+
+async def stops(driver_class: type[Driver], device: Devices) -> list[Finding]:
+    """What is wrong with a stop in the middle of a command, and with a command that is cancelled.
+
+    Each time the next command must be taken again.
+    """
+    async with device as there, _Life(driver_class, there.settings) as life:
+        if there.command is None:
+            return []
+        await life.found()
+        running = await life.begins(there.command, "perform")
+        if running is None:
+            return life.findings
+        # As the bus does it: the stop is called at once, then all jobs are cancelled.
+        stop = life.quiet("stop(ALL) in the middle of a command", life.driver.stop(Scope.ALL))
+        stopping = asyncio.ensure_future(stop)
+        await asyncio.sleep(0)
+        await life.cancelled(running, "a command that is stopped")
+        await stopping
+        await life.driver.resume()
+        running = await life.begins(there.command, "perform after a stop")
+        if running is not None:
+            await life.cancelled(running, "a command that is cancelled")
+        return life.findings
+
+
+async def loses(driver_class: type[Driver], device: Devices) -> list[Finding]:
+    """What is wrong when the device is unplugged in the middle of a command, and plugged in again.
+
+    Whatever is under way ends with `DeviceLostError`, health is LOST (or FAULTED), further commands
+    are refused at once with `DeviceLostError`.
+    """
+    async with device as there, _Life(driver_class, there.settings) as life:
+        await life.found()
+        running = await life.begins(there.command, "perform") if there.command else None
+        there.unplug()
+        if running is not None:
+            await asyncio.wait([running], timeout=NOTICE_S)
+            if not running.done():
+                life.wrong(
+                    "an unplugged device",
+                    f"perform goes on for {NOTICE_S:g} s",
+                    "raise DeviceLostError",
+                )
+                running.cancel()
+            elif not isinstance(running.exception(), DeviceLostError):
+                life.wrong(
+                    "an unplugged device",
+                    f"perform raised {running.exception()!r}, not DeviceLostError",
+                )
+        if not await life.healthy(Health.LOST, Health.FAULTED):
+            life.wrong("an unplugged device", f"health is not LOST after {NOTICE_S:g} s")
+        elif there.command is not None:
+            await life.refuses("perform without a device", DeviceLostError, there.command)
+        if there.plug is not None and not life.findings:
+            there.plug()
+            if not await life.healthy(Health.CONNECTED):
+                life.wrong("a device that is back", f"is not CONNECTED after {NOTICE_S:g} s")
+        return life.findings
+
+
+class _Life:
+    """One driver from its making to its end, and what was found to be wrong."""
+
+    def __init__(self, driver_class: type[Driver], settings: Any, folder: Path = Path()) -> None:
+        self.findings: list[Finding] = []
+        self._sensors = set(driver_class.sensors(settings))
+        self._tasks, self._threads = asyncio.all_tasks(), set(threading.enumerate())
+        self._context = RecordingContext(folder)
+        self.driver = driver_class("driver", settings, self._context)
+
+    def wrong(self, subject: str, text: str, remedy: str = "") -> None:
+        """Keep a finding."""
+        self.findings.append(_error(subject, text, remedy))
+
+    async def __aenter__(self) -> _Life:
+        await self.quiet("open", self.driver.open())
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.quiet("close", self.driver.close(), limit=CLOSE_S)
+
+    async def lived(self, found: bool = False) -> list[Finding]:
+        """Open, refuse, stop, close twice."""
+        context, driver = self._context, self.driver
+        await self.quiet("open", driver.open())
+        await asyncio.sleep(0)
+        if not context.healths:
+            self.wrong("open", "said nothing about its health", "context.health(Health.CONNECTING)")
+        if found:
+            await self.found()
+        await self.refuses("perform of an unknown verb", RejectedError)
+        for scope in Scope:
+            await self.quiet(f"stop({scope.name}) with nothing running", driver.stop(scope))
+        await self.quiet("close", driver.close(), limit=CLOSE_S)
+        published = context.published
+        await self.quiet("close for the second time", driver.close())
+        await self.refuses("perform after close", DriverError)
+        await self._left_behind()
+        await asyncio.sleep(QUIET_S)
+        if context.published > published:
+            self.wrong("close", "published something afterwards", "end what publishes first")
+        named = {each.sensor for each in context.readings} | {each[0] for each in context.states}
+        if named - self._sensors:
+            self.wrong(
+                "sensors", f"publishes {', '.join(sorted(named - self._sensors))} undeclared"
+            )
+        return self.findings
+
+    async def healthy(self, *wanted: Health) -> bool:
+        """Whether the driver's health is one of these in time."""
+        healths = self._context.healths
+        with contextlib.suppress(TimeoutError):
+            await until(lambda: bool(healths) and healths[-1][0] in wanted, NOTICE_S)
+            return True
+        return False
+
+    async def found(self) -> None:
+        """Wait until it has found its device."""
+        if not await self.healthy(Health.CONNECTED):
+            self.wrong("open", f"is not CONNECTED to its device after {NOTICE_S:g} s")
+
+    async def begins(self, command: PlainJob, what: str) -> asyncio.Task[Mapping[str, Json]] | None:
+        """A command that is under way; None if it ended at once."""
+        running = asyncio.ensure_future(self.driver.perform(command))
+        await asyncio.wait([running], timeout=QUIET_S)
+        if not running.done():
+            return running
+        how = repr(running.exception()) if running.exception() else "nothing"
+        self.wrong(what, f"ended at once and raised {how}", "give the Device a command that lasts")
+        return None
+
+    async def cancelled(self, running: asyncio.Task[Any], what: str) -> None:
+        """Cancel it and see that it ends."""
+        running.cancel()
+        await asyncio.wait([running], timeout=PROMPT)
+        if not running.done():
+            self.wrong(what, f"goes on for more than {PROMPT:g} s", "end and raise CancelledError")
+        elif not running.cancelled() and not isinstance(running.exception(), DriverError):
+            how = repr(running.exception()) if running.exception() else "nothing"
+            self.wrong(what, f"raised {how}", "raise CancelledError again")
+
+    async def quiet(self, what: str, call: Awaitable[object], limit: float = PROMPT) -> None:
+        """A call that raises nothing and does not take long."""
+        try:
+            await asyncio.wait_for(call, limit)
+        except TimeoutError:
+            self.wrong(what, f"took more than {limit:g} s")
+        except Exception as error:  # noqa: BLE001 - a stranger's code may raise anything
+            self.wrong(what, f"raised {error!r}")
+
+    async def refuses(
+        self, what: str, kind: type[DriverError], command: PlainJob = _UNKNOWN_VERB
+    ) -> None:
+        """A command that is refused at once with the right exception."""
+        remedy = f"raise {kind.__name__}"
+        try:
+            await asyncio.wait_for(self.driver.perform(command), PROMPT)
+        except kind:
+            return
+        except TimeoutError:
+            self.wrong(what, f"took more than {PROMPT:g} s", f"{remedy} at once")
+        except Exception as error:  # noqa: BLE001 - a stranger's code may raise anything
+            self.wrong(what, f"raised {error!r}", remedy)
+        else:
+            self.wrong(what, "raised nothing", remedy)
+
+    async def _left_behind(self) -> None:
+        """Tasks and threads that outlive the driver; they get as long as a stop to end."""
+        patience = time.monotonic() + PROMPT
+        while True:
+            left = [task.get_name() for task in asyncio.all_tasks() - self._tasks]
+            left += [thread.name for thread in set(threading.enumerate()) - self._threads]
+            left = sorted(one for one in left if not one.startswith("asyncio_"))
+            if not left or time.monotonic() > patience:
+                break
+            await asyncio.sleep(0.01)
+        for one in left:
+            self.wrong("close", f"left {one!r} running")

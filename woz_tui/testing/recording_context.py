@@ -1,0 +1,145 @@
+"""The session's side of the driver contract, for tests: a context that remembers, and jobs."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from woz_tui.drivers.contract import Ask, Health
+from woz_tui.drivers.feeds import Feed, Feeds
+from woz_tui.protocol.messages import Json, Reading, Shown, Speech, reading
+from woz_tui.system.clock import Clock, RealClock
+
+
+class RecordingContext:
+    """An `DriverContext` that keeps everything a driver publishes and asks for.
+
+    Attributes:
+        published: How often anything was published.
+        outcome: How every `ask` ends: whether it is carried out, and why not.
+    """
+
+    def __init__(self, folder: Path = Path(), clock: Clock | None = None) -> None:
+        self._folder = folder
+        self._clock = clock or RealClock()
+        self.published = 0
+        self.outcome = (True, "")
+        self.readings: list[Reading] = []
+        self.states: list[tuple[str, str, str]] = []
+        self.healths: list[tuple[Health, str, str]] = []
+        self.notices: list[tuple[str, str, str]] = []
+        self.modes: list[str] = []
+        self.shown: list[Shown] = []
+        self.told: list[Speech] = []
+        self.asks: list[Ask] = []
+        self.feeds = Feeds()
+
+    @property
+    def clock(self) -> Clock:
+        """The session's clock."""
+        return self._clock
+
+    @property
+    def folder(self) -> Path:
+        """Where relative paths start."""
+        return self._folder
+
+    @property
+    def media(self) -> Path:
+        """A folder that does not exist yet."""
+        return self._folder / "session.media"
+
+    def t(self, clock_us: int) -> int:
+        """The session began with the clock."""
+        return clock_us
+
+    def reading(
+        self,
+        sensor: str,
+        value: float | None,
+        *,
+        text: str = "",
+        unit: str = "",
+        raw: float | None = None,
+    ) -> None:
+        """Keep it."""
+        self.published += 1
+        self.readings.append(reading(sensor, value, text=text, unit=unit, raw=raw))
+
+    def sensor(self, sensor: str, state: str, why: str = "") -> None:
+        """Keep it."""
+        self.published += 1
+        self.states.append((sensor, state, why))
+
+    def health(self, health: Health, detail: str = "", remedy: str = "") -> None:
+        """Keep it if it is new."""
+        self.published += 1
+        if not self.healths or self.healths[-1] != (health, detail, remedy):
+            self.healths.append((health, detail, remedy))
+
+    def mode(self, mode: str, why: str = "") -> None:
+        """Keep it if it is new."""
+        self.published += 1
+        if not self.modes or self.modes[-1] != mode:
+            self.modes.append(mode)
+
+    def notice(
+        self, level: str, text: str, remedy: str = "", *, tells: tuple[str, ...] = ()
+    ) -> None:
+        """Keep it."""
+        self.published += 1
+        self.notices.append((level, text, remedy))
+
+    def show(self, shown: Shown) -> None:
+        """Keep it."""
+        self.published += 1
+        self.shown.append(shown)
+
+    def tell(self, speech: Speech) -> None:
+        """Keep it."""
+        self.published += 1
+        self.told.append(speech)
+
+    def feed(self, topic: str, of: str = "") -> Feed:
+        """A feed that nobody else writes to, by itself."""
+        return self.feeds.feed(of, topic)
+
+    def ask(self, ask: Ask, done: Callable[[bool, str], None] | None = None) -> None:
+        """Keep it and answer at once."""
+        self.asks.append(ask)
+        if done is not None:
+            done(*self.outcome)
+
+    def of(self, sensor: str) -> list[Reading]:
+        """All readings of a sensor."""
+        return [found for found in self.readings if found.sensor == sensor]
+
+    def latest(self, sensor: str) -> float:
+        """The newest value of a sensor."""
+        value = self.of(sensor)[-1].value
+        assert value is not None
+        return value
+
+
+@dataclass
+class PlainJob:
+    """A command as a driver gets it."""
+
+    verb: str
+    args: Mapping[str, Json] = field(default_factory=dict)
+    command: str = "c1"
+    expected: list[float] = field(default_factory=list)
+    source: str = "key"
+
+    def expects(self, seconds: float) -> None:
+        """Keep it."""
+        self.expected.append(seconds)
+
+
+async def until(true: Callable[[], bool], within: float = 10.0) -> None:
+    """Return as soon as `true()`. Raises `TimeoutError` after `within` seconds."""
+    async with asyncio.timeout(within):
+        while not true():  # noqa: ASYNC110 - what hardware does sets no event
+            await asyncio.sleep(0.005)

@@ -1,0 +1,713 @@
+"""What holds at a moment of a session: everything that a screen or a newcomer must know of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field, fields
+from typing import Any, TypeVar
+
+import msgspec
+from msgspec.structs import replace
+
+from woz_tui.config.session_verbs import PERFORMERS
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.driver_health import DriverHealth
+from woz_tui.timeline.engagement_history import ModelStatus
+from woz_tui.timeline.episodes import (
+    MOST,
+    OUTCOMES,
+    Action,
+    Command,
+    Cue,
+    Episode,
+    FaultedLane,
+    LostDriver,
+    Moment,
+    Outcome,
+    Press,
+    Profile,
+    Rerun,
+    Restriction,
+    Stop,
+    Utterance,
+    keep,
+)
+from woz_tui.timeline.setting_history import RobotSettings
+from woz_tui.timeline.study_history import StudyState
+from woz_tui.timeline.trial_context import Context
+
+#: Times beyond this (73,000 years, in microseconds) come from damaged lines only.
+LONGEST = 1 << 61
+#: Utterances that are over and may still get a text; presses of a stop that is not released.
+HEARD, PRESSES = 40, 16
+
+K = TypeVar("K")
+E = TypeVar("E", bound=Episode)
+#: What a kind of message does, and the episodes that end or begin with it.
+_Case = Callable[["SessionState", Any], Iterable[Episode] | None]
+
+
+class Driver(msgspec.Struct, frozen=True):
+    """A driver's health: its last message, the first one like it, the last one of another kind."""
+
+    health: DriverHealth
+    since: DriverHealth
+    before: DriverHealth | None = None
+
+    @property
+    def state(self) -> str:
+        """connecting, connected, lost or faulted."""
+        return str(self.health.__struct_config__.tag).removeprefix("driver.")
+
+
+@dataclass(slots=True)
+class SessionState:
+    """Takes messages in the order of the log and always knows what holds now.
+
+    `take` returns the episodes that a message ends or begins, in this order, and keeps only those
+    that go on: memory is bounded. It never raises, whatever is missing, doubled or out of order.
+    Time never goes back: a message that is late, or whose time is impossible, counts as of
+    now.
+
+    Attributes:
+        t: Now, in microseconds.
+        begin: When the first line was written; None before it.
+        start, end: The session's first and last line.
+        plan: What consoles were shown last.
+        study: Who takes part, conditions, trials, questionnaires.
+        model: The engagement model.
+        robots: Robots' settings as they were read back.
+        actions, commands: Under way, by id; passing ones (a knob) only with `all_commands`.
+        stops: Not over, by scope.
+        drivers, lost, faulted_lanes: Health by driver (and lane).
+        readings, sensors: The last value and the last state of each sensor.
+        modes, faces, bodies, controls: The last of each, by driver; of controls all positions, what
+            moved last at the end.
+        filled: What each action would do if it were played now.
+        speaking: Utterances that go on, by driver and segment.
+        profile, restriction: What restricts the wizard, if anything does.
+        scripts: Where each script stands, by the phase whose it is (empty: the file's).
+        locks: What locked or unlocked panels since they were shown last.
+        consoles: Those that are there.
+        cue: The cue of a training that nobody has answered.
+        rerun: The re-run under way.
+    """
+
+    t: int = 0
+    begin: int | None = None
+    start: m.SessionStart | None = None
+    end: m.SessionEnd | None = None
+    plan: m.SessionPlan | None = None
+    recorder: m.RecorderState | None = None
+    study: StudyState = field(default_factory=StudyState)
+    model: ModelStatus = field(default_factory=ModelStatus)
+    robots: RobotSettings = field(default_factory=RobotSettings)
+    actions: dict[str, Action] = field(default_factory=dict)
+    commands: dict[str, Command] = field(default_factory=dict)
+    stops: dict[str, Stop] = field(default_factory=dict)
+    drivers: dict[str, Driver] = field(default_factory=dict)
+    lost: dict[str, LostDriver] = field(default_factory=dict)
+    faulted_lanes: dict[tuple[str, str], FaultedLane] = field(default_factory=dict)
+    readings: dict[str, m.Reading] = field(default_factory=dict)
+    sensors: dict[str, m.SensorChanged] = field(default_factory=dict)
+    modes: dict[str, m.ModeChanged] = field(default_factory=dict)
+    faces: dict[str, m.FaceShown] = field(default_factory=dict)
+    bodies: dict[str, m.BodyChanged] = field(default_factory=dict)
+    controls: dict[str, m.ControlsMoved] = field(default_factory=dict)
+    speaking: dict[tuple[str, int], Utterance] = field(default_factory=dict)
+    filled: m.ActionsFilled | None = None
+    scripts: dict[str, m.ScriptMoved] = field(default_factory=dict)
+    locks: dict[str, m.PanelLocked] = field(default_factory=dict)
+    profile_changed: m.ProfileChanged | None = None
+    profile: Profile | None = None
+    shaping: m.ShapingChanged | None = None
+    perception: m.PerceptionChanged | None = None
+    restriction: Restriction | None = None
+    consoles: dict[str, m.ConsoleAttached] = field(default_factory=dict)
+    cue: Cue | None = None
+    rerun: Rerun | None = None
+    training: m.TrainingChanged | None = None
+    all_commands: bool = False
+    #: Passing commands so far, and those under way.
+    passing: int = 0
+    _passing: dict[str, None] = field(default_factory=dict)
+    _heard: dict[tuple[str, int], Utterance] = field(default_factory=dict)
+
+    # -- reading ----------------------------------------------------------------------------------
+
+    @property
+    def context(self) -> Context:
+        """To whom and what this moment belongs."""
+        return self.study.context
+
+    @property
+    def stop(self) -> Stop | None:
+        """The stop, while it is latched."""
+        return self.stops.get("all")
+
+    def sensor_state(self, sensor: str) -> str:
+        """The last state of a sensor; a value after it says that it is not stale any more."""
+        changed, reading = self.sensors.get(sensor), self.readings.get(sensor)
+        if changed is None:
+            return ""
+        fresh = reading is not None and reading.seq > changed.seq
+        return "" if fresh and changed.state == "stale" else changed.state
+
+    def copy(self) -> SessionState:
+        """The same, to go on from here without changing this one."""
+        other = object.__new__(SessionState)
+        for name in _FIELDS:
+            value = getattr(self, name)
+            setattr(other, name, value.copy() if type(value) in _COPIED else value)
+        return other
+
+    def messages(self, *, plan: bool = True) -> list[m.Message]:
+        """The few messages from which a fresh `SessionState` becomes the same, in order of `seq`.
+
+        `plan`: with the last `session.plan`; whoever sends its content otherwise leaves it out.
+        They do not carry: when each setting of a robot, and what is only counted, began; which
+        commands of an action are over; passing commands.
+        """
+        lines = {id(line): line for line in self._lines()}
+        if not plan:
+            lines.pop(id(self.plan), None)
+        return sorted(lines.values(), key=lambda line: line.seq)
+
+    def _lines(self) -> Iterator[m.Message]:
+        single = (self.start, self.end, self.plan, self.recorder, self.shaping)
+        for line in (*single, self.filled, self.profile_changed, self.perception, self.training):
+            if line is not None:
+                yield line
+        for part in (self.study, self.model, self.robots):
+            yield from part.lines
+        for driver in self.drivers.values():
+            yield from (each for each in (driver.before, driver.since, driver.health) if each)
+        tables: tuple[dict[str, Any], ...] = (
+            *(self.readings, self.sensors, self.modes, self.faces, self.bodies, self.controls),
+            *(self.scripts, self.locks, self.consoles),
+        )
+        for table in tables:
+            yield from table.values()
+        for episode in self._own():
+            yield from episode.lines
+
+    def _own(self) -> Iterator[Episode]:
+        tables: tuple[dict[Any, Any], ...] = (
+            *(self.actions, self.commands, self.stops),
+            *(self.lost, self.faulted_lanes, self.speaking),
+        )
+        for table in tables:
+            yield from table.values()
+        for episode in (self.profile, self.restriction, self.cue, self.rerun):
+            if episode is not None:
+                yield episode
+
+    def open(self) -> Iterator[Episode]:
+        """All episodes that go on."""
+        for part in (self.study, self.model, self.robots):
+            yield from part.open()
+        yield from self._own()
+
+    # -- messages ---------------------------------------------------------------------------------
+
+    def take(self, message: m.Message) -> Iterable[Episode]:
+        """Work a message in; the episodes that it ends (those have an `end`) or begins."""
+        case = CASES.get(type(message))
+        if case is None:  # of another version
+            return ()
+        t = message.t
+        if self.t <= t < LONGEST:
+            self.t = t
+        else:
+            message = replace(message, t=self.t)
+        if self.begin is None:
+            self.begin = self.t
+        changes = case(self, message)
+        if changes is None or type(changes) is tuple:
+            return changes or ()
+        return [*changes]  # a case that makes several may be a generator: it does its work here
+
+    def finish(self) -> list[Episode]:
+        """The log is over: what goes on is cut at its last moment."""
+        return [replace(each, end=max(each.begin, self.t), cut=True) for each in self.open()]
+
+    def _moment(self, message: m.Message) -> tuple[Episode]:
+        at, seq = self.t, message.seq
+        return (Moment(begin=at, end=at, seq=seq, outcome=Outcome.MOMENT, message=message),)
+
+    def _begin(self, table: dict[K, E], key: K, episode: E) -> tuple[Episode, ...]:
+        """Keep what begins; what has the same id, or is too much, has ended without a line."""
+        before = table.pop(key, None)
+        if before is None and len(table) >= MOST:
+            before = table.pop(next(iter(table)))
+        table[key] = episode
+        if before is None:
+            return (episode,)
+        return replace(before, end=max(before.begin, self.t), cut=True), episode
+
+    # -- the session ------------------------------------------------------------------------------
+
+    def _start(self, message: m.SessionStart) -> None:
+        self.start = self.start or message
+        self.study.start(message)
+
+    def _plan(self, message: m.SessionPlan) -> Iterator[Episode]:
+        before, self.plan = self.plan, message
+        self.study.settings = message.settings.study
+        self.locks.clear()  # the panels say it themselves
+        had_model = before is not None and bool(before.settings.engagement)
+        if had_model and not message.settings.engagement:
+            yield from self.model.vanish(self.t, message)
+        yield from self._moment(message)
+
+    def _changed(self, message: m.SessionChanged) -> Iterable[Episode]:
+        self.study.change(message)
+        return self._moment(message)
+
+    def _assigned(self, message: m.ConditionsAssigned) -> Iterable[Episode]:
+        self.study.assign(message)
+        return self._moment(message)
+
+    def _reloaded(self, message: m.ExperimentReloaded) -> Iterable[Episode]:
+        self.filled = None
+        return self._moment(message)
+
+    # -- actions and commands ---------------------------------------------------------------------
+
+    def _filled(self, message: m.ActionsFilled) -> None:
+        self.filled = message.after(self.filled)
+
+    def _requested(self, message: m.ActionRequested) -> Iterable[Episode]:
+        action = Action(begin=self.t, seq=message.seq, request=message)
+        return self._begin(self.actions, message.run, action)
+
+    def _held(self, message: m.ActionHeld) -> Iterable[Episode]:
+        action = self.actions.get(message.run)
+        if action is None:
+            return self._moment(message)
+        self.actions[message.run] = replace(action, held=message)
+        return ()
+
+    def _action_ended(self, message: m.ActionEnd) -> Iterable[Episode]:
+        action = self.actions.pop(message.run, None)
+        if action is None:
+            return self._moment(message)
+        outcome = OUTCOMES[type(message)]
+        return (replace(action, end=self.t, outcome=outcome, ended=message),)
+
+    def _command(self, message: m.Command) -> Iterable[Episode]:
+        self.passing += message.passing
+        if message.passing and not self.all_commands:
+            keep(self._passing, message.command, None)
+            return ()
+        action = self.actions.get(message.run)
+        if action is not None and len(action.commands) < MOST:
+            commands = (*action.commands, message.command)
+            self.actions[message.run] = replace(action, commands=commands)
+        command = Command(begin=self.t, seq=message.seq, request=message)
+        return self._begin(self.commands, message.command, command)
+
+    def _dispatched(self, message: m.Dispatched) -> Iterable[Episode]:
+        command = self.commands.get(message.command)
+        if command is None:
+            return self._stray(message)
+        if command.dispatched is None:
+            self.commands[message.command] = replace(command, dispatched=message)
+        request = command.request
+        action = self.actions.get(request.run)
+        if (
+            action is not None
+            and action.dispatched is None
+            and (message.driver or request.driver) not in PERFORMERS
+        ):
+            self.actions[request.run] = replace(action, dispatched=message)
+        return ()
+
+    def _progress(self, message: m.Progress) -> Iterable[Episode]:
+        command = self.commands.get(message.command)
+        if command is None:
+            return self._stray(message)
+        self.commands[message.command] = replace(command, progress=message)
+        return ()
+
+    def _command_ended(self, message: m.End) -> Iterable[Episode]:
+        command = self.commands.pop(message.command, None)
+        if command is None:
+            ended = self._stray(message)
+        else:
+            outcome = OUTCOMES[type(message)]
+            ended = (replace(command, end=self.t, outcome=outcome, ended=message),)
+        self._passing.pop(message.command, None)
+        if not isinstance(message, m.Done):
+            return ended
+        action = self.actions.get(command.request.run) if command is not None else None
+        if action is not None and message.sent.get("waits"):
+            self.actions[action.request.run] = replace(action, waits=True)
+        return (*ended, *self.model.switch(message, self.t))
+
+    def _stray(self, message: m.Ack) -> tuple[Episode, ...]:
+        """Of a passing command, or of one whose request is not in the log."""
+        return () if message.command in self._passing else self._moment(message)
+
+    def _mistake(self, message: m.Mistake) -> Iterable[Episode]:
+        action, command = self.actions.get(message.run), self.commands.get(message.run)
+        if action is not None and action.mistake is None:
+            self.actions[message.run] = replace(action, mistake=message)
+        elif command is not None and command.mistake is None:
+            self.commands[message.run] = replace(command, mistake=message)
+        return self._moment(message)
+
+    # -- the stop ---------------------------------------------------------------------------------
+
+    def _pressed(self, message: m.StopPressed) -> Iterable[Episode]:
+        press, stop = Press(message), self.stops.get(message.scope)
+        if stop is None:
+            begun = Stop(begin=self.t, seq=message.seq, presses=(press,))
+            return self._begin(self.stops, message.scope, begun)
+        first, *later = stop.presses
+        presses = (first, *later[-(PRESSES - 2) :], press)
+        self.stops[message.scope] = replace(stop, presses=presses)
+        return self._moment(message)
+
+    def _confirmed(self, message: m.StopConfirmed) -> Iterable[Episode]:
+        """It belongs to the earliest press that none has confirmed."""
+        waiting = [
+            (press.pressed.seq, scope, at)
+            for scope, stop in self.stops.items()
+            for at, press in enumerate(stop.presses)
+            if not press.confirmations
+        ]
+        stop = self.stop
+        if waiting:
+            _, scope, at = min(waiting)
+            stop = self.stops[scope]
+        elif stop is not None:
+            scope, at = "all", len(stop.presses) - 1
+        if stop is None:
+            return self._moment(message)
+        press = stop.presses[at]
+        press = replace(press, confirmations=(*press.confirmations[-PRESSES:], message))
+        presses = (*stop.presses[:at], press, *stop.presses[at + 1 :])
+        stop = self.stops[scope] = replace(stop, presses=presses)
+        if scope == "all" or not all(press.confirmations for press in presses):
+            return ()
+        del self.stops[scope]
+        return (replace(stop, end=self.t, outcome=Outcome.DONE),)
+
+    def _released(self, message: m.StopReleased) -> Iterable[Episode]:
+        ended = [
+            replace(stop, end=self.t, outcome=Outcome.RELEASED, released=message)
+            for stop in self.stops.values()
+        ]
+        self.stops.clear()
+        return ended or self._moment(message)
+
+    # -- drivers ----------------------------------------------------------------------------------
+
+    def _driver(self, message: DriverHealth) -> Iterator[Episode]:
+        name = message.driver
+        last = self.drivers.get(name)
+        if last is not None and type(last.health) is type(message):
+            driver = replace(last, health=message)
+        else:
+            driver = Driver(message, message, last.health if last else None)
+        keep(self.drivers, name, driver)
+        if isinstance(message, m.DriverLost | m.DriverFaulted):
+            if name not in self.lost:
+                lost = LostDriver(begin=self.t, seq=message.seq, lost=message)
+                yield from self._begin(self.lost, name, lost)
+            else:
+                yield from self._moment(message)
+            yield from self.robots.lose(message, self.t)
+            if isinstance(message, m.DriverLost):  # nobody hears where the speech ends
+                yield from self._cut_speech(name, Outcome.LOST)
+            return
+        ended = self.lost.pop(name, None) if isinstance(message, m.DriverConnected) else None
+        if ended is None:
+            yield from self._moment(message)
+        else:
+            yield replace(ended, end=self.t, outcome=Outcome.RECOVERED, found=message)
+        if isinstance(message, m.DriverConnected):
+            yield from self.robots.find(message, self.t)
+
+    def _lane_faulted(self, message: m.LaneFaulted) -> Iterable[Episode]:
+        faulted = FaultedLane(begin=self.t, seq=message.seq, faulted=message)
+        return self._begin(self.faulted_lanes, (message.driver, message.lane), faulted)
+
+    def _lane_recovered(self, message: m.LaneRecovered) -> Iterable[Episode]:
+        faulted = self.faulted_lanes.pop((message.driver, message.lane), None)
+        if faulted is None:
+            return self._moment(message)
+        return (replace(faulted, end=self.t, outcome=Outcome.RECOVERED, recovered=message),)
+
+    def _controls(self, message: m.ControlsMoved) -> None:
+        before = self.controls.get(message.driver)
+        if before is not None:
+            resting = {name: at for name, at in before.values.items() if name not in message.values}
+            message = replace(message, values={**resting, **message.values})
+        keep(self.controls, message.driver, message)
+
+    # -- the visitor ------------------------------------------------------------------------------
+
+    def _adopted(self, message: m.EngagementAdopted) -> Iterable[Episode]:
+        return self.model.adopt(message, self.t)
+
+    def _engagement(self, message: m.EngagementChanged) -> Iterable[Episode]:
+        off = self.model.off is not None
+        changes = self.model.change(message, self.t, self.begin or 0)
+        return (*changes, *self._moment(message)) if off else changes
+
+    def _engagement_shown(self, message: m.EngagementShown) -> None:
+        self.model.shown = message
+
+    def _speech_started(self, message: m.SpeechStarted) -> Iterator[Episode]:
+        key = (message.driver, message.segment)
+        began = self._past(message.began)
+        driver, segment = key
+        spoken = Utterance(
+            begin=began, seq=message.seq, driver=driver, segment=segment, started=message
+        )
+        yield from self._cut_speech(driver, Outcome.OPEN)
+        self._heard.pop(key, None)
+        yield from self._begin(self.speaking, key, spoken)
+
+    def _speech_ended(self, message: m.SpeechEnded) -> Iterator[Episode]:
+        """Of one that was cut this is the true end: it comes once more."""
+        key = (message.driver, message.segment)
+        heard = self._heard.pop(key, None)
+        spoken = self.speaking.pop(key, None) or heard
+        if spoken is None or spoken.ended is not None:  # numbers may begin anew
+            spoken = self._unheard(message)
+        end = self._past(message.ended)
+        begin = min(self._past(message.began), end)
+        spoken = replace(
+            spoken, begin=begin, end=end, outcome=Outcome.DONE, cut=False, ended=message
+        )
+        yield self._keep_heard(spoken)
+
+    def _speech_text(self, message: m.SpeechText) -> Iterator[Episode]:
+        """It usually comes when the utterance is over, which then comes once more."""
+        key = (message.driver, message.segment)
+        if key in self.speaking:
+            self.speaking[key] = replace(self.speaking[key], text=message)
+            return
+        spoken = self._heard.pop(key, None) or self._unheard(message)
+        yield self._keep_heard(replace(spoken, text=message))
+
+    def _unheard(self, message: m.SpeechEnded | m.SpeechText) -> Utterance:
+        """One of which the log has only this line."""
+        return Utterance(
+            begin=self.t,
+            end=self.t,
+            outcome=Outcome.DONE,
+            seq=message.seq,
+            driver=message.driver,
+            segment=message.segment,
+        )
+
+    def _keep_heard(self, spoken: Utterance) -> Utterance:
+        keep(self._heard, (spoken.driver, spoken.segment), spoken, HEARD)
+        return spoken
+
+    def _cut_speech(self, driver: str, outcome: str) -> Iterator[Episode]:
+        for key in [key for key in self.speaking if key[0] == driver]:
+            spoken = self.speaking.pop(key)
+            end = max(spoken.begin, self.t)
+            yield self._keep_heard(replace(spoken, end=end, outcome=outcome, cut=True))
+
+    def _past(self, t: int) -> int:
+        """A time in the past that a message names: not before the log began, and not after now."""
+        return min(max(t, self.begin or 0), self.t)
+
+    # -- what restricts the wizard ----------------------------------------------------------------
+
+    def _profile(self, message: m.ProfileChanged) -> Iterator[Episode]:
+        self.profile_changed = message
+        if self.profile is not None:
+            yield replace(self.profile, end=self.t, outcome=Outcome.CHANGED, left=message)
+        elif not message.profile:
+            yield from self._moment(message)
+        self.profile = None
+        if message.profile:
+            self.profile = Profile(begin=self.t, seq=message.seq, changed=message)
+            yield self.profile
+
+    def _perception(self, message: m.PerceptionChanged) -> Iterator[Episode]:
+        self.perception = message
+        restricted = bool(message.hidden or message.blurred)
+        if self.restriction is not None:
+            yield replace(self.restriction, end=self.t, outcome=Outcome.CHANGED, lifted=message)
+        elif not restricted:
+            yield from self._moment(message)
+        self.restriction = None
+        if restricted:
+            self.restriction = Restriction(begin=self.t, seq=message.seq, changed=message)
+            yield self.restriction
+
+    def _detached(self, message: m.ConsoleLost) -> Iterable[Episode]:
+        self.consoles.pop(message.console, None)
+        return self._moment(message)
+
+    # -- the study --------------------------------------------------------------------------------
+
+    def _trial_ended(self, message: m.TrialEnded) -> Iterable[Episode]:
+        stray = self.study.trial is None
+        ended = self.study.end_trial(message, self.t)
+        return (*ended, *self._moment(message)) if stray else ended
+
+    def _phase(self, message: m.PhaseChanged) -> Iterable[Episode]:
+        return [*self.study.change_phase(message, self.t)] or self._moment(message)
+
+    def _break_ended(self, message: m.BreakEnded) -> Iterable[Episode]:
+        if self.study.in_break is None:
+            return self._moment(message)
+        return self.study.end_break(message, self.t)
+
+    def _checked(self, message: m.PreflightChecked) -> Iterable[Episode]:
+        keep(self.study.checks, message.check, message)
+        return self._moment(message)
+
+    def _questionnaire_ended(self, message: m.QuestionnaireEnded) -> Iterable[Episode]:
+        ended = [*self.study.end_questionnaire(message, self.t)]
+        is_end = any(not episode.cut for episode in ended)
+        return ended if is_end else (*ended, *self._moment(message))
+
+    # -- training, re-run -------------------------------------------------------------------------
+
+    def _training(self, message: m.TrainingChanged) -> Iterable[Episode]:
+        self.training = message
+        return self._moment(message)
+
+    def _cue(self, message: m.CueGiven) -> Iterator[Episode]:
+        if self.cue is not None:
+            yield replace(self.cue, end=self.t, cut=True)
+        self.cue = Cue(begin=self.t, seq=message.seq, given=message)
+        yield self.cue
+
+    def _judged(self, message: m.CueAnswered) -> Iterable[Episode]:
+        cue = self.cue
+        if cue is None or cue.given.cue != message.cue:
+            return self._moment(message)
+        self.cue = None
+        return (replace(cue, end=self.t, outcome=message.judged, answered=message),)
+
+    def _rerun_started(self, message: m.RerunStarted) -> Iterator[Episode]:
+        if self.rerun is not None:
+            yield replace(self.rerun, end=self.t, cut=True)
+        self.rerun = Rerun(begin=self.t, seq=message.seq, started=message)
+        yield self.rerun
+
+    def _rerun_ended(self, message: m.RerunEnded) -> Iterable[Episode]:
+        rerun, self.rerun = self.rerun, None
+        if rerun is None:
+            return self._moment(message)
+        return (replace(rerun, end=self.t, outcome=Outcome.DONE, ended=message),)
+
+
+def _last(name: str) -> _Case:
+    """The last message of its kind is kept as this attribute."""
+
+    def case(state: SessionState, message: m.Message) -> None:
+        setattr(state, name, message)
+
+    return case
+
+
+def _last_of(name: str, key: str) -> _Case:
+    """The last message for each value of its field `key` is kept in this table."""
+
+    def case(state: SessionState, message: m.Message) -> None:
+        keep(getattr(state, name), getattr(message, key), message)
+
+    return case
+
+
+def _as_moment(case: _Case) -> _Case:
+    """The same, and it is a moment."""
+
+    def both(state: SessionState, message: m.Message) -> Iterable[Episode]:
+        case(state, message)
+        return state._moment(message)
+
+    return both
+
+
+def _pass_over(state: SessionState, message: m.Message) -> None:
+    """It says something of the log, not of the session."""
+
+
+_FIELDS = tuple(each.name for each in fields(SessionState))
+#: What changes in place.
+_COPIED = frozenset({dict, StudyState, ModelStatus, RobotSettings})
+
+S = SessionState
+#: What each kind of message does; a test says which kind is missing.
+CASES: dict[type[m.Message], _Case] = {
+    m.SessionStart: S._start,
+    m.SessionChanged: S._changed,
+    m.SessionEnd: _last("end"),
+    m.SessionPlan: S._plan,
+    m.RecorderState: _last("recorder"),
+    m.ActionRequested: S._requested,
+    m.ActionHeld: S._held,
+    m.Command: S._command,
+    m.Dispatched: S._dispatched,
+    m.Progress: S._progress,
+    m.Mistake: S._mistake,
+    m.StopPressed: S._pressed,
+    m.StopConfirmed: S._confirmed,
+    m.StopReleased: S._released,
+    m.LaneFaulted: S._lane_faulted,
+    m.LaneRecovered: S._lane_recovered,
+    m.Reading: _last_of("readings", "sensor"),
+    m.SensorChanged: _as_moment(_last_of("sensors", "sensor")),
+    m.EngagementAdopted: lambda state, message: state.model.adopt(message, state.t),
+    m.EngagementChanged: S._engagement,
+    m.EngagementShown: S._engagement_shown,
+    m.SpeechStarted: S._speech_started,
+    m.SpeechEnded: S._speech_ended,
+    m.SpeechText: S._speech_text,
+    m.ModeChanged: _as_moment(_last_of("modes", "driver")),
+    m.FaceShown: _last_of("faces", "driver"),
+    m.BodyChanged: _last_of("bodies", "driver"),
+    m.ControlsMoved: S._controls,
+    m.SettingsShown: lambda state, message: state.robots.show(message, state.t),
+    m.ScriptMoved: _as_moment(_last_of("scripts", "phase")),
+    m.PhaseChanged: S._phase,
+    m.PanelLocked: _as_moment(_last_of("locks", "panel")),
+    m.ProfileChanged: S._profile,
+    m.ConsoleAttached: _as_moment(_last_of("consoles", "console")),
+    m.ConsoleLost: S._detached,
+    m.ConditionsAssigned: S._assigned,
+    m.TrialStarted: lambda state, message: state.study.begin_trial(message, state.t),
+    m.TrialEnded: S._trial_ended,
+    m.BreakStarted: lambda state, message: state.study.begin_break(message, state.t),
+    m.BreakEnded: S._break_ended,
+    m.PreflightChecked: S._checked,
+    m.QuestionnaireStarted: lambda state, message: state.study.ask(message, state.t),
+    m.QuestionnaireAnswered: lambda state, message: state.study.answer(message, state.t),
+    m.QuestionnaireEnded: S._questionnaire_ended,
+    m.ShapingChanged: _as_moment(_last("shaping")),
+    m.PerceptionChanged: S._perception,
+    m.TrainingChanged: S._training,
+    m.CueGiven: S._cue,
+    m.CueAnswered: S._judged,
+    m.RerunStarted: S._rerun_started,
+    m.RerunEnded: S._rerun_ended,
+    **dict.fromkeys(
+        (m.ActionDone, m.ActionFailed, m.ActionStopped, m.ActionSuperseded, m.ActionRefused),
+        S._action_ended,
+    ),
+    **dict.fromkeys(
+        (m.Done, m.Failed, m.TimedOut, m.Refused, m.Stopped, m.Superseded), S._command_ended
+    ),
+    **dict.fromkeys(
+        (m.DriverConnecting, m.DriverConnected, m.DriverLost, m.DriverFaulted), S._driver
+    ),
+    # Moments, and nothing but moments.
+    **dict.fromkeys((m.Marker, m.Note, m.Notice, m.VisitorChanged), S._moment),
+    **dict.fromkeys((m.RerunSent, m.RerunSkipped), S._moment),
+    m.ExperimentReloaded: S._reloaded,
+    m.ActionsFilled: S._filled,
+    **dict.fromkeys((m.ClockTie, m.Checkpoint, m.Segment, m.ExperimentFiles), _pass_over),
+}

@@ -1,0 +1,127 @@
+"""Robots' settings as they were read back: the value of each, and whether it is the wanted one.
+
+A driver publishes its settings when they change (`settings.shown`), so its last message holds.
+While its robot is lost nothing is known of them: that is no difference.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from msgspec.structs import replace
+
+from woz_tui.protocol import messages as m
+from woz_tui.timeline.episodes import MOST, Conflict, Episode, Outcome, Setting, keep
+
+#: A driver's settings by name, its conflicts by sentence.
+_Key = tuple[type[Episode], str]
+
+
+@dataclass(slots=True)
+class RobotSettings:
+    """What is known of robots' settings. Each method takes a message and returns the episodes that
+    ended with it or began.
+
+    Attributes:
+        shown: The last message of each driver.
+        lost: Drivers whose robot is lost, and the line that says so.
+    """
+
+    shown: dict[str, m.SettingsShown] = field(default_factory=dict)
+    lost: dict[str, m.DriverHealth] = field(default_factory=dict)
+    #: What showed that a robot is back, where no line said so.
+    _back: dict[str, m.SettingsShown] = field(default_factory=dict)
+    _open: dict[str, dict[_Key, Setting | Conflict]] = field(default_factory=dict)
+
+    def copy(self) -> RobotSettings:
+        """The same, to go on from here without changing this one."""
+        held = {driver: dict(episodes) for driver, episodes in self._open.items()}
+        return RobotSettings(dict(self.shown), dict(self.lost), dict(self._back), held)
+
+    def of(self, driver: str) -> dict[str, Setting]:
+        """The driver's settings by name as they are now; those of a lost robot are unknown."""
+        found = self._open.get(driver, {})
+        return {name: each for (_, name), each in found.items() if isinstance(each, Setting)}
+
+    @property
+    def lines(self) -> Iterator[m.Message]:
+        """The messages from which it becomes the same again, but for when each setting began."""
+        yield from self.shown.values()
+        yield from self.lost.values()
+        yield from self._back.values()
+
+    def open(self) -> Iterator[Episode]:
+        """What goes on."""
+        for episodes in self._open.values():
+            yield from episodes.values()
+
+    def show(self, message: m.SettingsShown, t: int) -> Iterator[Episode]:
+        """A driver publishes what its robot has.
+
+        The line of its coming back may be missing, or later: a robot from which a difference was
+        read is there.
+        """
+        keep(self.shown, message.driver, message)
+        if message.wanted and self.lost.pop(message.driver, None) is not None:
+            keep(self._back, message.driver, message)
+        if message.driver not in self.lost:
+            yield from self._compare(message.driver, t, message.seq)
+
+    def lose(self, message: m.DriverHealth, t: int) -> Iterator[Episode]:
+        """A driver's robot is lost: nothing is known of its settings any more."""
+        if message.driver not in self.lost:
+            keep(self.lost, message.driver, message)
+            self._back.pop(message.driver, None)
+            yield from self._compare(message.driver, t, message.seq)
+
+    def find(self, message: m.DriverConnected, t: int) -> Iterator[Episode]:
+        """It is back: its last message holds again."""
+        if self.lost.pop(message.driver, None) is not None:
+            yield from self._compare(message.driver, t, message.seq)
+
+    def _compare(self, driver: str, t: int, seq: int) -> Iterator[Episode]:
+        """End what is not so any more, begin what is so now."""
+        now = {} if driver in self.lost else _found(self.shown.get(driver), t, seq)
+        if driver not in self._open and len(self._open) >= MOST:
+            return
+        before = self._open.setdefault(driver, {})
+        for key in dict.fromkeys((*before, *now)):
+            old, new = before.get(key), now.get(key)
+            if new is None and key[0] is Setting:  # that it is unknown lasts, too
+                new = Setting(begin=t, seq=seq, driver=driver, name=key[1], differs=None)
+            if old is not None and new is not None and _same(old, new):
+                continue
+            if old is not None:
+                lost = driver in self.lost
+                yield replace(old, end=t, outcome=Outcome.LOST if lost else Outcome.CHANGED)
+                del before[key]
+            if new is not None and len(before) < MOST:
+                before[key] = new
+                yield new
+
+
+def _same(one: Setting | Conflict, other: Setting | Conflict) -> bool:
+    if isinstance(one, Conflict) or isinstance(other, Conflict):
+        return True  # its sentence is its key
+    return (one.differs, one.value, one.wanted) == (other.differs, other.value, other.wanted)
+
+
+def _found(shown: m.SettingsShown | None, t: int, seq: int) -> dict[_Key, Setting | Conflict]:
+    """All that a line says; nothing without a line."""
+    if shown is None:
+        return {}
+    driver, found = shown.driver, dict[_Key, Setting | Conflict]()
+    for name in dict.fromkeys((*shown.values, *shown.wanted)):
+        found[Setting, name] = Setting(
+            begin=t,
+            seq=seq,
+            driver=driver,
+            name=name,
+            value=shown.values.get(name),
+            wanted=shown.wanted.get(name),
+            differs=name in shown.wanted,
+        )
+    for sentence in shown.conflicts:
+        found[Conflict, sentence] = Conflict(begin=t, seq=seq, driver=driver, sentence=sentence)
+    return found

@@ -1,0 +1,392 @@
+"""The study around a session: participant, condition, trials, phases, breaks, questionnaires."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol, TypeVar
+
+from msgspec.structs import replace
+
+from woz_tui.config.due_questionnaires import OVER, due_behind
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.welcome import StudySettings
+from woz_tui.timeline.episodes import Break, Episode, Outcome, Phase, Questionnaire, Trial, keep
+from woz_tui.timeline.trial_context import Context
+
+#: Sources of a change with which the phases begin anew.
+ANEW = ("trial", "session")
+
+
+@dataclass(frozen=True, slots=True)
+class Due:
+    """A questionnaire that is due, and the trial behind which it is (-1: behind the last)."""
+
+    questionnaire: str
+    trial: int = -1
+
+
+class PhaseLike(Protocol):
+    """A phase of the experiment file, or what a console is shown of it."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        ...
+
+    @property
+    def after(self) -> Sequence[str]:
+        """It can begin once one of these has begun; none: at any time."""
+        ...
+
+
+P = TypeVar("P", bound=PhaseLike)
+
+
+@dataclass(slots=True)
+class StudyState:
+    """How a study stands. Each method takes a message and returns the episodes that ended with it
+    or began.
+
+    Times: `t` in microseconds, never earlier than before.
+
+    Attributes:
+        settings: `settings.study` of the last `session.plan`, or what the robot process has put
+            here: what the experiment file says.
+        participant, condition: Codes; empty while nobody has set one.
+        context: To whom and what this moment belongs.
+        next_trial: The number of the next trial, or of the present one.
+        assigned: The order of conditions that was given last, perhaps to somebody else (`order`).
+        trial, phase, in_break, questionnaire: What is under way.
+        phases: Those that have begun since the trial or the participant's session began, by name:
+            the first line of each.
+        last_started: Of trials.
+        last_ended: How the participant's last trial ended; None: there was none.
+        checks: Lines of the preflight list, by what was checked.
+        had: Questionnaires that this participant has had or declined, and their ends by name.
+    """
+
+    settings: StudySettings = field(default_factory=StudySettings)
+    participant: str = ""
+    condition: str = ""
+    context: Context = field(default_factory=Context)
+    next_trial: int = 1
+    assigned: m.ConditionsAssigned | None = None
+    trial: Trial | None = None
+    phase: Phase | None = None
+    phases: dict[str, m.PhaseChanged] = field(default_factory=dict)
+    in_break: Break | None = None
+    questionnaire: Questionnaire | None = None
+    last_started: m.TrialStarted | None = None
+    last_ended: m.TrialEnded | None = None
+    checks: dict[str, m.PreflightChecked] = field(default_factory=dict)
+    had: dict[str, m.QuestionnaireEnded] = field(default_factory=dict)
+    #: Whether any line has set the context.
+    begun: bool = False
+    #: The trial whose questionnaires are due, the order of conditions at its end, and which
+    #: questionnaires have been had since.
+    _over: m.TrialEnded | None = None
+    _order_then: m.ConditionsAssigned | None = None
+    _had_since: frozenset[str] = frozenset()
+    #: The last end of each questionnaire, whoever had it.
+    _rounds: dict[str, m.QuestionnaireEnded] = field(default_factory=dict)
+    #: A number that was set by hand, where no trials are begun.
+    _number: int | None = None
+    #: Trials are begun and ended in this session: a number that is set is that of the next one.
+    _begins_trials: bool = False
+    #: The lines from which participant, condition, the next number and the number by hand come, the
+    #: one that set or began a number last, and the last end of a trial.
+    _sources: dict[str, m.Message] = field(default_factory=dict)
+
+    def copy(self) -> StudyState:
+        """The same, to go on from here without changing this one."""
+        other = copy.copy(self)
+        for name in ("phases", "checks", "had", "_rounds", "_sources"):
+            setattr(other, name, dict(getattr(self, name)))
+        return other
+
+    # -- figures ----------------------------------------------------------------------------------
+
+    @property
+    def order(self) -> Sequence[str]:
+        """The conditions of the present participant in their order; empty if none was given."""
+        if self.assigned is None or self.assigned.participant != self.participant:
+            return ()
+        return self.assigned.order
+
+    @property
+    def trials(self) -> int:
+        """Trials in each condition; 0: not specified."""
+        design = self.settings.design
+        return design.trials if design is not None else 0
+
+    @property
+    def planned(self) -> int:
+        """Trials of the participant in all; 0: not specified, or no order was given yet."""
+        return self._planned(self.assigned)
+
+    def condition_of(self, trial: int) -> str:
+        """The condition that the order has for this trial; empty if it has none."""
+        place = (trial - 1) // self.trials if self.trials and trial > 0 else -1
+        return self.order[place] if 0 <= place < len(self.order) else ""
+
+    def ticked(self, check: str) -> bool:
+        """Whether this line of the preflight list is in order."""
+        return check in self.checks and self.checks[check].level == "ok"
+
+    def can_begin(self, phase: PhaseLike, phases: Sequence[PhaseLike]) -> bool:
+        """Whether this one of the file's `phases` can begin now; whatever has begun once can."""
+        return not phase.after or phase is phases[0] or bool(self.phases.keys() & {*phase.after})
+
+    def next_phase(self, phases: Sequence[P]) -> P | None:
+        """The first of the file's `phases` behind the present one that can begin now."""
+        present = self.phase.label if self.phase is not None else ""
+        places = [place for place, each in enumerate(phases) if each.name == present]
+        behind = phases[places[0] + 1 :] if places else phases
+        return next((each for each in behind if self.can_begin(each, phases)), None)
+
+    @property
+    def number(self) -> int | None:
+        """The number of the trial that began last, or that was set since; None: none was."""
+        line = self._sources.get("trial")
+        return line.trial if isinstance(line, m.SessionChanged | m.TrialStarted) else None
+
+    def _planned(self, assigned: m.ConditionsAssigned | None) -> int:
+        if assigned is None or assigned.participant != self.participant:
+            return 0
+        return self.trials * max(len(assigned.order), 1)
+
+    @property
+    def due(self) -> list[Due]:
+        """Questionnaires that are due behind the trial that ended last, in the file's order."""
+        over = self._over
+        if over is None:
+            return []
+        planned = self._planned(self._order_then)
+        whens = due_behind(over.trial, over.outcome, trials=self.trials, planned=planned)
+        return [
+            Due(name, -1 if when == "end" else over.trial)
+            for when in whens
+            for name in self._questionnaires(when)
+            if name not in self._had_since
+        ]
+
+    def open_at_end(self) -> tuple[Due, ...]:
+        """What is due and what is for the end, and was neither answered nor declined; without any
+        participant and trial nothing is for the end.
+        """
+        due = self.due
+        begun = bool(self.participant) or self.last_started is not None
+        named = self.had.keys() | {each.questionnaire for each in due}
+        at_end = self._questionnaires("end") if begun else ()
+        return (*due, *(Due(name) for name in at_end if name not in named))
+
+    def _questionnaires(self, when: str) -> Iterator[str]:
+        for each in self.settings.questionnaires:
+            if each.when == when:
+                yield each.name
+
+    @property
+    def lines(self) -> Iterator[m.Message]:
+        """The messages from which it becomes the same again; they may repeat, in no order."""
+        yield from self._sources.values()
+        yield from self.checks.values()
+        yield from self.had.values()
+        yield from self.phases.values()
+        yield from self._rounds.values()
+        study = (self.assigned, self.last_started, self._over, self._order_then)
+        for line in study:
+            if line is not None:
+                yield line
+        for episode in self.open():
+            yield from episode.lines
+
+    def open(self) -> Iterator[Episode]:
+        """What goes on."""
+        for episode in (self.trial, self.phase, self.in_break, self.questionnaire):
+            if episode is not None:
+                yield episode
+
+    # -- who and where ----------------------------------------------------------------------------
+
+    def start(self, message: m.SessionStart) -> None:
+        """The session begins."""
+        self._somebody(message.participant, message)
+        self._sources["condition"] = message
+        self.condition = message.condition
+        self._enter()
+
+    def change(self, message: m.SessionChanged) -> None:
+        """Participant, condition or number were set."""
+        if message.participant is not None:
+            self._somebody(message.participant, message)
+        if message.condition is not None:
+            self.condition = message.condition
+            self._sources["condition"] = message
+        if message.trial is not None:
+            self._sources["trial"] = message
+            self._follow(message.trial, message)
+            if not self._begins_trials:
+                self._number = message.trial
+                self._sources["number"] = message
+        self._enter()
+
+    def assign(self, message: m.ConditionsAssigned) -> None:
+        """A participant got an order of conditions."""
+        self._somebody(message.participant, message)
+        self.assigned = message
+        self._begin_trials()
+        self._enter()
+
+    def _somebody(self, participant: str, message: m.Message) -> None:
+        """Another participant begins anew, and has had no questionnaire."""
+        if "participant" in self._sources and participant == self.participant:
+            return
+        self.participant = participant
+        if "participant" in self._sources:  # so that one who comes back begins anew
+            self._sources["before"] = self._sources["participant"]
+        self._sources["participant"] = message
+        self._follow(1, message)
+        self.had.clear()
+        self.last_ended = None
+        self._over, self._had_since = None, frozenset()
+
+    def _follow(self, number: int, message: m.Message) -> None:
+        self.next_trial = number
+        self._sources["next"] = message
+
+    def _begin_trials(self) -> None:
+        if not self._begins_trials:
+            self._begins_trials, self._number = True, None
+            self._sources.pop("number", None)
+
+    def _enter(self) -> None:
+        """Work out the context anew; the same one stays the same object."""
+        self.begun = True
+        trial, in_break = self.trial, self.in_break is not None
+        number = self._number if trial is None else trial.started.trial
+        context = Context(
+            participant=self.participant,
+            condition=self.condition,
+            trial=None if in_break else number,
+            run=None if in_break or trial is None else trial.seq,
+            in_break=in_break,
+            phase="" if in_break or self.phase is None else self.phase.label,
+        )
+        if context != self.context:
+            self.context = context
+
+    # -- trials and breaks ------------------------------------------------------------------------
+
+    def begin_trial(self, message: m.TrialStarted, t: int) -> Iterator[Episode]:
+        """A trial begins, whatever was before: of what has no end in the log this is the end."""
+        yield from self._cut_break(t)
+        yield from self._end_phase(message, t)
+        if self.trial is not None:
+            yield replace(self.trial, end=t, cut=True)
+        self._begin_trials()
+        self.trial = Trial(begin=t, seq=message.seq, started=message)
+        self.last_started = self._sources["trial"] = message
+        self._follow(message.trial, message)
+        self._over, self._had_since = None, frozenset()
+        if message.condition:
+            self.condition = message.condition
+            self._sources["condition"] = message
+        self._enter()
+        yield self.trial
+
+    def end_trial(self, message: m.TrialEnded, t: int) -> Iterator[Episode]:
+        """A trial is over, and with it the phase and the break inside it."""
+        yield from self._cut_break(t)
+        yield from self._end_phase(message, t)
+        if self.trial is not None:
+            yield replace(self.trial, end=t, outcome=message.outcome, ended=message)
+        self.trial = None
+        self.last_ended = self._sources["ended"] = message
+        self._number = None
+        self._sources.pop("number", None)
+        if message.outcome in OVER:
+            self._follow(message.trial + 1, message)
+            self._over, self._had_since = message, frozenset()
+            self._order_then = self.assigned
+        self._enter()
+
+    def change_phase(self, message: m.PhaseChanged, t: int) -> Iterator[Episode]:
+        """Another phase holds, or none; with a trial or a session all of them begin anew."""
+        begun = {} if message.source in ANEW else self.phases
+        yield from self._end_phase(message, t)
+        self.phases = begun
+        if message.phase:
+            self.phase = Phase(begin=t, seq=message.seq, changed=message)
+            if message.phase not in begun:
+                keep(begun, message.phase, message)
+            yield self.phase
+        self._enter()
+
+    def _end_phase(
+        self, message: m.PhaseChanged | m.TrialStarted | m.TrialEnded, t: int
+    ) -> Iterator[Episode]:
+        if self.phase is not None:
+            yield replace(self.phase, end=t, outcome=Outcome.DONE, left=message)
+        self.phase, self.phases = None, {}
+
+    def begin_break(self, message: m.BreakStarted, t: int) -> Iterator[Episode]:
+        """What happens now belongs to no trial."""
+        yield from self._cut_break(t)
+        self.in_break = Break(begin=t, seq=message.seq, started=message)
+        self._enter()
+        yield self.in_break
+
+    def end_break(self, message: m.BreakEnded, t: int) -> Iterator[Episode]:
+        """The trial that was interrupted goes on, if one was."""
+        if self.in_break is None:
+            return
+        ended = replace(self.in_break, end=t, outcome=Outcome.DONE, ended=message)
+        self.in_break = None
+        self._enter()
+        yield ended
+
+    def _cut_break(self, t: int) -> Iterator[Episode]:
+        if self.in_break is not None:
+            yield replace(self.in_break, end=t, cut=True)
+            self.in_break = None
+
+    # -- questionnaires ---------------------------------------------------------------------------
+
+    def ask(self, message: m.QuestionnaireStarted, t: int) -> Iterator[Episode]:
+        """A questionnaire begins; there is one at a time."""
+        yield from self._cut_questionnaire(t)
+        self.questionnaire = Questionnaire(
+            begin=t, seq=message.seq, name=message.questionnaire, started=message
+        )
+        yield self.questionnaire
+
+    def answer(self, message: m.QuestionnaireAnswered, t: int) -> Iterator[Episode]:
+        """An answer; without its beginning in the log, the questionnaire begins with it."""
+        name = message.questionnaire
+        if self.questionnaire is None or self.questionnaire.name != name:
+            yield from self._cut_questionnaire(t)
+            self.questionnaire = Questionnaire(begin=t, seq=message.seq, name=name)
+            yield self.questionnaire
+        answers = dict(self.questionnaire.answers)
+        keep(answers, message.item, message)
+        self.questionnaire = replace(self.questionnaire, answers=answers)
+
+    def end_questionnaire(self, message: m.QuestionnaireEnded, t: int) -> Iterable[Episode]:
+        """It is over; nothing comes of it if its beginning is not in the log."""
+        name = message.questionnaire
+        keep(self._rounds, name, message)
+        if message.reason != Outcome.LEFT:
+            keep(self.had, name, message)
+            self._had_since = (self._had_since & self.had.keys()) | {name}
+        current = self.questionnaire
+        if current is None or current.name != name:
+            return [*self._cut_questionnaire(t)]
+        self.questionnaire = None
+        return [replace(current, end=t, outcome=message.reason, ended=message)]
+
+    def _cut_questionnaire(self, t: int) -> Iterator[Episode]:
+        if self.questionnaire is not None:
+            yield replace(self.questionnaire, end=t, cut=True)
+            self.questionnaire = None

@@ -1,0 +1,42 @@
+"""Scores of past trainings, wizard by wizard: read from the logs, which are all there is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from woz_tui.analysis.figures import Training
+from woz_tui.analysis.session_reading import NoSessionError, examine
+from woz_tui.analysis.session_sources import sessions_in
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """One training: whose, when (UTC, RFC 3339), on which experiment, and how it went."""
+
+    wizard: str
+    started: str
+    session: str
+    title: str
+    training: Training
+
+
+def score_of(log: Path) -> Score | None:
+    """The training in this log; None if it holds none, or is no log."""
+    try:
+        figures = examine(log).figures
+    except (NoSessionError, OSError):
+        return None
+    if figures.training is None:
+        return None
+    return Score(figures.wizard, figures.started, figures.session, figures.title, figures.training)
+
+
+def history(folder: Path, wizard: str = "") -> list[Score]:
+    """All trainings in `folder`, oldest first; of one wizard, or of everybody."""
+    logs, _ = sessions_in([str(folder)]) if folder.is_dir() else ([], [])
+    scores = [score for log in logs if (score := score_of(log)) is not None]
+    return sorted(
+        (score for score in scores if wizard in ("", score.wizard)),
+        key=lambda score: (score.wizard, score.started, score.session),
+    )

@@ -19,9 +19,9 @@ from collections.abc import Callable
 
 from benchmarks.figures import Spread, machine, table, verdict
 from woz_tui.config.engagement import FILTERS, SIGNS, EngagementSettings
-from woz_tui.sensing.engagement_model import Engagement
+from woz_tui.sensing.engagement_model import EngagementModel
 from woz_tui.sensing.model_time import SECOND
-from woz_tui.sensing.sample_rows import Rows
+from woz_tui.sensing.sample_rows import SampleRowReader
 
 #: Goal at p50, in microseconds: four signs at 30 Hz take one part in a hundred of a core.
 GOAL_US = SECOND / 100 / (len(SIGNS) * 30)
@@ -53,7 +53,7 @@ def rounds(count: int, seed: int = 1) -> list[Round]:
 
 def through_model(kind: str) -> Way:
     """The whole model with one kind of filter."""
-    model = Engagement(EngagementSettings(filter=kind, samples=PLACES))
+    model = EngagementModel(EngagementSettings(filter=kind, samples=PLACES))
 
     def way(batch: list[Round], begins: int) -> None:
         for number, values in enumerate(batch):
@@ -67,7 +67,7 @@ def through_model(kind: str) -> Way:
 
 def through_lines() -> Way:
     """Lines of samples, from text to text."""
-    model = Rows(EngagementSettings(samples=PLACES))
+    model = SampleRowReader(EngagementSettings(samples=PLACES))
 
     def way(batch: list[Round], begins: int) -> None:
         for number, (presence, gaze, distance, name) in enumerate(batch):

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from woz_tui import cli
-from woz_tui.cli.engagement_again import Above, Again
+from woz_tui.cli.engagement_again import ModelRerun, SettingsOverride
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_json import plain
 from woz_tui.protocol import codec
@@ -37,19 +37,19 @@ def here(t: int) -> m.AnyMessage:
     return m.Reading(t=t, sensor="presence", value=1.0)
 
 
-def ran(again: Again, lines: Sequence[m.AnyMessage]) -> Again:
+def ran(again: ModelRerun, lines: Sequence[m.AnyMessage]) -> ModelRerun:
     for line in lines:
         again.take(line)
     return again
 
 
-def places(again: Again) -> int:
+def places(again: ModelRerun) -> int:
     assert again.follower is not None
     return again.follower.shown().signs["presence"].places
 
 
 def test_there_is_no_model_before_the_log_tells_its_settings_and_none_after_the_last() -> None:
-    again = Again(None, Above())
+    again = ModelRerun(None, SettingsOverride())
     assert again.take(here(0)) == ()
     again.take(told(SECOND, QUICK))
     [change] = again.take(here(SECOND))
@@ -65,22 +65,27 @@ def test_a_model_that_comes_back_knows_what_the_robot_says() -> None:
     """As live, where it is told what holds."""
     say = m.Command(command="c1", verb="say", args={}, driver="voice", source="key")
     spoken = m.Dispatched(command="c1", driver="voice", latency_us=9)
-    again = ran(Again(None, Above()), [say, spoken, told(SECOND, QUICK)])
+    again = ran(ModelRerun(None, SettingsOverride()), [say, spoken, told(SECOND, QUICK)])
     assert again.follower is not None
     assert again.follower.speaks
 
 
 def test_options_stand_above_every_section_that_the_log_tells() -> None:
-    again = Again(None, Above(lambda recorded: replace(recorded, samples=5)))
+    again = ModelRerun(None, SettingsOverride(lambda recorded: replace(recorded, samples=5)))
     ran(again, [told(0, QUICK), told(1, EngagementSettings(social_distance=2.0))])
     assert places(again) == 5
     assert again.settings.social_distance == 2.0
-    assert places(ran(Again(QUICK, Above.always(QUICK)), [told(0, EngagementSettings())])) == 1
+    assert (
+        places(
+            ran(ModelRerun(QUICK, SettingsOverride.always(QUICK)), [told(0, EngagementSettings())])
+        )
+        == 1
+    )
 
 
 def test_settings_that_cannot_be_read_leave_those_that_hold() -> None:
     broken = m.EngagementAdopted(t=1, settings={"samples": "many"})
-    again = ran(Again(None, Above()), [told(0, QUICK), broken])
+    again = ran(ModelRerun(None, SettingsOverride()), [told(0, QUICK), broken])
     assert places(again) == 1
     assert "samples" in again.unreadable[0]
 
@@ -92,16 +97,16 @@ def test_keys_count_but_for_what_the_command_line_names() -> None:
         *key(3, "social_distance", metres=2.0),
     ]
     lines = [told(0, QUICK), *keys]
-    shown = _shown(ran(Again(None, Above()), lines))
+    shown = _shown(ran(ModelRerun(None, SettingsOverride()), lines))
     assert (shown.signs["presence"].filter, shown.social_distance) == ("joint", 2.0)
-    again = ran(Again(None, Above(named={"filter": frozenset({"kind"})})), lines)
+    again = ran(ModelRerun(None, SettingsOverride(named={"filter": frozenset({"kind"})})), lines)
     shown = _shown(again)
     assert (shown.signs["presence"].filter, shown.signs["presence"].places) == ("fifo", 6)
     assert shown.social_distance == 2.0
     assert again.passed_over == [1, 2]
 
 
-def _shown(again: Again) -> m.EngagementShown:
+def _shown(again: ModelRerun) -> m.EngagementShown:
     assert again.follower is not None
     return again.follower.shown()
 

@@ -16,7 +16,7 @@ from tools import EXPERIMENTS
 from tools.demo_session import catalogue
 from woz_tui import cli
 from woz_tui.cli.engagement_compare import MOVED, ONLY_COMPUTED, ONLY_RECORDED, SAME, paired
-from woz_tui.cli.engagement_log import recounted
+from woz_tui.cli.engagement_log import rerun
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
@@ -24,7 +24,7 @@ from woz_tui.drivers.plugins import installed
 from woz_tui.log.log_reader import Damage
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.engagement_model import Change
+from woz_tui.sensing.engagement_model import Transition
 from woz_tui.session.action_runner import Origin
 from woz_tui.session.participant_identity import AskError, Identity
 from woz_tui.session.session import Session
@@ -37,7 +37,7 @@ WIZARD = Origin("key", "k", "con1")
 Path_ = list[tuple[str, str, str, str, str, str, bool]]
 
 
-def path_of(changes: list[Change]) -> Path_:
+def path_of(changes: list[Transition]) -> Path_:
     """All that a transition says but its time."""
     return [
         (
@@ -112,7 +112,7 @@ def settings() -> EngagementSettings:
 
 def test_with_the_same_settings_the_path_is_the_same(log: Path) -> None:
     """E5: what the session has logged comes out again, every reason and verdict included."""
-    found = recounted(log, settings(), Damage())
+    found = rerun(log, settings(), Damage())
     assert len(found.recorded) > 20
     assert path_of(found.computed) == path_of(found.recorded)
     assert all(pair.sign == SAME for pair in paired(found.recorded, found.computed))
@@ -122,7 +122,7 @@ def test_with_the_same_settings_the_path_is_the_same(log: Path) -> None:
 def test_whatever_the_wizard_does_the_path_is_the_same(tmp_path: Path, seed: int) -> None:
     """E7: overrides, forced states, the stop, filters set while running, the file edited, too."""
     path = run_virtual(_recorded(tmp_path, seed))
-    found = recounted(path, None, Damage())
+    found = rerun(path, None, Damage())
     assert found.again is not None
     assert len(found.again.told) > 2
     assert len(found.recorded) > 20
@@ -224,13 +224,13 @@ def test_a_torn_log_is_read_as_far_as_it_goes(log: Path, tmp_path: Path) -> None
     samples = log.with_name(log.name.replace(".jsonl", ".samples.jsonl"))
     (tmp_path / samples.name).write_bytes(samples.read_bytes())
     damage = Damage()
-    found = recounted(torn, settings(), damage)
+    found = rerun(torn, settings(), damage)
     assert damage.sentences()
     assert path_of(found.computed)[:5] == path_of(found.recorded)[:5]
 
 
-def change(t: float, was: str, now: str) -> Change:
-    return Change(round(t * 1e6), was, now, "x", "", {}, "", False)
+def change(t: float, was: str, now: str) -> Transition:
+    return Transition(round(t * 1e6), was, now, "x", "", {}, "", False)
 
 
 def test_pairs_stand_in_the_order_of_time() -> None:
@@ -282,6 +282,6 @@ def test_samples_whose_sensor_is_no_name_are_passed_over(log: Path, tmp_path: Pa
         lines[place] = json.dumps(odd).encode()
     (tmp_path / name).write_bytes(b"\n".join(lines) + b"\n")
     (tmp_path / log.name).write_bytes(log.read_bytes())
-    found = recounted(tmp_path / log.name, None, Damage())
+    found = rerun(tmp_path / log.name, None, Damage())
     assert len(found.computed) > 20
     assert found.sensors <= {"presence", "gaze", "distance", "identity", "loudness"}

@@ -14,13 +14,13 @@ from tests.replay.again import written
 from tests.replay.test_plan import LOG, START
 from woz_tui import cli
 from woz_tui.cli.engagement_compare import engaged_share
-from woz_tui.cli.engagement_log import recounted
-from woz_tui.cli.engagement_off import Recorded
+from woz_tui.cli.engagement_log import rerun
+from woz_tui.cli.engagement_off import RecordedModel
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_json import plain
 from woz_tui.log.log_reader import Damage
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.engagement_model import Change
+from woz_tui.sensing.engagement_model import Transition
 
 Timed = tuple[float, m.AnyMessage]
 ADOPTED = m.EngagementAdopted(settings=plain(EngagementSettings()))
@@ -57,7 +57,7 @@ def compared(
     path = written(folder / LOG, [(0, START), *messages])
     assert cli.main(["engagement", str(path), "--compare"]) == 0
     text = " ".join(capsys.readouterr().out.split())
-    figures = recounted(path, None, Damage())
+    figures = rerun(path, None, Damage())
     assert figures.end == 100_000_000
     assert cli.main(["engagement", str(path), "--compare", "--json"]) == 0
     return json.loads(capsys.readouterr().out)["summary"], text
@@ -126,12 +126,12 @@ def test_the_share_is_the_reports(steps: list[tuple[int, str | m.AnyMessage]]) -
             it.state(at, state, what)
             state = what
     messages = in_time(it.end(at + 5))
-    then = Recorded(there=False, on=True)
-    path: list[Change] = []
+    then = RecordedModel(there=False, on=True)
+    path: list[Transition] = []
     for message in messages:
         then.take(message)
         if isinstance(message, m.EngagementChanged):
-            path.append(Change(message.t, message.was, message.now, "", "", {}, "", False))
+            path.append(Transition(message.t, message.was, message.now, "", "", {}, "", False))
     end = messages[-1].t
     then.off.close(end)
     share = engaged_share(path, end, then.off)

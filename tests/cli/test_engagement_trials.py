@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from woz_tui import cli
-from woz_tui.cli.engagement_trials import Delay, medians, trials
+from woz_tui.cli.engagement_trials import EngagementDelay, medians, trials
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
@@ -82,7 +82,7 @@ def test_delays_are_those_of_the_filter() -> None:
     [come, gone, nothing] = trials(lines, EngagementSettings()).delays()
     assert [come.plain, come.filtered] == pytest.approx([0.1, 1.1], abs=0.01)
     assert [gone.plain, gone.filtered] == pytest.approx([0.1, 1.433], abs=0.01)
-    assert nothing == Delay(35 * SECOND, changes=False)
+    assert nothing == EngagementDelay(35 * SECOND, changes=False)
 
 
 def test_a_filter_that_the_wizard_sets_counts_for_the_filtered_ones_alone() -> None:
@@ -134,10 +134,11 @@ def test_the_command_prints_both_tables(log: Path, capsys: pytest.CaptureFixture
 
 def test_a_mark_without_an_end_is_never_and_moves_the_median() -> None:
     """Of what was to change: a mark at which nothing did is no delay."""
-    late = Delay(2 * SECOND, plain=1.0)
-    none = Delay(3 * SECOND, changes=False)
+    late = EngagementDelay(2 * SECOND, plain=1.0)
+    none = EngagementDelay(3 * SECOND, changes=False)
     [nothing, middle, worst] = [
-        [*changes, *[none] * 5] for changes in ([], [late, Delay(1, 0.5, 0.5)], [late, late])
+        [*changes, *[none] * 5]
+        for changes in ([], [late, EngagementDelay(1, 0.5, 0.5)], [late, late])
     ]
     assert medians(nothing) is None
     assert medians(middle) == (0.75, None)

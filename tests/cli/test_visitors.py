@@ -14,7 +14,7 @@ import pytest
 
 from tests.fakes.terminal import FakeTerminal
 from woz_tui.cli import main
-from woz_tui.sensing.visitor_store import Visitors
+from woz_tui.sensing.visitor_store import VisitorStore
 
 ROOT = Path(__file__).parents[2]
 DAY = date(2026, 3, 2)
@@ -29,7 +29,7 @@ def piped(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
     path = tmp_path / "v.json"
-    store = Visitors(path)
+    store = VisitorStore(path)
     store.add("Anna", on=DAY, age_group="adult", label="face-7")
     store.add("Bob", on=DAY, address="Herr")
     return path
@@ -40,7 +40,7 @@ def visitors(*words: str | Path, file: Path) -> int:
 
 
 def names(file: Path) -> list[str]:
-    return [visitor.name for visitor in Visitors(file).everybody()]
+    return [visitor.name for visitor in VisitorStore(file).everybody()]
 
 
 def test_the_list_is_a_table(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -225,7 +225,7 @@ def test_two_commands_at_once_lose_nothing(file: Path) -> None:
     for process in running:
         process.communicate(timeout=60)
         assert process.returncode == 0
-    store = Visitors(file)
+    store = VisitorStore(file)
     assert names(file) == ["A01", "Bob", "Cy"]
     bob = store.find("Bob")
     assert bob is not None and bob.about == {"age_group": "child", "address": "Herr"}

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from tests.sensing.visiting import GONE, PERIOD, WITH, Visit
 from woz_tui.config.engagement import FILTERS, START_UPS, SignSettings
-from woz_tui.sensing.model_time import LONGEST_PAUSE, SECOND, Passing, microseconds
+from woz_tui.sensing.model_time import LONGEST_PAUSE, SECOND, ModelClock, microseconds
 from woz_tui.sensing.state_machine import State
 
 signs = pytest.mark.parametrize("sign", ["presence", "gaze", "distance"])
@@ -176,7 +176,7 @@ def test_a_step_forward_is_a_pause() -> None:
 
 @given(st.lists(st.integers(-(10**18), 10**18), max_size=50))
 def test_the_models_time_never_goes_back_and_never_leaps(stamps: list[int]) -> None:
-    time = Passing(0, PERIOD)
+    time = ModelClock(0, PERIOD)
     for stamp in stamps:
         before = time.now
         time.to(stamp)
@@ -186,7 +186,7 @@ def test_the_models_time_never_goes_back_and_never_leaps(stamps: list[int]) -> N
 
 @given(st.lists(st.integers(0, 10**12), max_size=50).map(sorted))
 def test_stamps_in_order_are_the_models_time(stamps: list[int]) -> None:
-    time = Passing(0, PERIOD)
+    time = ModelClock(0, PERIOD)
     for stamp in stamps:
         small = time.now + min(stamp - time.now, LONGEST_PAUSE)
         time.to(small)

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.sensing.answer_parsing import LONGEST, Answer, Answers
+from woz_tui.sensing.answer_parsing import LONGEST, NameAnswer, NameAnswerParser
 from woz_tui.sensing.name_phrases import LANGUAGES
 
-ANSWERS = Answers(("yes", "yeah", "right", "ok"), ("no", "nope", "wrong"))
+ANSWERS = NameAnswerParser(("yes", "yeah", "right", "ok"), ("no", "nope", "wrong"))
 
 
 @pytest.mark.parametrize(
@@ -98,7 +98,7 @@ def test_nobody_must_give_a_name(said: str) -> None:
     ],
 )
 def test_yes(said: str) -> None:
-    assert ANSWERS.read(said, "Anna") == Answer(yes=True)
+    assert ANSWERS.read(said, "Anna") == NameAnswer(yes=True)
 
 
 @pytest.mark.parametrize(
@@ -142,7 +142,7 @@ def test_what_is_neither_yes_nor_no(said: str) -> None:
 
 
 def test_an_experiment_has_words_of_its_own() -> None:
-    answers = Answers(("aye, that be me", ""), ("Nay",))
+    answers = NameAnswerParser(("aye, that be me", ""), ("Nay",))
     assert answers.read("Aye that be me!", "Anna").yes
     assert answers.read("nay", "Anna").no
     assert answers.read("aye", "Anna").name == "Aye"
@@ -150,7 +150,7 @@ def test_an_experiment_has_words_of_its_own() -> None:
 
 def test_a_name_that_means_yes_elsewhere_is_repeated_not_taken_for_a_yes() -> None:
     assert ANSWERS.read("My name is Klar").name == "Klar"
-    assert ANSWERS.read("my name is Vale", "Anna") == Answer(name="Vale", no=True)
+    assert ANSWERS.read("my name is Vale", "Anna") == NameAnswer(name="Vale", no=True)
 
 
 @pytest.mark.parametrize("language", LANGUAGES)

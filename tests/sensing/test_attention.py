@@ -10,7 +10,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.config.engagement import MODES, AttentionSettings
-from woz_tui.sensing.attention import Attention, Look, Order, Return, Stay, Stimulus, Switch, where
+from woz_tui.sensing.attention import (
+    Attention,
+    GazeDirection,
+    KeepLooking,
+    LookBack,
+    Order,
+    Stimulus,
+    SwitchPartner,
+    direction_words,
+)
 
 SECOND = 1_000_000
 SETTINGS = AttentionSettings(seconds=2.0, within=15.0)
@@ -25,7 +34,7 @@ def attention(mode: str, *, engaged: float | None = None) -> Attention:
 
 
 def stays(order: Order) -> str:
-    assert isinstance(order, Stay)
+    assert isinstance(order, KeepLooking)
     return order.why
 
 
@@ -37,7 +46,7 @@ def test_unengaged_anything_distracts_it_from_the_visitor(kind: Stimulus) -> Non
     """E8: Unengaged."""
     robot = attention("Unengaged", engaged=10.0)
     order = robot.stimulus(kind, 70.0, SECOND)
-    assert isinstance(order, Look) and order.direction == 70.0
+    assert isinstance(order, GazeDirection) and order.direction == 70.0
     assert "70 degrees to the left" in order.why
     assert robot.away and "70 degrees" in robot.shown
 
@@ -47,7 +56,7 @@ def test_unengaged_it_may_turn_to_somebody_else_for_good() -> None:
     robot = attention("Unengaged", engaged=0.0)
     robot.stimulus(Stimulus.SOUND, 70.0, 0)
     order = robot.found(True, SECOND)
-    assert order == Switch(70.0, "somebody is 70 degrees to the left")
+    assert order == SwitchPartner(70.0, "somebody is 70 degrees to the left")
     assert robot.due() is None and not robot.away
     assert "where the visitor is" in stays(robot.stimulus(Stimulus.TOUCH, 65.0, 2 * SECOND))
 
@@ -57,13 +66,13 @@ def test_where_nobody_is_found_it_goes_back_to_what_it_did(mode: str) -> None:
     """E8: a stimulus without anybody."""
     robot = attention(mode, engaged=10.0)
     robot.stimulus(Stimulus.SOUND, -70.0, 0)
-    assert robot.found(False, SECOND) == Return(
+    assert robot.found(False, SECOND) == LookBack(
         10.0, "nobody 70 degrees to the right; back to the visitor"
     )
     robot.stimulus(Stimulus.TOUCH, -70.0, 2 * SECOND)
     assert robot.due() == 4 * SECOND
     assert robot.advance(4 * SECOND - 1) is None
-    assert robot.advance(4 * SECOND) == Return(
+    assert robot.advance(4 * SECOND) == LookBack(
         10.0, "looked 70 degrees to the right long enough; back to the visitor"
     )
 
@@ -78,14 +87,14 @@ def test_fully_engaged_nothing_distracts_it_until_the_visitor_is_lost(kind: Stim
     assert "full attention" in stays(robot.stimulus(kind, 70.0, SECOND))
     assert robot.due() is None
     robot.engaged(False, None, 2 * SECOND)
-    assert isinstance(robot.stimulus(kind, 70.0, 10 * SECOND), Look)
+    assert isinstance(robot.stimulus(kind, 70.0, 10 * SECOND), GazeDirection)
 
 
 def test_fully_engaged_a_look_ends_when_somebody_engages() -> None:
     """E8: FullyEngaged."""
     robot = attention("FullyEngaged")
     robot.stimulus(Stimulus.SOUND, 70.0, 0)
-    assert robot.engaged(True, 5.0, SECOND) == Return(
+    assert robot.engaged(True, 5.0, SECOND) == LookBack(
         5.0, "somebody is engaged; back to the visitor"
     )
 
@@ -97,10 +106,10 @@ def test_fully_engaged_a_look_ends_when_somebody_engages() -> None:
 def test_semi_engaged_it_looks_and_comes_back_to_the_visitor(kind: Stimulus) -> None:
     """E8: SemiEngaged."""
     robot = attention("SemiEngaged", engaged=-10.0)
-    assert isinstance(robot.stimulus(kind, 70.0, 0), Look)
+    assert isinstance(robot.stimulus(kind, 70.0, 0), GazeDirection)
     assert robot.found(True, SECOND) is None
     order = robot.advance(2 * SECOND)
-    assert isinstance(order, Return) and order.direction == -10.0
+    assert isinstance(order, LookBack) and order.direction == -10.0
 
 
 def test_semi_engaged_it_stays_with_somebody_after_the_visitor_is_lost() -> None:
@@ -108,9 +117,9 @@ def test_semi_engaged_it_stays_with_somebody_after_the_visitor_is_lost() -> None
     robot = attention("SemiEngaged", engaged=0.0)
     robot.stimulus(Stimulus.SOUND, 70.0, 0)
     assert robot.engaged(False, None, SECOND) is None
-    assert isinstance(robot.found(True, SECOND), Switch)
+    assert isinstance(robot.found(True, SECOND), SwitchPartner)
     robot.stimulus(Stimulus.TOUCH, -70.0, SECOND)
-    assert robot.advance(3 * SECOND) == Return(
+    assert robot.advance(3 * SECOND) == LookBack(
         None, "looked 70 degrees to the right long enough; back to what it did"
     )
 
@@ -121,9 +130,9 @@ def test_semi_engaged_many_stimuli_do_not_keep_it_away_for_longer() -> None:
     robot.stimulus(Stimulus.MOVEMENT, 30.0, 0)
     for number, kind in enumerate(reversed(list(Stimulus)[:-1]), 1):
         order = robot.stimulus(kind, 30.0 + 30 * number, number * SECOND // 3)
-        assert isinstance(order, Look), kind
+        assert isinstance(order, GazeDirection), kind
     assert robot.due() == 2 * SECOND
-    assert isinstance(robot.advance(2 * SECOND), Return)
+    assert isinstance(robot.advance(2 * SECOND), LookBack)
 
 
 # -- priorities and what is a stimulus ----------------------------------------------------------
@@ -137,7 +146,7 @@ def test_only_what_counts_for_more_takes_over(first: Stimulus, second: Stimulus)
     robot.stimulus(first, 40.0, 0)
     order = robot.stimulus(second, -40.0, SECOND)
     more = list(Stimulus).index(second) < list(Stimulus).index(first)
-    assert isinstance(order, Look) == more
+    assert isinstance(order, GazeDirection) == more
     if not more:
         assert "has its attention" in stays(order)
 
@@ -147,38 +156,38 @@ def test_the_visitors_own_voice_does_not_distract() -> None:
     assert "where the visitor is" in stays(robot.stimulus(Stimulus.SOUND, -175.0, 0))
     robot.engaged(True, None, SECOND)
     assert "where the visitor is" in stays(robot.stimulus(Stimulus.SOUND, 14.0, SECOND))
-    assert isinstance(robot.stimulus(Stimulus.TOUCH, 16.0, SECOND), Look)
+    assert isinstance(robot.stimulus(Stimulus.TOUCH, 16.0, SECOND), GazeDirection)
     assert "looks there already" in stays(robot.stimulus(Stimulus.PEOPLE, 20.0, SECOND))
 
 
 def test_what_goes_on_is_looked_at_once() -> None:
     robot = attention("SemiEngaged", engaged=0.0)
-    assert isinstance(robot.stimulus(Stimulus.SOUND, 60.0, 0), Look)
-    assert isinstance(robot.advance(2 * SECOND), Return)
+    assert isinstance(robot.stimulus(Stimulus.SOUND, 60.0, 0), GazeDirection)
+    assert isinstance(robot.advance(2 * SECOND), LookBack)
     for tenths in range(1, 50):
         order = robot.stimulus(Stimulus.SOUND, 60.0, 19 * SECOND // 10 + tenths * SECOND // 10)
-        assert isinstance(order, Look if tenths == 1 else Stay), tenths
-        if isinstance(order, Look):
+        assert isinstance(order, GazeDirection if tenths == 1 else KeepLooking), tenths
+        if isinstance(order, GazeDirection):
             robot.found(False, 2 * SECOND)
     quiet = 7 * SECOND + 2 * SECOND
-    assert isinstance(robot.stimulus(Stimulus.SOUND, 60.0, quiet), Look)
+    assert isinstance(robot.stimulus(Stimulus.SOUND, 60.0, quiet), GazeDirection)
 
 
 def test_a_direction_may_be_missing_or_no_direction() -> None:
     robot = attention("SemiEngaged")
-    assert isinstance(robot.stimulus(Stimulus.TOUCH, None, 0), Look)
+    assert isinstance(robot.stimulus(Stimulus.TOUCH, None, 0), GazeDirection)
     robot = attention("SemiEngaged")
     for direction in (None, math.nan, math.inf):
         assert "nobody knows where" in stays(robot.stimulus(Stimulus.SOUND, direction, 0))
     order = robot.stimulus(Stimulus.SOUND, 360.0 + 90.0, 0)
-    assert isinstance(order, Look) and order.direction == 90.0
+    assert isinstance(order, GazeDirection) and order.direction == 90.0
 
 
 def test_the_mode_may_change_while_it_looks() -> None:
     robot = attention("SemiEngaged", engaged=0.0)
     robot.stimulus(Stimulus.SOUND, 60.0, 0)
     assert robot.attend("Unengaged", SECOND) is None
-    assert robot.attend("FullyEngaged", SECOND) == Return(
+    assert robot.attend("FullyEngaged", SECOND) == LookBack(
         0.0, "mode FullyEngaged; back to the visitor"
     )
     with pytest.raises(ValueError, match="there is no mode 'Asleep'"):
@@ -186,7 +195,7 @@ def test_the_mode_may_change_while_it_looks() -> None:
 
 
 def test_directions_in_words() -> None:
-    assert [where(degrees) for degrees in (0.4, 60.2, -90.0)] == [
+    assert [direction_words(degrees) for degrees in (0.4, 60.2, -90.0)] == [
         "ahead",
         "60 degrees to the left",
         "90 degrees to the right",
@@ -215,18 +224,18 @@ def test_the_promise_of_each_mode_holds_whatever_happens(
     for (event, what, direction), step in script:
         t = max(t, t + step)
         while (due := robot.due()) is not None and due <= t:
-            assert isinstance(robot.advance(due), Return)
+            assert isinstance(robot.advance(due), LookBack)
         was_away = robot.away
         order = happens(robot, event, what, direction, t)
         engaged = bool(what) if event == "engaged" else engaged
         if robot.away and (not was_away or event == "engaged"):
             away_since = t
         assert not (engaged and mode == "FullyEngaged" and robot.away)
-        if isinstance(order, Look | Switch):
+        if isinstance(order, GazeDirection | SwitchPartner):
             assert -180 <= order.direction <= 180
-        if isinstance(order, Switch):
+        if isinstance(order, SwitchPartner):
             assert not engaged or mode == "Unengaged"
-        if isinstance(order, Return):
+        if isinstance(order, LookBack):
             assert (order.direction is not None) == engaged
         due = robot.due()
         assert (due is not None) == robot.away

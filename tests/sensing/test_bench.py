@@ -17,21 +17,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.config.engagement import EngagementSettings, JointSettings, SignSettings
-from woz_tui.sensing.bench.bench_figures import SOON, STABLE, Goal, measure, plain
-from woz_tui.sensing.bench.bench_scenes import CALM, SCENES, STAYING, Take, played
-from woz_tui.sensing.bench.bench_trials import World, delays, steady, takes, windows
-from woz_tui.sensing.bench.filter_candidates import Candidate, field_of, joint, queues
+from woz_tui.sensing.bench.bench_figures import SOON, STABLE, Goal, as_json, measure
+from woz_tui.sensing.bench.bench_scenes import CALM, SCENES, STAYING, SceneRun, played
+from woz_tui.sensing.bench.bench_trials import BenchConditions, delays, steady, takes, windows
+from woz_tui.sensing.bench.filter_candidates import Candidate, candidates_for, joint, queues
 from woz_tui.sensing.bench.sensor_errors import (
     TABLE_1,
     VISIBLE,
     WINDOWS,
     WITH_FILTERS,
-    Errors,
+    ErrorModel,
     fitted,
     interval,
     likelihood,
 )
-from woz_tui.sensing.engagement_model import Engagement
+from woz_tui.sensing.engagement_model import EngagementModel
 
 NEAR = 1.3
 SEED = 40
@@ -40,8 +40,8 @@ PUBLISHED = queues(8, NEAR)
 
 
 @functools.cache
-def films(scene: str, runs: int) -> tuple[Take, ...]:
-    return tuple(takes(SCENES[scene], World(Errors()), runs, SEED))
+def films(scene: str, runs: int) -> tuple[SceneRun, ...]:
+    return tuple(takes(SCENES[scene], BenchConditions(ErrorModel()), runs, SEED))
 
 
 # -- the error model ----------------------------------------------------------------------------
@@ -55,7 +55,7 @@ def test_the_rates_are_those_that_fit_the_paper_best() -> None:
 @pytest.mark.parametrize("row", TABLE_1)
 def test_the_model_lies_within_what_the_papers_trials_leave_open(row: str, shape: float) -> None:
     """E10: every figure of Table 1 without filters."""
-    errors = Errors(visible=fitted(shape), shape=shape)
+    errors = ErrorModel(visible=fitted(shape), shape=shape)
     for seconds, paper in zip(WINDOWS, TABLE_1[row], strict=True):
         low, high = interval(paper)
         assert low <= 100 * errors.right(row, seconds) <= high
@@ -78,7 +78,7 @@ def test_played_trials_have_the_models_figures() -> None:
     unfiltered = windows(queues(1, NEAR), films("staying", runs))
     for row, shares in unfiltered.items():
         for seconds, share in zip(WINDOWS, shares, strict=True):
-            low, high = interval(100 * Errors().right(row, seconds), runs, deviations=3.3)
+            low, high = interval(100 * ErrorModel().right(row, seconds), runs, deviations=3.3)
             assert low <= share <= high
     for candidate in (PUBLISHED, JOINT):
         for shares in windows(candidate, films("staying", runs)).values():
@@ -98,7 +98,7 @@ def test_an_interval_holds_the_share_and_shrinks_with_trials() -> None:
 
 @pytest.mark.parametrize("name", SCENES)
 def test_nothing_errs_while_it_is_calm(name: str) -> None:
-    worst = Errors(times=100.0)
+    worst = ErrorModel(times=100.0)
     take = played(SCENES[name], random.Random(1), worst)
     before = SCENES[name].before
     for row in take.rows:
@@ -113,7 +113,7 @@ def test_nothing_errs_while_it_is_calm(name: str) -> None:
 def test_a_scene_is_sampled_at_its_rate_in_order(name: str, seed: int, rate: float) -> None:
     for together in (True, False):
         take = played(
-            SCENES[name], random.Random(seed), Errors(), rate=rate, near=NEAR, together=together
+            SCENES[name], random.Random(seed), ErrorModel(), rate=rate, near=NEAR, together=together
         )
         times = [row.t for row in take.rows]
         assert times == sorted(set(times))
@@ -123,9 +123,9 @@ def test_a_scene_is_sampled_at_its_rate_in_order(name: str, seed: int, rate: flo
 
 
 def test_the_same_seed_plays_the_same() -> None:
-    once, again = (takes(STAYING, World(Errors()), 3, 5) for _ in range(2))
+    once, again = (takes(STAYING, BenchConditions(ErrorModel()), 3, 5) for _ in range(2))
     assert once == again
-    assert takes(STAYING, World(Errors()), 3, 6) != once
+    assert takes(STAYING, BenchConditions(ErrorModel()), 3, 6) != once
 
 
 # -- goals --------------------------------------------------------------------------------------
@@ -175,7 +175,7 @@ def test_the_model_engages_with_the_same_sample_as_the_bench(scene: str, kind: s
     candidate = PUBLISHED if kind == "fifo" else JOINT
     for take in films(scene, 4):
         bank = candidate.made()
-        model = Engagement(EngagementSettings(filter=kind))
+        model = EngagementModel(EngagementSettings(filter=kind))
         for row in take.rows:
             bank.take(row)
             model.advance(row.t)
@@ -194,9 +194,9 @@ def test_the_model_engages_with_the_same_sample_as_the_bench(scene: str, kind: s
 
 
 def test_a_report_is_whole_and_repeatable() -> None:
-    found = plain(measure(EngagementSettings(), runs=2, seed=7))
-    assert json.dumps(found) == json.dumps(plain(measure(EngagementSettings(), runs=2, seed=7)))
-    assert json.dumps(found) != json.dumps(plain(measure(EngagementSettings(), runs=2, seed=8)))
+    found = as_json(measure(EngagementSettings(), runs=2, seed=7))
+    assert json.dumps(found) == json.dumps(as_json(measure(EngagementSettings(), runs=2, seed=7)))
+    assert json.dumps(found) != json.dumps(as_json(measure(EngagementSettings(), runs=2, seed=8)))
     assert isinstance(found["table_1"], list)
     assert len(found["table_1"]) == 12
 
@@ -214,10 +214,10 @@ def test_a_report_is_whole_and_repeatable() -> None:
     ],
 )
 def test_an_experiments_own_filters_compete(settings: EngagementSettings, own: bool) -> None:
-    keys = [candidate.key for candidate in field_of(settings)]
+    keys = [candidate.key for candidate in candidates_for(settings)]
     assert (keys[-1] == "experiment") == own
     assert len(keys) == len(set(keys)) >= 7
-    last: Candidate = field_of(settings)[-1]
+    last: Candidate = candidates_for(settings)[-1]
     assert delays(last, films("arriving", 3), engaged=True).worst < 5
 
 

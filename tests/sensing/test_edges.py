@@ -12,8 +12,16 @@ from hypothesis import strategies as st
 from tests.sensing.visiting import GONE, WITH, Visit, nobody_greets
 from woz_tui.config.engagement import OUTCOMES, STATES, STOPPED, HandshakeSettings, Timeouts
 from woz_tui.sensing import state_machine
-from woz_tui.sensing.engagement_model import Change
-from woz_tui.sensing.state_machine import EDGES, Event, State, View, edge_to, edges_from, taken
+from woz_tui.sensing.engagement_model import Transition
+from woz_tui.sensing.state_machine import (
+    EDGES,
+    Event,
+    ModelView,
+    State,
+    chosen_edge,
+    edge_to,
+    edges_from,
+)
 
 #: The table of the paper and of the published listing: from, to, outcome.
 PAPER = {
@@ -48,7 +56,7 @@ BEYOND = {
 }
 
 
-def arrow(change: Change | None) -> tuple[str, str, str] | None:
+def arrow(change: Transition | None) -> tuple[str, str, str] | None:
     """From, to, outcome; why is always said."""
     if change is None:
         return None
@@ -56,7 +64,7 @@ def arrow(change: Change | None) -> tuple[str, str, str] | None:
     return change.was, change.now, change.outcome
 
 
-def arrows(changes: list[Change]) -> list[tuple[str, str, str] | None]:
+def arrows(changes: list[Transition]) -> list[tuple[str, str, str] | None]:
     return [arrow(change) for change in changes]
 
 
@@ -246,7 +254,7 @@ def test_every_step_follows_an_edge(
     state: State, event: Event | None, view: tuple[bool, bool, bool]
 ) -> None:
     presence, engaged, known = view
-    edge = taken(state, View(event, presence or engaged, engaged, known))
+    edge = chosen_edge(state, ModelView(event, presence or engaged, engaged, known))
     if edge is not None:
         assert edge in edges_from(state)
         assert (edge.source.value, edge.target.value, edge.outcome) in PAPER | BEYOND
@@ -261,8 +269,8 @@ def test_every_step_follows_an_edge(
 def test_without_the_setting_nobodys_absence_takes_an_edge(
     state: State, event: Event | None, view: tuple[bool, bool, bool], seconds: float
 ) -> None:
-    there = View(event, *view, elapsed=1.0)
-    assert taken(state, there) is taken(state, replace(there, absent_for=seconds))
+    there = ModelView(event, *view, elapsed=1.0)
+    assert chosen_edge(state, there) is chosen_edge(state, replace(there, absent_for=seconds))
 
 
 @given(st.lists(st.sampled_from([None, *Event]), max_size=40), st.booleans())

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.sensing.speech_endpoint import Ended, Endpointer, Started
+from woz_tui.sensing.speech_endpoint import Endpointer, SpeechEnd, SpeechStart
 
 QUIET, EDGE, LOUD = 0.0, 0.1, 0.2
 _LEVELS = st.sampled_from([QUIET, EDGE, LOUD, math.nan, math.inf, None])
@@ -17,7 +17,9 @@ _SOUND = st.lists(_LEVELS, max_size=80)
 _HANG, _PRE, _ONSET = st.integers(1, 6), st.integers(0, 5), st.integers(1, 4)
 
 
-def run(endpointer: Endpointer, sound: Sequence[float | None]) -> list[tuple[int, Started | Ended]]:
+def run(
+    endpointer: Endpointer, sound: Sequence[float | None]
+) -> list[tuple[int, SpeechStart | SpeechEnd]]:
     """What was told, with the number of the chunk at which it was."""
     told = [(number, endpointer.take(level)) for number, level in enumerate(sound)]
     return [(number, what) for number, what in told if what is not None]
@@ -52,8 +54,8 @@ def test_segments_are_those_of_the_rules(
     sound: Sequence[float | None], hang: int, pre: int, onset: int
 ) -> None:
     told = run(Endpointer(EDGE, hang, pre, onset=onset), sound)
-    begun = [what.first for _, what in told if isinstance(what, Started)]
-    ended = [(what.first, what.last) for _, what in told if isinstance(what, Ended)]
+    begun = [what.first for _, what in told if isinstance(what, SpeechStart)]
+    ended = [(what.first, what.last) for _, what in told if isinstance(what, SpeechEnd)]
     wanted = segments(sound, hang, pre, onset)
     assert begun == [first for first, _ in wanted]
     assert ended == [(first, last) for first, last in wanted if last >= 0]
@@ -64,11 +66,11 @@ def test_the_end_is_told_once_and_with_the_chunk_that_completes_it(
     sound: Sequence[float | None], hang: int, pre: int, onset: int
 ) -> None:
     told = run(Endpointer(EDGE, hang, pre, onset=onset), sound)
-    assert [isinstance(what, Started) for _, what in told] == [
+    assert [isinstance(what, SpeechStart) for _, what in told] == [
         index % 2 == 0 for index in range(len(told))
     ]
     for number, what in told:
-        if isinstance(what, Ended):
+        if isinstance(what, SpeechEnd):
             assert number == what.last
             assert not what.cut
 
@@ -82,7 +84,7 @@ def test_no_segment_is_longer_than_the_longest_and_none_overlaps(
     free = 0
     for _, what in run(endpointer, sound):
         assert what.first >= free
-        if isinstance(what, Ended):
+        if isinstance(what, SpeechEnd):
             assert what.last - what.first + 1 <= longest
             free = what.last + 1
 
@@ -114,18 +116,29 @@ def test_a_level_on_the_threshold_is_quiet() -> None:
 def test_pre_roll_and_hang_over_belong_to_the_segment() -> None:
     """Section 3: onset at 5, two chunks of pre-roll; the third quiet chunk ends it."""
     sound: Sequence[float | None] = [QUIET] * 5 + [LOUD] * 2 + [QUIET] * 6
-    assert run(Endpointer(EDGE, hang=3, pre=2), sound) == [(5, Started(3)), (9, Ended(3, 9))]
+    assert run(Endpointer(EDGE, hang=3, pre=2), sound) == [
+        (5, SpeechStart(3)),
+        (9, SpeechEnd(3, 9)),
+    ]
 
 
 def test_the_pre_roll_never_reaches_into_the_segment_before() -> None:
     sound: Sequence[float | None] = [LOUD, QUIET, QUIET, QUIET, LOUD, QUIET, QUIET]
     told = run(Endpointer(EDGE, hang=2, pre=3), sound)
-    assert [what for _, what in told] == [Started(0), Ended(0, 2), Started(3), Ended(3, 6)]
+    assert [what for _, what in told] == [
+        SpeechStart(0),
+        SpeechEnd(0, 2),
+        SpeechStart(3),
+        SpeechEnd(3, 6),
+    ]
 
 
 def test_a_pause_shorter_than_the_hang_over_is_part_of_the_sentence() -> None:
     sound: Sequence[float | None] = [LOUD, QUIET, QUIET, LOUD, QUIET, QUIET, QUIET]
-    assert run(Endpointer(EDGE, hang=3, pre=0), sound) == [(0, Started(0)), (6, Ended(0, 6))]
+    assert run(Endpointer(EDGE, hang=3, pre=0), sound) == [
+        (0, SpeechStart(0)),
+        (6, SpeechEnd(0, 6)),
+    ]
 
 
 def test_a_click_is_no_speech_where_an_onset_is_asked_for() -> None:
@@ -134,18 +147,18 @@ def test_a_click_is_no_speech_where_an_onset_is_asked_for() -> None:
 
 def test_speech_that_is_still_open_has_no_end() -> None:
     endpointer = Endpointer(EDGE, hang=2, pre=0)
-    assert run(endpointer, [LOUD, QUIET]) == [(0, Started(0))]
+    assert run(endpointer, [LOUD, QUIET]) == [(0, SpeechStart(0))]
     assert endpointer.speaks
 
 
 def test_whoever_speaks_on_after_the_longest_segment_begins_the_next() -> None:
     told = run(Endpointer(EDGE, hang=2, pre=1, longest=4), [LOUD] * 9)
     assert [what for _, what in told] == [
-        Started(0),
-        Ended(0, 3, cut=True),
-        Started(4),
-        Ended(4, 7, cut=True),
-        Started(8),
+        SpeechStart(0),
+        SpeechEnd(0, 3, cut=True),
+        SpeechStart(4),
+        SpeechEnd(4, 7, cut=True),
+        SpeechStart(8),
     ]
 
 
@@ -153,20 +166,20 @@ def test_no_chunk_is_lost_where_the_longest_segment_is_cut() -> None:
     """A voice that goes on needs no new onset, whatever that is."""
     told = run(Endpointer(EDGE, hang=2, pre=1, onset=3, longest=5), [LOUD] * 12)
     assert [what for _, what in told] == [
-        Started(0),
-        Ended(0, 4, cut=True),
-        Started(5),
-        Ended(5, 9, cut=True),
-        Started(10),
+        SpeechStart(0),
+        SpeechEnd(0, 4, cut=True),
+        SpeechStart(5),
+        SpeechEnd(5, 9, cut=True),
+        SpeechStart(10),
     ]
 
 
 def test_sound_that_breaks_off_closes_the_segment() -> None:
     endpointer = Endpointer(EDGE, hang=5, pre=1)
     run(endpointer, [QUIET, QUIET, LOUD, QUIET])
-    assert endpointer.close() == Ended(1, 3, cut=True)
+    assert endpointer.close() == SpeechEnd(1, 3, cut=True)
     assert endpointer.close() is None
-    assert run(endpointer, [QUIET, LOUD]) == [(1, Started(4))]
+    assert run(endpointer, [QUIET, LOUD]) == [(1, SpeechStart(4))]
 
 
 @pytest.mark.parametrize(

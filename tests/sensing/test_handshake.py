@@ -10,7 +10,15 @@ from hypothesis import strategies as st
 
 from woz_tui.config.engagement import HandshakeSettings
 from woz_tui.config.visitor_names import key_of, name_of
-from woz_tui.sensing.name_handshake import Done, Failed, Handshake, Learn, Order, Say, Stage
+from woz_tui.sensing.name_handshake import (
+    Handshake,
+    HandshakeFailed,
+    HandshakeStage,
+    Learn,
+    NameLearned,
+    Order,
+    Say,
+)
 
 SECOND = 1_000_000
 SETTINGS = HandshakeSettings(
@@ -64,8 +72,8 @@ def test_a_name_is_asked_for_repeated_confirmed_and_learnt() -> None:
     assert said(visit.first) == "Who?"
     assert said(visit.say("My name is Anna.")) == "Anna?"
     assert visit.say("Yes it is!") == Learn("Anna", known=False)
-    assert visit.handshake.stage is Stage.LEARNING
-    assert visit.learnt() == Done("Anna", False, "Hello Anna!", "name confirmed and learnt")
+    assert visit.handshake.stage is HandshakeStage.LEARNING
+    assert visit.learnt() == NameLearned("Anna", False, "Hello Anna!", "name confirmed and learnt")
     assert visit.handshake.attempt == 1
 
 
@@ -91,7 +99,7 @@ def test_no_with_a_name_corrects_and_no_alone_asks_again() -> None:
     assert visit.handshake.attempt == 3
     assert said(visit.say("Robert")) == "Robert?"
     failed = visit.say("no")
-    assert failed == Failed("Bye.", "the name was denied; no name in 3 attempts")
+    assert failed == HandshakeFailed("Bye.", "the name was denied; no name in 3 attempts")
 
 
 @pytest.mark.parametrize(
@@ -101,7 +109,7 @@ def test_what_cannot_be_a_name_is_asked_for_again_a_bounded_number_of_times(text
     """Empty, over-long names and control characters end in no name, not in an endless loop."""
     visit = Visit()
     assert said(visit.say(text)) == said(visit.say(text)) == "Again?"
-    assert isinstance(visit.say(text), Failed)
+    assert isinstance(visit.say(text), HandshakeFailed)
     assert visit.handshake.due() is None
 
 
@@ -110,7 +118,7 @@ def test_a_name_that_is_taken_may_be_the_visitor_from_before() -> None:
     visit = Visit(known=("Anna",))
     assert said(visit.say("I'm anna")) == "The Anna I know?"
     assert visit.say("yes") == Learn("Anna", known=True)
-    assert visit.learnt() == Done("Anna", True, "Hello Anna!", "a visitor from before")
+    assert visit.learnt() == NameLearned("Anna", True, "Hello Anna!", "a visitor from before")
 
 
 def test_somebody_else_with_a_name_that_is_taken_gives_another_one() -> None:
@@ -138,12 +146,14 @@ def test_a_face_that_cannot_be_learnt_ends_it() -> None:
     visit = Visit()
     visit.say("Anna")
     visit.say("yes")
-    assert visit.learnt(False, "the camera is lost") == Failed("Bye.", "the camera is lost")
+    assert visit.learnt(False, "the camera is lost") == HandshakeFailed(
+        "Bye.", "the camera is lost"
+    )
     visit = Visit()
     assert visit.learnt() is None
     visit.say("Anna")
     visit.say("yes")
-    assert visit.learnt(False) == Failed("Bye.", '"Anna" could not be learnt')
+    assert visit.learnt(False) == HandshakeFailed("Bye.", '"Anna" could not be learnt')
 
 
 def test_silence_asks_again_counts_and_ends() -> None:
@@ -153,7 +163,7 @@ def test_silence_asks_again_counts_and_ends() -> None:
     assert said(visit.say("Anna")) == "Anna?"
     assert said(visit.wait()) == "Anna?"
     assert visit.handshake.attempt == 3
-    assert visit.wait() == Failed("Bye.", "no answer for 8 s; no name in 3 attempts")
+    assert visit.wait() == HandshakeFailed("Bye.", "no answer for 8 s; no name in 3 attempts")
 
 
 def test_silence_counts_from_the_end_of_what_the_robot_says_and_not_while_anybody_speaks() -> None:
@@ -177,11 +187,11 @@ def test_all_of_it_takes_no_longer_than_it_may() -> None:
     handshake.said(SECOND)
     handshake.speaks(2 * SECOND)
     assert handshake.advance(60 * SECOND - 1) is None
-    assert handshake.heard("Anna", 60 * SECOND) == Failed("Bye.", "no name after 60 s")
+    assert handshake.heard("Anna", 60 * SECOND) == HandshakeFailed("Bye.", "no name after 60 s")
     assert handshake.heard("Anna", 61 * SECOND) is None
     handshake = Handshake(SETTINGS, lambda name: False)
     handshake.begin(0)
-    assert isinstance(handshake.advance(600 * SECOND), Failed)
+    assert isinstance(handshake.advance(600 * SECOND), HandshakeFailed)
 
 
 def test_the_robot_does_not_answer_itself() -> None:
@@ -200,14 +210,16 @@ def test_somebody_who_is_recognised_meanwhile_is_done_with_it() -> None:
     visit = Visit(known=("Anna",))
     visit.say("Bob")
     done = visit.handshake.recognised("Anna", visit.t)
-    assert done == Done("Anna", True, "Hello Anna!", "recognised meanwhile")
+    assert done == NameLearned("Anna", True, "Hello Anna!", "recognised meanwhile")
     assert visit.handshake.recognised("Anna", visit.t) is None
     assert visit.say("yes") is None
 
 
 def test_it_can_be_ended_from_outside_at_any_time() -> None:
     visit = Visit()
-    assert visit.handshake.abandon("the visitor left", visit.t) == Failed("", "the visitor left")
+    assert visit.handshake.abandon("the visitor left", visit.t) == HandshakeFailed(
+        "", "the visitor left"
+    )
     assert visit.handshake.abandon("again", visit.t) is None
     assert visit.say("Anna") is None and visit.handshake.due() is None
     with pytest.raises(ValueError, match="begun already"):
@@ -215,7 +227,9 @@ def test_it_can_be_ended_from_outside_at_any_time() -> None:
 
 
 def test_nobody_must_tell_their_name() -> None:
-    assert Visit().say("I'd rather not") == Failed("Bye.", "the visitor does not want to tell")
+    assert Visit().say("I'd rather not") == HandshakeFailed(
+        "Bye.", "the visitor does not want to tell"
+    )
 
 
 def test_a_sentence_may_do_without_the_name_and_a_name_may_look_like_a_template() -> None:
@@ -264,8 +278,8 @@ def test_whatever_happens_it_ends_and_learns_only_what_was_confirmed(
         assert due <= 60 * SECOND
     questions = [order for order in orders if isinstance(order, Say)]
     assert len(questions) <= 2 * attempts
-    assert sum(isinstance(order, Done | Failed) for order in orders) == 1
-    assert isinstance(orders[-1], Done | Failed)
+    assert sum(isinstance(order, NameLearned | HandshakeFailed) for order in orders) == 1
+    assert isinstance(orders[-1], NameLearned | HandshakeFailed)
 
 
 def _happens(handshake: Handshake, event: str, text: str, t: int) -> Order | None:
@@ -290,7 +304,7 @@ def test_the_sentences_are_worded_as_the_check_of_the_file_wants_them() -> None:
     assert said(visit.say("My name is Kim")) == "{Kim}?"
     visit.say("yes")
     done = visit.learnt()
-    assert isinstance(done, Done)
+    assert isinstance(done, NameLearned)
     assert done.say == "{hi} Kim {name}"
 
 

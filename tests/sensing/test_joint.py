@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.sensing.joint_dwell import CONDITIONS, WORLDS, Dwell, passed
-from woz_tui.sensing.joint_filter import Joint
+from woz_tui.sensing.joint_dwell import CONDITIONS, WORLDS, Dwell, after_steps
+from woz_tui.sensing.joint_filter import JointFilter
 
 SIGNS = ("presence", "gaze", "distance", "identity")
 PERIOD = 333_333
@@ -29,7 +29,7 @@ class Robot:
     """Rows at 3 Hz, or another rate, into a joint filter."""
 
     def __init__(self, period: int = PERIOD, **settings: float | str) -> None:
-        self.joint = Joint(NEAR, **settings)  # type: ignore[arg-type]
+        self.joint = JointFilter(NEAR, **settings)  # type: ignore[arg-type]
         self.t = 0
         self.period = period
 
@@ -210,8 +210,8 @@ def test_without_any_sign_it_begins_again() -> None:
 
 
 def test_hold_has_no_verdict_before_the_first_sample() -> None:
-    assert [Joint(NEAR, start_up="hold").view(sign).verdict for sign in SIGNS] == [None] * 4
-    assert [Joint(NEAR).view(sign).verdict for sign in SIGNS] == [0] * 4
+    assert [JointFilter(NEAR, start_up="hold").view(sign).verdict for sign in SIGNS] == [None] * 4
+    assert [JointFilter(NEAR).view(sign).verdict for sign in SIGNS] == [0] * 4
     robot = Robot(start_up="hold").see(NOBODY)
     assert robot.joint.view("gaze").verdict == 0
 
@@ -255,7 +255,7 @@ def test_whatever_comes_probabilities_stay_probabilities(
     story: list[tuple[tuple[str, float | str], int, int]],
 ) -> None:
     """E9: no exception and no NaN."""
-    joint = Joint(NEAR)
+    joint = JointFilter(NEAR)
     t = 0
     for (sign, value), step, luck in story:
         t += step
@@ -274,7 +274,7 @@ def test_time_loses_no_probability(pauses: Sequence[int], glance: float) -> None
     shares = [1.0 / (WORLDS * CONDITIONS)] * (WORLDS * CONDITIONS)
     dwell = Dwell(glance)
     for pause in pauses:
-        shares = passed(shares, dwell, pause)
+        shares = after_steps(shares, dwell, pause)
         assert math.isclose(sum(shares), 1.0, abs_tol=1e-9)
         assert min(shares) >= 0.0
 

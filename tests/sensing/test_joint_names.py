@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.sensing.test_joint import ENGAGED, NOBODY, Robot
-from woz_tui.sensing.joint_filter import MOST, Names
+from woz_tui.sensing.joint_filter import MOST, NameBelief
 from woz_tui.sensing.sample_values import UNKNOWN
 
 PERIOD = 333_333
@@ -17,7 +17,7 @@ PERIOD = 333_333
 
 def named(story: list[str], threshold: float = 0.5) -> list[str]:
     """What is believed after each recognition."""
-    names = Names()
+    names = NameBelief()
     found = []
     for seen in story:
         names.passed(PERIOD)
@@ -62,7 +62,7 @@ def test_names_are_only_labels(story: list[str]) -> None:
 
 @given(st.lists(st.text(max_size=3), max_size=80), st.integers(0, 10**10))
 def test_only_so_many_names_are_held(story: list[str], pause: int) -> None:
-    names = Names()
+    names = NameBelief()
     for seen in story:
         names.take(seen)
         names.passed(pause)

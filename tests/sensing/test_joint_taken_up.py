@@ -9,7 +9,7 @@ import pytest
 from tests.sensing.visiting import GONE, WITH, Visit
 from woz_tui.config.engagement import SIGNS
 from woz_tui.sensing import engagement_commands
-from woz_tui.sensing.joint_filter import RECENT, Joint
+from woz_tui.sensing.joint_filter import RECENT, JointFilter
 from woz_tui.sensing.state_machine import State
 
 ALL = {"sign": "all", "kind": "joint"}
@@ -29,7 +29,7 @@ def test_a_visitor_who_is_engaged_stays_so(gaze: str) -> None:
         visit.model.configure(sign, kind="joint")
         assert visit.model.engaged, f"{sign} has come over"
         assert visit.model.verdicts["identity"] == "Anna"
-    assert engagement_commands.obeyed(visit.model, "filter", ALL) is None
+    assert engagement_commands.apply_command(visit.model, "filter", ALL) is None
     assert visit.see(9, **WITH, identity="Anna") == []
 
 
@@ -38,7 +38,7 @@ def test_whoever_is_not_there_is_not_made_up() -> None:
     visit.see(20, **WITH, identity="Anna")
     visit.see(12, **GONE, identity="Unknown")
     assert visit.model.state is State.WAIT
-    assert engagement_commands.obeyed(visit.model, "filter", ALL) is None
+    assert engagement_commands.apply_command(visit.model, "filter", ALL) is None
     assert visit.model.verdicts == {**dict.fromkeys(GONE, 0), "identity": "Unknown"}
 
 
@@ -50,12 +50,12 @@ def test_signs_that_come_over_know_what_they_would_have_known() -> None:
         row = {sign: chance.choice((WITH, GONE))[sign] for sign in WITH}
         for visit in (early, late):
             visit.see(**row, identity="Anna")
-    engagement_commands.obeyed(late.model, "filter", ALL)
+    engagement_commands.apply_command(late.model, "filter", ALL)
     assert late.model.shown().signs == early.model.shown().signs
 
 
 def test_a_sign_that_leaves_has_no_part_any_more() -> None:
-    joint = Joint(1.3)
+    joint = JointFilter(1.3)
     for t in range(0, 3_000_000, 333_333):
         for sign, value in WITH.items():
             joint.take(sign, float(value), t)
@@ -73,7 +73,7 @@ def test_what_is_stale_is_not_caught_up_with() -> None:
     visit.see(20, **WITH, identity="Anna")
     visit.see(6)
     assert visit.model.signs.stale == list(SIGNS)
-    engagement_commands.obeyed(visit.model, "filter", ALL)
+    engagement_commands.apply_command(visit.model, "filter", ALL)
     assert visit.model.verdicts == {**dict.fromkeys(GONE, 0), "identity": "Unknown"}
     visit.see(2, **WITH, identity="Bert")
     assert visit.model.verdicts["identity"] == "Bert"

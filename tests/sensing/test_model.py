@@ -17,7 +17,7 @@ from woz_tui.config.engagement import (
     Timeouts,
 )
 from woz_tui.protocol import codec
-from woz_tui.sensing.engagement_model import Engagement
+from woz_tui.sensing.engagement_model import EngagementModel
 from woz_tui.sensing.filters import least
 from woz_tui.sensing.state_machine import Event, State
 
@@ -370,5 +370,5 @@ def test_due_is_never_in_the_past_and_always_ends(periods: list[dict[str, Any]])
 
 
 def test_a_model_begins_where_its_stamps_begin() -> None:
-    model = Engagement(EngagementSettings(), 5_000_000)
+    model = EngagementModel(EngagementSettings(), 5_000_000)
     assert (model.since, model.now, model.trail) == (5_000_000, 5_000_000, ["Wait"])

@@ -15,8 +15,8 @@ from woz_tui.config.engagement import (
 )
 from woz_tui.protocol import messages as m
 from woz_tui.sensing import engagement_commands
-from woz_tui.sensing.engagement_model import Engagement
-from woz_tui.sensing.engagement_stream import Follower
+from woz_tui.sensing.engagement_model import EngagementModel
+from woz_tui.sensing.engagement_stream import EngagementFollower
 
 KNOWN = "EngagedWithKnown"
 
@@ -141,16 +141,18 @@ def test_what_makes_no_sense_now_is_said_before_it_is_done(
     verb: str, args: dict[str, m.Json], sentence: str
 ) -> None:
     with pytest.raises(ValueError, match=sentence):
-        engagement_commands.understood(Engagement(EngagementSettings()), verb, args)
+        engagement_commands.resolved_arguments(EngagementModel(EngagementSettings()), verb, args)
 
 
 def test_a_step_that_leads_nowhere_is_refused() -> None:
-    model = Engagement(EngagementSettings())
+    model = EngagementModel(EngagementSettings())
     model.run = "hold"
     with pytest.raises(ValueError, match="no way out of Wait is open now"):
-        engagement_commands.understood(model, "engagement", {"run": "step"})
+        engagement_commands.resolved_arguments(model, "engagement", {"run": "step"})
     model.override("presence", True)
-    assert engagement_commands.understood(model, "engagement", {"run": "step"}) == {"run": "step"}
+    assert engagement_commands.resolved_arguments(model, "engagement", {"run": "step"}) == {
+        "run": "step"
+    }
 
 
 def test_all_signs_are_given_back_the_name_too() -> None:
@@ -170,7 +172,7 @@ def test_what_lies_on_the_limit_is_near() -> None:
     assert log.follower.model.verdicts["distance"] == 0
 
 
-def looks_away(follower: Follower) -> int:
+def looks_away(follower: EngagementFollower) -> int:
     """How many samples tell an engaged visitor's turning away."""
     for number in range(200):
         t = number * SECOND // 3
@@ -186,6 +188,6 @@ def test_another_length_of_glances_counts_from_a_reload_on() -> None:
     brief, long = (
         replace(PLAIN, filter="joint", joint=JointSettings(glance=each)) for each in (0.2, 5.0)
     )
-    changed = Follower(brief)
+    changed = EngagementFollower(brief)
     changed.adopt(long)
-    assert looks_away(changed) > 2 * looks_away(Follower(brief))
+    assert looks_away(changed) > 2 * looks_away(EngagementFollower(brief))

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from woz_tui.config.visitor_names import key_of
 from woz_tui.sensing import visitor_records as changes
-from woz_tui.sensing.visitor_store import RefusedError, Visitor, Visitors, store_at
+from woz_tui.sensing.visitor_store import Visitor, VisitorRefusedError, VisitorStore, store_at
 
 MONDAY = date(2026, 3, 2)
 FRIDAY = date(2026, 3, 6)
@@ -25,20 +25,20 @@ def path(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def store(path: Path) -> Visitors:
-    return Visitors(path)
+def store(path: Path) -> VisitorStore:
+    return VisitorStore(path)
 
 
-def names(store: Visitors) -> list[str]:
+def names(store: VisitorStore) -> list[str]:
     return [visitor.name for visitor in store.everybody()]
 
 
-def test_who_was_met_is_known_after_a_restart(path: Path, store: Visitors) -> None:
+def test_who_was_met_is_known_after_a_restart(path: Path, store: VisitorStore) -> None:
     """A user's name and features survive the program."""
     store.add("Anna", on=MONDAY, age_group="adult", address="Frau", label="face-7")
     store.add("bob", on=MONDAY)
     store.met("ANNA", on=FRIDAY)
-    again = Visitors(path)
+    again = VisitorStore(path)
     assert names(again) == ["Anna", "bob"]
     assert again.find("anna") == Visitor(
         "Anna", "adult", "Frau", ("face-7",), "2026-03-02", "2026-03-06", 2
@@ -47,7 +47,7 @@ def test_who_was_met_is_known_after_a_restart(path: Path, store: Visitors) -> No
     assert again.find("Anna") is not None and again.find("Carla") is None
 
 
-def test_the_file_is_for_people_and_for_its_owner(path: Path, store: Visitors) -> None:
+def test_the_file_is_for_people_and_for_its_owner(path: Path, store: VisitorStore) -> None:
     store.add("Zoë", on=MONDAY, age_group="child")
     assert path.stat().st_mode & 0o777 == 0o600
     assert json.loads(path.read_text("utf-8")) == {
@@ -72,37 +72,37 @@ def test_the_file_lies_beside_the_logs_unless_it_is_named() -> None:
 
 
 @pytest.mark.parametrize("name", ["Anna", "anna", "ANNA ", "\uff21nna"])
-def test_a_name_is_never_given_twice(path: Path, store: Visitors, name: str) -> None:
+def test_a_name_is_never_given_twice(path: Path, store: VisitorStore, name: str) -> None:
     """An existing name is not overwritten silently."""
     store.add("Anna", on=MONDAY, age_group="adult")
     before = path.read_bytes()
-    with pytest.raises(RefusedError, match="is taken") as error:
+    with pytest.raises(VisitorRefusedError, match="is taken") as error:
         store.add(name, on=FRIDAY)
     assert "rename or forget" in error.value.remedy
     store.add("Bob", on=MONDAY)
-    with pytest.raises(RefusedError, match="is taken"):
+    with pytest.raises(VisitorRefusedError, match="is taken"):
         store.rename("Bob", name)
     store.forget("Bob")
     assert path.read_bytes() == before
 
 
-def test_a_name_that_is_somebodys_face_label_is_taken_too(store: Visitors) -> None:
+def test_a_name_that_is_somebodys_face_label_is_taken_too(store: VisitorStore) -> None:
     store.add("Anna", on=MONDAY, label="Anna")
     store.rename("Anna", "A01")
     assert store.is_taken("anna") and store.is_taken("a01") and not store.is_taken("Bob")
     assert store.called("Anna") == store.find("A01")
-    with pytest.raises(RefusedError, match='face label of "A01"'):
+    with pytest.raises(VisitorRefusedError, match='face label of "A01"'):
         store.add("anna", on=MONDAY)
     store.add("Bob", on=MONDAY)
     for label in ("Anna", "A01"):
-        with pytest.raises(RefusedError, match="is taken"):
+        with pytest.raises(VisitorRefusedError, match="is taken"):
             store.learn("Bob", label)
     assert store.learn("Bob", "Bob").labels == ("Bob",)
     assert store.learn("Bob", "bob").labels == ("Bob",)
     assert store.rename("A01", "Anna").labels == ("Anna",)
 
 
-def test_renaming_keeps_everything_else(store: Visitors) -> None:
+def test_renaming_keeps_everything_else(store: VisitorStore) -> None:
     store.add("Anna", on=MONDAY, age_group="adult", label="face-7")
     visitor = store.rename("anna", "  A01 ")
     assert visitor == Visitor("A01", "adult", "", ("face-7",), "2026-03-02", "2026-03-02", 1)
@@ -110,7 +110,7 @@ def test_renaming_keeps_everything_else(store: Visitors) -> None:
     assert store.rename("A01", "a01").name == "a01"
 
 
-def test_forgetting_leaves_nothing_in_any_file(tmp_path: Path, store: Visitors) -> None:
+def test_forgetting_leaves_nothing_in_any_file(tmp_path: Path, store: VisitorStore) -> None:
     store.add("Annabella", on=MONDAY, age_group="adult", label="face-7")
     store.add("Bob", on=MONDAY)
     (tmp_path / ".visitors.json.00000000.tmp").write_text("Annabella")
@@ -119,7 +119,7 @@ def test_forgetting_leaves_nothing_in_any_file(tmp_path: Path, store: Visitors) 
     for file in tmp_path.iterdir():
         assert b"nnabella" not in file.read_bytes(), file
         assert b"face-7" not in file.read_bytes(), file
-    with pytest.raises(RefusedError, match="no visitor"):
+    with pytest.raises(VisitorRefusedError, match="no visitor"):
         store.forget("Bob", "Annabella")
     assert names(store) == ["Bob"]
     store.add("Annabella", on=FRIDAY)
@@ -128,22 +128,22 @@ def test_forgetting_leaves_nothing_in_any_file(tmp_path: Path, store: Visitors) 
     )
 
 
-def test_a_profile_is_filled_in_and_never_silently_changed(store: Visitors) -> None:
+def test_a_profile_is_filled_in_and_never_silently_changed(store: VisitorStore) -> None:
     store.add("Anna", on=MONDAY, age_group="child")
     assert store.profile("anna", address="du").about == {"age_group": "child", "address": "du"}
     assert store.profile("Anna", age_group="child").age_group == "child"
-    with pytest.raises(RefusedError, match='has age_group "child", not "adult"'):
+    with pytest.raises(VisitorRefusedError, match='has age_group "child", not "adult"'):
         store.profile("Anna", age_group="adult", address="Sie")
     assert store.profile("Anna").about == {"age_group": "child", "address": "du"}
     after = store.profile("Anna", age_group="adult", address="", label="face-7", anew=True)
     assert (after.about, after.labels) == ({"age_group": "adult"}, ("face-7",))
     store.add("Bob", on=MONDAY, label="face-8")
-    with pytest.raises(RefusedError, match="is taken"):
+    with pytest.raises(VisitorRefusedError, match="is taken"):
         store.profile("Anna", age_group="senior", label="face-8", anew=True)
     assert store.find("Anna") == after
 
 
-def test_bad_names_and_strangers_are_refused_with_a_remedy(store: Visitors) -> None:
+def test_bad_names_and_strangers_are_refused_with_a_remedy(store: VisitorStore) -> None:
     store.add("Anna", on=MONDAY)
     attempts: list[Callable[[], object]] = [
         lambda: store.add("", on=MONDAY),
@@ -160,13 +160,13 @@ def test_bad_names_and_strangers_are_refused_with_a_remedy(store: Visitors) -> N
         lambda: store.profile("Carla", age_group="adult"),
     ]
     for attempt in attempts:
-        with pytest.raises(RefusedError) as error:
+        with pytest.raises(VisitorRefusedError) as error:
             attempt()
         assert error.value.remedy
     assert names(store) == ["Anna"]
 
 
-def test_meetings_may_be_noted_late(store: Visitors) -> None:
+def test_meetings_may_be_noted_late(store: VisitorStore) -> None:
     store.add("Anna", on=FRIDAY)
     visitor = store.met("Anna", on=MONDAY)
     assert (visitor.first_met, visitor.last_met, visitor.meetings) == (
@@ -178,8 +178,8 @@ def test_meetings_may_be_noted_late(store: Visitors) -> None:
     assert store.met("Bob", on=MONDAY) == Visitor("Bob", "", "", (), *2 * ("2026-03-02",), 1)
 
 
-def test_what_another_process_does_is_seen(path: Path, store: Visitors) -> None:
-    other = Visitors(path)
+def test_what_another_process_does_is_seen(path: Path, store: VisitorStore) -> None:
+    other = VisitorStore(path)
     assert names(store) == names(other) == []
     other.add("Anna", on=MONDAY)
     assert store.is_taken("anna")
@@ -214,9 +214,9 @@ def test_whatever_is_done_names_stay_apart_and_the_file_reads_back(
         before = dict(people)
         try:
             people = change(people)
-        except RefusedError:
+        except VisitorRefusedError:
             assert people == before
         everything = [{key_of(one.name), *map(key_of, one.labels)} for one in people.values()]
         assert sum(map(len, everything)) == len(set().union(*everything))
         assert all(key == key_of(one.name) for key, one in people.items())
-        assert changes.read(changes.written(people), "file") == people
+        assert changes.visitors_in(changes.file_text(people), "file") == people

@@ -16,10 +16,10 @@ from pathlib import Path
 import pytest
 
 from woz_tui.sensing.visitor_store import (
-    RefusedError,
-    UnreadableError,
     UnsavedError,
-    Visitors,
+    VisitorFileError,
+    VisitorRefusedError,
+    VisitorStore,
 )
 
 ROOT = Path(__file__).parents[2]
@@ -32,7 +32,7 @@ def path(tmp_path: Path) -> Path:
     return tmp_path / "visitors.json"
 
 
-def names(store: Visitors) -> list[str]:
+def names(store: VisitorStore) -> list[str]:
     return [visitor.name for visitor in store.everybody()]
 
 
@@ -83,9 +83,9 @@ def test_a_file_that_is_not_right_is_refused_with_its_place_and_left_alone(
     path: Path, text: str, where: str
 ) -> None:
     path.write_text(text, encoding="utf-8")
-    store = Visitors(path)
+    store = VisitorStore(path)
     for attempt in (store.everybody, lambda: store.add("Carla", on=TODAY)):
-        with pytest.raises(UnreadableError, match=where) as error:
+        with pytest.raises(VisitorFileError, match=where) as error:
             attempt()
         assert error.value.reason.startswith(str(path))
         assert "left as it is" in error.value.remedy or "left as it was" in error.value.remedy
@@ -95,23 +95,23 @@ def test_a_file_that_is_not_right_is_refused_with_its_place_and_left_alone(
 
 def test_bytes_that_are_no_text_and_what_is_no_file(tmp_path: Path, path: Path) -> None:
     path.write_bytes(b'{"format": "\xff"}')
-    with pytest.raises(UnreadableError, match="byte 12 is not UTF-8"):
-        Visitors(path).everybody()
+    with pytest.raises(VisitorFileError, match="byte 12 is not UTF-8"):
+        VisitorStore(path).everybody()
     os.mkfifo(tmp_path / "pipe")
     for other in (tmp_path, tmp_path / "pipe", Path("/dev/zero")):
-        with pytest.raises(UnreadableError, match="not a file of visitors"):
-            Visitors(other).everybody()
-    with pytest.raises(UnreadableError, match="Not a directory"):
-        Visitors(path / "visitors.json").everybody()
+        with pytest.raises(VisitorFileError, match="not a file of visitors"):
+            VisitorStore(other).everybody()
+    with pytest.raises(VisitorFileError, match="Not a directory"):
+        VisitorStore(path / "visitors.json").everybody()
 
 
 def test_a_file_from_another_editor_is_read(path: Path) -> None:
     path.write_text("\ufeff" + HEAD.replace(", ", ",\r\n") + '[{"name": "Anna"}]}', "utf-8")
-    assert names(Visitors(path)) == ["Anna"]
+    assert names(VisitorStore(path)) == ["Anna"]
 
 
 def test_damage_while_it_is_used_costs_nothing(path: Path) -> None:
-    store = Visitors(path)
+    store = VisitorStore(path)
     store.add("Anna", on=TODAY)
     good = path.read_text(encoding="utf-8")
     path.write_text(good[:-20], encoding="utf-8")
@@ -122,14 +122,14 @@ def test_damage_while_it_is_used_costs_nothing(path: Path) -> None:
     assert (names(store), store.unsaved) == (["Anna", "Bob"], 1)
     path.write_text(good, encoding="utf-8")
     store.save()
-    assert (names(Visitors(path)), store.unsaved) == (["Anna", "Bob"], 0)
+    assert (names(VisitorStore(path)), store.unsaved) == (["Anna", "Bob"], 0)
 
 
 # -- disks that do not take it ------------------------------------------------------------------
 
 
 def test_on_a_full_disk_the_old_file_stays_and_the_change_waits(tmp_path: Path, path: Path) -> None:
-    store = Visitors(path)
+    store = VisitorStore(path)
     store.add("Anna", on=TODAY)
     before = path.read_bytes()
     with full_disk():
@@ -141,18 +141,18 @@ def test_on_a_full_disk_the_old_file_stays_and_the_change_waits(tmp_path: Path, 
             store.rename("bob", "B01")
         with pytest.raises(UnsavedError):
             store.save()
-        with pytest.raises(RefusedError, match="is taken"):
+        with pytest.raises(VisitorRefusedError, match="is taken"):
             store.add("b01", on=TODAY)
     assert path.read_bytes() == before
     assert {file.name for file in tmp_path.iterdir()} == {path.name, ".visitors.json.lock"}
     assert (names(store), store.unsaved) == (["Anna", "B01"], 2)
-    assert names(Visitors(path)) == ["Anna"]
+    assert names(VisitorStore(path)) == ["Anna"]
     store.met("Anna", on=TODAY)
-    assert (names(Visitors(path)), store.unsaved) == (["Anna", "B01"], 0)
+    assert (names(VisitorStore(path)), store.unsaved) == (["Anna", "B01"], 0)
 
 
 def test_what_waited_goes_together_with_what_others_wrote_or_is_told(path: Path) -> None:
-    store, other = Visitors(path), Visitors(path)
+    store, other = VisitorStore(path), VisitorStore(path)
     store.add("Anna", on=TODAY)
     with full_disk():
         with pytest.raises(UnsavedError):
@@ -165,7 +165,7 @@ def test_what_waited_goes_together_with_what_others_wrote_or_is_told(path: Path)
     other.forget("Anna")
     assert names(store) == ["bob", "Carla"]
     store.save()
-    assert names(Visitors(path)) == ["bob", "Carla"]
+    assert names(VisitorStore(path)) == ["bob", "Carla"]
     bob = store.find("Bob")
     assert bob is not None and bob.age_group == "adult"
     taken, gone = store.given_up
@@ -176,33 +176,33 @@ def test_what_waited_goes_together_with_what_others_wrote_or_is_told(path: Path)
 
 def test_a_folder_is_made_and_one_that_cannot_be_is_told(tmp_path: Path) -> None:
     deep = tmp_path / "recordings" / "lab" / "visitors.json"
-    Visitors(deep).add("Anna", on=TODAY)
-    assert names(Visitors(deep)) == ["Anna"]
+    VisitorStore(deep).add("Anna", on=TODAY)
+    assert names(VisitorStore(deep)) == ["Anna"]
     with pytest.raises(UnsavedError, match="cannot be written"):
-        Visitors(Path("/proc/visitors.json")).add("Anna", on=TODAY)
+        VisitorStore(Path("/proc/visitors.json")).add("Anna", on=TODAY)
 
 
 def test_a_link_to_an_encrypted_disk_stays_a_link(tmp_path: Path, path: Path) -> None:
     vault = tmp_path / "vault"
     path.symlink_to(vault / "v.json")
-    store = Visitors(path)
+    store = VisitorStore(path)
     with pytest.raises(UnsavedError, match="No such file or directory"):
         store.add("Anna", on=TODAY)
     assert not vault.exists()
     vault.mkdir()
     store.save()
     assert path.is_symlink()
-    assert names(Visitors(vault / "v.json")) == ["Anna"]
+    assert names(VisitorStore(vault / "v.json")) == ["Anna"]
     path.unlink()
     path.symlink_to(path)
-    with pytest.raises(UnreadableError, match="symbolic links"):
-        Visitors(path).everybody()
+    with pytest.raises(VisitorFileError, match="symbolic links"):
+        VisitorStore(path).everybody()
 
 
 def test_others_never_may_read_it_whatever_it_was(path: Path) -> None:
     before = os.umask(0)
     try:
-        store = Visitors(path)
+        store = VisitorStore(path)
         store.add("Anna", on=TODAY)
         assert path.stat().st_mode & 0o777 == 0o600
         path.chmod(0o644)
@@ -216,20 +216,20 @@ def test_others_never_may_read_it_whatever_it_was(path: Path) -> None:
 
 
 def test_a_lock_that_is_never_given_back_does_not_hang_anybody(tmp_path: Path, path: Path) -> None:
-    store = Visitors(path, patience=0.05)
+    store = VisitorStore(path, patience=0.05)
     store.add("Anna", on=TODAY)
     with (tmp_path / ".visitors.json.lock").open("w") as held:
         fcntl.flock(held, fcntl.LOCK_EX)
         with pytest.raises(UnsavedError, match="another process keeps it locked"):
             store.add("Bob", on=TODAY)
-        assert names(Visitors(path)) == ["Anna"]
+        assert names(VisitorStore(path)) == ["Anna"]
     store.save()
-    assert names(Visitors(path)) == ["Anna", "Bob"]
+    assert names(VisitorStore(path)) == ["Anna", "Bob"]
 
 
 def test_two_processes_and_four_threads_lose_nothing(path: Path) -> None:
     writers = [writer(path, prefix, 25) for prefix in "AB"]
-    store = Visitors(path, patience=60.0)
+    store = VisitorStore(path, patience=60.0)
 
     def add(prefix: str) -> None:
         for number in range(10):
@@ -245,7 +245,7 @@ def test_two_processes_and_four_threads_lose_nothing(path: Path) -> None:
         assert process.returncode == 0
     expected = {f"{prefix}{number}" for prefix in "AB" for number in range(25)}
     expected |= {f"{prefix}{number}" for prefix in "CDEF" for number in range(10)}
-    assert set(names(store)) == set(names(Visitors(path))) == expected
+    assert set(names(store)) == set(names(VisitorStore(path))) == expected
 
 
 def test_a_writer_that_is_killed_leaves_a_whole_file_with_all_it_had_said(
@@ -260,8 +260,8 @@ def test_a_writer_that_is_killed_leaves_a_whole_file_with_all_it_had_said(
             process.kill()
             told |= {line.strip() for line in said}
         process.wait(timeout=30)
-        assert told <= set(names(Visitors(path)))
-    Visitors(path).add("last", on=TODAY)
+        assert told <= set(names(VisitorStore(path)))
+    VisitorStore(path).add("last", on=TODAY)
     assert {file.name for file in tmp_path.iterdir()} == {path.name, ".visitors.json.lock"}
 
 

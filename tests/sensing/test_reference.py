@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.config.engagement import EngagementSettings, Timeouts
-from woz_tui.sensing.sample_rows import Rows
+from woz_tui.sensing.sample_rows import SampleRowReader
 
 UNKNOWN = "Unknown"
 
@@ -187,7 +187,7 @@ def test_the_model_says_what_the_plain_one_says(
     settings = EngagementSettings(
         samples=n, threshold=float(threshold), start_up=start_up, timeouts=limit
     )
-    model = Rows(settings)
+    model = SampleRowReader(settings)
     plain = {key: Plain(n, threshold, start_up) for key in ODD}
     machine = Machine(None if absent is None else Fraction(absent))
     visitors = Visitors(random.Random(seed))

@@ -23,7 +23,7 @@ from woz_tui.config.engagement import (
     SoundSettings,
     Timeouts,
 )
-from woz_tui.sensing.sample_rows import Row, Rows
+from woz_tui.sensing.sample_rows import Row, SampleRowReader
 from woz_tui.sensing.state_machine import Event, State
 
 ALL: dict[str, Any] = {"presence": 1, "gaze": 1, "distance": 0.9}
@@ -34,7 +34,7 @@ KEYS = {"t", "presence", "gaze", "id", "distance", "state", "outcome", "why"}
 
 def run(rows: list[dict[str, Any]], settings: EngagementSettings = QUICK) -> list[Row]:
     """Rows a third of a second apart where they do not say when."""
-    model = Rows(settings)
+    model = SampleRowReader(settings)
     return [model.take({"t": number / 3, **row}) for number, row in enumerate(rows)]
 
 
@@ -149,7 +149,7 @@ def test_under_hold_there_is_no_verdict_until_the_queue_is_full() -> None:
 
 
 def test_lines_without_a_time_are_a_period_apart() -> None:
-    model = Rows(EngagementSettings(rate=4.0))
+    model = SampleRowReader(EngagementSettings(rate=4.0))
     stamps = [model.take(row)["t"] for row in ({"t": 2}, {}, {"t": None}, {"t": "x"}, {"t": 3.25})]
     assert stamps == [2, 2.25, 2.5, 2.75, 3.25]
 
@@ -158,7 +158,7 @@ def test_a_sign_that_misses_two_lines_is_not_stale() -> None:
     """Three periods of 3 Hz are a second, not more, whether the lines say so or not."""
     gaps = [ALL, *[{**ALL, "gaze": None}] * 2] * 20
     settings = EngagementSettings(samples=2, threshold=1)
-    said, unnamed = run(gaps, settings), Rows(settings)
+    said, unnamed = run(gaps, settings), SampleRowReader(settings)
     assert [unnamed.take(row) | {"t": line["t"]} for row, line in zip(gaps, said, strict=True)] == (
         said
     )
@@ -167,12 +167,12 @@ def test_a_sign_that_misses_two_lines_is_not_stale() -> None:
 
 
 def test_lines_without_a_time_do_not_drift() -> None:
-    model = Rows(EngagementSettings())
+    model = SampleRowReader(EngagementSettings())
     assert [model.take({})["t"] for _ in range(3001)][::3] == [float(t) for t in range(1001)]
 
 
 def test_a_clock_that_goes_back_twice_leaves_nobody_stale() -> None:
-    model = Rows(EngagementSettings(samples=1))
+    model = SampleRowReader(EngagementSettings(samples=1))
     for t in (10.0, 9.0, 8.0, 7.0):
         row = model.take({"t": t, "presence": 1 if t == 10.0 else None})
     assert (row["presence"], row.get("stale")) == (1, None)
@@ -180,7 +180,7 @@ def test_a_clock_that_goes_back_twice_leaves_nobody_stale() -> None:
 
 @pytest.mark.parametrize("t", [math.nan, math.inf, "1.0", True, [], 1e300, 10**400])
 def test_a_time_that_is_none_is_noted(t: object) -> None:
-    model = Rows(QUICK)
+    model = SampleRowReader(QUICK)
     model.take({"t": 1.0})
     row = model.take({"t": t, **ALL})
     assert row["bad"] == ["t"]
@@ -189,7 +189,7 @@ def test_a_time_that_is_none_is_noted(t: object) -> None:
 
 def test_a_clock_that_is_set_back_loses_nobody() -> None:
     """Binding: the wall clock may be set back by an hour."""
-    model = Rows(EngagementSettings())
+    model = SampleRowReader(EngagementSettings())
     stamps = [number / 3 for number in range(20)] + [number / 3 - 3600 for number in range(20, 40)]
     said = [model.take({"t": t, **ALL, "id": "Anna"}) for t in stamps]
     assert outcomes(said) == ["human_presence", "recognized"]
@@ -238,7 +238,7 @@ def test_a_hundred_thousand_hostile_rows() -> None:
     """E9: no exception, no NaN, no edge that there is not; and the machine got everywhere."""
     states = {state.value for state in State if state is not State.STOP}
     seen: set[str] = set()
-    model = Rows(EngagementSettings(timeouts=Timeouts(thinking=5.0, approach=30.0)))
+    model = SampleRowReader(EngagementSettings(timeouts=Timeouts(thinking=5.0, approach=30.0)))
     was = "Wait"
     for number, line in enumerate(hostile(1, 100_000)):
         said = model.take(line)
@@ -251,7 +251,7 @@ def test_a_hundred_thousand_hostile_rows() -> None:
         if number % 100 == 0:
             json.dumps(said, allow_nan=False).encode("utf-8")
         if was == "stop":
-            model, was = Rows(model.model.settings), "Wait"
+            model, was = SampleRowReader(model.model.settings), "Wait"
     assert seen - {"stop"} == states
 
 
@@ -262,7 +262,7 @@ def test_hostile_rows_under_every_policy(kind: str, start_up: str) -> None:
     settings = EngagementSettings(
         filter=kind, start_up=start_up, samples=5, gaze=SignSettings(samples=1, threshold=0.0)
     )
-    model = Rows(settings)
+    model = SampleRowReader(settings)
     for line in hostile(2, 2_000):
         json.dumps(model.take(line), allow_nan=False)
 
@@ -274,13 +274,13 @@ def test_hostile_rows_under_every_policy(kind: str, start_up: str) -> None:
 ), max_size=30))  # fmt: skip
 def test_no_line_raises(lines: list[dict[str, Any]]) -> None:
     """E9."""
-    model = Rows(EngagementSettings(samples=2))
+    model = SampleRowReader(EngagementSettings(samples=2))
     for line in lines:
         json.dumps(model.take(line), allow_nan=False).encode("utf-8")
 
 
 def test_memory_does_not_grow_with_the_lines() -> None:
-    model = Rows(EngagementSettings(sound=SoundSettings(threshold=0.1)))
+    model = SampleRowReader(EngagementSettings(sound=SoundSettings(threshold=0.1)))
     for line in hostile(3, 3_000):
         model.take(line)
     tracemalloc.start()

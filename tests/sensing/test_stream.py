@@ -23,8 +23,8 @@ from woz_tui.config.engagement import (
 )
 from woz_tui.config.session_verbs import ENGAGEMENT_VERBS
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.engagement_model import Change
-from woz_tui.sensing.engagement_stream import Follower
+from woz_tui.sensing.engagement_model import Transition
+from woz_tui.sensing.engagement_stream import EngagementFollower
 
 SECOND = 1_000_000
 PLAIN = EngagementSettings(handshake=HandshakeSettings(by="nobody"))
@@ -34,9 +34,9 @@ class Log:
     """A follower, and messages in the order of their time."""
 
     def __init__(self, settings: EngagementSettings = PLAIN) -> None:
-        self.follower = Follower(settings)
+        self.follower = EngagementFollower(settings)
         self.t = 0
-        self.changes: list[Change] = []
+        self.changes: list[Transition] = []
         self._commands = 0
 
     @property
@@ -98,7 +98,7 @@ def test_which_readings_count_is_a_setting() -> None:
         gaze=SignSettings(sensor="left.gaze"),
         sound=SoundSettings(sensor="left.loudness"),
     )
-    follower = Follower(settings)
+    follower = EngagementFollower(settings)
 
     def reads(sensor: str) -> bool:
         return follower.reads(m.Reading(sensor=sensor, value=1))
@@ -313,7 +313,7 @@ TIMES = st.one_of(
 @given(st.lists(st.tuples(MESSAGES, TIMES), max_size=60))
 def test_no_message_hurts(messages: list[tuple[Any, int]]) -> None:
     """E9: whatever a message holds, and whatever its time says."""
-    follower = Follower(EngagementSettings())
+    follower = EngagementFollower(EngagementSettings())
     t = 0
     for message, step in messages:
         t += step

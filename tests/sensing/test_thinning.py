@@ -11,19 +11,19 @@ from hypothesis import strategies as st
 
 from tests.sensing.visiting import WITH, Visit
 from woz_tui.config.engagement import EngagementSettings, JointSettings, SignSettings
-from woz_tui.sensing.engagement_model import Engagement
+from woz_tui.sensing.engagement_model import EngagementModel
 from woz_tui.sensing.model_time import SECOND
-from woz_tui.sensing.signs import Thinning
+from woz_tui.sensing.signs import SampleThinning
 
 SAMPLES: dict[str, Any] = {**WITH, "identity": "Anna"}
 
 
 def counted(times: list[int], rate: float | None) -> list[int]:
-    thinning = Thinning(rate)
+    thinning = SampleThinning(rate)
     return [t for t in times if thinning.counts(t)]
 
 
-def fill(model: Engagement, sign: str, hertz: int, seconds: float) -> int:
+def fill(model: EngagementModel, sign: str, hertz: int, seconds: float) -> int:
     """How many places of a sign's queue say yes after samples at this rate."""
     for beat in range(1, round(hertz * seconds) + 1):
         model.advance(beat * SECOND // hertz)
@@ -38,13 +38,13 @@ def fill(model: Engagement, sign: str, hertz: int, seconds: float) -> int:
 def test_a_quick_sensor_fills_its_queue_as_slowly_as_wished(sign: str) -> None:
     """E1: eight places last 2.67 s at 3 Hz, also if the sensor sends twenty samples a second."""
     own: Any = {sign: SignSettings(rate=3)}
-    assert fill(Engagement(EngagementSettings(samples=100)), sign, 20, 2.0) == 40
-    assert fill(Engagement(EngagementSettings(samples=100, **own)), sign, 20, 2.0) == 7
-    assert fill(Engagement(EngagementSettings(samples=100, **own)), sign, 2, 2.0) == 4
+    assert fill(EngagementModel(EngagementSettings(samples=100)), sign, 20, 2.0) == 40
+    assert fill(EngagementModel(EngagementSettings(samples=100, **own)), sign, 20, 2.0) == 7
+    assert fill(EngagementModel(EngagementSettings(samples=100, **own)), sign, 2, 2.0) == 4
 
 
 def test_what_does_not_count_is_shown_and_keeps_the_sign_alive() -> None:
-    model = Engagement(EngagementSettings(samples=3, distance=SignSettings(rate=0.5)))
+    model = EngagementModel(EngagementSettings(samples=3, distance=SignSettings(rate=0.5)))
     for beat in range(1, 10):
         model.advance(beat * SECOND // 10)
         model.sample("distance", 0.5 + beat / 100)
@@ -54,7 +54,7 @@ def test_what_does_not_count_is_shown_and_keeps_the_sign_alive() -> None:
 
 
 def test_after_a_silence_the_next_sample_counts() -> None:
-    model = Engagement(EngagementSettings(presence=SignSettings(rate=0.2)))
+    model = EngagementModel(EngagementSettings(presence=SignSettings(rate=0.2)))
     model.advance(SECOND)
     model.sample("presence", 1)
     model.advance(3 * SECOND)  # the sign is stale, its queue empty
@@ -64,7 +64,7 @@ def test_after_a_silence_the_next_sample_counts() -> None:
 
 
 def test_samples_that_are_none_do_not_count() -> None:
-    model = Engagement(EngagementSettings(gaze=SignSettings(rate=3)))
+    model = EngagementModel(EngagementSettings(gaze=SignSettings(rate=3)))
     model.advance(SECOND)
     for value in (None, "NaN", 7, 1):
         model.sample("gaze", value)
@@ -97,7 +97,7 @@ def test_never_more_than_the_rate(pauses: list[int], rate: float, begins: int) -
 
 
 def test_another_rate_of_a_sign_counts_at_once() -> None:
-    model = Engagement(EngagementSettings(samples=100))
+    model = EngagementModel(EngagementSettings(samples=100))
     model.adopt(EngagementSettings(samples=100, gaze=SignSettings(rate=2)))
     assert fill(model, "gaze", 10, 3.0) == 7
     model.adopt(EngagementSettings(samples=100))
@@ -109,7 +109,7 @@ def test_another_rate_of_a_sign_counts_at_once() -> None:
 @pytest.mark.parametrize("kind", ["fifo", "joint"])
 def test_another_start_up_counts_at_once(kind: str) -> None:
     settings = EngagementSettings(filter=kind)
-    model = Engagement(settings)
+    model = EngagementModel(settings)
     assert model.verdicts["gaze"] == 0
     model.adopt(dataclasses.replace(settings, start_up="hold"))
     assert [model.verdicts[sign] for sign in WITH] == [None] * 3

@@ -10,12 +10,14 @@ from hypothesis import strategies as st
 
 from tests.sensing.visiting import PERIOD, WITH, Visit
 from woz_tui.config.engagement import SoundSettings
-from woz_tui.sensing.loudness_speech import PUBLISHED_THRESHOLD, Voice
+from woz_tui.sensing.loudness_speech import PUBLISHED_THRESHOLD, LoudnessSpeechDetector
 from woz_tui.sensing.model_time import SECOND
 from woz_tui.sensing.state_machine import Event, State
 
 
-def heard(voice: Voice, *values: object, period: int = PERIOD) -> list[Event | None]:
+def heard(
+    voice: LoudnessSpeechDetector, *values: object, period: int = PERIOD
+) -> list[Event | None]:
     """What each of so many values brings, one period apart."""
     return [voice.take(value, number * period)[1] for number, value in enumerate(values, start=1)]
 
@@ -24,7 +26,7 @@ START, END = Event.SPEECH_START, Event.SPEECH_END
 
 
 def test_speech_begins_strictly_above_the_threshold() -> None:
-    voice = Voice(SoundSettings(threshold=0.1))
+    voice = LoudnessSpeechDetector(SoundSettings(threshold=0.1))
     assert heard(voice, 0.1, 0.11) == [None, START]
 
 
@@ -32,7 +34,9 @@ def test_speech_begins_strictly_above_the_threshold() -> None:
 def test_a_second_of_quiet_ends_it_whatever_the_rate(period: int) -> None:
     """With the very chunk. Also where stamps are rounded: three times 0.333 s are a second."""
     chunks = round(SECOND / period)
-    events = heard(Voice(SoundSettings(threshold=0.1)), 0.5, *[0.0] * chunks, period=period)
+    events = heard(
+        LoudnessSpeechDetector(SoundSettings(threshold=0.1)), 0.5, *[0.0] * chunks, period=period
+    )
     assert events == [START, *[None] * (chunks - 1), END]
 
 
@@ -44,13 +48,13 @@ def test_chunks_that_come_a_little_early_or_late_count_as_on_time(
     late = st.integers(-period // 8, period // 8)
     times = [number * period + data.draw(late) for number in range(1, chunks + 3)]
     levels = [0.0, 0.5, *[0.0] * chunks]
-    voice = Voice(SoundSettings(threshold=0.1, hang_over=chunks * period / SECOND))
+    voice = LoudnessSpeechDetector(SoundSettings(threshold=0.1, hang_over=chunks * period / SECOND))
     events = [voice.take(level, t)[1] for level, t in zip(levels, times, strict=True)]
     assert events == [None, START, *[None] * (chunks - 1), END]
 
 
 def test_after_a_hole_in_the_sound_the_hang_over_is_not_cut_short() -> None:
-    voice = Voice(SoundSettings(threshold=0.1))
+    voice = LoudnessSpeechDetector(SoundSettings(threshold=0.1))
     times = [100_000, 200_000, 1_000_000, 1_100_000, 1_200_000]
     levels = [0.0, 0.5, 0.0, 0.0, 0.0]
     events = [voice.take(level, t)[1] for level, t in zip(levels, times, strict=True)]
@@ -58,26 +62,26 @@ def test_after_a_hole_in_the_sound_the_hang_over_is_not_cut_short() -> None:
 
 
 def test_a_pause_within_a_sentence_does_not_end_it() -> None:
-    voice = Voice(SoundSettings(threshold=0.1))
+    voice = LoudnessSpeechDetector(SoundSettings(threshold=0.1))
     assert heard(voice, 0.5, 0.0, 0.0, 0.5, 0.0, 0.0, math.nan) == [START, *[None] * 5, END]
 
 
 def test_nothing_and_rubbish_are_no_chunks() -> None:
-    voice = Voice(SoundSettings(threshold=0.1))
+    voice = LoudnessSpeechDetector(SoundSettings(threshold=0.1))
     assert [voice.take(value, SECOND)[0] for value in (None, "x", -1, 2.0, math.inf)] == [False] * 5
     assert voice.level is None
     assert voice.take(math.nan, SECOND) == (True, None)
 
 
 def test_the_threshold_is_the_settings_or_what_the_microphone_learnt_or_the_published_one() -> None:
-    voice = Voice(SoundSettings())
+    voice = LoudnessSpeechDetector(SoundSettings())
     assert voice.threshold == PUBLISHED_THRESHOLD == 2400 / 32768
     for junk in (None, math.nan, -1.0, "x", math.inf):
         voice.tell_threshold(junk)
     assert voice.threshold == PUBLISHED_THRESHOLD
     voice.tell_threshold(0.02)
     assert voice.threshold == 0.02
-    fixed = Voice(SoundSettings(threshold=0.3))
+    fixed = LoudnessSpeechDetector(SoundSettings(threshold=0.3))
     fixed.tell_threshold(0.02)
     assert fixed.threshold == 0.3
     fixed.adopt(SoundSettings(threshold=0.2))
@@ -116,7 +120,7 @@ def test_speech_while_the_robot_talks_is_not_heard() -> None:
 
 def test_sound_that_stays_away_ends_speech_after_a_second_at_the_earliest() -> None:
     """A sensor that speaks once in a second is no silence, however brief the hang-over."""
-    voice = Voice(SoundSettings(threshold=0.1, hang_over=0.3))
+    voice = LoudnessSpeechDetector(SoundSettings(threshold=0.1, hang_over=0.3))
     assert voice.take(0.5, 0)[1] is START
     assert voice.pass_to(SECOND) is None
     assert voice.ends_at() == SECOND + 1

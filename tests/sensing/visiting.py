@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from woz_tui.config.engagement import EngagementSettings, HandshakeSettings
-from woz_tui.sensing.engagement_model import Change, Engagement
+from woz_tui.sensing.engagement_model import EngagementModel, Transition
 from woz_tui.sensing.model_time import SECOND
 from woz_tui.sensing.state_machine import Event, State
 
@@ -22,18 +22,18 @@ class Visit:
     def __init__(self, *, quick: bool = True, begins: int = 0, **settings: Any) -> None:
         if quick:
             settings = {"samples": 1, **settings}
-        self.model = Engagement(EngagementSettings(**settings), begins)
+        self.model = EngagementModel(EngagementSettings(**settings), begins)
         self.t = begins
 
-    def see(self, samples: int = 1, /, **signs: Any) -> list[Change]:
+    def see(self, samples: int = 1, /, **signs: Any) -> list[Transition]:
         """So many periods with these samples, a step after each; the changes."""
         return [change for _ in range(samples) for change in self._period(signs)]
 
-    def event(self, event: Event) -> Change | None:
+    def event(self, event: Event) -> Transition | None:
         """An event, now."""
         return self.model.step(event)
 
-    def wait(self, seconds: float, /, **signs: Any) -> list[Change]:
+    def wait(self, seconds: float, /, **signs: Any) -> list[Transition]:
         """Time passes with these samples."""
         return self.see(round(seconds * 3), **signs)
 
@@ -49,7 +49,7 @@ class Visit:
         assert self.model.state is State.HANDSHAKE
         return self
 
-    def _period(self, signs: dict[str, Any]) -> list[Change]:
+    def _period(self, signs: dict[str, Any]) -> list[Transition]:
         self.t += PERIOD
         self.model.advance(self.t)
         for sign, value in signs.items():

@@ -9,12 +9,12 @@ import sys
 from datetime import date
 from pathlib import Path
 
-from woz_tui.sensing.visitor_store import Visitors
+from woz_tui.sensing.visitor_store import VisitorStore
 
 
 def write(file: Path, prefix: str, count: int) -> None:
     """Add `count` visitors; waits for its turn as long as it takes."""
-    store = Visitors(file, patience=60.0)
+    store = VisitorStore(file, patience=60.0)
     for number in range(count):
         store.add(f"{prefix}{number}", on=date(2026, 3, 2))
         sys.stdout.write(f"{prefix}{number}\n")

@@ -14,7 +14,7 @@ import pytest
 
 from tests.session.engaged import PLAIN, Room, guided, in_room
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.visitor_store import Visitors
+from woz_tui.sensing.visitor_store import VisitorStore
 from woz_tui.session.known_visitors import Acquaintances
 from woz_tui.session.visitor_store_worker import Job
 
@@ -67,13 +67,13 @@ def refusing(path: Path) -> Iterator[Path]:
 
 
 def names(path: Path) -> list[str]:
-    return [visitor.name for visitor in Visitors(path).everybody()]
+    return [visitor.name for visitor in VisitorStore(path).everybody()]
 
 
 def test_whom_others_forget_or_rename_is_so_here_too_without_a_change_of_our_own(
     path: Path,
 ) -> None:
-    other = Visitors(path)
+    other = VisitorStore(path)
     for name in ("Anna", "Bob", "Cy"):
         other.add(name, on=TODAY)
     desk = Desk(path)
@@ -158,7 +158,7 @@ def test_what_was_given_up_is_told_once(path: Path, refusing: Path) -> None:
     desk.known.introduce("Anna", {}, TODAY)
     desk.hear()
     refusing.rmdir()
-    Visitors(path).add("anna", on=TODAY, age_group="adult")
+    VisitorStore(path).add("anna", on=TODAY, age_group="adult")
     desk.known.look()
     desk.hear()
     desk.known.look()
@@ -180,7 +180,7 @@ def test_names_given_while_the_file_is_damaged_go_into_the_mended_one(path: Path
     assert desk.known.lacks == 1
     assert len(desk.notices) == 1
     path.unlink()
-    Visitors(path).add("Bob", on=TODAY)
+    VisitorStore(path).add("Bob", on=TODAY)
     desk.known.look()
     desk.hear()
     assert names(path) == ["Anna", "Bob"]
@@ -190,7 +190,7 @@ def test_names_given_while_the_file_is_damaged_go_into_the_mended_one(path: Path
 
 def test_a_session_hears_of_others_changes_when_somebody_comes(tmp_path: Path) -> None:
     """Renamed and forgotten by `woz visitors` meanwhile, and nobody was introduced in between."""
-    store = Visitors(tmp_path / "recordings" / "visitors.json")
+    store = VisitorStore(tmp_path / "recordings" / "visitors.json")
     store.path.parent.mkdir()
     store.add("Anna", on=TODAY)
 
@@ -247,7 +247,7 @@ def hanging(known: Acquaintances) -> threading.Event:
     """From here on a change waits for the disk until the event is set."""
     gate = threading.Event()
 
-    def hang(store: Visitors) -> None:
+    def hang(store: VisitorStore) -> None:
         gate.wait(20)
 
     known._do(Job(hang, "Anna"))

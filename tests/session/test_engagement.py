@@ -17,7 +17,7 @@ from woz_tui.config.engagement import (
 )
 from woz_tui.drivers.contract import Ask
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.engagement_stream import Follower
+from woz_tui.sensing.engagement_stream import EngagementFollower
 from woz_tui.session.participant_identity import AskError
 
 KNOWN_STATE = "EngagedWithKnown"
@@ -280,12 +280,12 @@ def test_the_absence_of_the_visitor_ends_the_state_and_not_the_sentence(tmp_path
         assert gone.t < end.t, "the sentence went on"
 
     room = in_room(tmp_path, scenario, guided(tmp_path, settings))
-    follower = Follower(PLAIN)
+    follower = EngagementFollower(PLAIN)
     again = [change for line in room.lines for change in follower.take(line)]
     assert [change.now for change in again] == room.path
     changes = room.of(m.EngagementChanged)
     assert [change.t for change in again] == pytest.approx([line.t for line in changes], abs=5000)
-    before = Follower(PLAIN)
+    before = EngagementFollower(PLAIN)
     old = [_without_absent(line) for line in room.lines]
     found = [change.now for line in old for change in before.take(line)]
     assert found[-3:] == [KNOWN_STATE, "PersonDetected", "Wait"], "after the answer, as before"

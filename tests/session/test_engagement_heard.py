@@ -15,7 +15,7 @@ from tests.drivers.heard import until
 from tests.fakes.piped_command import PipedCommand
 from tests.fakes.sound import square
 from tests.session.engaged import WIZARD, Guide
-from woz_tui.cli.engagement_log import recounted
+from woz_tui.cli.engagement_log import rerun
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Driver, DriverContext, Job
@@ -164,7 +164,7 @@ async def test_a_conversation_by_keys_and_ears(tmp_path: Path) -> None:
     assert said.args == {"text": "Behind you, V7."}
 
     assert evening.experiment.engagement is not None
-    again = recounted(evening.log, evening.experiment.engagement.settings, log_reader.Damage())
+    again = rerun(evening.log, evening.experiment.engagement.settings, log_reader.Damage())
     assert len(again.computed) == len(changes)
     for computed, recorded in zip(again.computed, again.recorded, strict=True):
         assert replace(computed, t=recorded.t) == recorded, "the log tells it all once more"

@@ -12,7 +12,7 @@ from pathlib import Path
 from tests.session.engaged import PLAIN, Room, guided, in_room
 from woz_tui.config.engagement import HandshakeSettings
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.visitor_store import Visitors
+from woz_tui.sensing.visitor_store import VisitorStore
 
 KNOWN = "EngagedWithKnown"
 ASKING = replace(PLAIN, handshake=HandshakeSettings(by="robot", seconds=40.0, silence=4.0))
@@ -40,7 +40,7 @@ async def answers(room: Room, segment: int, text: str) -> None:
 
 def stored(tmp_path: Path) -> list[str]:
     path = tmp_path / "recordings" / "visitors.json"
-    return [visitor.name for visitor in Visitors(path).everybody()]
+    return [visitor.name for visitor in VisitorStore(path).everybody()]
 
 
 def saves(room: Room) -> None:
@@ -68,7 +68,7 @@ def test_the_wizard_is_told_and_gives_a_name(tmp_path: Path) -> None:
 
 
 def test_a_name_that_is_known_is_that_visitor_and_nothing_is_overwritten(tmp_path: Path) -> None:
-    store = Visitors(tmp_path / "recordings" / "visitors.json")
+    store = VisitorStore(tmp_path / "recordings" / "visitors.json")
     store.path.parent.mkdir()
     store.add("Anna", on=date(2026, 1, 1), age_group="adult")
 
@@ -81,7 +81,7 @@ def test_a_name_that_is_known_is_that_visitor_and_nothing_is_overwritten(tmp_pat
     assert [change.what for change in room.of(m.VisitorChanged)] == ["met", "profile"]
     assert room.shown.visitor == "Anna"
     assert any("age group adult; the file keeps this" in text for text in room.notices)
-    (anna,) = Visitors(store.path).everybody()
+    (anna,) = VisitorStore(store.path).everybody()
     assert (anna.name, anna.about) == ("Anna", {"age_group": "adult", "address": "formal"})
     assert anna.meetings == 2
 

@@ -12,7 +12,7 @@ from tools import guide_session
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.engagement_stream import Follower
+from woz_tui.sensing.engagement_stream import EngagementFollower
 from woz_tui.sensing.state_machine import EDGES
 from woz_tui.session.session import Session
 
@@ -93,7 +93,7 @@ def test_strangers_are_introduced_and_known_when_they_come_again(
 def test_whoever_reads_the_log_comes_to_the_same(twice: list[list[m.AnyMessage]]) -> None:
     experiment = load(guide_session.GUIDE, installed())
     assert experiment.engagement is not None
-    follower = Follower(experiment.engagement.settings)
+    follower = EngagementFollower(experiment.engagement.settings)
     found = [change for message in twice[0] for change in follower.take(message)]
     assert [(each.t, each.was, each.now, each.outcome, each.why) for each in found] == [
         (each.t, each.was, each.now, each.outcome, each.why) for each in changes(twice[0])

@@ -27,7 +27,7 @@ from woz_tui.config.engagement import (
 )
 
 if TYPE_CHECKING:
-    from woz_tui.sensing.sample_rows import Rows
+    from woz_tui.sensing.sample_rows import SampleRowReader
 
 #: The longest line that is read, in bytes; the rest of a longer one is thrown away.
 LONGEST = 1 << 20
@@ -60,11 +60,11 @@ outcome and why (null unless the state changed); besides, where there is somethi
 """
 
 
-class UsageError(Exception):
+class OptionsError(Exception):
     """Options that do not go together; the text says why."""
 
 
-class UnreadableError(Exception):
+class SamplesFileError(Exception):
     """A file that is not what it seems to be; the text says why."""
 
 
@@ -141,8 +141,8 @@ def add_settings(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """Print a line for each line; 0, 1 for a file that cannot be read, 2 for wrong options."""
     try:
-        return explained(lambda: _run(arguments), UnreadableError, who="woz engagement")
-    except UsageError as error:
+        return explained(lambda: _run(arguments), SamplesFileError, who="woz engagement")
+    except OptionsError as error:
         _tell(str(error))
         return 2
 
@@ -155,14 +155,14 @@ def _run(arguments: Namespace) -> int:
 
         return engagement_bench.run(arguments, settings)
     if arguments.file is None:
-        raise UsageError("name a file with lines of samples, a session's log, or - (or --bench)")
+        raise OptionsError("name a file with lines of samples, a session's log, or - (or --bench)")
     with _opened(arguments.file) as file:
         first = file.readline(LONGEST)
         if _is_log(arguments.file, file, first):
             return _log(arguments, settings, file, first)
         if arguments.compare or arguments.trials:
             option = "--compare" if arguments.compare else "--trials"
-            raise UsageError(
+            raise OptionsError(
                 f"{option} needs a session's log: lines of samples have no results of their own"
             )
         _rows(_Lines(arguments.file, file, first), settings, _live(file))
@@ -178,7 +178,7 @@ def _log(arguments: Namespace, settings: EngagementSettings, file: BinaryIO, fir
         with log_from_stdin.kept(file, first) as path:
             return _again(arguments, path, settings)
     except (ValueError, log_from_stdin.PipedError) as error:  # it may only look like a log
-        raise UnreadableError(str(error)) from error
+        raise SamplesFileError(str(error)) from error
 
 
 def _again(arguments: Namespace, log: Path, settings: EngagementSettings) -> int:
@@ -203,18 +203,18 @@ def _again(arguments: Namespace, log: Path, settings: EngagementSettings) -> int
 
 
 def _together(arguments: Namespace) -> None:
-    """Refuse what would be ignored: `UsageError` for options that do not go together."""
+    """Refuse what would be ignored: `OptionsError` for options that do not go together."""
     wholes = ("bench", "compare", "trials")
     chosen = [f"--{name}" for name in wholes if getattr(arguments, name)]
     if len(chosen) > 1:
-        raise UsageError(f"{' and '.join(chosen)}: take one of them")
+        raise OptionsError(f"{' and '.join(chosen)}: take one of them")
     if arguments.bench:
         if arguments.file is not None:
-            raise UsageError(f"--bench makes its visitors up: so it cannot read {arguments.file}")
+            raise OptionsError(f"--bench makes its visitors up: so it cannot read {arguments.file}")
         return
     for name in ("runs", "seed", "plot"):
         if getattr(arguments, name) is not None:
-            raise UsageError(f"--{name} needs --bench")
+            raise OptionsError(f"--{name} needs --bench")
 
 
 # -- settings -----------------------------------------------------------------------------------
@@ -223,14 +223,15 @@ def _together(arguments: Namespace) -> None:
 def settings_of(arguments: Namespace) -> EngagementSettings:
     """The experiment's settings, or the defaults, with the options above them.
 
-    Raises `ExperimentError` for a wrong file and `UsageError` for options that do not go together.
+    Raises `ExperimentError` for a wrong file and `OptionsError` for options that do not go
+    together.
     """
     settings = _experiments(arguments.experiment) if arguments.experiment else EngagementSettings()
     return with_options(arguments, settings)
 
 
 def with_options(arguments: Namespace, settings: EngagementSettings) -> EngagementSettings:
-    """Settings with the options above them; `UsageError` for those that do not go together."""
+    """Settings with the options above them; `OptionsError` for those that do not go together."""
     numbers = ("samples", "threshold", "filter", "stale")
     others = ("start_up", "rate", "signs", "social_distance")
     given: dict[str, Any] = {
@@ -245,7 +246,7 @@ def with_options(arguments: Namespace, settings: EngagementSettings) -> Engageme
     settings = replace(settings, **given)
     problems = settings.problems()
     if problems:
-        raise UsageError("; ".join(f"{name}: {why}" for name, why in problems))
+        raise OptionsError("; ".join(f"{name}: {why}" for name, why in problems))
     return settings
 
 
@@ -332,9 +333,9 @@ class _Lines:
 
 
 def _rows(lines: _Lines, settings: EngagementSettings, live: bool) -> None:
-    from woz_tui.sensing.sample_rows import Rows  # noqa: PLC0415
+    from woz_tui.sensing.sample_rows import SampleRowReader  # noqa: PLC0415
 
-    rows = Rows(settings)
+    rows = SampleRowReader(settings)
     out = sys.stdout.buffer
     for row in lines:
         said = rows.no_row() if row is None else rows.take(row)
@@ -345,7 +346,7 @@ def _rows(lines: _Lines, settings: EngagementSettings, live: bool) -> None:
     _hints(rows, settings, lines.wrong)
 
 
-def _hints(rows: Rows, settings: EngagementSettings, wrong: int) -> None:
+def _hints(rows: SampleRowReader, settings: EngagementSettings, wrong: int) -> None:
     """What may explain that nothing came of it."""
     if wrong > TOLD:
         _tell(f"{wrong} lines are not rows of samples")

@@ -16,8 +16,8 @@ from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_json import plain, settings_from
 from woz_tui.config.session_verbs import ENGAGEMENT
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.engagement_model import Change
-from woz_tui.sensing.engagement_stream import Follower
+from woz_tui.sensing.engagement_model import Transition
+from woz_tui.sensing.engagement_stream import EngagementFollower
 from woz_tui.timeline.session_state import SessionState
 
 #: Arguments of the verbs by which the wizard changes settings while a session runs.
@@ -25,7 +25,7 @@ FILTER = frozenset({"kind", "samples", "threshold"})
 
 
 @dataclass(frozen=True)
-class Above:
+class SettingsOverride:
     """What stands above a log: `change` makes of the settings recorded those to go by, `named` are
     the arguments of verbs that do not count, such as `{"filter": {"kind"}}`.
     """
@@ -38,12 +38,12 @@ class Above:
     @classmethod
     def always(
         cls, settings: EngagementSettings, named: Mapping[str, frozenset[str]] | None = None
-    ) -> Above:
+    ) -> SettingsOverride:
         """The same settings, whatever the log tells."""
         return cls(lambda recorded: settings, named or {}, one=True)
 
 
-class Again:
+class ModelRerun:
     """The model as it goes through a log.
 
     Args:
@@ -51,9 +51,9 @@ class Again:
         above: What is made of what the log tells.
     """
 
-    def __init__(self, settings: EngagementSettings | None, above: Above) -> None:
+    def __init__(self, settings: EngagementSettings | None, above: SettingsOverride) -> None:
         self.settings = settings or EngagementSettings()
-        self.follower = None if settings is None else Follower(settings)
+        self.follower = None if settings is None else EngagementFollower(settings)
         self.above = above
         self._state = SessionState()
         #: Verbs with arguments that do not count, by command.
@@ -65,7 +65,7 @@ class Again:
         #: When the log told settings, in microseconds.
         self.told: list[int] = []
 
-    def take(self, message: m.AnyMessage) -> Sequence[Change]:
+    def take(self, message: m.AnyMessage) -> Sequence[Transition]:
         """One message; the transitions that it brought."""
         if not isinstance(message, m.Reading | m.EngagementShown):
             self._state.take(message)
@@ -74,7 +74,7 @@ class Again:
             return ()
         return [*self.follower.take(heard)]
 
-    def until(self, t: int) -> Sequence[Change]:
+    def until(self, t: int) -> Sequence[Transition]:
         """What happens by itself up to `t`."""
         return () if self.follower is None else [*self.follower.until(t)]
 
@@ -113,5 +113,5 @@ class Again:
 
     def _begin(self, settings: EngagementSettings) -> None:
         """As live: a model that begins in mid-session is told what holds."""
-        self.follower = Follower(settings)
+        self.follower = EngagementFollower(settings)
         self.follower.catch_up(self._state.messages())

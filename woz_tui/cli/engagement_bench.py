@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from woz_tui.console.text_console import TextConsole
-    from woz_tui.sensing.bench.bench_figures import Measured, Report
+    from woz_tui.sensing.bench.bench_figures import BenchReport, FilterFigures
 
 #: Most runs of a scene that may be asked for.
 MOST_RUNS = 100_000
@@ -51,7 +51,7 @@ def run(arguments: Namespace, settings: EngagementSettings) -> int:
     """Measure and show it; 0 whatever comes out, 1 if the plot cannot be written, 2 for settings
     that its scenes cannot measure.
     """
-    from woz_tui.sensing.bench.bench_figures import RUNS, SEED, measure, plain  # noqa: PLC0415
+    from woz_tui.sensing.bench.bench_figures import RUNS, SEED, as_json, measure  # noqa: PLC0415
 
     unfit = _unfit(settings)
     if unfit:
@@ -68,7 +68,7 @@ def run(arguments: Namespace, settings: EngagementSettings) -> int:
 
         arguments.plot.write_text(draw(report), "utf-8")
     if arguments.json:
-        print(json.dumps(plain(report), indent=1))
+        print(json.dumps(as_json(report), indent=1))
     else:
         _show(report)
     return 0
@@ -104,7 +104,7 @@ def _waiting(runs: int) -> AbstractContextManager[object]:
     return TextConsole(stderr=True).status(f"{runs} runs of each scene ...")
 
 
-def _show(report: Report) -> None:
+def _show(report: BenchReport) -> None:
     from woz_tui.console.text_console import TextConsole  # noqa: PLC0415
 
     console = TextConsole()
@@ -154,7 +154,7 @@ def _plain_table(title: str, columns: list[str]) -> Table:
     return table
 
 
-def _table_1(report: Report, console: TextConsole) -> Table:
+def _table_1(report: BenchReport, console: TextConsole) -> Table:
     columns = ["sign", "s", "paper", "(95 %)", "model", "none", "fifo 8", "joint"]
     table = _plain_table("The paper's Table 1", columns)
     before = ""
@@ -169,7 +169,7 @@ def _table_1(report: Report, console: TextConsole) -> Table:
     return table
 
 
-def _steadiness(report: Report, console: TextConsole) -> Table:
+def _steadiness(report: BenchReport, console: TextConsole) -> Table:
     table = _plain_table(
         "Stable for 30 s (%), and false engagements an hour",
         ["filter", "stays", "short gl.", "long gl.", "nobody", "nobody/h", "bystander/h"],
@@ -184,7 +184,7 @@ def _steadiness(report: Report, console: TextConsole) -> Table:
     return table
 
 
-def _delays(report: Report, console: TextConsole) -> Table:
+def _delays(report: BenchReport, console: TextConsole) -> Table:
     table = _plain_table(
         "Delay until E changes (s): median, 95 %",
         ["filter", "arriving", "looks up", "leaving", "back", "walk", "turns"],
@@ -195,7 +195,7 @@ def _delays(report: Report, console: TextConsole) -> Table:
     return table
 
 
-def _variations(report: Report, console: TextConsole) -> Table:
+def _variations(report: BenchReport, console: TextConsole) -> Table:
     table = _plain_table(
         "Under other circumstances: fifo 8 / joint",
         ["", "stays", "glances", "nobody", "arriving", "leaving", "turns"],
@@ -205,16 +205,16 @@ def _variations(report: Report, console: TextConsole) -> Table:
     return table
 
 
-def _pairs(one: Measured, other: Measured) -> Iterator[str]:
+def _pairs(one: FilterFigures, other: FilterFigures) -> Iterator[str]:
     for name in one.steady:
         yield f"{one.steady[name].share:.0f}/{other.steady[name].share:.0f}"
     for name in one.changes:
         yield f"{_time(one.changes[name].most)}/{_time(other.changes[name].most)}"
 
 
-def _goals(report: Report, console: TextConsole) -> Table:
-    plain = console.encoding.lower() not in ("utf-8", "utf8")
-    yes, no = ("yes", "no") if plain else ("✓", "✗")
+def _goals(report: BenchReport, console: TextConsole) -> Table:
+    as_json = console.encoding.lower() not in ("utf-8", "utf8")
+    yes, no = ("yes", "no") if as_json else ("✓", "✗")
     table = _plain_table("The joint filter's goals", ["", "hoped", "found", "(95 %)", ""])
     for goal in report.goals:
         low, high = goal.bounds or (0, 0)
@@ -228,7 +228,7 @@ def _goals(report: Report, console: TextConsole) -> Table:
     return table
 
 
-def _style(each: Measured) -> str:
+def _style(each: FilterFigures) -> str:
     return "bold" if each.candidate.key == "joint" else ""
 
 
@@ -240,7 +240,7 @@ def _time(seconds: float) -> str:
 
 
 if TYPE_CHECKING:
-    from woz_tui.sensing.bench.bench_figures import Measured, Report
+    from woz_tui.sensing.bench.bench_figures import BenchReport, FilterFigures
 
 #: Colours of Okabe and Ito's set for colour-blind readers; shapes and words say the same.
 QUEUE, JOINT, GOAL, INK, FAINT = "#0072B2", "#D55E00", "#009E73", "#222222", "#BBBBBB"
@@ -251,7 +251,7 @@ LATEST, LEAST = 3.0, 0.0
 
 
 @dataclass(frozen=True, slots=True)
-class Panel:
+class PlotPanel:
     """One change against one kind of stability, with what is hoped of both."""
 
     title: str
@@ -262,14 +262,14 @@ class Panel:
 
 
 PANELS = (
-    Panel("Arriving", "arriving", "nobody", 0.67),
-    Panel("Leaving", "leaving", "short glances", 0.67),
-    Panel("Turning away", "turning away", "short glances", 1.7),
+    PlotPanel("Arriving", "arriving", "nobody", 0.67),
+    PlotPanel("Leaving", "leaving", "short glances", 0.67),
+    PlotPanel("Turning away", "turning away", "short glances", 1.7),
 )
 _STEADY = {"nobody": "nobody there", "short glances": "with glances of 0.56 s"}
 
 
-def draw(report: Report) -> str:
+def draw(report: BenchReport) -> str:
     """The picture: a panel each for arriving, leaving and turning away."""
     width = LEFT + len(PANELS) * (WIDE + GAP)
     height = TOP + HIGH + BELOW
@@ -292,7 +292,7 @@ def draw(report: Report) -> str:
     )
 
 
-def _panel(report: Report, panel: Panel, left: float) -> Iterator[str]:
+def _panel(report: BenchReport, panel: PlotPanel, left: float) -> Iterator[str]:
     def across(seconds: float) -> float:
         return left + min(seconds, LATEST) / LATEST * WIDE
 
@@ -325,7 +325,7 @@ _PLACES = {
 }
 
 
-def _axes(panel: Panel, left: float, across: Callable[[float], float]) -> Iterator[str]:
+def _axes(panel: PlotPanel, left: float, across: Callable[[float], float]) -> Iterator[str]:
     bottom = TOP + HIGH
     for share in range(0, 101, 20):
         y = _down(share)
@@ -342,7 +342,7 @@ def _axes(panel: Panel, left: float, across: Callable[[float], float]) -> Iterat
     yield _text(middle, bottom + 52, f"up: {words}", anchor="middle")
 
 
-def _legend(y: float, report: Report) -> Iterator[str]:
+def _legend(y: float, report: BenchReport) -> Iterator[str]:
     yield f'<circle cx="{LEFT + 5}" cy="{y - 4:.1f}" r="4.5" fill="{QUEUE}"/>'
     yield _text(
         LEFT + 16,
@@ -368,11 +368,11 @@ def _down(share: float) -> float:
     return TOP + HIGH * (100.0 - max(share, LEAST)) / (100.0 - LEAST)
 
 
-def _delay(each: Measured, panel: Panel) -> float:
+def _delay(each: FilterFigures, panel: PlotPanel) -> float:
     return each.changes[panel.change].most
 
 
-def _share(each: Measured, panel: Panel) -> float:
+def _share(each: FilterFigures, panel: PlotPanel) -> float:
     return each.steady[panel.steady].share
 
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 from rich.table import Table
 
-from woz_tui.cli.engagement_log import Recount, line_of
-from woz_tui.cli.engagement_off import Off
+from woz_tui.cli.engagement_log import LogRerun, line_of
+from woz_tui.cli.engagement_off import OffPeriods
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.console.text_console import TextConsole
 from woz_tui.protocol.messages import Json
-from woz_tui.sensing.engagement_model import Change
+from woz_tui.sensing.engagement_model import Transition
 from woz_tui.sensing.model_time import SECOND
 from woz_tui.sensing.state_machine import ENGAGED, State
 
@@ -27,11 +27,11 @@ SAME, MOVED, ONLY_RECORDED, ONLY_COMPUTED = "=", "~", "<", ">"
 
 
 @dataclass(frozen=True, slots=True)
-class Pair:
+class TransitionPair:
     """One line of the comparison: the recorded transition, the computed one, or both."""
 
-    recorded: Change | None
-    computed: Change | None
+    recorded: Transition | None
+    computed: Transition | None
 
     @property
     def t(self) -> int:
@@ -49,12 +49,14 @@ class Pair:
         return SAME if abs(self.computed.t - self.recorded.t) <= SAME_US else MOVED
 
 
-def paired(recorded: Sequence[Change], computed: Sequence[Change]) -> list[Pair]:
+def paired(recorded: Sequence[Transition], computed: Sequence[Transition]) -> list[TransitionPair]:
     """Both paths in the order of time; equal transitions that lie close are one line."""
     return list(_pairs(recorded, computed))
 
 
-def _pairs(recorded: Sequence[Change], computed: Sequence[Change]) -> Iterator[Pair]:
+def _pairs(
+    recorded: Sequence[Transition], computed: Sequence[Transition]
+) -> Iterator[TransitionPair]:
     left = right = 0
     while left < len(recorded) and right < len(computed):
         one, other = recorded[left], computed[right]
@@ -62,19 +64,19 @@ def _pairs(recorded: Sequence[Change], computed: Sequence[Change]) -> Iterator[P
             recorded[left + 1 : left + 2] if one.t <= other.t else computed[right + 1 : right + 2]
         )
         if _alike(one, other, before=earlier[0].t if earlier else None):
-            yield Pair(one, other)
+            yield TransitionPair(one, other)
             left, right = left + 1, right + 1
         elif one.t <= other.t:
-            yield Pair(one, None)
+            yield TransitionPair(one, None)
             left += 1
         else:
-            yield Pair(None, other)
+            yield TransitionPair(None, other)
             right += 1
-    yield from (Pair(one, None) for one in recorded[left:])
-    yield from (Pair(None, other) for other in computed[right:])
+    yield from (TransitionPair(one, None) for one in recorded[left:])
+    yield from (TransitionPair(None, other) for other in computed[right:])
 
 
-def _alike(one: Change, other: Change, before: int | None) -> bool:
+def _alike(one: Transition, other: Transition, before: int | None) -> bool:
     """Whether two transitions are the same one; `before`: what follows the earlier one must not
     come before the later one, or the lines would not stand in the order of time.
     """
@@ -84,7 +86,7 @@ def _alike(one: Change, other: Change, before: int | None) -> bool:
     return same and near and apart <= MOVED_US
 
 
-def engaged_share(path: Sequence[Change], end: int, off: Off) -> float | None:
+def engaged_share(path: Sequence[Transition], end: int, off: OffPeriods) -> float | None:
     """Share of the time from the start to `end` in which somebody was engaged, 0 to 1.
 
     Time in which the model was `off` counts neither as engaged nor as anything else; None: it
@@ -103,7 +105,7 @@ def engaged_share(path: Sequence[Change], end: int, off: Off) -> float | None:
     return total / on
 
 
-def summary(recount: Recount, pairs: Sequence[Pair]) -> dict[str, Json]:
+def summary(recount: LogRerun, pairs: Sequence[TransitionPair]) -> dict[str, Json]:
     """Figures of both paths; `first_difference` in seconds, or null where there is none. `off_` are
     seconds, and `engaged_` shares of the rest; null where there is no rest.
     """
@@ -122,12 +124,12 @@ def summary(recount: Recount, pairs: Sequence[Pair]) -> dict[str, Json]:
     }
 
 
-def _share(path: Sequence[Change], end: int, off: Off) -> float | None:
+def _share(path: Sequence[Transition], end: int, off: OffPeriods) -> float | None:
     share = engaged_share(path, end, off)
     return None if share is None else round(share, 4)
 
 
-def show(recount: Recount, *, as_json: bool) -> None:
+def show(recount: LogRerun, *, as_json: bool) -> None:
     """Print the comparison."""
     pairs = paired(recount.recorded, recount.computed)
     if as_json:
@@ -147,7 +149,7 @@ def show(recount: Recount, *, as_json: bool) -> None:
         console.print(sentence)
 
 
-def _table(pairs: Sequence[Pair]) -> Table:
+def _table(pairs: Sequence[TransitionPair]) -> Table:
     table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0))
     table.add_column("time", justify="right", no_wrap=True)
     table.add_column("recorded", overflow="fold")
@@ -167,13 +169,13 @@ def _clock(t: int) -> str:
     return f"{tenths // 600}:{tenths // 10 % 60:02d}.{tenths % 10}"
 
 
-def _cell(change: Change | None) -> str:
+def _cell(change: Transition | None) -> str:
     if change is None:
         return ""
     return f"{change.now} ({change.outcome}{', forced' if change.forced else ''})"
 
 
-def _second_cell(pair: Pair) -> str:
+def _second_cell(pair: TransitionPair) -> str:
     if pair.sign != MOVED or pair.recorded is None or pair.computed is None:
         return _cell(pair.computed)
     later = (pair.computed.t - pair.recorded.t) / SECOND

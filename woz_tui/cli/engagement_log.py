@@ -13,13 +13,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from woz_tui.cli.engagement_again import Above, Again
-from woz_tui.cli.engagement_off import OFF, Off, Recorded
+from woz_tui.cli.engagement_again import ModelRerun, SettingsOverride
+from woz_tui.cli.engagement_off import OFF, OffPeriods, RecordedModel
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.log.log_reader import Damage, Line, read
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.engagement_model import Change
+from woz_tui.sensing.engagement_model import Transition
 from woz_tui.sensing.model_time import SECOND
 
 _SAMPLE, _SETTINGS = "sample", "engagement.settings"
@@ -30,7 +30,7 @@ _EXPERIMENTS = "experiments"
 
 
 @dataclass
-class Recount:
+class LogRerun:
     """What a log says, and what the model makes of it now; times in microseconds.
 
     `recorded` are the transitions that the session has logged, `computed` those of now. `end` is
@@ -39,45 +39,49 @@ class Recount:
     when the model of then, and that of now, was switched off or not there.
     """
 
-    recorded: list[Change] = field(default_factory=list)
-    computed: list[Change] = field(default_factory=list)
+    recorded: list[Transition] = field(default_factory=list)
+    computed: list[Transition] = field(default_factory=list)
     end: int = 0
     sensors: set[str] = field(default_factory=set)
     reloads: list[int] = field(default_factory=list)
     start: m.SessionStart | None = None
-    again: Again | None = None
-    recorded_off: Off = field(default_factory=Off)
-    computed_off: Off = field(default_factory=Off)
+    again: ModelRerun | None = None
+    recorded_off: OffPeriods = field(default_factory=OffPeriods)
+    computed_off: OffPeriods = field(default_factory=OffPeriods)
 
 
-def run(path: Path, begin: EngagementSettings | None, above: Above, *, lines: bool) -> Recount:
+def run(
+    path: Path, begin: EngagementSettings | None, above: SettingsOverride, *, lines: bool
+) -> LogRerun:
     """Go through the log, printing the transitions as `lines`; its settings are `planned`."""
     damage = Damage()
-    recount = recounted(path, begin, damage, _print_change if lines else _keep_quiet, above)
+    recount = rerun(path, begin, damage, _print_change if lines else _keep_quiet, above)
     _hints(recount, damage)
     return recount
 
 
-def recounted(
+def rerun(
     path: Path,
     settings: EngagementSettings | None,
     damage: Damage,
-    tell: Callable[[Change], object] = lambda change: None,
-    above: Above | None = None,
-) -> Recount:
+    tell: Callable[[Transition], object] = lambda change: None,
+    above: SettingsOverride | None = None,
+) -> LogRerun:
     """Read the log to which `path` belongs; `tell` hears of each transition as it is computed.
 
     `settings` hold from the beginning (None: from where the log tells some), and all the time
     unless `above` says what is made of those that the log tells.
     Raises `FileNotFoundError` and `ValueError` as `record.log.read` does.
     """
-    again = Again(settings, above or (Above.always(settings) if settings else Above()))
-    recount = Recount()
-    then = Recorded(there=settings is not None, on=settings is None or settings.start != OFF)
+    again = ModelRerun(
+        settings, above or (SettingsOverride.always(settings) if settings else SettingsOverride())
+    )
+    recount = LogRerun()
+    then = RecordedModel(there=settings is not None, on=settings is None or settings.start != OFF)
     recount.recorded_off = then.off
     _switched(recount.computed_off, again, 0)
 
-    def follow(changes: Sequence[Change]) -> None:
+    def follow(changes: Sequence[Transition]) -> None:
         recount.computed += changes
         for change in changes:
             tell(change)
@@ -102,7 +106,7 @@ def recounted(
     return recount
 
 
-def _switched(off: Off, again: Again, t: int) -> None:
+def _switched(off: OffPeriods, again: ModelRerun, t: int) -> None:
     follower = again.follower
     off.see(t, there=follower is not None, on=follower is not None and follower.model.run != OFF)
 
@@ -115,13 +119,13 @@ def message_of(line: Line) -> m.AnyMessage | None:
     return line.message
 
 
-def _noted(recount: Recount, message: m.AnyMessage) -> None:
+def _noted(recount: LogRerun, message: m.AnyMessage) -> None:
     match message:
         case m.Reading(sensor=sensor):
             recount.sensors.add(sensor)
         case m.EngagementChanged():
             recount.recorded.append(
-                Change(
+                Transition(
                     t=message.t,
                     was=message.was,
                     now=message.now,
@@ -139,7 +143,7 @@ def _noted(recount: Recount, message: m.AnyMessage) -> None:
             recount.start = message
 
 
-def line_of(change: Change) -> dict[str, m.Json]:
+def line_of(change: Transition) -> dict[str, m.Json]:
     """A transition in the fields of the lines of samples, and what a session knows besides."""
     line: dict[str, m.Json] = {
         "t": change.t / SECOND,
@@ -158,11 +162,11 @@ def line_of(change: Change) -> dict[str, m.Json]:
     return line
 
 
-def _print_change(change: Change) -> None:
+def _print_change(change: Transition) -> None:
     print(json_text(line_of(change)))
 
 
-def _keep_quiet(change: Change) -> None:
+def _keep_quiet(change: Transition) -> None:
     """The comparison comes when all is known."""
 
 
@@ -175,12 +179,12 @@ def planned(
     settings: EngagementSettings,
     with_options: Callable[[EngagementSettings], EngagementSettings],
     of_experiment: Callable[[Path], EngagementSettings],
-) -> tuple[EngagementSettings | None, Above]:
+) -> tuple[EngagementSettings | None, SettingsOverride]:
     """Settings of the beginning, and what stands above those that the log tells itself."""
     named = _named(arguments)
     if arguments.experiment is not None:
-        return settings, Above.always(settings, named)
-    above = Above(with_options, named)
+        return settings, SettingsOverride.always(settings, named)
+    above = SettingsOverride(with_options, named)
     return (None if _tells_settings(log) else _searched(log, settings, of_experiment)), above
 
 
@@ -259,7 +263,7 @@ def _unlike(file: Path, start: m.SessionStart) -> str:
     return f"{file} has no section engagement" if experiment.engagement is None else ""
 
 
-def _hints(recount: Recount, damage: Damage) -> None:
+def _hints(recount: LogRerun, damage: Damage) -> None:
     for sentence in damage.sentences():
         _warn(f"the log is damaged: {sentence}")
     again = recount.again

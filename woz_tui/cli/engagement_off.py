@@ -13,7 +13,7 @@ OFF = "off"
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
+class OffPeriod:
     """From `since` to `until`, in microseconds; `gone`: there was no model, and the next one begins
     anew.
     """
@@ -24,10 +24,10 @@ class Stretch:
 
 
 @dataclass(slots=True)
-class Off:
+class OffPeriods:
     """Stretches in which a model was off, oldest first. It begins with a model that is there."""
 
-    stretches: list[Stretch] = field(default_factory=list)
+    stretches: list[OffPeriod] = field(default_factory=list)
     _since: int | None = None
     _gone: bool = False
 
@@ -42,7 +42,7 @@ class Off:
     def close(self, t: int) -> None:
         """The stretch that is open, if one is, ends here."""
         if self._since is not None:
-            self.stretches.append(Stretch(self._since, max(self._since, t), self._gone))
+            self.stretches.append(OffPeriod(self._since, max(self._since, t), self._gone))
         self._since = None
 
     @property
@@ -64,7 +64,7 @@ class Off:
         return (each.until for each in self.stretches if each.gone)
 
 
-class Recorded:
+class RecordedModel:
     """Follows what a log says of its own model.
 
     It is there from its first settings on, as they say (in logs of an earlier version, which tell
@@ -73,7 +73,7 @@ class Recorded:
     """
 
     def __init__(self, *, there: bool, on: bool) -> None:
-        self.off = Off()
+        self.off = OffPeriods()
         self._there, self._on, self._told = there, on, False
         self.off.see(0, there=there, on=on)
 

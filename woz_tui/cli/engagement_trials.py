@@ -22,7 +22,7 @@ from typing import Any
 
 from rich.table import Table
 
-from woz_tui.cli.engagement_again import FILTER, Above, Again
+from woz_tui.cli.engagement_again import FILTER, ModelRerun, SettingsOverride
 from woz_tui.cli.engagement_log import message_of
 from woz_tui.config.engagement import SIGNS, EngagementSettings
 from woz_tui.console.text_console import TextConsole
@@ -44,7 +44,7 @@ _PAGE = 80
 
 
 @dataclass
-class Course:
+class VerdictHistory:
     """How the verdicts went: times in microseconds, and all verdicts from each on."""
 
     times: list[int] = field(default_factory=list)
@@ -92,7 +92,7 @@ class Course:
 
 
 @dataclass(frozen=True, slots=True)
-class Delay:
+class EngagementDelay:
     """Seconds from a mark `now`, at `at` microseconds, until engagement was what most samples say
     some seconds later: without filter, with it; None: never. `changes` is False where they say what
     they said before as well: there was nothing to be slow at.
@@ -110,8 +110,8 @@ class Trials:
 
     stretches: Sequence[tuple[int, int]]
     moments: Sequence[int]
-    plain: Course
-    filtered: Course
+    plain: VerdictHistory
+    filtered: VerdictHistory
 
     def steady(self, name: str, seconds: int) -> tuple[int, int, int]:
         """Stretches of so many seconds at least; in how many of them a sign was right throughout,
@@ -126,20 +126,20 @@ class Trials:
                 right[place] += course.holds(name, truth, begin, end)
         return len(long), right[0], right[1]
 
-    def delays(self) -> list[Delay]:
+    def delays(self) -> list[EngagementDelay]:
         """How quickly engagement became, after each moment, what it was to be."""
         return [self._delay(at) for at in self.moments]
 
-    def _delay(self, at: int) -> Delay:
+    def _delay(self, at: int) -> EngagementDelay:
         half = LATEST * SECOND // 2
         before = self.plain.mostly(ENGAGED, max(0, at - half), at)
         after = self.plain.mostly(ENGAGED, at + half, at + 2 * half)
         if before == after:
-            return Delay(at, changes=False)
+            return EngagementDelay(at, changes=False)
         plain, filtered = (
             course.becomes(ENGAGED, after, at) for course in (self.plain, self.filtered)
         )
-        return Delay(at, plain, filtered)
+        return EngagementDelay(at, plain, filtered)
 
     def as_json(self) -> dict[str, m.Json]:
         """All figures for programs."""
@@ -167,18 +167,18 @@ class Trials:
 def trials(
     messages: Iterable[m.AnyMessage],
     settings: EngagementSettings | None,
-    above: Above | None = None,
+    above: SettingsOverride | None = None,
 ) -> Trials:
     """Run a session through the model with and without filters; `settings` and `above` are as
     `engagement_log.recounted` has them.
     """
-    above = above or (Above.always(settings) if settings else Above())
-    plain = Above(
+    above = above or (SettingsOverride.always(settings) if settings else SettingsOverride())
+    plain = SettingsOverride(
         lambda recorded: _unfiltered(above.change(recorded)), {**above.named, "filter": FILTER}
     )
     unfiltered = None if settings is None else _unfiltered(settings)
-    models = (Again(unfiltered, plain), Again(settings, above))
-    courses = (Course(), Course())
+    models = (ModelRerun(unfiltered, plain), ModelRerun(settings, above))
+    courses = (VerdictHistory(), VerdictHistory())
     marks: list[tuple[int, str]] = []
     end = 0
     for message in messages:
@@ -211,7 +211,9 @@ def _unfiltered(settings: EngagementSettings) -> EngagementSettings:
 # -- on the screen --------------------------------------------------------------------------------
 
 
-def show(log: Path, settings: EngagementSettings | None, above: Above, *, as_json: bool) -> None:
+def show(
+    log: Path, settings: EngagementSettings | None, above: SettingsOverride, *, as_json: bool
+) -> None:
     """Print the figures of a log; it must be one (`record.log.read` says what it raises)."""
     lines = (message_of(line) for line in read(log, Damage()))
     found = trials((message for message in lines if message is not None), settings, above)
@@ -264,9 +266,9 @@ def _delays(found: Trials) -> Table:
     return table
 
 
-def medians(delays: Iterable[Delay]) -> tuple[float | None, float | None] | None:
-    """Of the marks at which something was to change, without and with filter, as `Delay` has them;
-    None if there is no such mark.
+def medians(delays: Iterable[EngagementDelay]) -> tuple[float | None, float | None] | None:
+    """Of the marks at which something was to change, without and with filter, as `EngagementDelay`
+    has them; None if there is no such mark.
     """
     changes = [delay for delay in delays if delay.changes]
     if not changes:

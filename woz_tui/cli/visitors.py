@@ -18,18 +18,18 @@ from woz_tui.config.visitor_names import key_of, shown
 from woz_tui.console.text_console import TextConsole
 from woz_tui.protocol.messages import Json
 from woz_tui.sensing.visitor_store import (
-    RefusedError,
     UnsavedError,
     Visitor,
-    Visitors,
+    VisitorRefusedError,
     VisitorsError,
+    VisitorStore,
     store_at,
 )
 
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 120
 _STORE_OPTIONS = ("file", "experiment", "recordings", "json")
-_Command = Callable[[Visitors, Namespace], int]
+_Command = Callable[[VisitorStore, Namespace], int]
 
 
 def add(parser: ArgumentParser) -> None:
@@ -101,7 +101,7 @@ def run(arguments: Namespace) -> int:
 def _done(arguments: Namespace) -> int:
     try:
         does: _Command = arguments.does
-        return does(Visitors(_path(arguments)), arguments)
+        return does(VisitorStore(_path(arguments)), arguments)
     except VisitorsError as error:
         # What could not be written is gone when this process ends.
         unchanged = "\nnothing was changed" if isinstance(error, UnsavedError) else ""
@@ -127,7 +127,7 @@ def _path(arguments: Namespace) -> Path:
 # -- the commands -------------------------------------------------------------------------------
 
 
-def _list(store: Visitors, arguments: Namespace) -> int:
+def _list(store: VisitorStore, arguments: Namespace) -> int:
     everybody = store.everybody()
     if arguments.json:
         visitors: list[Json] = [_fields(visitor) for visitor in everybody]
@@ -140,12 +140,12 @@ def _list(store: Visitors, arguments: Namespace) -> int:
     return 0
 
 
-def _show(store: Visitors, arguments: Namespace) -> int:
+def _show(store: VisitorStore, arguments: Namespace) -> int:
     _report(store.called(arguments.name) or _wanted(store, arguments.name), arguments)
     return 0
 
 
-def _add(store: Visitors, arguments: Namespace) -> int:
+def _add(store: VisitorStore, arguments: Namespace) -> int:
     visitor = store.add(
         arguments.name,
         on=None,
@@ -157,7 +157,7 @@ def _add(store: Visitors, arguments: Namespace) -> int:
     return 0
 
 
-def _rename(store: Visitors, arguments: Namespace) -> int:
+def _rename(store: VisitorStore, arguments: Namespace) -> int:
     before = _wanted(store, arguments.name)
     after = store.rename(before.name, arguments.new)
     if arguments.json:
@@ -167,10 +167,10 @@ def _rename(store: Visitors, arguments: Namespace) -> int:
     return 0
 
 
-def _profile(store: Visitors, arguments: Namespace) -> int:
+def _profile(store: VisitorStore, arguments: Namespace) -> int:
     given = (arguments.age_group, arguments.address, arguments.label)
     if given == (None, None, None):
-        raise RefusedError("nothing to change", "give --age-group, --address or --label")
+        raise VisitorRefusedError("nothing to change", "give --age-group, --address or --label")
     before = _wanted(store, arguments.name)
     after = store.profile(
         before.name,
@@ -192,9 +192,11 @@ def _profile(store: Visitors, arguments: Namespace) -> int:
     return 0
 
 
-def _forget(store: Visitors, arguments: Namespace) -> int:
+def _forget(store: VisitorStore, arguments: Namespace) -> int:
     if bool(arguments.name) == arguments.all:
-        raise RefusedError("no visitor is named", "name visitors, or use --all without names")
+        raise VisitorRefusedError(
+            "no visitor is named", "name visitors, or use --all without names"
+        )
     names = arguments.name
     visitors = store.everybody() if arguments.all else [_wanted(store, name) for name in names]
     visitors = list(dict.fromkeys(visitors))
@@ -221,9 +223,9 @@ def _forget(store: Visitors, arguments: Namespace) -> int:
 
 
 def _agreed(visitors: list[Visitor]) -> bool:
-    """Whether whoever sits at the terminal wants it; `RefusedError` if nobody does."""
+    """Whether whoever sits at the terminal wants it; `VisitorRefusedError` if nobody does."""
     if not sys.stdin.isatty():
-        raise RefusedError(
+        raise VisitorRefusedError(
             "standard input is not a terminal, so this cannot be confirmed", "use --yes to confirm"
         )
     for visitor in visitors:
@@ -237,14 +239,14 @@ def _meetings(visitor: Visitor) -> str:
     return f"{often}, last on {visitor.last_met}" if visitor.last_met else often
 
 
-def _wanted(store: Visitors, name: str) -> Visitor:
+def _wanted(store: VisitorStore, name: str) -> Visitor:
     visitor = store.find(name)
     if visitor is not None:
         return visitor
     names = {key_of(one.name): one.name for one in store.everybody()}
     near = [names[key] for key in difflib.get_close_matches(key_of(name), names)]
     remedy = f"did you mean {' or '.join(near)}?" if near else "list all with: woz visitors list"
-    raise RefusedError(f"{store.path}: there is no visitor {shown(name)}", remedy)
+    raise VisitorRefusedError(f"{store.path}: there is no visitor {shown(name)}", remedy)
 
 
 def _report(visitor: Visitor, arguments: Namespace) -> None:

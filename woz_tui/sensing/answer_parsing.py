@@ -23,7 +23,7 @@ _ENDS_CLAUSE = frozenset(",.;:!?…")
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class NameAnswer:
     """What was understood; `why` nothing was."""
 
     name: str = ""
@@ -33,8 +33,8 @@ class Answer:
     why: str = ""
 
 
-_YES = Answer(yes=True)
-_AMBIGUOUS = Answer(why="both yes and no")
+_YES = NameAnswer(yes=True)
+_AMBIGUOUS = NameAnswer(why="both yes and no")
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +50,7 @@ _Words = Sequence[_Word]
 _Phrase = tuple[str, ...]
 
 
-class Answers:
+class NameAnswerParser:
     """Reads answers. `yes` and `no` are an experiment's words, beside those of the table."""
 
     def __init__(self, yes: Iterable[str], no: Iterable[str]) -> None:
@@ -69,27 +69,27 @@ class Answers:
         self._never = {word for (word,) in [*_phrases("never"), *answers]}
         self._denials = {word for (word,) in self._negations}
 
-    def read(self, text: str, asked: str = "") -> Answer:
+    def read(self, text: str, asked: str = "") -> NameAnswer:
         """What `text` says; `asked` is the name that the visitor was asked to confirm, if any."""
         if len(text) > LONGEST:
-            return Answer(why="the answer was too long")
+            return NameAnswer(why="the answer was too long")
         words = _words(text)
         if not words:
-            return Answer(why="nothing was understood")
+            return NameAnswer(why="nothing was understood")
         if _anywhere(words, self._declines):
-            return Answer(declined=True)
+            return NameAnswer(declined=True)
         why = f"no name in {shown(text.strip())}"
         if not asked:
-            return Answer(name=self._name(self._led(words)), why=why)
+            return NameAnswer(name=self._name(self._led(words)), why=why)
         return self._about(words, asked)
 
-    def _about(self, words: _Words, asked: str) -> Answer:
+    def _about(self, words: _Words, asked: str) -> NameAnswer:
         """The answer to whether `asked` is right."""
         if self._is_yes(words):
             return _YES
         introduced = self._introduced(words)
         if introduced and key_of(introduced) != key_of(asked):
-            return Answer(name=introduced, no=True)
+            return NameAnswer(name=introduced, no=True)
         without = _without(words, asked)
         yes, no = self._agrees(without), self._denies(without)
         if yes:
@@ -97,13 +97,13 @@ class Answers:
         if no:
             return self._instead(words, asked)
         name = self._name(self._led(words))
-        return _YES if name and key_of(name) == key_of(asked) else Answer(name=name)
+        return _YES if name and key_of(name) == key_of(asked) else NameAnswer(name=name)
 
-    def _instead(self, words: _Words, asked: str) -> Answer:
+    def _instead(self, words: _Words, asked: str) -> NameAnswer:
         """A no, and the name that comes with it, if any: `no, not Anna, Bob`."""
         rest = _without(self._led(words), asked)
         left = [word for word in rest if word.key not in self._denials]
-        return Answer(name=self._name(self._led(left)), no=True)
+        return NameAnswer(name=self._name(self._led(left)), no=True)
 
     # -- yes and no -----------------------------------------------------------------------------
 

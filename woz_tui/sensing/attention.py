@@ -22,8 +22,9 @@ gone for `seconds`.
 
 Pure: `t` in whole microseconds (a step back does not count), directions in degrees of the robot's
 own frame, 0 ahead, positive to its left, any number of turns. Orders say why in words:
-`Look(direction, why)`, `Return(direction, why)` (None: to what it did before), `Switch(direction,
-why)` (it stays with whoever is there) and `Stay(why)`. Calls that change nothing answer None.
+`GazeDirection(direction, why)`, `LookBack(direction, why)` (None: to what it did before),
+`SwitchPartner(direction, why)` (it stays with whoever is there) and `KeepLooking(why)`. Calls that
+change nothing answer None.
 
 While the head is turned away (`away`), a camera on it does not see the visitor: what it says then
 is no evidence about them.
@@ -56,7 +57,7 @@ class Stimulus(enum.StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
+class GazeDirection:
     """Turn to a stimulus, `direction` in degrees."""
 
     direction: float
@@ -64,7 +65,7 @@ class Look:
 
 
 @dataclass(frozen=True, slots=True)
-class Return:
+class LookBack:
     """Turn back to the engaged visitor; `direction` None: to what was done before."""
 
     direction: float | None
@@ -72,7 +73,7 @@ class Return:
 
 
 @dataclass(frozen=True, slots=True)
-class Switch:
+class SwitchPartner:
     """Stay with whoever was found there; they may become the engaged visitor."""
 
     direction: float
@@ -80,13 +81,13 @@ class Switch:
 
 
 @dataclass(frozen=True, slots=True)
-class Stay:
+class KeepLooking:
     """Nothing is done about a stimulus."""
 
     why: str
 
 
-Order = Look | Return | Switch | Stay
+Order = GazeDirection | LookBack | SwitchPartner | KeepLooking
 
 #: What stays in view without a direction: hands are where the robot is.
 _AT_THE_ROBOT = (Stimulus.TOUCH, Stimulus.TABLET_TOUCH)
@@ -133,7 +134,7 @@ class Attention:
     def shown(self) -> str:
         """What draws its attention, in words; empty: nothing does."""
         away = self._away
-        return "" if away is None else f"{_WORDS[away.kind]} {where(away.direction)}"
+        return "" if away is None else f"{_WORDS[away.kind]} {direction_words(away.direction)}"
 
     def due(self) -> int | None:
         """When `advance` has something to do; None: never by itself."""
@@ -162,16 +163,16 @@ class Attention:
         over = self.advance(t)
         place = _degrees(0.0 if direction is None and kind in _AT_THE_ROBOT else direction)
         if place is None:
-            return over or Stay(f"{_WORDS[kind]}, but nobody knows where")
-        what = f"{_WORDS[kind]} {where(place)}"
+            return over or KeepLooking(f"{_WORDS[kind]}, but nobody knows where")
+        what = f"{_WORDS[kind]} {direction_words(place)}"
         lasts = self._lasts(kind, place)
         if self._holds:
-            return over or Stay(f"{what}, but the visitor has its full attention")
+            return over or KeepLooking(f"{what}, but the visitor has its full attention")
         reason = self._nothing_new(kind, place) or ("it goes on" if lasts else "")
         if reason:
-            return over or Stay(f"{what}, but {reason}")
+            return over or KeepLooking(f"{what}, but {reason}")
         self._away = _Away(kind, place, self._look_until())
-        return Look(place, what)
+        return GazeDirection(place, what)
 
     def found(self, somebody: bool, t: int) -> Order | None:
         """Whether somebody is there, at the place it looks at now."""
@@ -180,20 +181,20 @@ class Attention:
         if away is None or over is not None:
             return over
         if not somebody:
-            return self._back(f"nobody {where(away.direction)}")
+            return self._back(f"nobody {direction_words(away.direction)}")
         if self._engaged and self.mode != "Unengaged":
             return None
         self._away = None
         if self._engaged:
             self._visitor = away.direction
-        return Switch(away.direction, f"somebody is {where(away.direction)}")
+        return SwitchPartner(away.direction, f"somebody is {direction_words(away.direction)}")
 
     def advance(self, t: int) -> Order | None:
         """Time passes: it may have looked long enough."""
         self._pass(t)
         if self._away is None or self._now < self._away.until:
             return None
-        return self._back(f"looked {where(self._away.direction)} long enough")
+        return self._back(f"looked {direction_words(self._away.direction)} long enough")
 
     # -- rules ----------------------------------------------------------------------------------
 
@@ -244,14 +245,14 @@ class Attention:
         """Look back if nothing may distract it any more."""
         return self._back(why) if self._away is not None and self._holds else None
 
-    def _back(self, why: str) -> Return:
+    def _back(self, why: str) -> LookBack:
         self._away = None
         if self._engaged:
-            return Return(self._visitor or 0.0, f"{why}; back to the visitor")
-        return Return(None, f"{why}; back to what it did")
+            return LookBack(self._visitor or 0.0, f"{why}; back to the visitor")
+        return LookBack(None, f"{why}; back to what it did")
 
 
-def where(direction: float) -> str:
+def direction_words(direction: float) -> str:
     """A direction in words: `60 degrees to the left`."""
     degrees = round(abs(direction))
     if degrees == 0:

@@ -13,7 +13,7 @@ from woz_tui.config.engagement import CONDITION, SIGNS
 from woz_tui.config.sign_values import SENSOR, identity_of, nonsense, sensed
 from woz_tui.config.visitor_names import name_of
 from woz_tui.protocol.messages import Json
-from woz_tui.sensing.engagement_model import Change, Engagement
+from woz_tui.sensing.engagement_model import EngagementModel, Transition
 from woz_tui.sensing.state_machine import Event, State, named_from
 
 ALL = "all"
@@ -26,7 +26,7 @@ Args = Mapping[str, Any]
 # -- understood --------------------------------------------------------------------------------
 
 
-def understood(model: Engagement, verb: str, args: Args) -> dict[str, Json]:
+def resolved_arguments(model: EngagementModel, verb: str, args: Args) -> dict[str, Json]:
     """The arguments in the form in which they are obeyed, as things stand now.
 
     Raises `ValueError` with a sentence if they make no sense at this moment.
@@ -34,12 +34,12 @@ def understood(model: Engagement, verb: str, args: Args) -> dict[str, Json]:
     return _UNDERSTAND[verb](model, args)
 
 
-def _toggle(model: Engagement, args: Args) -> dict[str, Json]:
+def _toggle(model: EngagementModel, args: Args) -> dict[str, Json]:
     sign = args["sign"]
     return {"sign": sign, "value": "off" if model.verdicts.get(sign) == 1 else "on"}
 
 
-def _sense(model: Engagement, args: Args) -> dict[str, Json]:
+def _sense(model: EngagementModel, args: Args) -> dict[str, Json]:
     sign, value = args["sign"], args["value"].strip()
     meant = sensed("presence" if sign == ALL else sign, value)
     if sign == "identity" and isinstance(meant, str):
@@ -47,7 +47,7 @@ def _sense(model: Engagement, args: Args) -> dict[str, Json]:
     return {"sign": sign, "value": value}
 
 
-def _force(model: Engagement, args: Args) -> dict[str, Json]:
+def _force(model: EngagementModel, args: Args) -> dict[str, Json]:
     to = args["to"]
     leaving = dict.fromkeys(edge.outcome for edge in named_from(model.state))
     if to == model.state:
@@ -58,7 +58,7 @@ def _force(model: Engagement, args: Args) -> dict[str, Json]:
     raise ValueError(f"{to!r} does not lead out of {model.state}: name a state{outcomes}")
 
 
-def _run(model: Engagement, args: Args) -> dict[str, Json]:
+def _run(model: EngagementModel, args: Args) -> dict[str, Json]:
     run = args["run"]
     if run == _STEP and model.run != "hold":
         raise ValueError("only a model on hold goes step by step")
@@ -67,14 +67,14 @@ def _run(model: Engagement, args: Args) -> dict[str, Json]:
     return {"run": run}
 
 
-def _filter(model: Engagement, args: Args) -> dict[str, Json]:
+def _filter(model: EngagementModel, args: Args) -> dict[str, Json]:
     wrong = nonsense("filter", args)
     if wrong:
         raise ValueError(wrong)
     return dict(args)
 
 
-def _social_distance(model: Engagement, args: Args) -> dict[str, Json]:
+def _social_distance(model: EngagementModel, args: Args) -> dict[str, Json]:
     if args["metres"] >= model.settings.farthest:
         raise ValueError(
             f"{args['metres']:g} m is beyond the sensor's reach, {model.settings.farthest:g} m"
@@ -82,7 +82,7 @@ def _social_distance(model: Engagement, args: Args) -> dict[str, Json]:
     return dict(args)
 
 
-def _handshake(model: Engagement, args: Args) -> dict[str, Json]:
+def _handshake(model: EngagementModel, args: Args) -> dict[str, Json]:
     what = args["what"]
     code = name_of(args["code"]) if args.get("code") else ""
     if what != "begin" and model.state is not State.HANDSHAKE:
@@ -92,12 +92,12 @@ def _handshake(model: Engagement, args: Args) -> dict[str, Json]:
     return {"what": what, "code": code} if code else {"what": what}
 
 
-def _visitor(model: Engagement, args: Args) -> dict[str, Json]:
+def _visitor(model: EngagementModel, args: Args) -> dict[str, Json]:
     given = {**args, "code": name_of(args["code"])}
     return {key: value for key, value in given.items() if value != ""}
 
 
-_UNDERSTAND: Mapping[str, Callable[[Engagement, Args], dict[str, Json]]] = {
+_UNDERSTAND: Mapping[str, Callable[[EngagementModel, Args], dict[str, Json]]] = {
     "toggle": _toggle,
     "sense": _sense,
     "force": _force,
@@ -113,7 +113,7 @@ _UNDERSTAND: Mapping[str, Callable[[Engagement, Args], dict[str, Json]]] = {
 # -- obeyed ------------------------------------------------------------------------------------
 
 
-def obeyed(model: Engagement, verb: str, args: Args) -> Change | None:
+def apply_command(model: EngagementModel, verb: str, args: Args) -> Transition | None:
     """Do what was understood; the transition that it brought, if it brought one.
 
     Raises `ValueError` if it makes no sense any more.
@@ -138,7 +138,7 @@ def obeyed(model: Engagement, verb: str, args: Args) -> Change | None:
     return model.step()
 
 
-def _give(model: Engagement, sign: str, value: str) -> None:
+def _give(model: EngagementModel, sign: str, value: str) -> None:
     if sign == ALL:
         for each in SIGNS if value == SENSOR else CONDITION:
             _give(model, each, value)
@@ -147,13 +147,13 @@ def _give(model: Engagement, sign: str, value: str) -> None:
     model.override(sign, meant, meant if isinstance(meant, str) else "")
 
 
-def _configure(model: Engagement, args: Args) -> None:
+def _configure(model: EngagementModel, args: Args) -> None:
     numbers = {name: args.get(name) for name in ("kind", "samples", "threshold")}
     for each in SIGNS if args["sign"] == ALL else (args["sign"],):
         model.configure(each, **numbers)
 
 
-def _introduced(model: Engagement, verb: str, args: Args) -> Change | None:
+def _introduced(model: EngagementModel, verb: str, args: Args) -> Transition | None:
     what = "ok" if verb == "visitor" else args["what"]
     if what == "begin":
         return None if model.state is State.HANDSHAKE else model.force(State.HANDSHAKE)

@@ -14,10 +14,18 @@ from dataclasses import dataclass
 from woz_tui.config.engagement import RUNS, EngagementSettings
 from woz_tui.protocol.envelope import Json
 from woz_tui.protocol.visitor_messages import EngagementShown
-from woz_tui.sensing.loudness_speech import Voice
-from woz_tui.sensing.model_time import SECOND, Passing, microseconds, periods
+from woz_tui.sensing.loudness_speech import LoudnessSpeechDetector
+from woz_tui.sensing.model_time import SECOND, ModelClock, microseconds, periods
 from woz_tui.sensing.signs import Signs
-from woz_tui.sensing.state_machine import Edge, Event, State, View, by_signs, edge_to, edges_from
+from woz_tui.sensing.state_machine import (
+    Edge,
+    Event,
+    ModelView,
+    State,
+    by_signs,
+    edge_to,
+    edges_from,
+)
 
 #: States of the trail.
 TRAIL = 12
@@ -34,7 +42,7 @@ _LIMITS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class Transition:
     """One edge that was taken, at the stamp `t` in microseconds.
 
     `verdicts`: presence, gaze and distance as 0, 1 or None, identity as a name or "Unknown".
@@ -51,7 +59,7 @@ class Change:
     forced: bool
 
 
-class Engagement:
+class EngagementModel:
     """One visitor after the other, as the settings see them. `t` is where the stamps begin.
 
     `cuts`: a microphone's driver cuts speech itself and tells the events; loudness is only shown.
@@ -60,9 +68,9 @@ class Engagement:
     def __init__(self, settings: EngagementSettings, t: int = 0, *, cuts: bool = False) -> None:
         self.settings = settings
         self.cuts = cuts
-        self._time = Passing(t, periods(1, settings.rate))
+        self._time = ModelClock(t, periods(1, settings.rate))
         self.signs = Signs(settings, t)
-        self.voice = Voice(settings.sound)
+        self.voice = LoudnessSpeechDetector(settings.sound)
         self.state = State.WAIT
         self.since = t
         self._trail: deque[str] = deque([State.WAIT.value], maxlen=TRAIL)
@@ -175,7 +183,7 @@ class Engagement:
 
     # -- what follows ---------------------------------------------------------------------------
 
-    def step(self, event: Event | None = None) -> Change | None:
+    def step(self, event: Event | None = None) -> Transition | None:
         """Take one edge at most: with `event`, or with what was heard, or by the signs alone."""
         if event is None and self._events:
             event = self._events.popleft()
@@ -186,7 +194,7 @@ class Engagement:
         edge = self._edge(event)
         return None if edge is None else self._take(edge, event)
 
-    def step_once(self) -> Change | None:
+    def step_once(self) -> Transition | None:
         """In `hold`: take the edge that is pending, by hand."""
         found = self._waiting()
         if found is None:
@@ -196,7 +204,7 @@ class Engagement:
             pass
         return self._take(edge, event, by_hand="stepped by the wizard: ")
 
-    def force(self, to: str, *, stands: bool = True) -> Change:
+    def force(self, to: str, *, stands: bool = True) -> Transition:
         """Go to a state, or along an outcome of the present one; it `stands` until the signs say
         something else than now. ValueError with a sentence if there is no such state or outcome,
         or it is there already.
@@ -309,10 +317,10 @@ class Engagement:
         if self._stands is not None and self._stands != self._verdict():
             self._stands = None
 
-    def _view(self, event: Event | None) -> View:
+    def _view(self, event: Event | None) -> ModelView:
         now = self._time.now
         shakes = self.settings.handshake
-        return View(
+        return ModelView(
             event=event,
             presence=self.signs.present,
             engaged=self._engaged,
@@ -343,7 +351,7 @@ class Engagement:
         edge = self._edge(None)
         return None if edge is None else (edge, None)
 
-    def _take(self, edge: Edge, event: Event | None, by_hand: str = "") -> Change:
+    def _take(self, edge: Edge, event: Event | None, by_hand: str = "") -> Transition:
         forced = bool(by_hand) or self._rests_on_wizard(edge, event)
         why = "{reason}" if by_hand.startswith("forced") else edge.why
         why = by_hand + self.signs.explained(why, self._time.now, self._told)
@@ -351,7 +359,7 @@ class Engagement:
         self._trail.append(edge.target.value)
         self._stands = None
         self._enter(edge)
-        return Change(
+        return Transition(
             t=self._time.stamp(self.since),
             was=edge.source.value,
             now=edge.target.value,

@@ -1,7 +1,7 @@
 """From the messages of a session to the engagement model: one object, live and for logs.
 
-The session hands every message of its hub to a `Follower`, and so does whoever reads the log
-later. What the model made of it can be computed again from the log for this reason, with other
+The session hands every message of its hub to a `EngagementFollower`, and so does whoever reads the
+log later. What the model made of it can be computed again from the log for this reason, with other
 settings if wished, and with the same ones it is the same to the last transition.
 
 How messages are read:
@@ -32,7 +32,7 @@ from woz_tui.config.session_verbs import ENGAGEMENT
 from woz_tui.drivers.contract import SPEECH as SEGMENTS
 from woz_tui.protocol import messages as m
 from woz_tui.sensing import engagement_commands
-from woz_tui.sensing.engagement_model import Change, Engagement
+from woz_tui.sensing.engagement_model import EngagementModel, Transition
 from woz_tui.sensing.state_machine import Event, State
 
 #: Verbs with which the robot speaks.
@@ -45,10 +45,10 @@ _LOUDNESS = "loudness"
 _BEGINS = {State.KNOWN: Event.ROBOT_INITIATIVE, State.THINKS: Event.THINK_DONE}
 _ENDS = {State.ROBOT_SPEAKS: Event.SAY_DONE, State.REPLIES: Event.REPLY_DONE}
 
-Changes = Sequence[Change]
+Changes = Sequence[Transition]
 
 
-class Follower:
+class EngagementFollower:
     """The engagement model as a session drives it. Not for more than one thread.
 
     Args:
@@ -58,7 +58,7 @@ class Follower:
     """
 
     def __init__(self, settings: EngagementSettings) -> None:
-        self.model = Engagement(settings)
+        self.model = EngagementModel(settings)
         self.settings = settings
         self.mode = settings.attention.mode
         #: Name of a sensor that counts -> what it is for.
@@ -97,7 +97,7 @@ class Follower:
 
         It happens at exactly the moments that are due, so it does not matter who looks when.
         """
-        found: list[Change] = []
+        found: list[Transition] = []
         moment, steps = -1, 0
         for _ in range(_AT_MOST):
             due = self.model.due()
@@ -140,7 +140,7 @@ class Follower:
 
     # -- steps -------------------------------------------------------------------------------------
 
-    def _step(self) -> Change | None:
+    def _step(self) -> Transition | None:
         """One edge at most, by the signs as they are now."""
         model = self.model
         if model.state is State.HANDSHAKE and self._recognised() and not model.pending:
@@ -152,7 +152,7 @@ class Follower:
         name = self.model.verdicts["identity"]
         return name not in (UNKNOWN, self._stranger)
 
-    def _brought(self, change: Change | None) -> Iterator[Change]:
+    def _brought(self, change: Transition | None) -> Iterator[Transition]:
         """A transition, and what follows from it at once."""
         if change is None:
             return
@@ -164,10 +164,10 @@ class Follower:
 
     # -- what each message means -------------------------------------------------------------------
 
-    def _read(self, message: m.Message) -> Change | None:
+    def _read(self, message: m.Message) -> Transition | None:
         return _READ[type(message)](self, message)
 
-    def _reading(self, reading: m.Reading) -> Change | None:
+    def _reading(self, reading: m.Reading) -> Transition | None:
         sign = self.sensors[reading.sensor]
         value = reading.value
         if isinstance(value, float) and not math.isfinite(value):
@@ -178,66 +178,66 @@ class Follower:
         self.model.sample(sign, value, reading.text)
         return self._step()
 
-    def _sensor(self, message: m.SensorChanged) -> Change | None:
+    def _sensor(self, message: m.SensorChanged) -> Transition | None:
         """A driver that cuts speech itself is there: its first segment may be long to come."""
         self.model.cuts = self.model.cuts or message.sensor.rpartition(".")[2] == SEGMENTS
         return None
 
-    def _speech_started(self, message: m.SpeechStarted) -> Change | None:
+    def _speech_started(self, message: m.SpeechStarted) -> Transition | None:
         self.model.cuts = True
         return self.model.step(Event.SPEECH_START)
 
-    def _speech_ended(self, message: m.SpeechEnded) -> Change | None:
+    def _speech_ended(self, message: m.SpeechEnded) -> Transition | None:
         self.model.cuts = True
         return self.model.step(Event.SPEECH_END)
 
-    def _speech_text(self, message: m.SpeechText) -> Change | None:
+    def _speech_text(self, message: m.SpeechText) -> Transition | None:
         """A text that is empty and has no excuse: nothing was understood."""
         if message.text.strip() or message.detail:
             return None
         return self.model.step(Event.SPEECH_ERROR)
 
-    def _command(self, command: m.Command) -> Change | None:
+    def _command(self, command: m.Command) -> Transition | None:
         if command.driver == ENGAGEMENT:
             _remember(self._asked, command.command, command.verb)
         elif command.verb in SPEECH:
             _remember(self._says, command.command, command)
         return None
 
-    def _dispatched(self, message: m.Dispatched) -> Change | None:
+    def _dispatched(self, message: m.Dispatched) -> Transition | None:
         said = self._says.get(message.command)
         if said is None:
             return None
         self._speaking[message.command] = said.source
         return self._event(_BEGINS)
 
-    def _done(self, end: m.Done) -> Change | None:
+    def _done(self, end: m.Done) -> Transition | None:
         verb = self._asked.pop(end.command, None)
         if verb is None:
             return self._ended(end)
         if verb == "attend":
             self.mode = str(end.sent.get("mode", self.mode))
         try:
-            change = engagement_commands.obeyed(self.model, verb, end.sent)
+            change = engagement_commands.apply_command(self.model, verb, end.sent)
         except (ValueError, KeyError, TypeError, AttributeError):  # a log that was changed
             return None
         return change if change is not None else self._step()
 
-    def _ended(self, end: m.End) -> Change | None:
+    def _ended(self, end: m.End) -> Transition | None:
         self._asked.pop(end.command, None)
         self._says.pop(end.command, None)
         if self._speaking.pop(end.command, None) is None:
             return None
         return None if self._speaking else self._event(_ENDS)
 
-    def _superseded(self, end: m.Superseded) -> Change | None:
+    def _superseded(self, end: m.Superseded) -> Transition | None:
         """Another `say` takes over: the robot goes on speaking."""
         successor = self._says.get(end.by)
         if end.command in self._speaking and successor is not None:
             self._speaking[end.by] = successor.source
         return self._ended(end)
 
-    def _event(self, events: Mapping[State, Event]) -> Change | None:
+    def _event(self, events: Mapping[State, Event]) -> Transition | None:
         event = events.get(self.model.state)
         return None if event is None else self.model.step(event)
 
@@ -245,11 +245,11 @@ class Follower:
         """The robot says something already that is no mere effect of a state."""
         return any(source != ENGAGEMENT for source in self._speaking.values())
 
-    def _start(self, message: m.SessionStart) -> Change | None:
+    def _start(self, message: m.SessionStart) -> Transition | None:
         self._participant = message.participant
         return None
 
-    def _session(self, message: m.SessionChanged) -> Change | None:
+    def _session(self, message: m.SessionChanged) -> Transition | None:
         if message.participant is None or message.participant == self._participant:
             return None
         self._participant = message.participant
@@ -260,7 +260,7 @@ class Follower:
             return None
         return self.model.force(State.WAIT, stands=False)
 
-    def _settings(self, message: m.EngagementAdopted) -> Change | None:
+    def _settings(self, message: m.EngagementAdopted) -> Transition | None:
         """Other settings, at the same place live and in the log. That the section is gone concerns
         whoever has this follower.
         """
@@ -268,7 +268,7 @@ class Follower:
             self.adopt(settings_from(message.settings))
         return None
 
-    def _nothing(self, message: m.Message) -> Change | None:
+    def _nothing(self, message: m.Message) -> Transition | None:
         return None
 
 
@@ -276,24 +276,24 @@ class Follower:
 _THRESHOLD = "loudness.threshold"
 
 #: How each kind of message is read; others pass by.
-_READ: Mapping[type, Callable[[Follower, Any], Change | None]] = {
-    m.Reading: Follower._reading,
-    m.SensorChanged: Follower._sensor,
-    m.SpeechStarted: Follower._speech_started,
-    m.SpeechEnded: Follower._speech_ended,
-    m.SpeechText: Follower._speech_text,
-    m.Command: Follower._command,
-    m.Dispatched: Follower._dispatched,
-    m.Done: Follower._done,
-    m.Failed: Follower._ended,
-    m.TimedOut: Follower._ended,
-    m.Refused: Follower._ended,
-    m.Stopped: Follower._ended,
-    m.Superseded: Follower._superseded,
-    m.SessionStart: Follower._start,
-    m.EngagementAdopted: Follower._settings,
-    m.SessionChanged: Follower._session,
-    m.ClockTie: Follower._nothing,
+_READ: Mapping[type, Callable[[EngagementFollower, Any], Transition | None]] = {
+    m.Reading: EngagementFollower._reading,
+    m.SensorChanged: EngagementFollower._sensor,
+    m.SpeechStarted: EngagementFollower._speech_started,
+    m.SpeechEnded: EngagementFollower._speech_ended,
+    m.SpeechText: EngagementFollower._speech_text,
+    m.Command: EngagementFollower._command,
+    m.Dispatched: EngagementFollower._dispatched,
+    m.Done: EngagementFollower._done,
+    m.Failed: EngagementFollower._ended,
+    m.TimedOut: EngagementFollower._ended,
+    m.Refused: EngagementFollower._ended,
+    m.Stopped: EngagementFollower._ended,
+    m.Superseded: EngagementFollower._superseded,
+    m.SessionStart: EngagementFollower._start,
+    m.EngagementAdopted: EngagementFollower._settings,
+    m.SessionChanged: EngagementFollower._session,
+    m.ClockTie: EngagementFollower._nothing,
 }
 
 

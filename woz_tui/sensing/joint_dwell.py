@@ -49,7 +49,7 @@ PHANTOM = (70.0, 0.25)  # nobody is there, and everything says that somebody att
 
 
 @dataclass(frozen=True, slots=True)
-class Steps:
+class DwellSteps:
     """Shares that change in a step of one length."""
 
     nearer: float
@@ -73,9 +73,9 @@ class Dwell:
             (MISSED, (PEEKS, glance), STRAY, BLIND),
             (MISSED, (GLANCES, glance), STRAY, BLIND),
         )
-        self._known: dict[int, Steps] = {}
+        self._known: dict[int, DwellSteps] = {}
 
-    def steps(self, elapsed: int) -> Steps:
+    def steps(self, elapsed: int) -> DwellSteps:
         """The shares for so many microseconds."""
         found = self._known.get(elapsed)
         if found is None:
@@ -84,7 +84,7 @@ class Dwell:
             found = self._known[elapsed] = self._solve(elapsed / 1e6)
         return found
 
-    def _solve(self, seconds: float) -> Steps:
+    def _solve(self, seconds: float) -> DwellSteps:
         nearer, away = between(1.0 / COMES_NEAR, 1.0 / STANDS_NEAR, seconds)
         up, turned = between(1.0 / LOOKS_UP, 1.0 / ATTENDS, seconds)
         come, gone = between(1.0 / EMPTY, 1.0 / STAYS, seconds)
@@ -93,7 +93,7 @@ class Dwell:
             [between(1.0 / apart, 1.0 / lasts, seconds) for apart, lasts in faults]
             for faults in self._faults
         ]
-        return Steps(
+        return DwellSteps(
             *(nearer, away, placed, up, turned, come, gone),
             wrong=tuple(tuple(wrong for wrong, _ in row) for row in pairs),
             right=tuple(tuple(right for _, right in row) for row in pairs),
@@ -101,7 +101,7 @@ class Dwell:
         )
 
 
-def passed(shares: Sequence[float], dwell: Dwell, elapsed: int) -> list[float]:
+def after_steps(shares: Sequence[float], dwell: Dwell, elapsed: int) -> list[float]:
     """The probabilities after `elapsed` microseconds without a sample."""
     step = dwell.steps(min(elapsed, LONGEST))
     worlds = [shares[at : at + CONDITIONS] for at in range(0, len(shares), CONDITIONS)]
@@ -149,7 +149,7 @@ def _exchanged(
     return left, right
 
 
-def _came(worlds: list[_World], step: Steps) -> list[_World]:
+def _came(worlds: list[_World], step: DwellSteps) -> list[_World]:
     """Between nobody and somebody. Whatever was wrong with the readings before is right now,
     except for a stray distance.
     """
@@ -179,7 +179,7 @@ def _scaled(world: _World, stay: float, more: float) -> _World:
     return scaled
 
 
-def _erred(world: _World, step: Steps, who: int) -> _World:
+def _erred(world: _World, step: DwellSteps, who: int) -> _World:
     """Readings become wrong, and right again; a glance has its second phase after its first."""
     w0, w1, w2, w3, w4, w5 = world
     missed, away, stray, blind = step.wrong[who]

@@ -21,7 +21,7 @@ from collections.abc import Callable, Sequence
 from operator import itemgetter
 
 from woz_tui.sensing.filters import least
-from woz_tui.sensing.joint_dwell import CONDITIONS, WORLDS, Dwell, between, passed
+from woz_tui.sensing.joint_dwell import CONDITIONS, WORLDS, Dwell, after_steps, between
 from woz_tui.sensing.sample_values import UNKNOWN
 
 # -- joint names ----------------------------------------------------------------------------------
@@ -47,7 +47,7 @@ CLEARLY = 3.0
 _SAME, _OTHER = 0.95, 0.02
 
 
-class Names:
+class NameBelief:
     """Probabilities of who it is. `given` is the name that is believed, or "Unknown"."""
 
     def __init__(self) -> None:
@@ -203,7 +203,7 @@ _FLAGS = {
 _Sample = tuple[int, int, str, float | str]
 
 
-class Joint:
+class JointFilter:
     """All signs of one visitor. `view(sign)` is a filter like any other; times in microseconds.
 
     `near` is the social distance in metres, `glance` how long a glance away lasts on average, in
@@ -216,16 +216,16 @@ class Joint:
     ) -> None:
         self.near = near
         self._dwell = Dwell(glance)
-        self._names = Names()
+        self._names = NameBelief()
         self._begin()
         self._views = {
-            sign: Sign(self, sign, threshold, start_up)
+            sign: JointSign(self, sign, threshold, start_up)
             for sign in ("presence", "gaze", "distance", "identity")
         }
         self._recent = {sign: deque[_Sample](maxlen=RECENT) for sign in self._views}
         self._heard = 0
 
-    def view(self, sign: str) -> Sign:
+    def view(self, sign: str) -> JointSign:
         """The filter of one sign."""
         return self._views[sign]
 
@@ -322,7 +322,7 @@ class Joint:
         elapsed = t - self._t
         if elapsed > 0:
             self._t = t
-            self._shares = passed(self._shares, self._dwell, elapsed)
+            self._shares = after_steps(self._shares, self._dwell, elapsed)
             self._known = {}
             self._names.passed(elapsed)
 
@@ -346,7 +346,7 @@ class Joint:
 
     def _nobody(self) -> list[float]:
         """Nobody was there a moment ago, and a moment is long enough for somebody to come."""
-        return passed([1.0] + [0.0] * (WORLDS * CONDITIONS - 1), self._dwell, MOMENT)
+        return after_steps([1.0] + [0.0] * (WORLDS * CONDITIONS - 1), self._dwell, MOMENT)
 
     def _judge(self) -> None:
         """Whoever is lost takes their name along."""
@@ -356,7 +356,7 @@ class Joint:
         self._there = there
 
 
-class Sign:
+class JointSign:
     """What the joint filter says about one sign: `count` per cent are sure, `needed` suffice.
 
     A name that was given stays until another is clearly likelier, also below `needed`.
@@ -365,7 +365,7 @@ class Sign:
     kind = "joint"
     places = PLACES
 
-    def __init__(self, joint: Joint, sign: str, threshold: float, start_up: str) -> None:
+    def __init__(self, joint: JointFilter, sign: str, threshold: float, start_up: str) -> None:
         self._joint = joint
         self._sign = sign
         self.start_up = start_up

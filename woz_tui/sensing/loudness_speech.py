@@ -7,14 +7,14 @@ import math
 from woz_tui.config.engagement import SoundSettings
 from woz_tui.sensing import sample_values
 from woz_tui.sensing.model_time import SECOND, microseconds
-from woz_tui.sensing.speech_endpoint import Endpointer, Started
+from woz_tui.sensing.speech_endpoint import Endpointer, SpeechStart
 from woz_tui.sensing.state_machine import Event
 
 #: Threshold of the program that the paper's authors published: 2400 of 32768, full scale.
 PUBLISHED_THRESHOLD = 2400 / 32768
 
 
-class Voice:
+class LoudnessSpeechDetector:
     """Values of loudness as chunks of sound, each as long as the time since the one before.
 
     Loud chunks begin speech at once; quiet ones for `hang_over` seconds end it, and so does sound
@@ -63,7 +63,7 @@ class Voice:
         self.level = rms
         half = self._half_a_chunk(now)
         self._chunk_at = now
-        begun = isinstance(self._points.take(rms), Started)
+        begun = isinstance(self._points.take(rms), SpeechStart)
         if rms > self.threshold:
             self._loud_at = now
             return True, Event.SPEECH_START if begun else None

@@ -10,7 +10,7 @@ SECOND = 1_000_000
 LONGEST_PAUSE = 3600 * SECOND
 
 
-class Passing:
+class ModelClock:
     """Whole microseconds that have passed by stamps `t`, which may jump about.
 
     A step forward is a pause, of an hour at most. A step back (the wall clock was set, a log was

@@ -13,9 +13,9 @@ Pure: time comes in as whole microseconds, what the robot shall do comes back as
     order = handshake.abandon(why, t)       wizard, machine or stop end it
 
 Orders: `Say(text, why)`; `Learn(name, known)`: store the name (`known`: it is a visitor from
-before; give them the face, leave the profile alone) and answer with `learnt`; `Done(name, known,
-say)` and `Failed(say, why)` end it, `say` is the robot's last sentence (may be empty). Where there
-is nothing to do, the answer is None. After the end every call returns None.
+before; give them the face, leave the profile alone) and answer with `learnt`; `NameLearned(name,
+known, say)` and `HandshakeFailed(say, why)` end it, `say` is the robot's last sentence (may be
+empty). Where there is nothing to do, the answer is None. After the end every call returns None.
 
 Bounds: a name is asked for or taken up at most `attempts` times, whoever causes it: silence, an
 answer that holds no name, a denial, another name. The whole takes at most `seconds` from `begin`.
@@ -31,7 +31,7 @@ from dataclasses import dataclass
 from woz_tui.config.engagement import HandshakeSettings
 from woz_tui.config.utterance_template import fill
 from woz_tui.config.visitor_names import BadNameError, name_of, shown
-from woz_tui.sensing.answer_parsing import Answer, Answers
+from woz_tui.sensing.answer_parsing import NameAnswer, NameAnswerParser
 
 _SECOND = 1_000_000
 #: So many words in a row of the robot's own are an echo.
@@ -57,7 +57,7 @@ class Learn:
 
 
 @dataclass(frozen=True, slots=True)
-class Done:
+class NameLearned:
     """They are known. `known`: from before this handshake."""
 
     name: str
@@ -67,17 +67,17 @@ class Done:
 
 
 @dataclass(frozen=True, slots=True)
-class Failed:
+class HandshakeFailed:
     """They stay unknown."""
 
     say: str
     why: str
 
 
-Order = Say | Learn | Done | Failed
+Order = Say | Learn | NameLearned | HandshakeFailed
 
 
-class Stage(enum.StrEnum):
+class HandshakeStage(enum.StrEnum):
     """What the handshake waits for."""
 
     NEW = "new"
@@ -92,14 +92,14 @@ class Handshake:
     """One handshake with one visitor. `is_taken` tells whether a name belongs to somebody."""
 
     def __init__(self, settings: HandshakeSettings, is_taken: Callable[[str], bool]) -> None:
-        self.stage = Stage.NEW
+        self.stage = HandshakeStage.NEW
         #: How many names were asked for or taken up so far.
         self.attempt = 0
         #: The name in question; empty: none yet.
         self.name = ""
         self._settings = settings
         self._is_taken = is_taken
-        self._answers = Answers(settings.yes, settings.no)
+        self._answers = NameAnswerParser(settings.yes, settings.no)
         self._known = False
         self._now = 0
         self._ends = 0
@@ -113,11 +113,11 @@ class Handshake:
 
     def begin(self, t: int) -> Say:
         """Ask for the name. Raises `ValueError` if it has begun already."""
-        if self.stage is not Stage.NEW:
+        if self.stage is not HandshakeStage.NEW:
             raise ValueError("this handshake has begun already")
         self._now = t
         self._ends = t + round(self._settings.seconds * _SECOND)
-        self.stage = Stage.NAME
+        self.stage = HandshakeStage.NAME
         self.attempt = 1
         return self._say(self._settings.ask, "asks for the name")
 
@@ -151,14 +151,14 @@ class Handshake:
         answer = self._answers.read(text, self.name)
         if answer.declined:
             return self._fail("the visitor does not want to tell")
-        if self.stage is Stage.NAME:
+        if self.stage is HandshakeStage.NAME:
             return self._named(answer)
         return self._answered(answer)
 
     def advance(self, t: int) -> Order | None:
         """Time passes: a silence may be over, or all the time there is."""
         self._pass(t)
-        if self.stage in (Stage.NEW, Stage.OVER):
+        if self.stage in (HandshakeStage.NEW, HandshakeStage.OVER):
             return None
         if self._now >= self._ends:
             return self._fail(f"no name after {self._settings.seconds:g} s")
@@ -169,7 +169,7 @@ class Handshake:
 
     def due(self) -> int | None:
         """When `advance` has something to do, if nothing happens before."""
-        if self.stage in (Stage.NEW, Stage.OVER):
+        if self.stage in (HandshakeStage.NEW, HandshakeStage.OVER):
             return None
         quiet = self._quiet_until
         return self._ends if quiet is None else min(quiet, self._ends)
@@ -177,27 +177,27 @@ class Handshake:
     def learnt(self, ok: bool, t: int, why: str = "") -> Order | None:
         """The answer to `Learn`; `why` it was not possible."""
         self._pass(t)
-        if self.stage is not Stage.LEARNING:
+        if self.stage is not HandshakeStage.LEARNING:
             return None
         if not ok:
             return self._fail(why or f"{shown(self.name)} could not be learnt")
         return self._done("a visitor from before" if self._known else "name confirmed and learnt")
 
-    def recognised(self, name: str, t: int) -> Done | None:
+    def recognised(self, name: str, t: int) -> NameLearned | None:
         """Somebody, a camera or the wizard, knows who it is."""
         self._pass(t)
-        if self.stage in (Stage.NEW, Stage.OVER):
+        if self.stage in (HandshakeStage.NEW, HandshakeStage.OVER):
             return None
         self.name, self._known = name, True
         return self._done("recognised meanwhile")
 
-    def abandon(self, why: str, t: int) -> Failed | None:
+    def abandon(self, why: str, t: int) -> HandshakeFailed | None:
         """End it without a word of farewell."""
         self._pass(t)
-        if self.stage is Stage.OVER:
+        if self.stage is HandshakeStage.OVER:
             return None
         self._end()
-        return Failed("", why)
+        return HandshakeFailed("", why)
 
     def worded(self, sentence: str) -> str:
         """A sentence of the settings as the robot says it: `{name}` is the name in question."""
@@ -205,13 +205,13 @@ class Handshake:
 
     # -- answers --------------------------------------------------------------------------------
 
-    def _named(self, answer: Answer) -> Order:
+    def _named(self, answer: NameAnswer) -> Order:
         """An answer to the question for a name."""
         if not answer.name:
             return self._again(answer.why or "no name was understood")
         return self._take_up(answer)
 
-    def _answered(self, answer: Answer) -> Order:
+    def _answered(self, answer: NameAnswer) -> Order:
         """An answer to `is that right?` or `is that you?`."""
         if answer.yes:
             return self._confirmed()
@@ -223,32 +223,32 @@ class Handshake:
 
     def _confirmed(self) -> Order:
         known = self._is_taken(self.name)
-        if known and self.stage is not Stage.ACQUAINTANCE:
+        if known and self.stage is not HandshakeStage.ACQUAINTANCE:
             return self._next_attempt(f"{shown(self.name)} was taken meanwhile") or self._ask_back()
-        self.stage = Stage.LEARNING
+        self.stage = HandshakeStage.LEARNING
         self._known = known
         return Learn(self.name, known)
 
-    def _take_up(self, answer: Answer) -> Order:
+    def _take_up(self, answer: NameAnswer) -> Order:
         try:
             self.name = name_of(answer.name)
         except BadNameError as error:
-            self.stage, self.name = Stage.NAME, ""
+            self.stage, self.name = HandshakeStage.NAME, ""
             return self._again(error.reason)
         return self._ask_back()
 
     def _ask_back(self) -> Say:
         """Ask whether the name is right, or whether it is the visitor who has it already."""
         if self._is_taken(self.name):
-            self.stage = Stage.ACQUAINTANCE
+            self.stage = HandshakeStage.ACQUAINTANCE
             return self._say(self._settings.taken, f"{shown(self.name)} is known already")
-        self.stage = Stage.CONFIRMATION
+        self.stage = HandshakeStage.CONFIRMATION
         return self._say(self._settings.confirm, f"understood {shown(self.name)}")
 
     def _ask_for_another(self) -> Say:
-        taken = self.stage is Stage.ACQUAINTANCE
+        taken = self.stage is HandshakeStage.ACQUAINTANCE
         why = f"{shown(self.name)} was denied"
-        self.stage, self.name = Stage.NAME, ""
+        self.stage, self.name = HandshakeStage.NAME, ""
         return self._say(self._settings.another if taken else self._settings.again, why)
 
     def _again(self, why: str) -> Order:
@@ -256,7 +256,7 @@ class Handshake:
         failed = self._next_attempt(why)
         if failed is not None:
             return failed
-        if self.stage is Stage.NAME:
+        if self.stage is HandshakeStage.NAME:
             return self._say(self._settings.again, why)
         return self._say(self._question, why)
 
@@ -264,7 +264,11 @@ class Handshake:
 
     @property
     def _asks(self) -> bool:
-        return self.stage in (Stage.NAME, Stage.CONFIRMATION, Stage.ACQUAINTANCE)
+        return self.stage in (
+            HandshakeStage.NAME,
+            HandshakeStage.CONFIRMATION,
+            HandshakeStage.ACQUAINTANCE,
+        )
 
     @property
     def _quiet_until(self) -> int | None:
@@ -288,22 +292,22 @@ class Handshake:
         self._sentence = text.casefold()
         return Say(text, why)
 
-    def _next_attempt(self, why: str = "the name was denied") -> Failed | None:
+    def _next_attempt(self, why: str = "the name was denied") -> HandshakeFailed | None:
         if self.attempt >= self._settings.attempts:
             return self._fail(f"{why}; no name in {_attempts(self.attempt)}")
         self.attempt += 1
         return None
 
-    def _done(self, why: str) -> Done:
+    def _done(self, why: str) -> NameLearned:
         self._end()
-        return Done(self.name, self._known, self.worded(self._settings.welcome), why)
+        return NameLearned(self.name, self._known, self.worded(self._settings.welcome), why)
 
-    def _fail(self, why: str) -> Failed:
+    def _fail(self, why: str) -> HandshakeFailed:
         self._end()
-        return Failed(self.worded(self._settings.give_up), why)
+        return HandshakeFailed(self.worded(self._settings.give_up), why)
 
     def _end(self) -> None:
-        self.stage = Stage.OVER
+        self.stage = HandshakeStage.OVER
 
 
 def _attempts(count: int) -> str:

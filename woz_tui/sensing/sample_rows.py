@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.protocol.envelope import Json
 from woz_tui.sensing import sample_values
-from woz_tui.sensing.engagement_model import Change, Engagement
+from woz_tui.sensing.engagement_model import EngagementModel, Transition
 from woz_tui.sensing.model_time import SECOND, periods
 from woz_tui.sensing.state_machine import Event
 
@@ -36,12 +36,12 @@ _SPEECH = {Event.SPEECH_START, Event.SPEECH_END, Event.SPEECH_ERROR}
 Row = dict[str, Json]
 
 
-class Rows:
+class SampleRowReader:
     """The model over rows, in their order. `given` has the keys that ever had a valid value."""
 
     def __init__(self, settings: EngagementSettings) -> None:
         self._settings = settings
-        self._model: Engagement | None = None
+        self._model: EngagementModel | None = None
         self._stamp = 0
         #: The last stamp that a row named, and how many rows without one came since.
         self._named_stamp = 0
@@ -51,10 +51,10 @@ class Rows:
         self.over = 0
 
     @property
-    def model(self) -> Engagement:
+    def model(self) -> EngagementModel:
         """The model; its time begins with the first row."""
         if self._model is None:
-            self._model = Engagement(self._settings, self._stamp)
+            self._model = EngagementModel(self._settings, self._stamp)
         return self._model
 
     def take(self, row: Mapping[str, object]) -> Row:
@@ -98,7 +98,7 @@ class Rows:
             rms = sample_values.number(value) if key == "rms" else None
             self.over += rms is not None and rms > 1.0
 
-    def _steps(self, named: list[Event]) -> Iterator[Change]:
+    def _steps(self, named: list[Event]) -> Iterator[Transition]:
         """One step for each event, those of the loudness last; without any, one by the signs."""
         heard = self.model.heard()
         if _SPEECH.isdisjoint(named):
@@ -108,7 +108,7 @@ class Rows:
             if change is not None:
                 yield change
 
-    def _said(self, t: Json, changes: list[Change], bad: list[str]) -> Row:
+    def _said(self, t: Json, changes: list[Transition], bad: list[str]) -> Row:
         model = self.model
         verdicts = model.verdicts
         last = changes[-1] if changes else None

@@ -11,8 +11,7 @@ from woz_tui.protocol.envelope import Json
 from woz_tui.protocol.visitor_messages import SignShown
 from woz_tui.sensing import sample_values
 from woz_tui.sensing.filters import Fifo, IdentityFifo, Median
-from woz_tui.sensing.joint_filter import Joint
-from woz_tui.sensing.joint_filter import Sign as JointSign
+from woz_tui.sensing.joint_filter import JointFilter, JointSign
 from woz_tui.sensing.model_time import SECOND, microseconds
 from woz_tui.sensing.sample_values import UNKNOWN
 
@@ -20,7 +19,7 @@ from woz_tui.sensing.sample_values import UNKNOWN
 # Fewer samples than a quick sensor sends, so that the places of a queue last as long as meant.
 
 
-class Thinning:
+class SampleThinning:
     """One sample in each period of a steady beat counts: the first that comes.
 
     The first sample of all lies in the middle of its period, so that a sensor of just this rate
@@ -70,23 +69,25 @@ WORDS = {
 Q = TypeVar("Q", Fifo, IdentityFifo)
 
 
-class Heard(Generic[Q]):
+class FilteredSign(Generic[Q]):
     """A sensor, when it was heard last, and its filters: a queue, and its view of the joint filter;
     one of them decides. The queue is filled in any case, so that it is there when it is asked
     again. Times are the model's, in microseconds.
     """
 
-    def __init__(self, name: str, settings: EngagementSettings, joint: Joint, now: int) -> None:
+    def __init__(
+        self, name: str, settings: EngagementSettings, joint: JointFilter, now: int
+    ) -> None:
         self.name = name
         self._start_up = settings.start_up
         self.stale_after = _stale_after(name, settings)
-        self._thinning = Thinning(settings.sign(name).rate)
+        self._thinning = SampleThinning(settings.sign(name).rate)
         self.heard_at = now
         #: Whether it was ever heard, and whether that is too long ago.
         self.ever = self.stale = False
         #: What the wizard says.
         self.forced: Any = None
-        kind, count, threshold = numbers(name, settings)
+        kind, count, threshold = filter_settings(name, settings)
         self._joint = joint.view(name)
         self._joint.configure(count, threshold)
         self._jointly = kind == "joint"
@@ -134,8 +135,8 @@ class Heard(Generic[Q]):
         self.stale_after = _stale_after(self.name, settings)
         self._start_up = self.queue.start_up = self._joint.start_up = settings.start_up
         self._thinning.beats(settings.sign(self.name).rate)
-        new = numbers(self.name, settings)
-        if new != numbers(self.name, before):
+        new = filter_settings(self.name, settings)
+        if new != filter_settings(self.name, before):
             self.configure(*new)
 
     def _takes(self, value: Any, now: int) -> None:
@@ -175,7 +176,7 @@ def _stale_after(name: str, settings: EngagementSettings) -> int:
     return microseconds(settings.stale if own is None else own)
 
 
-def numbers(name: str, settings: EngagementSettings) -> tuple[str, int, float]:
+def filter_settings(name: str, settings: EngagementSettings) -> tuple[str, int, float]:
     """The filter of a sign, its places and its threshold, as the settings have them."""
     own = settings.sign(name)
     kind = own.filter or settings.filter
@@ -185,12 +186,14 @@ def numbers(name: str, settings: EngagementSettings) -> tuple[str, int, float]:
     return kind, own.samples or settings.samples, threshold
 
 
-class Sign(Heard[Fifo]):
+class Sign(FilteredSign[Fifo]):
     """Presence, gaze or distance; `forced` is a verdict, or metres. `joint` is what all signs share
     that are filtered jointly.
     """
 
-    def __init__(self, name: str, settings: EngagementSettings, joint: Joint, now: int) -> None:
+    def __init__(
+        self, name: str, settings: EngagementSettings, joint: JointFilter, now: int
+    ) -> None:
         self.near = settings.social_distance
         self._farthest = settings.farthest
         self.raw: float | None = None
@@ -262,7 +265,7 @@ class Sign(Heard[Fifo]):
         return Fifo(count, threshold, self._start_up, near)
 
 
-class Identity(Heard[IdentityFifo]):
+class IdentitySign(FilteredSign[IdentityFifo]):
     """Who the visitor is; `forced` is the name that the wizard gives, which may be "Unknown"."""
 
     forced: str | None
@@ -328,12 +331,12 @@ class Signs:
     """Presence, gaze, distance and identity. Times are the model's, in microseconds."""
 
     def __init__(self, settings: EngagementSettings, now: int) -> None:
-        self._joint = Joint(
+        self._joint = JointFilter(
             settings.social_distance, start_up=settings.start_up, glance=settings.joint.glance
         )
         self._by_name = {name: Sign(name, settings, self._joint, now) for name in CONDITION}
-        self.identity = Identity("identity", settings, self._joint, now)
-        self._all: list[Sign | Identity] = [*self._by_name.values(), self.identity]
+        self.identity = IdentitySign("identity", settings, self._joint, now)
+        self._all: list[Sign | IdentitySign] = [*self._by_name.values(), self.identity]
         self.uses: list[Sign] = []
         self._use(settings)
 

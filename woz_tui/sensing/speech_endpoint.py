@@ -12,14 +12,14 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Started:
+class SpeechStart:
     """Somebody speaks: the segment's first chunk, pre-roll included. Chunks count from 0."""
 
     first: int
 
 
 @dataclass(frozen=True, slots=True)
-class Ended:
+class SpeechEnd:
     """They have stopped: first and last chunk, both of the segment. `cut`: they speak on, but it
     was `longest` chunks long.
     """
@@ -79,7 +79,7 @@ class Endpointer:
             return self._first
         return max(self._free, self.chunks - self._loud - self._pre, 0)
 
-    def take(self, rms: float | None) -> Started | Ended | None:
+    def take(self, rms: float | None) -> SpeechStart | SpeechEnd | None:
         """Judge the next chunk; what begins or ends with it."""
         number = self.chunks
         self.chunks += 1
@@ -97,21 +97,21 @@ class Endpointer:
             return self._end(self._first, number, cut=True)
         return None
 
-    def close(self) -> Ended | None:
+    def close(self) -> SpeechEnd | None:
         """The sound breaks off: an open segment ends with the last chunk there was."""
         if self._first is None:
             return None
         self._loud = 0
         return self._end(self._first, self.chunks - 1, cut=True)
 
-    def _begin(self, number: int) -> Started | None:
+    def _begin(self, number: int) -> SpeechStart | None:
         if self._loud < self._onset:
             return None
         self._first = max(self._free, number - self._loud + 1 - self._pre, 0)
         self._quiet = 0
-        return Started(self._first)
+        return SpeechStart(self._first)
 
-    def _end(self, first: int, last: int, *, cut: bool) -> Ended:
+    def _end(self, first: int, last: int, *, cut: bool) -> SpeechEnd:
         self._first = None
         self._free = last + 1
-        return Ended(first, last, cut)
+        return SpeechEnd(first, last, cut)

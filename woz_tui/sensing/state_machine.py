@@ -46,7 +46,7 @@ class Event(enum.StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class View:
+class ModelView:
     """All that an edge may look at.
 
     `engaged`: the condition E as it stands now; `lost_for`: seconds for which it has failed, 0
@@ -83,36 +83,36 @@ class Edge:
     source: State
     target: State
     outcome: str
-    when: Callable[[View], bool]
+    when: Callable[[ModelView], bool]
     why: str
     letter: str = ""
     listing: bool = False
     unnamed: bool = False
 
 
-def _on(event: Event) -> Callable[[View], bool]:
+def _on(event: Event) -> Callable[[ModelView], bool]:
     return lambda view: view.event is event
 
 
-def _after(name: str) -> Callable[[View], bool]:
+def _after(name: str) -> Callable[[ModelView], bool]:
     """The time limit `name` of this state has passed."""
 
-    def passed(view: View) -> bool:
+    def passed(view: ModelView) -> bool:
         limit: float | None = getattr(view.timeouts, name)
         return limit is not None and view.elapsed >= limit
 
     return passed
 
 
-def _lost(view: View) -> bool:
+def _lost(view: ModelView) -> bool:
     return not view.engaged and view.lost_for >= view.timeouts.lost
 
 
-def _nameless(view: View) -> bool:
+def _nameless(view: ModelView) -> bool:
     return view.engaged and not view.known and view.nameless_for >= view.timeouts.unrecognized
 
 
-def _absent(view: View) -> bool:
+def _absent(view: ModelView) -> bool:
     limit = view.timeouts.absent
     return limit is not None and view.absent_for >= limit
 
@@ -123,7 +123,7 @@ def _gone(state: State) -> Edge:
     return Edge(state, State.WAIT, "human_absence", _absent, why, unnamed=True)
 
 
-def _greets(view: View) -> bool:
+def _greets(view: ModelView) -> bool:
     return view.engaged and view.tries_left > 0 and view.handshake.by != "nobody"
 
 
@@ -219,12 +219,12 @@ def named_from(state: State) -> tuple[Edge, ...]:
     return tuple(edge for edge in edges_from(state) if not edge.unnamed)
 
 
-def taken(state: State, view: View) -> Edge | None:
+def chosen_edge(state: State, view: ModelView) -> Edge | None:
     """The first arrow out of `state` that holds, or None."""
     return next((edge for edge in edges_from(state) if edge.when(view)), None)
 
 
-def by_signs(edge: Edge, view: View) -> bool:
+def by_signs(edge: Edge, view: ModelView) -> bool:
     """Whether an arrow that holds does so by the signs alone: without event, without time limit."""
     return edge.when(replace(view, event=None, elapsed=0.0))
 

@@ -1,7 +1,7 @@
 """Visitors who have a name, what may be done to the list of them, and its text in a file.
 
-A change is a function that fits onto a list or does not (`RefusedError`). So a change that could
-not be written down can be made again on whatever the file holds by then.
+A change is a function that fits onto a list or does not (`VisitorRefusedError`). So a change that
+could not be written down can be made again on whatever the file holds by then.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ class VisitorsError(Exception):
         self.remedy = remedy
 
 
-class RefusedError(VisitorsError):
+class VisitorRefusedError(VisitorsError):
     """The change does not fit: nothing was changed anywhere."""
 
 
-class UnreadableError(VisitorsError):
+class VisitorFileError(VisitorsError):
     """The file cannot be used as it is; it was left as it is."""
 
 
@@ -121,7 +121,7 @@ def profiled(name: str, facts: Mapping[str, str], *, anew: bool) -> Change:
         for fact, value in facts.items():
             old: str = getattr(visitor, fact)
             if old and value != old and not anew:
-                raise RefusedError(
+                raise VisitorRefusedError(
                     f"{visitor.name} has {fact} {shown(old)}, not {shown(value)}",
                     f"woz visitors profile {visitor.name} changes it",
                 )
@@ -168,7 +168,9 @@ def _changed(name: str, change: Callable[[Visitor], Visitor]) -> Change:
 def _found(people: People, name: str) -> Visitor:
     visitor = people.get(key_of(name))
     if visitor is None:
-        raise RefusedError(f"there is no visitor {shown(name)}", "woz visitors list shows them all")
+        raise VisitorRefusedError(
+            f"there is no visitor {shown(name)}", "woz visitors list shows them all"
+        )
     return visitor
 
 
@@ -178,14 +180,14 @@ def _free(people: People, name: str, *, label: bool = False) -> None:
         raise _taken(name, owner, label=label)
 
 
-def _taken(name: str, owner: Visitor, *, label: bool) -> RefusedError:
+def _taken(name: str, owner: Visitor, *, label: bool) -> VisitorRefusedError:
     what = f"{'the face label' if label else 'the name'} {shown(name)} is taken"
     if key_of(owner.name) == key_of(name):
-        return RefusedError(
+        return VisitorRefusedError(
             f"{what}: there is a visitor {shown(owner.name)}",
             "take another one, or rename or forget that visitor first",
         )
-    return RefusedError(
+    return VisitorRefusedError(
         f"{what}: it is a face label of {shown(owner.name)}",
         "take another one, or forget that visitor first",
     )
@@ -211,7 +213,7 @@ class _File(msgspec.Struct, forbid_unknown_fields=True):
     visitors: list[Visitor]
 
 
-def written(people: People) -> str:
+def file_text(people: People) -> str:
     """The file's text: JSON, two blanks deep, visitors by name."""
     file = msgspec.to_builtins(_File(FORMAT, VERSION, sorted_by_name(people.values())))
     return json.dumps(file, indent=2, ensure_ascii=False) + "\n"
@@ -222,8 +224,8 @@ def sorted_by_name(visitors: Iterable[Visitor]) -> list[Visitor]:
     return sorted(visitors, key=lambda one: (key_of(one.name), one.name))
 
 
-def read(text: str, place: str) -> dict[str, Visitor]:
-    """The visitors in a file's text. `place` names the file in `UnreadableError`."""
+def visitors_in(text: str, place: str) -> dict[str, Visitor]:
+    """The visitors in a file's text. `place` names the file in `VisitorFileError`."""
     try:
         content = json.loads(text, object_pairs_hook=_whole)
     except json.JSONDecodeError as error:
@@ -242,7 +244,7 @@ def read(text: str, place: str) -> dict[str, Visitor]:
         try:
             _check(visitor)
             _claim(owners, visitor)
-        except (BadNameError, RefusedError, ValueError) as error:
+        except (BadNameError, VisitorRefusedError, ValueError) as error:
             reason = getattr(error, "reason", str(error))
             raise _unreadable(f"{place}: visitors[{number}]: {reason}") from None
         people[key_of(visitor.name)] = visitor
@@ -250,7 +252,7 @@ def read(text: str, place: str) -> dict[str, Visitor]:
 
 
 def _claim(owners: dict[str, Visitor], visitor: Visitor) -> None:
-    """Note whose the name and the labels are; `RefusedError` if they are somebody else's."""
+    """Note whose the name and the labels are; `VisitorRefusedError` if they are somebody else's."""
     for text in (visitor.name, *visitor.labels):
         owner = owners.setdefault(key_of(text), visitor)
         if owner is not visitor:
@@ -260,13 +262,13 @@ def _claim(owners: dict[str, Visitor], visitor: Visitor) -> None:
 def _check_kind(content: Any, place: str) -> None:
     """Whether it is a file of visitors at all, and none of a later program."""
     if not isinstance(content, dict) or content.get("format") != FORMAT:
-        raise UnreadableError(
+        raise VisitorFileError(
             f'{place}: not a file of visitors: it has no "format": "{FORMAT}"',
             "name another file; this one was left as it is",
         )
     version = content.get("version")
     if isinstance(version, int) and version > VERSION:
-        raise UnreadableError(
+        raise VisitorFileError(
             f"{place}: version {version} is newer than this program, which knows {VERSION}",
             "take the woz-tui that wrote it; the file was left as it is",
         )
@@ -294,8 +296,8 @@ def _check(visitor: Visitor) -> None:
         raise ValueError(f"meetings: {visitor.meetings} is less than none")
 
 
-def _unreadable(reason: str) -> UnreadableError:
-    return UnreadableError(reason, MEND)
+def _unreadable(reason: str) -> VisitorFileError:
+    return VisitorFileError(reason, MEND)
 
 
 def _whole(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

@@ -35,20 +35,20 @@ from woz_tui.sensing import visitor_records as changes
 from woz_tui.sensing.visitor_records import (
     Change,
     People,
-    RefusedError,
-    UnreadableError,
     UnsavedError,
     Visitor,
+    VisitorFileError,
+    VisitorRefusedError,
     VisitorsError,
 )
 from woz_tui.system import file_replacing
 
 __all__ = [
-    "RefusedError",
-    "UnreadableError",
     "UnsavedError",
     "Visitor",
-    "Visitors",
+    "VisitorFileError",
+    "VisitorRefusedError",
+    "VisitorStore",
     "VisitorsError",
 ]
 
@@ -70,13 +70,13 @@ def store_at(named: str, logs: Path) -> Path:
     return Path(named) if named else logs / FILE
 
 
-class Visitors:
+class VisitorStore:
     """The visitors in the file at `path`; it need not be there yet.
 
     Names may be given in any letter case. Methods that change something return the visitor as they
-    are then, and raise `RefusedError` (the change does not fit, nothing happened) or `UnsavedError`
-    (it holds in this process only). All may raise `UnreadableError` as long as the file was never
-    read successfully.
+    are then, and raise `VisitorRefusedError` (the change does not fit, nothing happened) or
+    `UnsavedError` (it holds in this process only). All may raise `VisitorFileError` as long as the
+    file was never read successfully.
     """
 
     def __init__(self, path: Path, *, patience: float = _PATIENCE) -> None:
@@ -210,10 +210,10 @@ class Visitors:
                 people, misfits = _made(self._pending, stored)
                 people = change(people) if change is not None else people
                 file_replacing.sweep(path)
-                file_replacing.replace(path, changes.written(people), mode=_MODE)
+                file_replacing.replace(path, changes.file_text(people), mode=_MODE)
                 stamp = _stamp(path)
-        except (OSError, UnreadableError) as error:
-            if isinstance(error, UnreadableError) and not self._was_read:
+        except (OSError, VisitorFileError) as error:
+            if isinstance(error, VisitorFileError) and not self._was_read:
                 raise
             raise _unsaved(self.path, error) from None
         self._people, self._stamp, self._pending = people, stamp, []
@@ -226,7 +226,7 @@ class Visitors:
             return
         try:
             stored, stamp = _read(path)
-        except UnreadableError:
+        except VisitorFileError:
             if not self._was_read:
                 raise
             return
@@ -240,7 +240,7 @@ def _made(pending: Iterable[Change], people: People) -> tuple[People, list[str]]
     for change in pending:
         try:
             people = change(people)
-        except RefusedError as error:
+        except VisitorRefusedError as error:
             misfits.append(f"a change that could not be saved before was given up: {error.reason}")
     return people, misfits
 
@@ -250,7 +250,7 @@ def _bad_names_refused() -> Iterator[None]:
     try:
         yield
     except BadNameError as error:
-        raise RefusedError(error.reason, error.remedy) from None
+        raise VisitorRefusedError(error.reason, error.remedy) from None
 
 
 # -- the disk -----------------------------------------------------------------------------------
@@ -261,17 +261,17 @@ def _read(path: Path) -> tuple[People, _Stamp]:
     try:
         about = path.stat()
         if not stat.S_ISREG(about.st_mode) or about.st_size > _LONGEST:
-            raise UnreadableError(f"{path}: not a file of visitors", "name another file")
+            raise VisitorFileError(f"{path}: not a file of visitors", "name another file")
         text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         return {}, None
     except UnicodeDecodeError as error:
         reason = f"{path}: byte {error.start} is not UTF-8"
-        raise UnreadableError(reason, changes.MEND) from None
+        raise VisitorFileError(reason, changes.MEND) from None
     except OSError as error:
         reason = f"cannot be read: {error.strerror}: {path}"
-        raise UnreadableError(reason, "see to its rights, or name another file") from None
-    return changes.read(text, str(path)), _stamp_of(about)
+        raise VisitorFileError(reason, "see to its rights, or name another file") from None
+    return changes.visitors_in(text, str(path)), _stamp_of(about)
 
 
 def _real(path: Path) -> Path:
@@ -323,8 +323,8 @@ def _lock(handle: int, path: Path) -> bool:
         return False
 
 
-def _unsaved(path: Path, error: OSError | UnreadableError) -> UnsavedError:
-    if isinstance(error, UnreadableError):
+def _unsaved(path: Path, error: OSError | VisitorFileError) -> UnsavedError:
+    if isinstance(error, VisitorFileError):
         return UnsavedError(error.reason, error.remedy)
     remedies = {
         errno.ENOSPC: "free some space on the disk",

@@ -14,8 +14,8 @@ from woz_tui.config.experiment import Call, DriverSpec, Experiment, Place
 from woz_tui.config.sensor_names import published_names
 from woz_tui.drivers.contract import Verb
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.attention import Attention, Look, Order, Return, Stimulus
-from woz_tui.sensing.engagement_stream import Follower
+from woz_tui.sensing.attention import Attention, GazeDirection, LookBack, Order, Stimulus
+from woz_tui.sensing.engagement_stream import EngagementFollower
 from woz_tui.sensing.state_machine import ENGAGED
 from woz_tui.session.engagement_robot import ORIGIN, Robot
 from woz_tui.session.wake_up import Alarm
@@ -37,7 +37,7 @@ class Attending:
     def __init__(
         self,
         robot: Robot,
-        follower: Follower,
+        follower: EngagementFollower,
         settings: EngagementSettings,
         news: Callable[[], object],
     ) -> None:
@@ -104,10 +104,10 @@ class Attending:
 
     def _carry_out(self, order: Order | None) -> None:
         match order:
-            case Look(direction=direction):
+            case GazeDirection(direction=direction):
                 self._overruled = self._robot.is_stopped  # it does not turn, so not back either
                 self._look({"yaw": direction, "pitch": 0.0})
-            case Return(direction=direction) if not self._overruled:
+            case LookBack(direction=direction) if not self._overruled:
                 self._look(self._before or {"yaw": direction or 0.0, "pitch": 0.0})
         self._alarm.set(self._attention.due())
         if self._follower.model.attention != self._attention.shown:

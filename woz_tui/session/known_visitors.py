@@ -14,7 +14,7 @@ from pathlib import Path
 
 from woz_tui.config.visitor_names import key_of
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.visitor_store import RefusedError, Visitor, Visitors, VisitorsError
+from woz_tui.sensing.visitor_store import Visitor, VisitorRefusedError, VisitorsError, VisitorStore
 from woz_tui.session.visitor_store_worker import Clerk, Job, Outcome
 
 _FACTS = ("age_group", "address")
@@ -40,7 +40,7 @@ class Acquaintances:
     ) -> None:
         self.path = path
         self._publish = publish
-        self._store = Visitors(path)
+        self._store = VisitorStore(path)
         self._clerk = Clerk(self._store, lambda: later(self._catch_up))
         self._known: dict[str, Visitor] = {}
         #: Jobs of which it is not known yet what becomes; those of them that must be tried again.
@@ -62,7 +62,7 @@ class Acquaintances:
     def look(self) -> None:
         """Learn soon what others have changed, and try again to save what is not in the file."""
         if len(self._open) == len(self._unmade):
-            self._do(Job(Visitors.save))
+            self._do(Job(VisitorStore.save))
 
     async def finish(self, seconds: float) -> None:
         """The session ends: try once more to save everything, for at most so long, and tell what
@@ -225,6 +225,6 @@ class Acquaintances:
         if text == self._complaint:
             return
         self._complaint = text
-        level = "warning" if isinstance(error, RefusedError) else "error"
+        level = "warning" if isinstance(error, VisitorRefusedError) else "error"
         remedy = getattr(error, "remedy", "")
         self._publish(m.Notice(level=level, text=text, remedy=remedy, tells=("identity",)))

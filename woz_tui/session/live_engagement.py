@@ -24,8 +24,8 @@ from woz_tui.config.utterance_template import VISITOR
 from woz_tui.drivers.contract import Job, RejectedError, Scope, Verb
 from woz_tui.protocol import messages as m
 from woz_tui.sensing import engagement_commands
-from woz_tui.sensing.engagement_model import Change
-from woz_tui.sensing.engagement_stream import Follower
+from woz_tui.sensing.engagement_model import Transition
+from woz_tui.sensing.engagement_stream import EngagementFollower
 from woz_tui.session.attention_control import Attending
 from woz_tui.session.engagement_robot import Robot
 from woz_tui.session.state_effects import Effects
@@ -57,7 +57,7 @@ class LiveEngagement:
         self._robot, self._state, self._logs = robot, state, logs
         self._hub = robot.hub
         self._loop = asyncio.get_running_loop()
-        self._follower: Follower | None = None
+        self._follower: EngagementFollower | None = None
         self._effects = Effects(robot, locked)
         self._visiting: Visiting | None = None
         self._attending: Attending | None = None
@@ -128,7 +128,7 @@ class LiveEngagement:
         if self._follower is None or self._visiting is None:
             raise RejectedError("the experiment has no engagement model")
         try:
-            said = engagement_commands.understood(self._follower.model, job.verb, job.args)
+            said = engagement_commands.resolved_arguments(self._follower.model, job.verb, job.args)
         except ValueError as error:
             raise RejectedError(str(error)) from error
         if isinstance(name := said.get("code"), str):
@@ -254,14 +254,14 @@ class LiveEngagement:
     def _take_settings(self, settings: EngagementSettings) -> None:
         """For all but a follower that there is: it reads of them, as in the log."""
         if self._follower is None or self._visiting is None:
-            self._follower = Follower(settings)
+            self._follower = EngagementFollower(settings)
             self._visiting = Visiting(self._robot, settings, self._logs)
         else:
             self._visiting.adopt(settings)
         if self._attending is None or not self._attending.fits(settings):
             self._attend(self._follower, settings)
 
-    def _attend(self, follower: Follower, settings: EngagementSettings) -> None:
+    def _attend(self, follower: EngagementFollower, settings: EngagementSettings) -> None:
         if self._attending is not None:
             self._attending.close()
         self._attending = Attending(self._robot, follower, settings, self._show_later)
@@ -270,7 +270,7 @@ class LiveEngagement:
 
     # -- what comes of it --------------------------------------------------------------------------
 
-    def _moved(self, changes: Sequence[Change]) -> None:
+    def _moved(self, changes: Sequence[Transition]) -> None:
         for change in changes:
             self._hub.publish(
                 m.EngagementChanged(
@@ -294,7 +294,7 @@ class LiveEngagement:
             self._show_later()
         self._wind()
 
-    def _entered(self, change: Change) -> None:
+    def _entered(self, change: Transition) -> None:
         self._effects.entered(change)
         if self._visiting is not None:
             self._visiting.entered(change)

@@ -12,7 +12,14 @@ from woz_tui.config.engagement import HandshakeSettings
 from woz_tui.config.experiment import Call, Place
 from woz_tui.config.session_verbs import ENGAGEMENT
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.name_handshake import Done, Failed, Handshake, Learn, Order, Say
+from woz_tui.sensing.name_handshake import (
+    Handshake,
+    HandshakeFailed,
+    Learn,
+    NameLearned,
+    Order,
+    Say,
+)
 from woz_tui.session.engagement_robot import Robot
 from woz_tui.session.wake_up import Alarm
 
@@ -99,11 +106,11 @@ class Introduction:
             case Learn():
                 # It holds in memory at least; the store tells if the disk does not take it.
                 self._carry_out(self._procedure.learnt(True, self._now))
-            case Done(name=name, say=say):
+            case NameLearned(name=name, say=say):
                 if tell:
                     self._command("visitor", code=name)
                 self._say(say)
-            case Failed(say=say):
+            case HandshakeFailed(say=say):
                 self._command("handshake", what="fail")
                 self._say(say)
         self._alarm.set(self._procedure.due())

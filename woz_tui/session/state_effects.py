@@ -20,7 +20,7 @@ from collections.abc import Iterable, Mapping
 
 from woz_tui.config.experiment import Action, Call, Step, Together
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.engagement_model import Change
+from woz_tui.sensing.engagement_model import Transition
 from woz_tui.sensing.engagement_stream import SPEECH
 from woz_tui.sensing.model_time import SECOND
 from woz_tui.sensing.state_machine import State
@@ -71,7 +71,7 @@ class Effects:
 
     # -- when --------------------------------------------------------------------------------------
 
-    def entered(self, change: Change) -> None:
+    def entered(self, change: Transition) -> None:
         """A state was entered."""
         self._leave(f"the state changed from {self._state} to {change.now}")
         self._state = change.now

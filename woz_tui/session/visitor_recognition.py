@@ -14,7 +14,7 @@ from pathlib import Path
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.drivers.contract import SPEECH_TEXT
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.engagement_model import Change
+from woz_tui.sensing.engagement_model import Transition
 from woz_tui.sensing.state_machine import State
 from woz_tui.sensing.visitor_store import store_at
 from woz_tui.session import face_learning
@@ -85,7 +85,7 @@ class Visiting:
 
     # -- what happens ------------------------------------------------------------------------------
 
-    def entered(self, change: Change) -> None:
+    def entered(self, change: Transition) -> None:
         """The machine is in another state."""
         if not self._robot.is_over():
             face_learning.introduced(self._robot, change)

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TypeVar
 
-from woz_tui.sensing.visitor_store import UnreadableError, Visitor, Visitors, VisitorsError
+from woz_tui.sensing.visitor_store import Visitor, VisitorFileError, VisitorsError, VisitorStore
 
 T = TypeVar("T")
 
@@ -22,7 +22,7 @@ log = logging.getLogger(__name__)
 class Job:
     """`make` changes something in the store, and may raise `VisitorsError`; whom it is about."""
 
-    make: Callable[[Visitors], object]
+    make: Callable[[VisitorStore], object]
     name: str = ""
 
 
@@ -42,7 +42,7 @@ class Outcome:
     @property
     def unmade(self) -> bool:
         """A change that waits for a file that can be read."""
-        return isinstance(self.error, UnreadableError)
+        return isinstance(self.error, VisitorFileError)
 
 
 class Clerk:
@@ -52,7 +52,7 @@ class Clerk:
     are done nor stays for a thread that has nothing to do.
     """
 
-    def __init__(self, store: Visitors, report: Callable[[], object]) -> None:
+    def __init__(self, store: VisitorStore, report: Callable[[], object]) -> None:
         self._store = store
         self._report = report
         self._jobs: deque[Job] = deque()

@@ -28,7 +28,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.protocol.messages import Json
-from woz_tui.sensing.speech_endpoint import Ended
+from woz_tui.sensing.speech_endpoint import SpeechEnd
 
 SENSOR = "loudness"
 
@@ -192,7 +192,7 @@ class Microphone(PassiveDriver):
         self._segments.take(samples, level, self.context.clock.now_us())
         event = self._speaking.event
         self._segments.happened(event, self._speaking.earliest)
-        if isinstance(event, Ended):
+        if isinstance(event, SpeechEnd):
             self._wonder(event.cut)
 
     def _wonder(self, cut: bool) -> None:

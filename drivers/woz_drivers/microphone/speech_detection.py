@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from woz_drivers.pcm_audio import Samples, clipped, rms
-from woz_tui.sensing.speech_endpoint import Ended, Endpointer, Started
+from woz_tui.sensing.speech_endpoint import Endpointer, SpeechEnd, SpeechStart
 
 #: Length of a block, in seconds.
 BLOCK_S = 0.02
@@ -62,7 +62,7 @@ class Speaking:
         self._since_clipping = _blocks(_SHOWN_S)
         self._quiet = 0
         self._speaks = False
-        self.event: Started | Ended | None = None
+        self.event: SpeechStart | SpeechEnd | None = None
 
     @property
     def earliest(self) -> int:
@@ -77,13 +77,13 @@ class Speaking:
         self._ends.threshold = self.threshold
         self.event = self._ends.take(level)
         self._quiet = 0 if level > self.threshold else self._quiet + 1
-        if isinstance(self.event, Started):
+        if isinstance(self.event, SpeechStart):
             self._speaks = True
         elif self._quiet >= self._hang_over:
             self._speaks = False
         return level
 
-    def break_off(self) -> Ended | None:
+    def break_off(self) -> SpeechEnd | None:
         """The sound has broken off: the end of the segment that was open."""
         self._speaks = False
         return self._ends.close()

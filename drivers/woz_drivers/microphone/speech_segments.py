@@ -16,7 +16,7 @@ from woz_drivers.microphone.speech_detection import BLOCK_S
 from woz_drivers.microphone.transcriber import Heard, Transcriber
 from woz_tui.drivers.contract import DriverContext
 from woz_tui.protocol.messages import SpeechEnded, SpeechStarted
-from woz_tui.sensing.speech_endpoint import Ended, Started
+from woz_tui.sensing.speech_endpoint import SpeechEnd, SpeechStart
 
 BLOCK_US = round(BLOCK_S * 1_000_000)
 
@@ -94,17 +94,17 @@ class Segments:
         self._tape.append(_Block(level, pcm))
         self._time.arrived(self._first + len(self._tape) - 1, clock_us)
 
-    def happened(self, event: Started | Ended | None, earliest: int) -> None:
+    def happened(self, event: SpeechStart | SpeechEnd | None, earliest: int) -> None:
         """What began or ended with that block; blocks before `earliest` are not needed any more."""
-        if isinstance(event, Started):
+        if isinstance(event, SpeechStart):
             self._started(event)
-        elif isinstance(event, Ended):
+        elif isinstance(event, SpeechEnd):
             self.ended(event, "cut: it goes on in the next segment" if event.cut else "")
         while self._first < earliest and self._tape:
             self._tape.popleft()
             self._first += 1
 
-    def ended(self, event: Ended, detail: str) -> None:
+    def ended(self, event: SpeechEnd, detail: str) -> None:
         """A segment is over; `detail` says why, where it is not because of silence."""
         blocks = [self._tape[n - self._first] for n in range(event.first, event.last + 1)]
         told = SpeechEnded(
@@ -140,7 +140,7 @@ class Segments:
 
     # -- telling, in order ---------------------------------------------------------------------
 
-    def _started(self, event: Started) -> None:
+    def _started(self, event: SpeechStart) -> None:
         self._segment += 1
         self._began = self._context.t(self._time.begins(event.first))
         told = SpeechStarted(driver=self._driver, segment=self._segment, began=self._began)

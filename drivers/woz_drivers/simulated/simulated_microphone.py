@@ -13,7 +13,7 @@ from woz_drivers.simulated.publishing import Publisher
 from woz_drivers.simulated.senses import SENSITIVITY, TICK, Sample
 from woz_tui.drivers.contract import DeviceLostError, DriverContext
 from woz_tui.protocol.messages import Json, SpeechEnded, SpeechStarted, SpeechText
-from woz_tui.sensing.speech_endpoint import Ended, Endpointer, Started
+from woz_tui.sensing.speech_endpoint import Endpointer, SpeechEnd, SpeechStart
 
 # -- telling --------------------------------------------------------------------------------------
 # What the simulated microphone tells of a visitor's voice, and what it keeps to itself while it is
@@ -204,18 +204,18 @@ class Hearing:
         event = self.ends.take(loudness)
         now = self.ends.chunks * self._tick
         told: list[Speech] = []
-        if isinstance(event, Started):
+        if isinstance(event, SpeechStart):
             self._segment += 1
             self._loudest = 0.0
             told.append(Speech("started", self._segment, now, began=event.first * self._tick))
         self._loudest = max(self._loudest, loudness)
-        if isinstance(event, Ended):
+        if isinstance(event, SpeechEnd):
             told.append(self._ended(event, now))
         while self._to_come and self._to_come[0].t <= now + 1e-9:
             told.append(self._to_come.popleft())
         return told
 
-    def _ended(self, event: Ended, now: float) -> Speech:
+    def _ended(self, event: SpeechEnd, now: float) -> Speech:
         text, self._words = " ".join(self._words), []
         later = now + UNDERSTOOD_AFTER * self._tick
         self._to_come.append(Speech("text", self._segment, later, ended=now, text=text))

@@ -7,10 +7,18 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from woz_tui.config.engagement import EngagementSettings
-from woz_tui.sensing.bench.bench_scenes import SCENES, STAYING, Take
-from woz_tui.sensing.bench.bench_trials import Delays, Steady, World, delays, steady, takes, windows
-from woz_tui.sensing.bench.filter_candidates import Candidate, field_of, joint, queues
-from woz_tui.sensing.bench.sensor_errors import TABLE_1, WINDOWS, Errors, fitted, interval
+from woz_tui.sensing.bench.bench_scenes import SCENES, STAYING, SceneRun
+from woz_tui.sensing.bench.bench_trials import (
+    BenchConditions,
+    Delays,
+    Steady,
+    delays,
+    steady,
+    takes,
+    windows,
+)
+from woz_tui.sensing.bench.filter_candidates import Candidate, candidates_for, joint, queues
+from woz_tui.sensing.bench.sensor_errors import TABLE_1, WINDOWS, ErrorModel, fitted, interval
 
 #: The parameters of filters and error model were chosen with other seeds than this one.
 SEED = 2022
@@ -30,7 +38,7 @@ STABLE = 98.0
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class PaperTableLine:
     """One figure of the paper's Table 1, in per cent, with what the model makes of it.
 
     `low` and `high` bound what 50 trials leave open; `exact` is the error model's own figure,
@@ -54,7 +62,7 @@ class Line:
 
 
 @dataclass(frozen=True, slots=True)
-class Measured:
+class FilterFigures:
     """What one filter is worth."""
 
     candidate: Candidate
@@ -67,7 +75,7 @@ class Variation:
     """The published filter and the joint one under other circumstances."""
 
     label: str
-    filters: tuple[Measured, ...]
+    filters: tuple[FilterFigures, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,15 +106,15 @@ class Goal:
 
 
 @dataclass(frozen=True, slots=True)
-class Report:
+class BenchReport:
     """All of the bench."""
 
     seed: int
     runs: int
     rate: float
     near: float
-    table: tuple[Line, ...]
-    filters: tuple[Measured, ...]
+    table: tuple[PaperTableLine, ...]
+    filters: tuple[FilterFigures, ...]
     variations: tuple[Variation, ...]
 
     @property
@@ -116,18 +124,18 @@ class Report:
         return tuple(_goals(found))
 
 
-def measure(settings: EngagementSettings, runs: int = RUNS, seed: int = SEED) -> Report:
+def measure(settings: EngagementSettings, runs: int = RUNS, seed: int = SEED) -> BenchReport:
     """Everything, for the settings' rate and social distance. Time grows with `runs`."""
-    world = World(Errors(), near=settings.social_distance, rate=settings.rate)
+    world = BenchConditions(ErrorModel(), near=settings.social_distance, rate=settings.rate)
     films = _films(world, runs, seed)
     near, glance = settings.social_distance, settings.joint.glance
-    return Report(
+    return BenchReport(
         seed=seed,
         runs=runs,
         rate=settings.rate,
         near=near,
         table=tuple(_table(near, glance, runs, seed)),
-        filters=tuple(measured(each, films) for each in field_of(settings)),
+        filters=tuple(measured(each, films) for each in candidates_for(settings)),
         variations=tuple(
             Variation(label, tuple(_two(other, glance, max(1, runs // 3), seed)))
             for label, other in _others(world)
@@ -135,9 +143,9 @@ def measure(settings: EngagementSettings, runs: int = RUNS, seed: int = SEED) ->
     )
 
 
-def measured(candidate: Candidate, films: dict[str, list[Take]]) -> Measured:
+def measured(candidate: Candidate, films: dict[str, list[SceneRun]]) -> FilterFigures:
     """One filter in the scenes that there are."""
-    return Measured(
+    return FilterFigures(
         candidate,
         {
             name: steady(candidate, films[name], engaged)
@@ -153,27 +161,27 @@ def measured(candidate: Candidate, films: dict[str, list[Take]]) -> Measured:
 
 
 def _films(
-    world: World, runs: int, seed: int, names: Sequence[str] = tuple(SCENES)
-) -> dict[str, list[Take]]:
+    world: BenchConditions, runs: int, seed: int, names: Sequence[str] = tuple(SCENES)
+) -> dict[str, list[SceneRun]]:
     return {name: takes(SCENES[name], world, runs, seed) for name in names}
 
 
-def _table(near: float, glance: float, runs: int, seed: int) -> Iterator[Line]:
+def _table(near: float, glance: float, runs: int, seed: int) -> Iterator[PaperTableLine]:
     """The paper's table, at the paper's rate whatever the experiment's is."""
-    errors = Errors()
-    films = takes(STAYING, World(errors, near=near), runs, seed)
+    errors = ErrorModel()
+    films = takes(STAYING, BenchConditions(errors, near=near), runs, seed)
     filters = (queues(1, near), queues(8, near), joint(near, glance))
     none, fifo, hidden = (windows(each, films) for each in filters)
     for row, shares in TABLE_1.items():
         for place, (seconds, paper) in enumerate(zip(WINDOWS, shares, strict=True)):
             low, high = interval(paper)
-            yield Line(
+            yield PaperTableLine(
                 *(row, seconds, paper, low, high, 100.0 * errors.right(row, seconds)),
                 *(none[row][place], fifo[row][place], hidden[row][place]),
             )
 
 
-def _others(world: World) -> list[tuple[str, World]]:
+def _others(world: BenchConditions) -> list[tuple[str, BenchConditions]]:
     errors = world.errors
     return [
         ("errors x 0.5", replace(world, errors=replace(errors, times=0.5))),
@@ -185,21 +193,21 @@ def _others(world: World) -> list[tuple[str, World]]:
     ]
 
 
-def _two(world: World, glance: float, runs: int, seed: int) -> Iterator[Measured]:
+def _two(world: BenchConditions, glance: float, runs: int, seed: int) -> Iterator[FilterFigures]:
     names = ("staying", "short glances", "nobody", "arriving", "leaving", "turning away")
     films = _films(world, runs, seed, names)
     for candidate in (queues(8, world.near, key="published"), joint(world.near, glance)):
         yield measured(candidate, films)
 
 
-def _goals(joint_one: Measured) -> Iterator[Goal]:
+def _goals(joint_one: FilterFigures) -> Iterator[Goal]:
     for name in ("staying", "short glances", "nobody"):
         yield Goal(name, joint_one.steady[name].share, STABLE, joint_one.steady[name].runs)
     for name, seconds in SOON.items():
         yield Goal(name, joint_one.changes[name].most, seconds, 0)
 
 
-def plain(report: Report) -> dict[str, object]:
+def as_json(report: BenchReport) -> dict[str, object]:
     """The report for programs. Seconds to milliseconds; what is never noticed is null."""
     return {
         "seed": report.seed,
@@ -240,7 +248,7 @@ def plain(report: Report) -> dict[str, object]:
     }
 
 
-def _filter(each: Measured) -> dict[str, object]:
+def _filter(each: FilterFigures) -> dict[str, object]:
     return {
         "filter": each.candidate.key,
         "right": {name: round(found.share, 2) for name, found in each.steady.items()},

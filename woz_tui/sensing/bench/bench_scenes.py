@@ -11,7 +11,7 @@ import random
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from woz_tui.sensing.bench.sensor_errors import Errors, Faults
+from woz_tui.sensing.bench.sensor_errors import ErrorEpisodes, ErrorModel
 
 CALM = 6.0
 #: When something happens, at a random phase of the sampling; and how long it is watched.
@@ -43,7 +43,7 @@ class Truth:
 
 
 @dataclass(frozen=True, slots=True)
-class Away:
+class GlancesAway:
     """Glances of somebody to elsewhere: mean time between two, which is `LEAST` at least, and their
     length, evenly spread between half and one and a half times the mean. All in seconds.
     """
@@ -53,8 +53,8 @@ class Away:
 
 
 #: Glances away. How often people do so differs widely between people, talk and task.
-SHORT = Away(8.0, 0.56)
-LONG = Away(8.0, 1.5)
+SHORT = GlancesAway(8.0, 0.56)
+LONG = GlancesAway(8.0, 1.5)
 ENGAGED = Truth(True, True, TALKS)
 NOBODY = Truth(False, False, WALL)
 ELSEWHERE = Truth(True, False, TALKS)
@@ -73,7 +73,7 @@ class Scene:
     name: str
     before: Truth
     after: Truth
-    glances: Away | None = None
+    glances: GlancesAway | None = None
     walks: bool = False
     ghosts: bool = False
     named: bool = False
@@ -92,7 +92,7 @@ SCENES = {
         Scene("short glances", ENGAGED, ENGAGED, SHORT),
         Scene("long glances", ENGAGED, ENGAGED, LONG),
         Scene("nobody", NOBODY, NOBODY, ghosts=True),
-        Scene("bystander", ELSEWHERE, ELSEWHERE, Away(15.0, 0.56)),
+        Scene("bystander", ELSEWHERE, ELSEWHERE, GlancesAway(15.0, 0.56)),
         Scene("arriving", NOBODY, ENGAGED),
         Scene("looking up", ELSEWHERE, ENGAGED),
         Scene("leaving", ENGAGED, NOBODY),
@@ -104,7 +104,7 @@ SCENES = {
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class SampleRow:
     """What sensors say at a time in microseconds: pairs of a sign and its sample."""
 
     t: int
@@ -112,28 +112,28 @@ class Row:
 
 
 @dataclass(frozen=True, slots=True)
-class Take:
+class SceneRun:
     """A scene as it was played once. `moment`: microseconds at which something happened."""
 
     scene: Scene
-    rows: tuple[Row, ...]
+    rows: tuple[SampleRow, ...]
     moment: int
 
 
 def played(
     scene: Scene,
     chance: random.Random,
-    errors: Errors,
+    errors: ErrorModel,
     *,
     rate: float = 3.0,
     near: float = 1.3,
     together: bool = True,
-) -> Take:
+) -> SceneRun:
     """A scene with errors at `rate` samples a second, all signs `together` or each by itself."""
     period = 1.0 / rate
     moment = HAPPENS + chance.uniform(0.0, period)
     truth = _course(scene, chance, moment, near)
-    faults = Faults(errors, chance, scene.lasts, CALM)
+    faults = ErrorEpisodes(errors, chance, scene.lasts, CALM)
     sensors = _Sensors(chance, faults, near, scene.ghosts)
     signs = 4 if scene.named else 3
     phases = [0.0 if together else chance.uniform(0.0, period) for _ in range(signs)]
@@ -142,15 +142,15 @@ def played(
         for at in _ticks(period, scene.lasts - period)
         for index, phase in enumerate(phases)
     )
-    rows: list[Row] = []
+    rows: list[SampleRow] = []
     for at, index in readings:
         t = round(at * 1e6)
         sample = sensors.read(index, at, truth(at))
         if rows and rows[-1].t == t:
-            rows[-1] = Row(t, (*rows[-1].samples, sample))
+            rows[-1] = SampleRow(t, (*rows[-1].samples, sample))
         else:
-            rows.append(Row(t, (sample,)))
-    return Take(scene, tuple(rows), round(moment * 1e6))
+            rows.append(SampleRow(t, (sample,)))
+    return SceneRun(scene, tuple(rows), round(moment * 1e6))
 
 
 def _ticks(period: float, until: float) -> list[float]:
@@ -191,7 +191,9 @@ def _glances(scene: Scene, chance: random.Random) -> list[tuple[float, float]]:
 class _Sensors:
     """Readings of the truth, and of what errs."""
 
-    def __init__(self, chance: random.Random, faults: Faults, near: float, ghosts: bool) -> None:
+    def __init__(
+        self, chance: random.Random, faults: ErrorEpisodes, near: float, ghosts: bool
+    ) -> None:
         self._chance = chance
         self._faults = faults
         self._near = near

@@ -16,25 +16,25 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from woz_tui.config.engagement import SIGNS
-from woz_tui.sensing.bench.bench_scenes import CALM, Scene, Take, played
+from woz_tui.sensing.bench.bench_scenes import CALM, Scene, SceneRun, played
 from woz_tui.sensing.bench.filter_candidates import Candidate
-from woz_tui.sensing.bench.sensor_errors import WINDOWS, Errors
+from woz_tui.sensing.bench.sensor_errors import WINDOWS, ErrorModel
 
 #: Rows of the paper's table and the signs they speak of.
 ROWS = {"people": "presence", "face": "identity", "gaze": "gaze", "distance": "distance"}
 
 
 @dataclass(frozen=True, slots=True)
-class World:
+class BenchConditions:
     """Under what circumstances scenes are played. `near` in metres, `rate` in samples a second."""
 
-    errors: Errors
+    errors: ErrorModel
     near: float = 1.3
     rate: float = 3.0
     together: bool = True
 
 
-def takes(scene: Scene, world: World, runs: int, seed: int) -> list[Take]:
+def takes(scene: Scene, world: BenchConditions, runs: int, seed: int) -> list[SceneRun]:
     """A scene played so often; the same for all filters, and for the same seed always."""
     return [
         played(
@@ -71,14 +71,14 @@ class Steady:
         return 3600.0 * self.turns / self.seconds
 
 
-def steady(candidate: Candidate, films: Sequence[Take], engaged: bool) -> Steady:
+def steady(candidate: Candidate, films: Sequence[SceneRun], engaged: bool) -> Steady:
     """How steadily a filter says `engaged` when nothing happens."""
     turns = [_turns(candidate, film, engaged) for film in films]
     seconds = sum((film.rows[-1].t / 1e6 - CALM) for film in films)
     return Steady(len(films), turns.count(0), sum(turns), seconds)
 
 
-def _turns(candidate: Candidate, film: Take, engaged: bool) -> int:
+def _turns(candidate: Candidate, film: SceneRun, engaged: bool) -> int:
     bank = candidate.made()
     turns = 0
     right = True
@@ -120,13 +120,13 @@ class Delays:
         return self.at(1.0)
 
 
-def delays(candidate: Candidate, films: Iterable[Take], engaged: bool) -> Delays:
+def delays(candidate: Candidate, films: Iterable[SceneRun], engaged: bool) -> Delays:
     """How long a filter takes to say `engaged` once something has happened."""
     found = (_delay(candidate, film, engaged) for film in films)
     return Delays(tuple(sorted(delay for delay in found if delay is not None)))
 
 
-def _delay(candidate: Candidate, film: Take, engaged: bool) -> float | None:
+def _delay(candidate: Candidate, film: SceneRun, engaged: bool) -> float | None:
     bank = candidate.made()
     before: bool | None = None
     for row in film.rows:
@@ -140,7 +140,7 @@ def _delay(candidate: Candidate, film: Take, engaged: bool) -> float | None:
     return math.inf
 
 
-def windows(candidate: Candidate, films: Sequence[Take]) -> dict[str, tuple[float, ...]]:
+def windows(candidate: Candidate, films: Sequence[SceneRun]) -> dict[str, tuple[float, ...]]:
     """The paper's table for a filter: by row, the per cent that stay right for each window."""
     lasted = [_lasted(candidate, film) for film in films]
     return {
@@ -152,7 +152,7 @@ def windows(candidate: Candidate, films: Sequence[Take]) -> dict[str, tuple[floa
     }
 
 
-def _lasted(candidate: Candidate, film: Take) -> dict[str, float]:
+def _lasted(candidate: Candidate, film: SceneRun) -> dict[str, float]:
     """For how many seconds each sign said yes, without a break, once errors may come."""
     bank = candidate.made()
     lasted = dict.fromkeys(SIGNS, math.inf)

@@ -7,15 +7,15 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from woz_tui.config.engagement import CONDITION, SIGNS, EngagementSettings
-from woz_tui.sensing.bench.bench_scenes import NAME, Row
+from woz_tui.sensing.bench.bench_scenes import NAME, SampleRow
 from woz_tui.sensing.filters import Fifo, IdentityFifo, Median
-from woz_tui.sensing.joint_filter import Joint, Sign
+from woz_tui.sensing.joint_filter import JointFilter, JointSign
 
 #: Anything that a sign's samples may go through.
-Filter = Fifo | IdentityFifo | Sign
+Filter = Fifo | IdentityFifo | JointSign
 
 
-class Bank:
+class FilterBank:
     """One filter per sign."""
 
     def __init__(self, filters: Mapping[str, Filter]) -> None:
@@ -25,7 +25,7 @@ class Bank:
         }
         self._condition = [filters[sign] for sign in CONDITION]
 
-    def take(self, row: Row) -> None:
+    def take(self, row: SampleRow) -> None:
         """The samples of one moment."""
         t = row.t
         for sign, value in row.samples:
@@ -39,7 +39,7 @@ class Bank:
     def says(self, sign: str) -> bool:
         """Whether a sign says yes; identity, whether it is the right name."""
         taker = self.filters[sign]
-        if isinstance(taker, IdentityFifo | Sign) and sign == "identity":
+        if isinstance(taker, IdentityFifo | JointSign) and sign == "identity":
             return taker.name == NAME
         return taker.verdict == 1
 
@@ -50,7 +50,7 @@ class Candidate:
 
     key: str
     label: str
-    made: Callable[[], Bank] = field(repr=False)
+    made: Callable[[], FilterBank] = field(repr=False)
 
 
 def queues(
@@ -58,7 +58,7 @@ def queues(
 ) -> Candidate:
     """The same queue for every sign, half of which decides; with `median` that of the distance."""
 
-    def made() -> Bank:
+    def made() -> FilterBank:
         filters: dict[str, Filter] = {
             "presence": Fifo(samples, 0.5),
             "gaze": Fifo(samples, 0.5),
@@ -67,7 +67,7 @@ def queues(
             else Fifo(samples, 0.5, near=near),
             "identity": IdentityFifo(samples, 0.5),
         }
-        return Bank(filters)
+        return FilterBank(filters)
 
     return Candidate(key or f"fifo-{samples}", label or f"fifo {samples}", made)
 
@@ -75,9 +75,9 @@ def queues(
 def joint(near: float, glance: float, key: str = "joint", label: str = "joint") -> Candidate:
     """The joint filter over all signs."""
 
-    def made() -> Bank:
-        filter_ = Joint(near, glance=glance)
-        return Bank({sign: filter_.view(sign) for sign in SIGNS})
+    def made() -> FilterBank:
+        filter_ = JointFilter(near, glance=glance)
+        return FilterBank({sign: filter_.view(sign) for sign in SIGNS})
 
     return Candidate(key, label, made)
 
@@ -85,14 +85,14 @@ def joint(near: float, glance: float, key: str = "joint", label: str = "joint") 
 def configured(settings: EngagementSettings) -> Candidate:
     """The filters of an experiment, sign by sign."""
 
-    def made() -> Bank:
-        shared = Joint(settings.social_distance, glance=settings.joint.glance)
-        return Bank({sign: _own(settings, sign, shared) for sign in SIGNS})
+    def made() -> FilterBank:
+        shared = JointFilter(settings.social_distance, glance=settings.joint.glance)
+        return FilterBank({sign: _own(settings, sign, shared) for sign in SIGNS})
 
     return Candidate("experiment", "experiment", made)
 
 
-def _own(settings: EngagementSettings, sign: str, shared: Joint) -> Filter:
+def _own(settings: EngagementSettings, sign: str, shared: JointFilter) -> Filter:
     own = settings.sign(sign)
     kind = own.filter or settings.filter
     samples = own.samples or settings.samples
@@ -109,7 +109,7 @@ def _own(settings: EngagementSettings, sign: str, shared: Joint) -> Filter:
     return Fifo(samples, threshold, settings.start_up, near)
 
 
-def field_of(settings: EngagementSettings) -> list[Candidate]:
+def candidates_for(settings: EngagementSettings) -> list[Candidate]:
     """All that are compared: none, the published program's, others, the joint one; and those of an
     experiment where they are different ones.
     """

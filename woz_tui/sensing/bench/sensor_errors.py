@@ -45,7 +45,7 @@ VISIBLE = {"people": 0.0036, "face": 0.0061, "gaze": 0.0266, "distance": 0.0014}
 
 
 @dataclass(frozen=True, slots=True)
-class Errors:
+class ErrorModel:
     """The model: visible episodes per second at 3 Hz by row of the table; their mean length in
     seconds; `times` multiplies all rates. `shape` is that of the gamma distribution of the factor
     by which trials differ, with mean 1: the smaller, the more a few trials have most of the errors.
@@ -71,10 +71,12 @@ class Errors:
         return periods * -math.expm1(-1.0 / periods)
 
 
-class Faults:
+class ErrorEpisodes:
     """The episodes of one trial: who errs when. Times in seconds, from 0 to `until`."""
 
-    def __init__(self, errors: Errors, chance: random.Random, until: float, calm: float) -> None:
+    def __init__(
+        self, errors: ErrorModel, chance: random.Random, until: float, calm: float
+    ) -> None:
         """Before `calm` seconds nothing errs, so that every trial begins alike."""
         self.factor = chance.gammavariate(errors.shape, 1.0 / errors.shape)
         self._episodes = {

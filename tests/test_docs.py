@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ast
+import os
 import re
 import subprocess
 from collections.abc import Iterator
@@ -13,6 +15,11 @@ from tools import ROOT, generated, replaced
 #: Text files that are not ours to correct: what happened, and what was drawn.
 LEFT_OUT = re.compile(r"(^recordings/.*\.jsonl|\.svg|\.png|\.wav|\.ttf|\.pem|/golden/.*)$")
 PAGE = re.compile(r"(?<![\w./-])docs/[\w./-]+\.(?:md|py|svg|png)\b")
+#: `Hub.publish` in [bus/hub.py](../../woz_tui/bus/hub.py), or [`Hub`](../../woz_tui/bus/hub.py).
+CODE = (
+    r"`(?P<name>[A-Za-z_][\w.]*)` in \[[^]]*\]\((?P<path>[^)]*\.py)\)",
+    r"\[`(?P<name>(?![\w.]+\.py`)[A-Za-z_][\w.]*)`\]\((?P<path>[^)]*\.py)\)",
+)
 PROGRAM = re.compile(r"-m (tools\.\w+)")
 
 
@@ -40,6 +47,20 @@ def anchors(page: str) -> set[str]:
     return {each.strip().replace(" ", "-") for each in words}
 
 
+def defined(path: str) -> set[str]:
+    """Classes, functions and constants of a module, methods as `Class.method`."""
+    found = set()
+    for node in ast.parse(text(path)).body:
+        if isinstance(node, ast.ClassDef):
+            found |= {f"{node.name}.{each.name}" for each in node.body if hasattr(each, "name")}
+        if isinstance(node, ast.Assign | ast.AnnAssign):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            found |= {target.id for target in targets if isinstance(target, ast.Name)}
+        elif hasattr(node, "name"):
+            found.add(node.name)
+    return found
+
+
 def dead_links(name: str) -> Iterator[str]:
     for link in re.findall(r"\]\(([^)\s]+)\)", text(name)):
         if "://" in link:
@@ -56,6 +77,18 @@ def test_every_link_leads_somewhere() -> None:
     pages = [name for name in tracked() if name.endswith(".md")]
     assert len(pages) > 50
     assert [dead for name in pages for dead in dead_links(name)] == []
+
+
+def test_the_code_that_pages_name_is_there() -> None:
+    """Where a page says which class or function is meant, and in which file."""
+    named = []
+    for page in (name for name in tracked() if name.endswith(".md")):
+        for pattern in CODE:
+            for link in re.finditer(pattern, text(page)):
+                path = os.path.relpath((ROOT / page).parent / link["path"], ROOT)
+                named.append((page, link["name"], path))
+    assert len(named) > 150
+    assert [each for each in named if each[1] not in defined(each[2])] == []
 
 
 def test_every_page_and_program_that_is_mentioned_exists() -> None:

@@ -15,16 +15,24 @@ settings.register_profile(
 )
 # The same examples in every run, so that a change is judged by what it changed.
 settings.register_profile(
-    "repeatable", settings.get_profile("shared"), derandomize=True, max_examples=50
+    "repeatable", settings.get_profile("shared"), derandomize=True, max_examples=30
 )
 # `make fuzz`: other examples each time, and many more.
 settings.register_profile("fuzz", settings.get_profile("shared"), max_examples=1000)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
 
 
-# Thousands of collected tests live to the end; looking through them again and again for garbage
-# took a sixth of the time.
+# Looking for garbage took a sixth of the time.
 gc.set_threshold(20_000, 20, 20)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_finish() -> None:
+    """Thousands of collected tests live to the end: nobody looks for garbage among them, which
+    would make every thread of a test wait.
+    """
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(autouse=True, scope="session")

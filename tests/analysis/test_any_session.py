@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.analysis.told import STEM, drawn, figures_of
@@ -96,7 +96,6 @@ def used(figures: SessionFigures, report: Report) -> None:
         sheets.add(figures)
 
 
-@settings(max_examples=30, deadline=None)
 @given(ANY)
 def test_messages_in_any_order_raise_nothing(course: list[tuple[m.AnyMessage, int]]) -> None:
     messages = [
@@ -106,7 +105,6 @@ def test_messages_in_any_order_raise_nothing(course: list[tuple[m.AnyMessage, in
     used(figures, Report(figures, drawn(messages)))
 
 
-@settings(max_examples=50, deadline=None)
 @given(COURSE)
 def test_the_parts_add_up_to_the_whole(course: list[tuple[m.AnyMessage, int]]) -> None:
     figures = figures_of(timed(course), Options(all_trials=True))
@@ -127,7 +125,6 @@ def test_the_parts_add_up_to_the_whole(course: list[tuple[m.AnyMessage, int]]) -
     assert whole.actions == whole.outcomes.total == requests
 
 
-@settings(max_examples=50, deadline=None)
 @given(COURSE)
 def test_cues_have_one_fate_and_reactions_are_in_the_window(
     course: list[tuple[m.AnyMessage, int]],
@@ -141,7 +138,6 @@ def test_cues_have_one_fate_and_reactions_are_in_the_window(
     assert sum(cue.cue_type == "marker" for cue in figures.cues) == markers
 
 
-@settings(max_examples=30, deadline=None)
 @given(COURSE)
 def test_leaving_trials_out_only_takes_away(course: list[tuple[m.AnyMessage, int]]) -> None:
     messages = timed(course)
@@ -153,7 +149,6 @@ def test_leaving_trials_out_only_takes_away(course: list[tuple[m.AnyMessage, int
         assert figures_json.plain(some.whole) == figures_json.plain(every.whole)
 
 
-@settings(max_examples=30, deadline=None)
 @given(COURSE, st.randoms())
 def test_what_tells_nothing_changes_nothing(
     course: list[tuple[m.AnyMessage, int]], rnd: Any
@@ -168,7 +163,6 @@ def test_what_tells_nothing_changes_nothing(
     assert figures_json.session(figures_of(more)) == figures_json.session(figures_of(messages))
 
 
-@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(COURSE, st.lists(WOUNDS, max_size=4))
 def test_a_damaged_log_raises_nothing_and_tells_so(
     course: list[tuple[m.AnyMessage, int]], wounds: list[tuple[int, str]]

@@ -6,7 +6,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.analysis.alignment import align, rising
@@ -88,7 +88,6 @@ def longest(a: list[str], b: list[str]) -> int:
     return max(longest(a[1:], b), longest(a, b[1:]))
 
 
-@settings(max_examples=60)
 @given(st.lists(NAMES, max_size=8), st.lists(NAMES, max_size=8))
 def test_no_alignment_finds_more(a: list[str], b: list[str]) -> None:
     pairs, exact = align(a, b)

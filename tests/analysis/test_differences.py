@@ -7,7 +7,7 @@ from pathlib import Path
 
 import msgspec
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.analysis.told import SECOND, Told, drawn, figures_of, in_time
@@ -250,7 +250,6 @@ def differing_at(before: list[m.AnyMessage]) -> set[tuple[str, str]] | None:
     return found if known else None
 
 
-@settings(max_examples=60, deadline=None)
 @given(COURSES)
 def test_the_times_are_those_of_every_moment_by_itself(
     course: list[tuple[m.AnyMessage, int]],

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hypothesis import given, settings
+from hypothesis import given
 
 from tests.analysis.told import figures_of
 from tests.timeline.courses import SECOND, damaged, recordings, start, timed
@@ -284,13 +284,11 @@ def check(messages: Sequence[m.AnyMessage]) -> Tables:
     return it
 
 
-@settings(max_examples=60)
 @given(recordings())
 def test_all_tables_say_the_same(messages: list[m.AnyMessage]) -> None:
     check(messages)
 
 
-@settings(max_examples=60)
 @given(damaged())
 def test_times_of_a_damaged_log_are_the_same_in_all_tables(messages: list[m.AnyMessage]) -> None:
     check_times(messages)

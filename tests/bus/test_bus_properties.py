@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections import Counter
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.bus.rig import Rig
@@ -63,7 +63,6 @@ async def play(steps: list[tuple[object, ...]]) -> Rig:
 
 
 @given(STEPS)
-@settings(max_examples=400, deadline=None)
 def test_every_command_has_exactly_one_end(steps: list[tuple[object, ...]]) -> None:
     rig = run_virtual(play(steps))
     asked = [line.command for line in rig.lines if isinstance(line, m.Command)]
@@ -74,7 +73,6 @@ def test_every_command_has_exactly_one_end(steps: list[tuple[object, ...]]) -> N
 
 
 @given(STEPS)
-@settings(max_examples=400, deadline=None)
 def test_nothing_reaches_a_driver_between_stop_and_release(
     steps: list[tuple[object, ...]],
 ) -> None:
@@ -97,7 +95,6 @@ def test_nothing_reaches_a_driver_between_stop_and_release(
 
 
 @given(STEPS)
-@settings(max_examples=200, deadline=None)
 def test_a_lane_never_runs_two_jobs_at_once_and_the_loop_ends_idle(
     steps: list[tuple[object, ...]],
 ) -> None:

@@ -118,7 +118,7 @@ def test_with_the_same_settings_the_path_is_the_same(log: Path) -> None:
     assert all(pair.sign == SAME for pair in paired(found.recorded, found.computed))
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, 2])
 def test_whatever_the_wizard_does_the_path_is_the_same(tmp_path: Path, seed: int) -> None:
     """E7: overrides, forced states, the stop, filters set while running, the file edited, too."""
     path = run_virtual(_recorded(tmp_path, seed))

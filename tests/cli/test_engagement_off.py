@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.analysis.told import Told, figures_of, in_time
@@ -110,7 +110,6 @@ STEPS = st.one_of(
 )
 
 
-@settings(max_examples=60, deadline=None)
 @given(st.lists(st.tuples(st.integers(1, 20), STEPS), max_size=12))
 def test_the_share_is_the_reports(steps: list[tuple[int, str | m.AnyMessage]]) -> None:
     """Whatever a log tells, both rooms read it alike."""

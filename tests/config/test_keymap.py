@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.config.reading import errors, panel, read
@@ -238,7 +238,6 @@ def chords(draw: st.DrawFn) -> str:
     return " ".join(parts)
 
 
-@settings(deadline=None)
 @given(st.lists(chords(), max_size=40), layouts, st.sampled_from(sorted(keys.TERMINALS)))
 def test_no_key_means_stop_and_none_plays_two_things(
     wanted: list[str], layout: str, name: str

@@ -22,7 +22,7 @@ GOOD, STUDY = (
     (Path(__file__).parent / "good" / f"{name}.yaml").read_text(encoding="utf-8")
     for name in ("everything", "study")
 )
-_ONE_FOLDER = settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+_ONE_FOLDER = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 words = st.sampled_from(
     ["title", "robot", "robots", "simulated", "panels", "actions", "key", "label", "say", "steps",

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import msgspec
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.console import bodies
@@ -131,7 +131,6 @@ def test_a_panel_that_is_not_there_is_grey() -> None:
         st.integers(-5, 300),
     ),
 )
-@settings(deadline=None)
 def test_the_board_keeps_to_its_frame(
     width: int, height: int, glyphs: Glyphs, values: dict[str, int]
 ) -> None:

@@ -8,7 +8,7 @@ import sys
 
 import msgspec
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.console import bodies, scenes
@@ -172,7 +172,6 @@ def test_brightness_is_seen_in_the_lights_colour() -> None:
     st.sampled_from([UNICODE, ASCII]),
     st.sampled_from([("",), ("left.", "right."), ("a.", "b.", "c.", "d.")]),
 )
-@settings(deadline=None, max_examples=60)
 def test_the_pane_keeps_to_its_frame(
     width: int, height: int, glyphs: Glyphs, robots: tuple[str, ...]
 ) -> None:

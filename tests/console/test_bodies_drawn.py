@@ -3,7 +3,7 @@ from __future__ import annotations
 import itertools
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.console import bodies
@@ -112,7 +112,6 @@ ANGLES = st.fixed_dictionaries(
 
 
 @pytest.mark.toolkit("V1", "V3")
-@settings(deadline=None)
 @given(ANGLES)
 def test_links_are_where_forward_kinematics_puts_them(angles: dict[str, float]) -> None:
     body = outline()
@@ -139,7 +138,6 @@ def _away(dot: tuple[int, int], a: tuple[float, float], b: tuple[float, float]) 
     return float((off[0] ** 2 + off[1] ** 2) ** 0.5)
 
 
-@settings(deadline=None)
 @given(ANGLES)
 def test_whatever_is_reached_is_on_the_sheet(angles: dict[str, float]) -> None:
     body = outline()

@@ -4,7 +4,7 @@ import dataclasses
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from rich.cells import cell_len
 from rich.color import Color, ColorSystem
@@ -222,7 +222,6 @@ def test_spread_gives_exactly_the_width(
     assert length(row) == width
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     st.lists(st.integers(0, 25), max_size=12),
     st.integers(20, 240),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.console import studied
@@ -168,7 +168,6 @@ PRESSES = st.tuples(
 )
 
 
-@settings(max_examples=80, deadline=None)
 @given(
     items=st.permutations(ITEMS),
     presses=st.lists(PRESSES, min_size=5, max_size=25),
@@ -372,7 +371,6 @@ def test_a_refused_answer_opens_its_item_again() -> None:
     assert (seat.taken.position, seat.taken.complaint, seat.value("one")) == (0, "no", None)
 
 
-@settings(max_examples=150, deadline=None)
 @given(st.lists(st.sampled_from(KEYS), max_size=60))
 def test_no_keys_bring_it_off_its_way(keys: list[str]) -> None:
     seat = Sitting()

@@ -190,7 +190,7 @@ def test_a_paste_is_text_whatever_stands_in_it() -> None:
 
 
 def test_a_paste_without_measure_is_cut_off() -> None:
-    (token,) = scan(b"\x1b[200~" + b"x" * (PASTE_LIMIT * 40) + b"\x1b[201~")
+    (token,) = scan(b"\x1b[200~" + b"x" * (PASTE_LIMIT * 24) + b"\x1b[201~")
 
     assert isinstance(token, Paste)
     assert len(token.text) == PASTE_LIMIT

@@ -5,7 +5,7 @@ from __future__ import annotations
 import string
 from typing import Any, get_type_hints
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.console import scenes
@@ -109,7 +109,6 @@ def _any_message() -> st.SearchStrategy[Incoming]:
     return st.one_of(made)
 
 
-@settings(max_examples=150, deadline=None)
 @given(st.lists(_any_message(), max_size=25), st.integers(0, 1 << 40))
 def test_no_message_in_any_order_is_too_much(batch: list[Incoming], local: int) -> None:
     picture = ConsoleState()
@@ -126,7 +125,6 @@ def test_no_message_in_any_order_is_too_much(batch: list[Incoming], local: int) 
         picture.is_stale(sensor, now)
 
 
-@settings(max_examples=40, deadline=None)
 @given(st.permutations(scenes.history()))
 def test_a_shuffled_history_ends_every_run(shuffled: list[m.AnyMessage]) -> None:
     picture = begun(*shuffled)

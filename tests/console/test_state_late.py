@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 import msgspec
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.console import scenes
@@ -180,7 +180,6 @@ def compared(course: list[m.AnyMessage], first: float, second: float) -> Iterato
             yield {name for name in known if newcomer[name] != known[name]} - {"now"}
 
 
-@settings(max_examples=60)
 @given(recordings(), st.floats(0, 1), st.floats(0, 1))
 def test_a_console_that_attaches_late_shows_the_same(
     course: list[m.AnyMessage], first: float, second: float
@@ -190,7 +189,6 @@ def test_a_console_that_attaches_late_shows_the_same(
         assert not different
 
 
-@settings(max_examples=60)
 @given(damaged(), st.floats(0, 1), st.floats(0, 1))
 def test_what_holds_is_the_same_also_where_lines_are_lost_or_out_of_order(
     course: list[m.AnyMessage], first: float, second: float

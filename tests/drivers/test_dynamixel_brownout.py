@@ -163,7 +163,7 @@ async def moving(folder: Path, protocol: int) -> AsyncIterator[Moving]:
 
 @pytest.mark.toolkit("R4")
 @pytest.mark.parametrize("protocol", [1, 2])
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(brownouts=st.lists(BROWNOUT, min_size=1, max_size=3))
 @example(brownouts=[UNSEEN])
 @example(brownouts=[AT_ONCE])

@@ -167,7 +167,6 @@ def test_other_packets_are_refused(kind: int, payload: bytes) -> None:
 
 
 @given(st.lists(st.binary(max_size=60), max_size=8))
-@settings(max_examples=50)
 def test_nothing_but_frames_is_shown(pieces: list[bytes]) -> None:
     board = Board()
     for piece in pieces:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.led_face.conversation import (
     ANSWER_US,
@@ -239,7 +239,6 @@ def test_noise_is_no_answer(pieces: list[bytes]) -> None:
 
 
 @given(st.lists(st.tuples(st.integers(0, 9), st.booleans(), st.booleans()), max_size=60))
-@settings(max_examples=60)
 def test_in_the_end_the_face_shows_what_is_wanted(
     story: list[tuple[int, bool, bool]],
 ) -> None:

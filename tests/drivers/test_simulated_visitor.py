@@ -18,7 +18,7 @@ def by_sensor(samples: list[Sample], sensor: str) -> list[Sample]:
     return [sample for sample in samples if sample.sensor == sensor]
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.integers(0, 2**31 - 1), st.lists(st.floats(0, 20), min_size=1, max_size=8))
 def test_same_seed_same_samples_whatever_the_steps(seed: int, pauses: list[float]) -> None:
     end = sum(pauses)

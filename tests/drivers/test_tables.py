@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.dynamixel import control_tables
 from woz_drivers.dynamixel.control_tables import Register
@@ -126,7 +126,6 @@ def test_alarms_have_names() -> None:
     assert control_tables.alarms(control_tables.PROTOCOL_1, 0x5A) == []
 
 
-@settings(deadline=None)
 @given(st.sampled_from([1, 2, 4]), st.booleans(), st.data())
 def test_registers_round_trip(size: int, signed: bool, data: st.DataObject) -> None:
     register = Register(100, size, signed)

@@ -208,7 +208,7 @@ def test_what_came_before_the_first_code_is_nobodys(tmp_path: Path) -> None:
     assert [path.name[:7] for path in dataset.rglob("*_physio.tsv.gz")] == ["sub-P08"]
 
 
-@settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(suppress_health_check=list(HealthCheck))
 @given(courses())
 def test_tables_of_any_course_have_a_cell_for_each_column(
     tmp_path: Path, course: list[Timed]

@@ -119,7 +119,7 @@ def test_nothing_can_be_taken_for_a_formula(tmp_path: Path) -> None:
     assert [plain(cell) for cell in cells] == [visible(text) for text in wicked]
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(suppress_health_check=list(HealthCheck))
 @given(courses())
 def test_any_course_comes_back(tmp_path: Path, course: list[Timed]) -> None:
     out = course_to(tmp_path, "csv", course)

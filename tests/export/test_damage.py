@@ -113,7 +113,7 @@ def test_times_far_off_harm_nobody(tmp_path: Path, to: str) -> None:
         check_cover(read_grid(tmp_path / "out" / f"{STEM}.TextGrid"))
 
 
-@settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=15, suppress_health_check=list(HealthCheck))
 @given(st.data())
 def test_whatever_happens_to_its_bytes_a_log_is_exported(
     tmp_path: Path, data: st.DataObject

@@ -89,7 +89,7 @@ def test_a_visit_comes_back(tmp_path: Path) -> None:
     assert tiers["notes"] == [(6300, 6340, "a child\nhas joined")]
 
 
-@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(suppress_health_check=list(HealthCheck))
 @given(courses())
 def test_any_course_is_valid_and_comes_back(tmp_path: Path, course: list[Timed]) -> None:
     tiers = read_back(course_to(tmp_path, "eaf", course) / f"{STEM}.eaf")

@@ -319,7 +319,7 @@ def test_a_kind_of_tomorrow_is_kept_with_all_it_says(tmp_path: Path) -> None:
     assert any("robot.dreamt" in sentence for sentence in session.damage)
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(suppress_health_check=list(HealthCheck))
 @given(courses())
 def test_whatever_happened_events_are_in_order_and_within_the_session(
     tmp_path: Path, course: list[Timed]

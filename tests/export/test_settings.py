@@ -116,7 +116,7 @@ def test_bids_has_the_events_and_says_what_they_are(tmp_path: Path) -> None:
     assert "differed from the requested" in path.with_suffix(".json").read_text(encoding="utf-8")
 
 
-@settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(suppress_health_check=list(HealthCheck))
 @given(COURSES)
 def test_rows_of_a_setting_follow_one_another_to_the_end(
     tmp_path: Path, messages: list[tuple[m.AnyMessage, int]]

@@ -59,7 +59,7 @@ def check_cover(grid: Textgrid) -> None:
             assert all(one.time < other.time for one, other in pairwise(tier.entries))
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(suppress_health_check=list(HealthCheck))
 @given(courses())
 def test_any_course_covers_its_time_and_comes_back(tmp_path: Path, course: list[Timed]) -> None:
     grid = read_back(course_to(tmp_path, "textgrid", course) / f"{STEM}.TextGrid")

@@ -107,7 +107,7 @@ def test_phases_are_a_tier(tmp_path: Path) -> None:
     assert hello.phase == "opening"
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(suppress_health_check=list(HealthCheck))
 @given(courses())
 def test_every_action_of_any_course_is_on_a_tier(tmp_path: Path, course: list[Timed]) -> None:
     session = session_of(tmp_path, course)

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 import rustypot
 from dynamixel_sdk import PacketHandler, PortHandler
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.fakes import servo_codec as codec
@@ -128,7 +128,6 @@ def test_reboot_forgets_torque_and_alarm(bus: ServoBus, sdk: tuple[Any, Any]) ->
     assert not bus.servo(11).torque
 
 
-@settings(deadline=None)
 @given(st.integers(0, 252), st.binary(max_size=40))
 def test_protocol_2_packets_round_trip(servo: int, params: bytes) -> None:
     packet = codec.packet_2(servo, codec.WRITE, params)
@@ -139,7 +138,6 @@ def test_protocol_2_packets_round_trip(servo: int, params: bytes) -> None:
     assert found == [codec.Instruction(servo, codec.WRITE, params)]
 
 
-@settings(deadline=None)
 @given(st.integers(0, 252), st.binary(max_size=40), st.integers(0, 300))
 def test_a_flipped_byte_is_noticed(servo: int, params: bytes, where: int) -> None:
     packet = bytearray(codec.packet_2(servo, codec.WRITE, params))

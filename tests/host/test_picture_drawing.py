@@ -7,7 +7,7 @@ import io
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from PIL import Image
@@ -37,7 +37,6 @@ def test_what_fits_fills_one_side_and_keeps_its_proportions(
 
 
 @given(pictures, sides, sides)
-@settings(deadline=None, max_examples=40)
 def test_a_smaller_picture_has_the_means_of_what_it_covers(
     made: Pixels, width: int, height: int
 ) -> None:
@@ -57,7 +56,6 @@ def test_a_smaller_picture_has_the_means_of_what_it_covers(
 
 
 @given(pictures, st.integers(2, 64))
-@settings(deadline=None, max_examples=40)
 def test_sixels_read_back_are_the_colours_that_were_chosen(made: Pixels, most: int) -> None:
     palette, chosen = quantised(made, most)
     assert len(palette) <= most
@@ -68,7 +66,6 @@ def test_sixels_read_back_are_the_colours_that_were_chosen(made: Pixels, most: i
 
 
 @given(pictures)
-@settings(deadline=None, max_examples=40)
 def test_few_colours_are_kept(made: Pixels) -> None:
     few = made & np.uint8(0x80)  # eight colours at most
     palette, chosen = quantised(few, 64)
@@ -76,7 +73,6 @@ def test_few_colours_are_kept(made: Pixels) -> None:
 
 
 @given(pictures, st.integers(2, 64))
-@settings(deadline=None, max_examples=40)
 def test_a_png_is_one_to_others(made: Pixels, most: int) -> None:
     with Image.open(io.BytesIO(png(made, most))) as image:
         back = np.asarray(image.convert("RGB"))

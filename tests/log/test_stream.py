@@ -63,9 +63,7 @@ def state_at(items: list[Item], t_us: int) -> State:
     return State(readings, pictures[-1] if pictures else None)
 
 
-@settings(
-    max_examples=75, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(WOUNDS, WOUNDS, st.sampled_from(BLOCKS), st.integers(-1, LINES * 12))
 @example([], [], 700, LINES * 5)
 @example([], [("line", 9_000, 3)], 700, LINES * 5)
@@ -96,9 +94,7 @@ def test_stream_and_index_agree_with_the_reader(
         assert log.at(sys.maxsize) == state_at(items, sys.maxsize)
 
 
-@settings(
-    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(WOUNDS, st.sampled_from(BLOCKS))
 def test_the_stream_agrees_without_samples(tmp_path: Path, wounds: list[Wound], block: int) -> None:
     path = written(tmp_path, wounded(ACTIONS, wounds))
@@ -110,9 +106,7 @@ def test_the_stream_agrees_without_samples(tmp_path: Path, wounds: list[Wound], 
     assert damage.missing == 0, "the samples' numbers are not missing: they were left aside"
 
 
-@settings(
-    max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(WOUNDS, WOUNDS)
 def test_what_was_not_touched_is_there_and_what_is_lost_is_named(
     tmp_path: Path, one: list[Wound], two: list[Wound]

@@ -7,7 +7,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tools import face_sheet
@@ -87,7 +87,6 @@ def test_a_neutral_face_is_two_discs() -> None:
 
 @pytest.mark.toolkit("F1")
 @given(states, st.sampled_from(SIZES))
-@settings(max_examples=60, deadline=None)
 def test_the_picture_depends_on_nothing_but_the_state(
     state: FaceState, size: tuple[int, int]
 ) -> None:
@@ -233,7 +232,6 @@ def test_the_film_tells_its_story_in_order() -> None:
 
 @pytest.mark.toolkit("F7")
 @given(st.floats(0, CRASH_S, exclude_max=True), shapes, states)
-@settings(max_examples=80, deadline=None)
 def test_a_film_is_the_same_whatever_the_face_was(
     seconds: float, shape: FaceShape, before: FaceState
 ) -> None:
@@ -245,7 +243,6 @@ def test_a_film_is_the_same_whatever_the_face_was(
 
 @pytest.mark.toolkit("F1", "R4")
 @given(states, shapes)
-@settings(max_examples=250, deadline=None)
 def test_any_state_on_any_matrix_is_a_picture_of_that_size(
     state: FaceState, shape: FaceShape
 ) -> None:
@@ -256,7 +253,6 @@ def test_any_state_on_any_matrix_is_a_picture_of_that_size(
 
 @pytest.mark.toolkit("F6")
 @given(shapes, st.floats(-1, 1), st.floats(-1, 1))
-@settings(max_examples=100, deadline=None)
 def test_open_eyes_are_whole_wherever_they_look(shape: FaceShape, x: float, y: float) -> None:
     ahead = draw(FaceState(), shape)
     assert lights(ahead) >= 2
@@ -264,7 +260,6 @@ def test_open_eyes_are_whole_wherever_they_look(shape: FaceShape, x: float, y: f
 
 
 @given(shapes, st.sampled_from(EMOTIONS))
-@settings(max_examples=60, deadline=None)
 def test_gaze_is_monotonic_on_any_matrix(shape: FaceShape, emotion: str) -> None:
     places = [
         middle(face)

@@ -59,7 +59,6 @@ def test_reference_poses(pose: str) -> None:
 
 @pytest.mark.toolkit("V1", "R6")
 @given(bodies(), fractions(5))
-@settings(max_examples=60)
 def test_links_stand_where_matrices_put_them(shape: BodyShape, shares: list[float]) -> None:
     angles = inside(shape, shares)
     places, gaze = by_matrices(shape, angles)
@@ -71,7 +70,6 @@ def test_links_stand_where_matrices_put_them(shape: BodyShape, shares: list[floa
 
 @pytest.mark.toolkit("L5")
 @given(fractions(3), st.floats(0.3, 20), fractions(3))
-@settings(max_examples=150)
 def test_what_a_pose_looks_at_is_found_from_any_other(
     shares: list[float], far: float, begin: list[float]
 ) -> None:
@@ -86,7 +84,6 @@ def test_what_a_pose_looks_at_is_found_from_any_other(
 
 @pytest.mark.toolkit("L5", "R6")
 @given(bodies(), fractions(5), st.floats(1, 20))
-@settings(max_examples=80)
 def test_five_joints_find_what_they_can_see(
     shape: BodyShape, shares: list[float], far: float
 ) -> None:
@@ -100,7 +97,6 @@ def test_five_joints_find_what_they_can_see(
 
 @pytest.mark.toolkit("L5", "R6")
 @given(bodies(3), st.tuples(*[st.floats(-5, 5)] * 3), fractions(3))
-@settings(max_examples=80)
 def test_wherever_the_target_is_the_pose_is_in_range_and_its_error_true(
     shape: BodyShape, target: tuple[float, float, float], begin: list[float]
 ) -> None:

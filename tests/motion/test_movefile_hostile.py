@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 import yaml
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from tests.motion.heads import EYEPI
@@ -79,7 +79,6 @@ def judged(folder: Path, data: bytes) -> None:
                 assert shape.min - 1e-9 <= angle <= shape.max + 1e-9
 
 
-@settings(max_examples=100)
 @given(files)
 def test_any_mapping(folder: Path, file: dict[str, Any]) -> None:
     judged(folder, yaml.safe_dump(file, allow_unicode=True).encode())

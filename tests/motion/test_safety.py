@@ -7,7 +7,7 @@ import random
 from collections.abc import Mapping
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.motion.chains import bodies, eyepi
@@ -106,7 +106,6 @@ times = st.one_of(st.floats(1e-4, 0.3), st.sampled_from([DT, DT, DT, 1e-9, 1e9, 
     st.floats(-90, 90),
     st.lists(st.tuples(st.floats(-200, 200), st.integers(1, 20), times), max_size=25),
 )
-@settings(max_examples=200)
 def test_range_speed_and_acceleration_hold_for_steps_of_any_length(
     acceleration: float | None, start: float, legs: list[tuple[float, int, float]]
 ) -> None:
@@ -127,7 +126,6 @@ def test_range_speed_and_acceleration_hold_for_steps_of_any_length(
 
 @pytest.mark.toolkit("R4")
 @given(st.floats(100, 20_000), st.lists(times, min_size=5, max_size=60), st.floats(-90, 90))
-@settings(max_examples=100)
 def test_no_overshoot_whatever_the_length_of_the_steps(
     acceleration: float, steps: list[float], goal: float
 ) -> None:
@@ -285,7 +283,6 @@ def test_a_hundred_thousand_hostile_steps(acceleration: float | None) -> None:
 
 @pytest.mark.toolkit("R4", "R6")
 @given(bodies(), st.integers(0, 2**32))
-@settings(max_examples=25)
 def test_bodies_of_five_joints_are_as_safe(shape: BodyShape, seed: int) -> None:
     draw = random.Random(seed)
     guarded = safety(shape)

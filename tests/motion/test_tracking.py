@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.motion.chains import eyepi, only
@@ -119,7 +119,6 @@ def test_a_blob_on_the_right_turns_the_head_right() -> None:
 
 @pytest.mark.toolkit("O4")
 @given(st.floats(-9.4, 9.4), st.floats(-6.9, 6.9), st.floats(0, 0.12))
-@settings(max_examples=40)
 def test_a_still_blob_anywhere_in_view_is_centred_without_swinging(
     x: float, y: float, age: float
 ) -> None:
@@ -283,7 +282,6 @@ def test_a_camera_that_stands_still_shows_nothing_new() -> None:
         max_size=30,
     )
 )
-@settings(max_examples=100)
 def test_whatever_comes_the_pose_is_in_range(
     steps: list[tuple[float, float | None, float | None, float]],
 ) -> None:

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import msgspec
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.replay.logs import (
@@ -97,7 +97,6 @@ def courses(draw: st.DrawFn) -> list[m.AnyMessage]:
     return stamped(sorted(timed, key=lambda pair: pair[0]))
 
 
-@settings(max_examples=60, deadline=None)
 @given(courses(), st.floats(0, 70), st.lists(st.floats(0, 70), max_size=3), st.integers(1, 9))
 def test_the_state_after_seeking_is_that_after_playing(
     messages: list[m.AnyMessage], to: float, detours: list[float], ticks: int
@@ -113,7 +112,6 @@ def test_the_state_after_seeking_is_that_after_playing(
     assert by_playing.shown == by_seeking.shown
 
 
-@settings(max_examples=40, deadline=None)
 @given(courses(), st.integers(0, 200), st.integers(1, 30))
 def test_what_is_kept_on_the_way_changes_nothing(
     messages: list[m.AnyMessage], index: int, chunk: int

@@ -6,7 +6,7 @@ import asyncio
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.fakes.virtual_time import run_virtual
@@ -189,7 +189,6 @@ def test_after_a_standstill_nothing_is_made_up_for_at_once(tmp_path: Path) -> No
     assert sent[-1].late_us < 10
 
 
-@settings(max_examples=25)
 @given(
     st.lists(
         st.tuples(

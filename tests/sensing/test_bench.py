@@ -74,7 +74,7 @@ def test_the_paper_hardly_tells_how_trials_differ() -> None:
 
 def test_played_trials_have_the_models_figures() -> None:
     """E10: counted without filters; with the published ones it is the paper's 98 per cent."""
-    runs = 400
+    runs = 200
     unfiltered = windows(queues(1, NEAR), films("staying", runs))
     for row, shares in unfiltered.items():
         for seconds, share in zip(WINDOWS, shares, strict=True):
@@ -134,8 +134,8 @@ def test_the_same_seed_plays_the_same() -> None:
 def test_the_joint_filter_is_as_stable_as_it_should_be() -> None:
     """E10: visitors who stay, with and without glances of 0.56 s; and nobody."""
     for scene in ("staying", "short glances"):
-        assert steady(JOINT, films(scene, 200), engaged=True).share >= STABLE
-    assert steady(JOINT, films("nobody", 200), engaged=False).share >= STABLE
+        assert steady(JOINT, films(scene, 100), engaged=True).share >= STABLE
+    assert steady(JOINT, films("nobody", 100), engaged=False).share >= STABLE
 
 
 @pytest.mark.parametrize(("scene", "seconds"), SOON.items())

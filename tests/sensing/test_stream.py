@@ -7,7 +7,7 @@ from typing import Any
 
 import msgspec
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.config.engagement import (
@@ -309,7 +309,6 @@ TIMES = st.one_of(
 )
 
 
-@settings(max_examples=60)
 @given(st.lists(st.tuples(MESSAGES, TIMES), max_size=60))
 def test_no_message_hurts(messages: list[tuple[Any, int]]) -> None:
     """E9: whatever a message holds, and whatever its time says."""

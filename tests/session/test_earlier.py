@@ -125,7 +125,7 @@ def test_a_text_that_looks_like_a_line_is_none(tmp_path: Path) -> None:
     assert [past.participant for past in read(tmp_path).past] == ["P01"]
 
 
-@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
 def test_damage_loses_its_own_lines_and_nothing_is_raised(
     tmp_path: Path, data: st.DataObject

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.fakes.virtual_time import run_virtual
@@ -26,7 +26,6 @@ STEPS = st.lists(st.tuples(MESSAGES, st.floats(0, 3)), max_size=30)
 ASKING = EngagementSettings(handshake=HandshakeSettings(by="robot"))
 
 
-@settings(max_examples=25)
 @given(STEPS)
 def test_no_message_fails_in_the_hub(steps: list[tuple[Any, float]]) -> None:
     """E9: in a whole session, with effects, handshake and attention."""

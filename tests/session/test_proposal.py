@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import replace
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.config.counterbalancing import block_size, rows
@@ -44,7 +44,6 @@ def one(participant: str, design: Design, earlier: list[Past]) -> Proposal:
     return propose(participant, design, CONDITIONS, earlier)
 
 
-@settings(max_examples=60)
 @given(DESIGNS, st.integers(1, 26))
 def test_rows_are_used_equally_often_however_many_come(design: Design, count: int) -> None:
     earlier: list[Past] = []
@@ -61,7 +60,6 @@ def test_rows_are_used_equally_often_however_many_come(design: Design, count: in
         assert max(times) - min(times) <= 1
 
 
-@settings(max_examples=60)
 @given(DESIGNS, st.lists(st.sampled_from(["done", "aborted", "fresh"]), max_size=14))
 def test_the_place_of_who_did_nothing_usable_is_given_again(
     design: Design, results: list[str]

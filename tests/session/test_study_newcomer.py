@@ -53,9 +53,7 @@ def take(stage: Stage, step: str, what: str) -> None:
                 study.check(what, True, "", "wizard")
 
 
-@settings(
-    max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(STEPS, max_size=30))
 @example([("trial", "break"), ("trial", "resume"), ("trial", "break"), ("trial", "begin")])
 @example(
@@ -77,9 +75,7 @@ def test_the_state_for_newcomers_tells_all(tmp_path: Path, steps: list[tuple[str
     on_stage(tmp_path, scenario)
 
 
-@settings(
-    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(STEPS, max_size=30))
 def test_every_beginning_has_one_end_in_any_course(
     tmp_path: Path, steps: list[tuple[str, str]]

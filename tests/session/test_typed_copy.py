@@ -125,9 +125,7 @@ PIECES = st.sampled_from(["{{", "}}", "{participant}", ": ", " #", '"', "'", "\\
 TEXTS = st.lists(LETTERS | PIECES, min_size=1, max_size=60).map("".join).filter(str.strip)
 
 
-@settings(
-    suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None, max_examples=50
-)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(texts=st.lists(TEXTS, min_size=1, max_size=5, unique=True))
 def test_any_typed_texts_survive(tmp_path: Path, texts: list[str]) -> None:
     path = file(tmp_path, TALK)

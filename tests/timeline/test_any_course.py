@@ -11,7 +11,7 @@ from typing import Any
 
 import msgspec
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
@@ -85,7 +85,6 @@ def test_every_kind_of_message_has_its_case() -> None:
     assert set(CASES) == set(typing.get_args(m.AnyMessage))
 
 
-@settings(max_examples=60)
 @given(COURSES)
 def test_the_parts_of_an_episode_are_all_of_it(messages: list[m.AnyMessage]) -> None:
     timeline = timeline_of(messages)
@@ -99,7 +98,6 @@ def test_the_parts_of_an_episode_are_all_of_it(messages: list[m.AnyMessage]) -> 
         assert all(part.end > part.begin for part in parts) or not episode.duration
 
 
-@settings(max_examples=60)
 @given(COURSES)
 def test_contexts_cover_the_log_without_a_gap(messages: list[m.AnyMessage]) -> None:
     timeline = timeline_of(messages)
@@ -110,7 +108,6 @@ def test_contexts_cover_the_log_without_a_gap(messages: list[m.AnyMessage]) -> N
     assert all(one.context != other.context for one, other in pairwise(spans))
 
 
-@settings(max_examples=60)
 @given(COURSES)
 def test_state_spans_and_parts_have_the_same_context(messages: list[m.AnyMessage]) -> None:
     timeline = Timeline()
@@ -133,7 +130,6 @@ def test_state_spans_and_parts_have_the_same_context(messages: list[m.AnyMessage
             } <= {plain}
 
 
-@settings(max_examples=60)
 @given(COURSES)
 def test_every_request_has_one_episode_and_one_outcome(messages: list[m.AnyMessage]) -> None:
     timeline = timeline_of(messages)
@@ -149,7 +145,6 @@ def test_every_request_has_one_episode_and_one_outcome(messages: list[m.AnyMessa
             assert (episode.ended is None) == (episode.outcome == "open") == episode.cut
 
 
-@settings(max_examples=60)
 @given(recordings())
 def test_a_session_that_was_recorded_has_no_end_without_a_beginning(
     messages: list[m.AnyMessage],
@@ -166,7 +161,6 @@ def test_a_session_that_was_recorded_has_no_end_without_a_beginning(
 # -- a newcomer -----------------------------------------------------------------------------------
 
 
-@settings(max_examples=60)
 @given(COURSES, st.floats(0, 1))
 def test_a_newcomer_knows_the_same(messages: list[m.AnyMessage], share: float) -> None:
     messages = stamped([(0, start()), *((each.t, each) for each in messages)])
@@ -184,7 +178,6 @@ def test_a_newcomer_knows_the_same(messages: list[m.AnyMessage], share: float) -
     assert held(late) == held(there)
 
 
-@settings(max_examples=60)
 @given(COURSES, st.floats(0, 1))
 def test_a_copy_goes_on_by_itself(messages: list[m.AnyMessage], share: float) -> None:
     place = round(share * len(messages))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.console.camera.filmed import Pixels, noisy, room
@@ -67,7 +67,6 @@ def test_what_moves_is_painted_and_nothing_else() -> None:
 
 
 @given(st.integers(0, 3000), st.integers(0, 99))
-@settings(max_examples=40, deadline=None)
 def test_a_picture_never_costs_more_than_it_may_and_arrives_in_the_end(
     allowance: int, seed: int
 ) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.console.camera import kitty
@@ -29,7 +29,6 @@ def played(pace: Pace, speed: float, wanted: int, seconds: float) -> list[tuple[
 
 
 @given(st.floats(5_000, 1e8), st.integers(100, 400_000))
-@settings(max_examples=60, deadline=None)
 def test_no_line_is_filled_for_long_nor_for_more_than_half_of_the_time(
     speed: float, wanted: int
 ) -> None:

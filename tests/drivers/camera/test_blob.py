@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from woz_drivers.camera.blob import Blob, Finder, Rule
@@ -78,7 +78,6 @@ def test_too_small_is_nothing() -> None:
 
 @pytest.mark.toolkit("O3")
 @given(masks)
-@settings(max_examples=150)
 def test_the_largest_patch_is_the_one_a_flood_finds(
     mask: np.ndarray[tuple[int, int], np.dtype[np.bool_]],
 ) -> None:

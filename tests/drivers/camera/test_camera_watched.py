@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.camera import Camera
 from woz_drivers.camera.raw_pictures import Layout
@@ -134,7 +134,6 @@ def test_pictures_of_planes_keep_their_size(width: int, wanted: int, gets: int) 
 
 
 @given(st.integers(1, 40), st.integers(1, 40), st.integers(1, 60), st.integers(0, 3))
-@settings(max_examples=60, deadline=None)
 def test_planes_of_any_size(width: int, height: int, wanted: int, padding: int) -> None:
     layout = Layout(width, height, "yuv420", width + padding)
     shown = layout.whole((bytes(range(256)) * 20)[: layout.size], wanted)

@@ -288,9 +288,7 @@ def test_the_first_touch_of_anything_that_turns_changes_nothing(tmp_path: Path, 
 
 
 @pytest.mark.toolkit("R4")
-@settings(
-    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     data=st.lists(st.binary(max_size=40), max_size=12), take_over=st.sampled_from(["soft", "jump"])
 )

@@ -6,7 +6,7 @@ import math
 import re
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from naoqi_simulator.animations import LENGTHS, with_tag
 from naoqi_simulator.audio import HIGHEST, energy
@@ -30,7 +30,6 @@ PARTS = st.lists(
 ).map("".join)
 
 
-@settings(max_examples=60)
 @given(PARTS)
 def test_any_text_becomes_pieces_within_their_ranges(text: str) -> None:
     for piece in animated(text):
@@ -50,7 +49,6 @@ def test_text_without_tags_is_said_as_it_is(text: str) -> None:
     )
 
 
-@settings(max_examples=60)
 @given(PARTS)
 def test_what_is_said_has_no_tags_in_it(text: str) -> None:
     for piece in animated(text):
@@ -71,7 +69,6 @@ def test_text_to_speech_knows_no_animations() -> None:
     assert plain("hi ^run(a)") == [Words("hi ^run(a)", Manner())]
 
 
-@settings(max_examples=40)
 @given(st.integers(0, 10_000), st.lists(st.floats(0, 600), min_size=1, max_size=20))
 def test_visitors_depend_on_seed_and_time_alone(seed: int, times: list[float]) -> None:
     one, other = Visitors(seed), Visitors(seed)

@@ -246,7 +246,7 @@ def test_folders_and_guesses_are_not_found(server: FileServer, film: Path) -> No
     assert len(token) >= 20
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=60)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     st.binary(max_size=200)
     | st.lists(

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.pepper.naoqi_link import Methods, Unsubscribe
 from woz_drivers.pepper.served_files import Files
@@ -197,7 +197,6 @@ def test_a_tablet_that_tells_thousands_of_touches_fills_no_log(tmp_path: Path) -
     assert later == 1
 
 
-@settings(max_examples=40)
 @given(
     st.lists(st.tuples(st.sampled_from(["Down", "DownRatio", "Move", "Up"]), ANYTHING, ANYTHING))
 )

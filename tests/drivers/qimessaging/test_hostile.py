@@ -7,7 +7,7 @@ import struct
 from collections.abc import Awaitable, Callable
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from qimessaging import Client, ConnectionLost, ProtocolError, QiError
 from qimessaging.authentication import error_text
@@ -64,7 +64,6 @@ async def test_an_answer_that_comes_twice_counts_once() -> None:
 
 
 @given(st.lists(st.binary(max_size=80), min_size=1, max_size=4), st.booleans())
-@settings(max_examples=25)
 def test_garbage_from_a_server_is_one_of_our_errors(pieces: list[bytes], framed: bool) -> None:
     """Garbage as such, and as payloads of well-formed replies to everything that is asked."""
 
@@ -88,7 +87,6 @@ def test_garbage_from_a_server_is_one_of_our_errors(pieces: list[bytes], framed:
 
 
 @given(st.binary(max_size=120), st.sampled_from(list(Kind)), st.integers(0, 12))
-@settings(max_examples=40)
 def test_garbage_from_a_client_harms_no_other(payload: bytes, kind: Kind, action: int) -> None:
     async def meet() -> None:
         async with bench() as (_, port):

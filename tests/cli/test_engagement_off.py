@@ -14,8 +14,7 @@ from tests.replay.again import written
 from tests.replay.test_plan import LOG, START
 from woz_tui import cli
 from woz_tui.cli.engagement_compare import engaged_share
-from woz_tui.cli.engagement_log import rerun
-from woz_tui.cli.engagement_off import RecordedModel
+from woz_tui.cli.engagement_log import RecordedModel, rerun
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_json import plain
 from woz_tui.log.log_reader import Damage

@@ -17,9 +17,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.config.engagement import EngagementSettings, JointSettings, SignSettings
-from woz_tui.sensing.bench.bench_figures import SOON, STABLE, Goal, as_json, measure
+from woz_tui.sensing.bench.bench_figures import (
+    SOON,
+    STABLE,
+    BenchConditions,
+    Goal,
+    as_json,
+    delays,
+    measure,
+    steady,
+    takes,
+    windows,
+)
 from woz_tui.sensing.bench.bench_scenes import CALM, SCENES, STAYING, SceneRun, played
-from woz_tui.sensing.bench.bench_trials import BenchConditions, delays, steady, takes, windows
 from woz_tui.sensing.bench.filter_candidates import Candidate, candidates_for, joint, queues
 from woz_tui.sensing.bench.sensor_errors import (
     TABLE_1,

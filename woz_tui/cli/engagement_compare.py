@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 from rich.table import Table
 
-from woz_tui.cli.engagement_log import LogRerun, line_of
-from woz_tui.cli.engagement_off import OffPeriods
+from woz_tui.cli.engagement_log import LogRerun, OffPeriods, line_of
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.console.text_console import TextConsole
 from woz_tui.protocol.messages import Json

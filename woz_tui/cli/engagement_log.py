@@ -9,18 +9,210 @@ from __future__ import annotations
 
 import sys
 from argparse import Namespace
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from woz_tui.cli.engagement_again import ModelRerun, SettingsOverride
-from woz_tui.cli.engagement_off import OFF, OffPeriods, RecordedModel
+import msgspec
+
 from woz_tui.cli.safe_streams import json_text
-from woz_tui.config.engagement import EngagementSettings
+from woz_tui.config.engagement import RUNS, EngagementSettings
+from woz_tui.config.engagement_json import plain, settings_from
+from woz_tui.config.session_verbs import ENGAGEMENT
 from woz_tui.log.log_reader import Damage, Line, read
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_model import Transition
+from woz_tui.sensing.engagement_stream import EngagementFollower
 from woz_tui.sensing.model_time import SECOND
+from woz_tui.timeline.session_state import SessionState
+
+# A session's messages through the engagement model once more, with its settings or with others.
+#
+# A log has its settings itself (`engagement.settings`), also those that a reload brought in the
+# middle. What a command line names stands above all of them, and above the wizard's keys for just
+# that: whoever asks for another filter asks for it from the beginning to the end.
+
+#: Arguments of the verbs by which the wizard changes settings while a session runs.
+FILTER = frozenset({"kind", "samples", "threshold"})
+
+
+@dataclass(frozen=True)
+class SettingsOverride:
+    """What stands above a log: `change` makes of the settings recorded those to go by, `named` are
+    the arguments of verbs that do not count, such as `{"filter": {"kind"}}`.
+    """
+
+    change: Callable[[EngagementSettings], EngagementSettings] = lambda recorded: recorded
+    named: Mapping[str, frozenset[str]] = field(default_factory=dict)
+    #: Whether all of the log is computed with the same settings.
+    one: bool = False
+
+    @classmethod
+    def always(
+        cls, settings: EngagementSettings, named: Mapping[str, frozenset[str]] | None = None
+    ) -> SettingsOverride:
+        """The same settings, whatever the log tells."""
+        return cls(lambda recorded: settings, named or {}, one=True)
+
+
+class ModelRerun:
+    """The model as it goes through a log.
+
+    Args:
+        settings: Those of the beginning; None: there is no model before the log tells some.
+        above: What is made of what the log tells.
+    """
+
+    def __init__(self, settings: EngagementSettings | None, above: SettingsOverride) -> None:
+        self.settings = settings or EngagementSettings()
+        self.follower = None if settings is None else EngagementFollower(settings)
+        self.above = above
+        self._state = SessionState()
+        #: Verbs with arguments that do not count, by command.
+        self._asked: dict[str, str] = {}
+        #: When keys of the wizard were passed over, in microseconds.
+        self.passed_over: list[int] = []
+        #: Why settings of the log were not taken.
+        self.unreadable: list[str] = []
+        #: When the log told settings, in microseconds.
+        self.told: list[int] = []
+
+    def take(self, message: m.AnyMessage) -> Sequence[Transition]:
+        """One message; the transitions that it brought."""
+        if not isinstance(message, m.Reading | m.EngagementShown):
+            self._state.take(message)
+        heard = self._meant(message)
+        if heard is None or self.follower is None:
+            return ()
+        return [*self.follower.take(heard)]
+
+    def until(self, t: int) -> Sequence[Transition]:
+        """What happens by itself up to `t`."""
+        return () if self.follower is None else [*self.follower.until(t)]
+
+    def _meant(self, message: m.AnyMessage) -> m.AnyMessage | None:
+        """The message as the model is to hear it; None: not at all."""
+        match message:
+            case m.EngagementAdopted():
+                return self._settled(message)
+            case m.Command(driver=driver, verb=verb) if driver == ENGAGEMENT:
+                if verb in self.above.named:
+                    self._asked[message.command] = verb
+            case m.End(command=command) if command in self._asked:
+                return self._obeyed(message, self.above.named[self._asked.pop(command)])
+        return message
+
+    def _obeyed(self, end: m.AnyMessage, named: frozenset[str]) -> m.AnyMessage | None:
+        if not isinstance(end, m.Done) or not named & end.sent.keys():
+            return end
+        self.passed_over.append(end.t)
+        left = {name: value for name, value in end.sent.items() if name not in named}
+        return msgspec.structs.replace(end, sent=left) if left.keys() - {"sign"} else None
+
+    def _settled(self, told: m.EngagementAdopted) -> m.AnyMessage | None:
+        self.told.append(told.t)
+        if not told.settings:
+            self.follower = None
+            return None
+        try:
+            self.settings = self.above.change(settings_from(told.settings))
+        except ValueError as error:
+            self.unreadable.append(str(error))
+            return None
+        if self.follower is None:
+            self._begin(self.settings)
+        return msgspec.structs.replace(told, settings=plain(self.settings))
+
+    def _begin(self, settings: EngagementSettings) -> None:
+        """As live: a model that begins in mid-session is told what holds."""
+        self.follower = EngagementFollower(settings)
+        self.follower.catch_up(self._state.messages())
+
+
+# When an engagement model was switched off, or was not there: time that belongs to no state.
+
+OFF = "off"
+
+
+@dataclass(frozen=True, slots=True)
+class OffPeriod:
+    """From `since` to `until`, in microseconds; `gone`: there was no model, and the next one begins
+    anew.
+    """
+
+    since: int
+    until: int
+    gone: bool
+
+
+@dataclass(slots=True)
+class OffPeriods:
+    """Stretches in which a model was off, oldest first. It begins with a model that is there."""
+
+    stretches: list[OffPeriod] = field(default_factory=list)
+    _since: int | None = None
+    _gone: bool = False
+
+    def see(self, t: int, *, there: bool, on: bool) -> None:
+        """How it stands from `t` on, in microseconds; `on` is of a model that is there."""
+        gone = not there
+        if self._since is not None and ((there and on) or gone != self._gone):
+            self.close(t)
+        if self._since is None and (gone or not on):
+            self._since, self._gone = t, gone
+
+    def close(self, t: int) -> None:
+        """The stretch that is open, if one is, ends here."""
+        if self._since is not None:
+            self.stretches.append(OffPeriod(self._since, max(self._since, t), self._gone))
+        self._since = None
+
+    @property
+    def us(self) -> int:
+        """All of it, in microseconds."""
+        return sum(each.until - each.since for each in self.stretches)
+
+    def within(self, since: int, until: int) -> int:
+        """How much of the time from `since` to `until` it was off, in microseconds."""
+        overlaps = (
+            min(until, each.until) - max(since, each.since)
+            for each in self.stretches
+            if each.until > since and each.since < until
+        )
+        return sum(overlaps)
+
+    def beginnings(self) -> Iterator[int]:
+        """When a model began anew, in microseconds."""
+        return (each.until for each in self.stretches if each.gone)
+
+
+class RecordedModel:
+    """Follows what a log says of its own model.
+
+    It is there from its first settings on, as they say (in logs of an earlier version, which tell
+    none, from the beginning), until settings say that the section is gone; the verb `engagement`
+    switches it.
+    """
+
+    def __init__(self, *, there: bool, on: bool) -> None:
+        self.off = OffPeriods()
+        self._there, self._on, self._told = there, on, False
+        self.off.see(0, there=there, on=on)
+
+    def take(self, message: m.AnyMessage) -> None:
+        """A message of the session."""
+        match message:
+            case m.EngagementAdopted(settings=settings):
+                if settings and not (self._there and self._told):
+                    self._on = settings.get("start", "run") != OFF
+                self._there, self._told = bool(settings), True
+            case m.Done(driver=driver, sent=sent) if driver == ENGAGEMENT:
+                if sent.get("run") in RUNS:
+                    self._on = sent["run"] != OFF
+            case _:
+                return
+        self.off.see(message.t, there=self._there, on=self._on)
+
 
 _SAMPLE, _SETTINGS = "sample", "engagement.settings"
 #: What a model writes; its settings come before all else of it.

@@ -22,8 +22,7 @@ from typing import Any
 
 from rich.table import Table
 
-from woz_tui.cli.engagement_again import FILTER, ModelRerun, SettingsOverride
-from woz_tui.cli.engagement_log import message_of
+from woz_tui.cli.engagement_log import FILTER, ModelRerun, SettingsOverride, message_of
 from woz_tui.config.engagement import SIGNS, EngagementSettings
 from woz_tui.console.text_console import TextConsole
 from woz_tui.log.log_reader import Damage, read

@@ -33,8 +33,8 @@ from benchmarks.figures import machine, percentile, table, verdict
 from tests.console.driving import Sitting, sitting
 from tools import demo_session
 from woz_tui.config.loading import load
-from woz_tui.console.action_panels import Panels
-from woz_tui.console.glyphs import Frame
+from woz_tui.console.action_panels import ActionPanels
+from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.screens.find import FindDialog
 from woz_tui.protocol.panels import ActionView
 from woz_tui.protocol.requests import AskAction, Welcome
@@ -85,7 +85,7 @@ async def by_letter(seat: Sitting, action: ActionView) -> Way | None:
 
 async def by_page(seat: Sitting, action: ActionView) -> Way | None:
     """Turn pages until the button is there."""
-    panels = seat.console.query_one(Panels)
+    panels = seat.console.query_one(ActionPanels)
     panels.board = replace(panels.board, chosen=0)
     seat.console.paint()
     await seat.settle()
@@ -99,9 +99,9 @@ async def by_page(seat: Sitting, action: ActionView) -> Way | None:
     return None if letter is None else Way(turned + letter.keys, rows + row + 1)
 
 
-def _row(seat: Sitting, panels: Panels, action: ActionView) -> int | None:
+def _row(seat: Sitting, panels: ActionPanels, action: ActionView) -> int | None:
     """In which line the button stands, if it is on the page that is shown."""
-    frame = Frame(panels.size.width, panels.size.height, 0, seat.console.look.glyphs)
+    frame = PaintFrame(panels.size.width, panels.size.height, 0, seat.console.look.glyphs)
     arranged = panels.arranged(seat.console.picture, frame)
     page = arranged.page_of(panels.board.chosen)
     slots = (slot for slot in arranged.slots if slot.page == page)

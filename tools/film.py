@@ -25,7 +25,7 @@ from tools.demo_session import INTERVIEW, TALKING, WARM, Step, demo, play, space
 from woz_tui.console.bodies.bodies_pane import pane_rows
 from woz_tui.console.cells import Row
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import Frame
+from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.theme import DARK
 from woz_tui.protocol.messages import AnyMessage
 from woz_tui.protocol.requests import Welcome
@@ -123,7 +123,7 @@ def frames(film: Film) -> Iterator[list[Row]]:
     picture.take(reel.first, 0)
     for now, batch in reel.moments(film):
         picture.take(batch, now)
-        yield pane_rows(picture, Frame(film.columns, film.lines, now))
+        yield pane_rows(picture, PaintFrame(film.columns, film.lines, now))
 
 
 def _played(film: Film) -> Reel:

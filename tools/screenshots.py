@@ -21,10 +21,10 @@ from tools import IMAGES, demo_session
 from woz_tui.console.app import Console
 from woz_tui.console.glyphs import ASCII, UNICODE
 from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.message_feed import Feed
+from woz_tui.console.message_feed import MessageFeed
 from woz_tui.console.replay.replay_app import ReplayConsole
 from woz_tui.console.replay.replay_commands import ReplayKeyboard
-from woz_tui.console.theme import Look
+from woz_tui.console.theme import Appearance
 from woz_tui.host.experiment_view import Shown, plan_for_log
 from woz_tui.log.log_index import LogIndex
 from woz_tui.protocol import messages as m
@@ -43,8 +43,8 @@ class Shot:
     name: str
     width: int
     height: int
-    feed: Callable[[], Feed]
-    look: Look = field(default_factory=lambda: Look(UNICODE))
+    feed: Callable[[], MessageFeed]
+    look: Appearance = field(default_factory=lambda: Appearance(UNICODE))
     keys: tuple[str, ...] = ()
     colours: bool = True
 
@@ -86,7 +86,7 @@ def _told(first: Welcome) -> ScriptedFeed:
     return feed
 
 
-def replayed() -> Feed:
+def replayed() -> MessageFeed:
     """The demo's log, 52.8 s after it began: two gongs, one of which still sounds."""
     folder = tempfile.TemporaryDirectory()
     demo_session.demo(demo_session.STOPPED, watch=_shown, log=Path(folder.name))
@@ -179,7 +179,7 @@ SHOTS = (
     Shot("console-100x36", 100, 36, demo),
     Shot("interview", 80, 24, interview),
     Shot("interview-160x50", 160, 50, interview),
-    Shot("interview-light", 80, 24, interview, Look(UNICODE, "woz-light")),
+    Shot("interview-light", 80, 24, interview, Appearance(UNICODE, "woz-light")),
     Shot("eyepi", 160, 50, eyepi),
     Shot("eyepi-small", 80, 24, eyepi),
     Shot("eyepi-body", 80, 24, eyepi, keys=(";",)),
@@ -196,13 +196,13 @@ SHOTS = (
     Shot("trial", 80, 24, trial, keys=("*",)),
     Shot("say", 80, 24, demo, keys=("/", "P", "l", "e")),
     Shot("find", 100, 36, working, keys=(":", "p", "o", "i")),
-    Shot("light", 80, 24, demo, Look(UNICODE, "woz-light")),
-    Shot("no-colour", 80, 24, working, Look(UNICODE, "woz-16"), colours=False),
-    Shot("linux-console", 80, 24, working, Look(ASCII, "woz-16")),
+    Shot("light", 80, 24, demo, Appearance(UNICODE, "woz-light")),
+    Shot("no-colour", 80, 24, working, Appearance(UNICODE, "woz-16"), colours=False),
+    Shot("linux-console", 80, 24, working, Appearance(ASCII, "woz-16")),
 )
 
 
-async def shoot(shot: Shot, feed: Feed, folder: Path) -> Path:
+async def shoot(shot: Shot, feed: MessageFeed, folder: Path) -> Path:
     """Run the app, press the keys, write the picture."""
     os.environ.pop("NO_COLOR", None)
     if not shot.colours:

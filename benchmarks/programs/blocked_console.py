@@ -14,7 +14,7 @@ from pathlib import Path
 
 from woz_tui.cli.console_start import favour_keys
 from woz_tui.console.app import Console
-from woz_tui.console.host_connection import Link
+from woz_tui.console.host_connection import HostConnection
 from woz_tui.console.keyboard import Keyboard
 from woz_tui.console.wizard_terminal import WizardDriver
 
@@ -44,7 +44,7 @@ class BlockedConsole(Console):
 
 def main() -> None:
     """Run it until it is killed."""
-    link = Link(Path(sys.argv[1]))
+    link = HostConnection(Path(sys.argv[1]))
     console = BlockedConsole(link, Keyboard(link), driver_class=WizardDriver)
     console.spinning = sys.argv[2] == "spinning"
     favour_keys()

@@ -10,7 +10,7 @@ from woz_tui.config import keys
 from woz_tui.config.keys.chords import NAMED
 from woz_tui.config.keys.terminals import folded
 from woz_tui.console.byte_scanner import Scanner
-from woz_tui.console.input_tokens import Key, Stop
+from woz_tui.console.input_tokens import Key, StopToken
 
 MODIFIERS = ("", "ctrl+", "alt+", "shift+", "ctrl+alt+", "ctrl+shift+", "alt+shift+")
 CHARACTERS = "abcehimqz019278AZ!#+-/:?[]\\^_{@~ éß§"
@@ -30,7 +30,7 @@ def scanned(data: bytes, terminal: keys.Terminal) -> list[str]:
     return [
         token.chord if isinstance(token, Key) else "stop"
         for token in tokens
-        if isinstance(token, Key | Stop)
+        if isinstance(token, Key | StopToken)
     ]
 
 

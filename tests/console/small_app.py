@@ -18,9 +18,9 @@ from textual.widgets import Input, Static
 
 from woz_tui.config.keys import Terminal
 from woz_tui.console.commands import COMMANDS
-from woz_tui.console.host_connection import Link
+from woz_tui.console.exit_handler import missing_terminal
+from woz_tui.console.host_connection import HostConnection
 from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.leaving import refusal
 from woz_tui.console.message_feed import Incoming
 from woz_tui.console.wizard_terminal import WizardDriver
 from woz_tui.protocol.messages import Marker
@@ -48,7 +48,7 @@ class SmallApp(App[None]):
 
     def __init__(self, path: Path) -> None:
         super().__init__(driver_class=WizardDriver)
-        self.feed = Link(path)
+        self.feed = HostConnection(path)
         self.keyboard = Keyboard(self.feed)
         own = {key.chord: command for command in COMMANDS for key in command.keys}
         self.keyboard.bind({}, own)
@@ -125,7 +125,7 @@ class SmallApp(App[None]):
 
 
 def main() -> int:
-    reason = refusal(sys.stdin, sys.stdout, os.environ)
+    reason = missing_terminal(sys.stdin, sys.stdout, os.environ)
     if reason:
         print(f"woz: {reason}", file=sys.stderr)  # noqa: T201
         return 2

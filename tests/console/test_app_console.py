@@ -14,7 +14,7 @@ from woz_tui.config.keys.console_keys import BUILTIN
 from woz_tui.config.keys.terminals import KITTY
 from woz_tui.console.glyphs import ASCII
 from woz_tui.console.screen_app import BEAT
-from woz_tui.console.theme import Look
+from woz_tui.console.theme import Appearance
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import ActionView, PanelView
@@ -39,9 +39,9 @@ async def test_the_whole_session_is_on_the_screen(size: tuple[int, int]) -> None
 
 async def test_before_the_welcome_it_says_that_it_waits() -> None:
     async with sitting(r.Pulse(t=5)) as seat:
-        assert "Waiting for the robot process" in seat.text("Panels")
+        assert "Waiting for the robot process" in seat.text("ActionPanels")
         await seat.tell(scenes.welcome())
-        assert "Hello" in seat.text("Panels")
+        assert "Hello" in seat.text("ActionPanels")
 
 
 @pytest.mark.parametrize("size", [(79, 24), (60, 20)])
@@ -161,16 +161,16 @@ async def test_the_last_run_can_be_cut_short() -> None:
 @pytest.mark.parametrize(("on", "back"), [("tab", "shift+tab"), ("pagedown", "pageup")])
 async def test_page_keys_turn_the_pages(on: str, back: str) -> None:
     async with sitting(scenes.welcome(shown=scenes.many_panels(60))) as seat:
-        assert "Action 0 " in seat.text("Panels")
+        assert "Action 0 " in seat.text("ActionPanels")
         await seat.press(on)
-        assert "Action 0 " not in seat.text("Panels")
+        assert "Action 0 " not in seat.text("ActionPanels")
         assert "page 2" in seat.text("StopBar")
         await seat.press(back)
-        assert "Action 0 " in seat.text("Panels")
+        assert "Action 0 " in seat.text("ActionPanels")
         await seat.press(back)
-        assert "Action 59" in seat.text("Panels")
+        assert "Action 59" in seat.text("ActionPanels")
         await seat.press(on)
-        assert "Action 0 " in seat.text("Panels")
+        assert "Action 0 " in seat.text("ActionPanels")
 
 
 async def test_the_first_alt_chord_of_a_plain_terminal_is_explained_once() -> None:
@@ -180,7 +180,7 @@ async def test_the_first_alt_chord_of_a_plain_terminal_is_explained_once() -> No
             await seat.settle()
         told = [event for event in seat.console.picture.events if "alt" in event.text]
         assert len(told) == 1
-        assert told[0].text[:20] in seat.text("Events")
+        assert told[0].text[:20] in seat.text("EventList")
 
 
 async def test_a_refusal_is_shown_where_the_hints_are() -> None:
@@ -248,8 +248,8 @@ async def test_a_reload_rebinds_the_keys() -> None:
             keyboard="us",
         )
         await seat.tell(changed)
-        assert "New one" in seat.text("Panels")
-        assert "Hello" not in seat.text("Panels")
+        assert "New one" in seat.text("ActionPanels")
+        assert "Hello" not in seat.text("ActionPanels")
         await seat.press("h")
         asked = seat.feed.last(r.AskAction)
         assert isinstance(asked, r.AskAction)
@@ -260,7 +260,7 @@ async def test_what_cannot_arrive_has_a_reserve_key_that_plays() -> None:
     async with sitting() as seat:
         cap = seat.console.caps["Call staff"]
         assert cap.reserve
-        assert f"{cap.chord}*" in seat.text("Panels")
+        assert f"{cap.chord}*" in seat.text("ActionPanels")
         await seat.press(cap.chord)
         asked = seat.feed.last(r.AskAction)
         assert isinstance(asked, r.AskAction)
@@ -271,17 +271,17 @@ async def test_a_watcher_is_told_that_it_watches() -> None:
     wizard = m.ConsoleAttached(console="con2", role="wizard", t=NOW)
     first = scenes.welcome(state=[*scenes.healthy(), wizard], role="watcher")
     async with sitting(first) as seat:
-        assert "WATCHING" in seat.text("Status")
+        assert "WATCHING" in seat.text("StatusLines")
 
 
 async def test_the_lines_state_is_the_feeds() -> None:
     async with sitting(size=(120, 36)) as seat:
         seat.feed.round_trip_us = 61_000
         await seat.pass_time(1.1)
-        assert "connection 61 ms" in seat.text("Status")
+        assert "connection 61 ms" in seat.text("StatusLines")
         seat.feed.line_ok = False
         await seat.pass_time(1.1)
-        assert "CONNECTION STALLED" in seat.text("Status")
+        assert "CONNECTION STALLED" in seat.text("StatusLines")
 
 
 async def test_ascii_and_sixteen_colours_for_the_linux_console() -> None:
@@ -289,7 +289,7 @@ async def test_ascii_and_sixteen_colours_for_the_linux_console() -> None:
         state=[*scenes.healthy(), *scenes.sensors()],
         recent=[*scenes.history(), *scenes.speaking()],
     )
-    async with sitting(first, look=Look(ASCII, "woz-16")) as seat:
+    async with sitting(first, look=Appearance(ASCII, "woz-16")) as seat:
         assert seat.drawn().isascii()
         for key in ("question_mark", "colon", "comma", "ctrl+q"):
             await seat.press(key)
@@ -300,7 +300,7 @@ async def test_ascii_and_sixteen_colours_for_the_linux_console() -> None:
 async def test_no_colour_means_none(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NO_COLOR", "1")
     first = scenes.welcome(state=[*scenes.healthy(), m.StopPressed(source="key", t=NOW)])
-    async with sitting(first, look=Look(ASCII, "woz-16")) as seat:
+    async with sitting(first, look=Appearance(ASCII, "woz-16")) as seat:
         picture = seat.console.export_screenshot()
         assert "STOPPED" in picture.replace("&#160;", " ")
         strips = seat.console.screen._compositor.render_strips()
@@ -358,11 +358,11 @@ def test_the_console_loads_neither_numpy_nor_any_dialog() -> None:
 
 async def test_a_terminal_that_tells_more_keys_apart_is_bound_anew() -> None:
     async with sitting(size=(160, 50)) as seat:
-        assert "^1" not in seat.text("Panels")
+        assert "^1" not in seat.text("ActionPanels")
         await seat.press("tab")
         seat.console.terminal_found(KITTY)
-        assert "^1" in seat.text("Panels")
-        assert "▸ Gestures" in seat.text("Panels")
+        assert "^1" in seat.text("ActionPanels")
+        assert "▸ Gestures" in seat.text("ActionPanels")
 
 
 async def test_a_press_tells_how_long_it_waited_for_the_screen() -> None:

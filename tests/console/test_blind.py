@@ -115,7 +115,8 @@ def robot_that_tells(seat: Sitting) -> None:
 def assert_blind(seat: Sitting, where: str) -> None:
     screens = seat.console.screen_stack
     drawn = seat.drawn() + "".join(
-        seat.text(name) for name in ("Status", "Panels", "Meters", "Events", "StopBar", "Script")
+        seat.text(name)
+        for name in ("StatusLines", "ActionPanels", "Meters", "EventList", "StopBar", "ScriptPane")
     )
     assert screens
     for secret in SECRETS:
@@ -128,14 +129,14 @@ async def test_no_screen_and_no_dialog_tells_the_condition(
 ) -> None:
     async with sitting(welcome(role=role), size=size) as seat:
         robot_that_tells(seat)
-        assert "Orange" in seat.text("Status")
+        assert "Orange" in seat.text("StatusLines")
         assert_blind(seat, "main screen")
         for name in OPENERS:
             await opened(seat, name)
             await seat.settle()
             assert_blind(seat, name)
             await seat.press("ctrl+q")
-        assert "{greeting}" in seat.text("Script") or size == (80, 24)
+        assert "{greeting}" in seat.text("ScriptPane") or size == (80, 24)
         await seat.press("colon")
         await seat.type("greet")
         assert_blind(seat, "find")
@@ -175,7 +176,7 @@ async def test_a_reload_that_blinds_the_wizard_counts_at_once() -> None:
             study=studied.typed(studied.told(blind=studied.LABELS)),
         )
         await seat.tell(changed, m.SessionChanged(condition="cold", t=NOW))
-        assert "Orange" in seat.text("Status")
+        assert "Orange" in seat.text("StatusLines")
         assert seat.console.picture.conditions == ("Lemon", "Orange")
         assert seat.console.picture.study.order == ("Lemon", "Orange")
 
@@ -264,13 +265,13 @@ async def test_a_program_that_sees_all_is_named_as_long_as_it_is_there() -> None
     attached = m.ConsoleAttached(console="con2", role="program", name="stimulus", sees="all", t=NOW)
     async with sitting(welcome(), size=(160, 50)) as seat:
         await seat.tell(attached)
-        assert "stimulus sees all" in seat.text("Status")
-        assert "program stimulus attached" in seat.text("Events")
+        assert "stimulus sees all" in seat.text("StatusLines")
+        assert "program stimulus attached" in seat.text("EventList")
         await seat.tell(m.ConsoleLost(console="con2", role="program", why="closed", t=NOW))
-        assert "sees all" not in seat.text("Status")
+        assert "sees all" not in seat.text("StatusLines")
     async with sitting(studied.welcome(), size=(160, 50)) as seat:
         await seat.tell(attached)
-        assert "sees all" not in seat.text("Status"), "nothing is kept from this wizard"
+        assert "sees all" not in seat.text("StatusLines"), "nothing is kept from this wizard"
 
 
 def test_an_utterance_shows_the_variable_and_not_its_value() -> None:

@@ -11,10 +11,10 @@ from woz_tui.console.bodies.body_outlines import PanelOutline, outlines_of
 from woz_tui.console.bodies.midi_board import Board, board_rows
 from woz_tui.console.cells import Row, length
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
+from woz_tui.console.glyphs import ASCII, UNICODE, Glyphs, PaintFrame
 from woz_tui.protocol import messages as m
 
-SMALL = Frame(76, 18, bodies.NOW)
+SMALL = PaintFrame(76, 18, bodies.NOW)
 
 
 def outline() -> PanelOutline:
@@ -33,7 +33,7 @@ def text(rows: list[Row]) -> str:
     return "\n".join("".join(piece for piece, _ in row) for row in rows)
 
 
-def drawn(*moved: m.ControlsMoved, frame: Frame = SMALL, old: str = "") -> str:
+def drawn(*moved: m.ControlsMoved, frame: PaintFrame = SMALL, old: str = "") -> str:
     return text(board_rows(Board(outline(), knobs(*moved), old), frame))
 
 
@@ -134,7 +134,7 @@ def test_a_panel_that_is_not_there_is_grey() -> None:
 def test_the_board_keeps_to_its_frame(
     width: int, height: int, glyphs: Glyphs, values: dict[str, int]
 ) -> None:
-    frame = Frame(width, height, bodies.NOW, glyphs)
+    frame = PaintFrame(width, height, bodies.NOW, glyphs)
     rows = board_rows(Board(outline(), knobs(bodies.moved(values, {"knob-1": 3}))), frame)
     assert len(rows) <= height
     assert all(length(row) == width for row in rows)

@@ -16,8 +16,8 @@ from tests.console.driving import Sitting, sitting
 from woz_tui.console.bodies.bodies_pane import pane_rows
 from woz_tui.console.cells import Row, length
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
-from woz_tui.console.theme import Look
+from woz_tui.console.glyphs import ASCII, UNICODE, Glyphs, PaintFrame
+from woz_tui.console.theme import Appearance
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import Settings
 
@@ -38,11 +38,11 @@ def text(rows: list[Row]) -> str:
 
 
 def pane(*messages: m.AnyMessage, size: tuple[int, int] = (50, 20), now: int = NOW) -> str:
-    return text(pane_rows(pictured(*messages), Frame(*size, now)))
+    return text(pane_rows(pictured(*messages), PaintFrame(*size, now)))
 
 
 def places(seat: Sitting) -> list[object]:
-    parts = ("Panels", "Meters", "BodyPane", "Events", "Script")
+    parts = ("ActionPanels", "Meters", "BodyPane", "EventList", "ScriptPane")
     return [seat.console.query_one(name).region for name in parts]
 
 
@@ -115,7 +115,7 @@ def test_what_it_does_is_said_beside_the_face() -> None:
 @pytest.mark.toolkit("G1")
 def test_a_lost_body_is_grey_and_says_since_when() -> None:
     lost = m.DriverLost(driver="body", detail="gone", t=NOW)
-    rows = pane_rows(pictured(*bodies.alive(), lost), Frame(50, 20, NOW + 7_000_000))
+    rows = pane_rows(pictured(*bodies.alive(), lost), PaintFrame(50, 20, NOW + 7_000_000))
     assert "~7 s old" in text(rows)
     looks = {look for row in rows for _, look in row}
     assert "stale" in looks
@@ -133,7 +133,7 @@ def test_joints_that_nobody_speaks_of_any_more_are_old() -> None:
 def test_a_lost_session_makes_everything_old() -> None:
     picture = pictured(*bodies.alive())
     picture.lose("closed")
-    assert "old" in text(pane_rows(picture, Frame(50, 20, NOW)))
+    assert "old" in text(pane_rows(picture, PaintFrame(50, 20, NOW)))
 
 
 def test_before_the_first_face_its_place_is_kept() -> None:
@@ -150,7 +150,7 @@ def test_a_body_without_a_face_shows_its_links() -> None:
     welcome = msgspec.structs.replace(bodies.welcome(), settings=Settings(outlines={"body": told}))
     picture = ConsoleState()
     picture.take([welcome, *bodies.joints({"pitch": 0.0}, {})], 0)
-    shown = text(pane_rows(picture, Frame(50, 20, NOW)))
+    shown = text(pane_rows(picture, PaintFrame(50, 20, NOW)))
     assert "side, front" in shown
     assert any("⠀" <= sign <= "⣿" for sign in shown)
 
@@ -159,7 +159,7 @@ def test_a_body_without_a_face_shows_its_links() -> None:
 def test_brightness_is_seen_in_the_lights_colour() -> None:
     def look(brightness: float) -> set[str]:
         picture = pictured(bodies.face(brightness=brightness))
-        rows = pane_rows(picture, Frame(50, 20, NOW))
+        rows = pane_rows(picture, PaintFrame(50, 20, NOW))
         return {look for row in rows for piece, look in row if "█" in piece}
 
     assert look(1.0) == {"face-4"}
@@ -176,7 +176,7 @@ def test_the_pane_keeps_to_its_frame(
     width: int, height: int, glyphs: Glyphs, robots: tuple[str, ...]
 ) -> None:
     told = [message for robot in robots for message in bodies.alive(robot)]
-    rows = pane_rows(pictured(*told, robots=robots), Frame(width, height, NOW, glyphs))
+    rows = pane_rows(pictured(*told, robots=robots), PaintFrame(width, height, NOW, glyphs))
     assert len(rows) == height
     assert all(length(row) == width for row in rows)
     assert glyphs is UNICODE or text(rows).isascii()
@@ -230,7 +230,7 @@ async def test_without_colours_and_in_ascii_the_face_is_there(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setenv("NO_COLOR", "1")
-    look = Look(ASCII, "woz-16")
+    look = Appearance(ASCII, "woz-16")
     async with sitting(bodies.welcome(bodies.alive()), size=ROOMY, look=look) as seat:
         shown = seat.text("BodyPane")
         assert shown.isascii()

@@ -11,7 +11,7 @@ from tests.console.driving import Sitting, sitting
 from woz_tui.config.keys.console_keys import BUILTIN
 from woz_tui.console.commands import COMMANDS, by_key
 from woz_tui.console.replay import replay_commands as replay
-from woz_tui.console.screens.dialog import Command
+from woz_tui.console.screens.dialog import ConsoleCommand
 from woz_tui.host.request_handlers import WATCHER_MAY
 from woz_tui.protocol import requests as r
 
@@ -22,7 +22,7 @@ def test_each_key_of_the_console_belongs_to_one_command() -> None:
 
 
 @pytest.mark.parametrize("commands", [COMMANDS, replay.COMMANDS], ids=["session", "replay"])
-def test_no_two_commands_have_a_name_in_common(commands: tuple[Command, ...]) -> None:
+def test_no_two_commands_have_a_name_in_common(commands: tuple[ConsoleCommand, ...]) -> None:
     keys = [key.id for command in commands for key in command.keys]
     assert len(keys) == len(set(keys))
     ranks = [command.hint.rank for command in commands if command.hint is not None]
@@ -45,7 +45,7 @@ LISTED = [it for it in COMMANDS if it.found and not it.name.startswith("repair_"
 
 
 @pytest.mark.parametrize("command", LISTED, ids=lambda it: it.name)
-async def test_what_the_palette_lists_it_does(command: Command) -> None:
+async def test_what_the_palette_lists_it_does(command: ConsoleCommand) -> None:
     suspended: list[bool] = []
     async with sitting(busy()) as seat:
         seat.console.keyboard.on_suspend = lambda: suspended.append(True)
@@ -53,7 +53,7 @@ async def test_what_the_palette_lists_it_does(command: Command) -> None:
 
         def state() -> tuple[object, ...]:
             bar = seat.text("StopBar")
-            panels, events = seat.console._panels.text, seat.text("Events")
+            panels, events = seat.console._panels.text, seat.text("EventList")
             return (type(seat.console.dialog), seat.console.theme, bar, panels, events)
 
         before, asked = state(), len(seat.feed.asked)

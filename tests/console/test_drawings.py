@@ -8,7 +8,7 @@ import pytest
 from tests.console import bodies
 from tests.console.driving import Sitting, sitting
 from woz_tui.console.screens.body import BodyDialog
-from woz_tui.console.screens.drawing import Drawing
+from woz_tui.console.screens.drawing import DrawingDialog
 from woz_tui.console.screens.knobs import KnobsDialog
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -52,9 +52,9 @@ async def test_the_key_that_opened_it_closes_it(key: str) -> None:
     async with sitting(bodies.welcome(bodies.alive())) as seat:
         for closing in (key, "ctrl+q"):
             await seat.press(key)
-            assert isinstance(seat.console.dialog, Drawing)
+            assert isinstance(seat.console.dialog, DrawingDialog)
             await seat.press(closing)
-            assert not isinstance(seat.console.dialog, Drawing)
+            assert not isinstance(seat.console.dialog, DrawingDialog)
 
 
 async def test_body_and_panel_take_turns() -> None:

@@ -6,7 +6,7 @@ from typing import IO
 
 import pytest
 
-from woz_tui.console.leaving import refusal
+from woz_tui.console.exit_handler import missing_terminal
 
 
 class Tty(io.StringIO):
@@ -32,7 +32,7 @@ XTERM = {"TERM": "xterm-256color"}
 def test_where_the_console_cannot_run_it_says_why(
     stdin: IO[str] | None, stdout: IO[str] | None, environ: Mapping[str, str], word: str
 ) -> None:
-    said = refusal(stdin, stdout, environ)
+    said = missing_terminal(stdin, stdout, environ)
 
     assert word in said
     assert "\n" not in said
@@ -42,5 +42,5 @@ def test_a_closed_stream_is_no_terminal() -> None:
     closed = Tty()
     closed.close()
 
-    assert "\n" not in refusal(io.StringIO(), closed, XTERM)
-    assert refusal(Tty(), Tty(), XTERM) == ""
+    assert "\n" not in missing_terminal(io.StringIO(), closed, XTERM)
+    assert missing_terminal(Tty(), Tty(), XTERM) == ""

@@ -14,12 +14,12 @@ from woz_tui.console.cells import Row, length
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.engagement.engagement_text import LONG_US, SLOW_US, standing
 from woz_tui.console.engagement.sign_bars import distance_bar, queue_bar
-from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
+from woz_tui.console.glyphs import ASCII, UNICODE, Glyphs, PaintFrame
 from woz_tui.console.meters import meter_rows
 from woz_tui.protocol import messages as m
 
 NOW, SECOND = scenes.NOW, scenes.SECOND
-LOW, MIDDLE, HIGH = Frame(39, 6, NOW), Frame(50, 11, NOW), Frame(50, 30, NOW)
+LOW, MIDDLE, HIGH = PaintFrame(39, 6, NOW), PaintFrame(50, 11, NOW), PaintFrame(50, 30, NOW)
 
 
 def pictured(*messages: m.AnyMessage) -> ConsoleState:
@@ -32,11 +32,11 @@ def text(rows: list[Row]) -> str:
     return "\n".join("".join(piece for piece, _ in row) for row in rows)
 
 
-def meters(*messages: m.AnyMessage, frame: Frame = HIGH) -> str:
+def meters(*messages: m.AnyMessage, frame: PaintFrame = HIGH) -> str:
     return text(meter_rows(pictured(*messages), frame))
 
 
-def looks(*messages: m.AnyMessage, frame: Frame = HIGH) -> dict[str, str]:
+def looks(*messages: m.AnyMessage, frame: PaintFrame = HIGH) -> dict[str, str]:
     """Each piece's look, by its text without blanks."""
     rows = meter_rows(pictured(*messages), frame)
     return {piece.strip(): look for row in rows for piece, look in row}
@@ -51,7 +51,7 @@ def sign(**other: object) -> m.SignShown:
 
 
 @pytest.mark.parametrize("frame", [LOW, MIDDLE, HIGH], ids=["6", "11", "30"])
-def test_the_state_stands_first_and_the_order_is_fixed(frame: Frame) -> None:
+def test_the_state_stands_first_and_the_order_is_fixed(frame: PaintFrame) -> None:
     shown = meters(engaged.waits(), *scenes.sensors(), frame=frame).splitlines()
     assert "waits for your answer, 3.2 s" in shown[0]
     wanted = ("waits", "person", "near", "0.84 m personal", "loudness")
@@ -142,7 +142,7 @@ def test_the_wait_goes_on_between_messages() -> None:
         (9_000_000, "10 s"),
         (274_000_000, "04:35"),
     ):
-        rows = meter_rows(picture, Frame(50, 30, NOW + later))
+        rows = meter_rows(picture, PaintFrame(50, 30, NOW + later))
         assert f"visitor v12 waits for your answer, {wanted}" in text(rows)
     assert picture.moves(NOW)
     assert not pictured(engaged.shown()).moves(NOW)
@@ -179,9 +179,9 @@ def test_nobody_knows_of_speech_when_the_microphone_is_gone() -> None:
 @pytest.mark.parametrize("frame", [LOW, HIGH], ids=["low", "high"])
 @pytest.mark.parametrize("glyphs", [UNICODE, ASCII], ids=["unicode", "ascii"])
 def test_yes_no_none_stale_and_by_hand_are_told_apart_without_colour(
-    frame: Frame, glyphs: Glyphs
+    frame: PaintFrame, glyphs: Glyphs
 ) -> None:
-    frame = Frame(frame.width, frame.height, NOW, glyphs)
+    frame = PaintFrame(frame.width, frame.height, NOW, glyphs)
     states = [
         sign(),
         sign(verdict=0, count=2),
@@ -261,7 +261,7 @@ def test_a_forced_change_is_marked_beside_its_reason() -> None:
     change = engaged.changed("Wait", "Handshake", "forced", "by the wizard", 1.0, forced=True)
     assert "✎ by the wizard" in meters(engaged.shown(), change)
     assert "= by the wizard" in text(
-        meter_rows(pictured(engaged.shown(), change), Frame(50, 30, NOW, ASCII))
+        meter_rows(pictured(engaged.shown(), change), PaintFrame(50, 30, NOW, ASCII))
     )
 
 
@@ -359,7 +359,7 @@ def test_hostile_texts_are_clean_and_keep_to_the_frame(nasty: str, width: int, h
         m.SpeechText(driver=nasty, segment=1, text=nasty, t=NOW),
         *scenes.sensors(),
     ]
-    rows = meter_rows(pictured(*messages), Frame(width, height, NOW))
+    rows = meter_rows(pictured(*messages), PaintFrame(width, height, NOW))
     assert len(rows) <= height
     for row in rows:
         assert length(row) == width

@@ -15,17 +15,17 @@ from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.engagement.full_engagement import whole_rows
 from woz_tui.console.engagement.state_diagram import HEIGHT, LINES, PLACES, WIDTH, diagram, line_of
 from woz_tui.console.engagement.wizard_overrides import KEYS, ORDERS
-from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
+from woz_tui.console.glyphs import ASCII, UNICODE, Glyphs, PaintFrame
 from woz_tui.console.screens.engagement import EngagementDialog
 from woz_tui.console.screens.engagement_questions import ForceDialog, IdentityDialog, VisitorDialog
-from woz_tui.console.theme import Look
+from woz_tui.console.theme import Appearance
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.welcome import ModelLimits
 from woz_tui.sensing.state_machine import EDGES, State
 
 NOW = scenes.NOW
-WHOLE = Frame(96, 28, NOW)
+WHOLE = PaintFrame(96, 28, NOW)
 HAND = ("equals_sign", "tab")
 
 
@@ -33,7 +33,7 @@ def text(rows: list[Row]) -> str:
     return "\n".join("".join(piece for piece, _ in row) for row in rows)
 
 
-def drawn(*state: m.AnyMessage, frame: Frame = WHOLE, **more: object) -> str:
+def drawn(*state: m.AnyMessage, frame: PaintFrame = WHOLE, **more: object) -> str:
     picture = ConsoleState()
     settings = engaged.told(**more)
     picture.take([engaged.welcome(*state, settings=settings)], 0)
@@ -138,7 +138,7 @@ def test_everything_is_in_the_picture() -> None:
 def test_every_room_has_the_state_the_signs_and_the_condition(
     width: int, height: int, glyphs: Glyphs
 ) -> None:
-    shown = drawn(frame=Frame(width, height, NOW, glyphs))
+    shown = drawn(frame=PaintFrame(width, height, NOW, glyphs))
     for part in ("RobotThinks", "presence", "gaze"):
         assert part in shown
     assert "engaged: presence yes" in shown or height < 10
@@ -151,7 +151,7 @@ def test_limits_are_told_where_the_host_tells_them() -> None:
     picture = ConsoleState()
     picture.take([engaged.welcome(settings={"engagement": {}})], 0)
     assert picture.engaged.shown is not None
-    assert " of " in text(whole_rows(picture, picture.engaged.shown, Frame(96, 28, NOW)))
+    assert " of " in text(whole_rows(picture, picture.engaged.shown, PaintFrame(96, 28, NOW)))
 
 
 def test_a_state_that_its_visitor_has_left_says_when_it_ends() -> None:
@@ -392,7 +392,7 @@ async def test_it_fits_every_screen_with_hostile_names(
     found = msgspec.structs.replace(engaged.signs()["identity"], name=nasty, raw_name=nasty)
     state = engaged.waits(visitor=nasty, signs=engaged.signs(identity=found), attention=nasty)
     first = engaged.welcome(state, engaged.changed("Wait", nasty, nasty, nasty, 1.0))
-    async with sitting(first, size=size, look=Look(glyphs, "woz-16")) as seat:
+    async with sitting(first, size=size, look=Appearance(glyphs, "woz-16")) as seat:
         await seat.press(*HAND)
         shown = seat.drawn()
         assert "\x1b" not in shown

@@ -17,8 +17,8 @@ from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.engagement.engagement_text import SENTENCES, SHORT, path, sentence, short
 from woz_tui.console.engagement.override_sentences import is_order, order_words
 from woz_tui.console.event_list import event_row
-from woz_tui.console.event_sentences import Event
-from woz_tui.console.glyphs import ASCII, UNICODE, Frame
+from woz_tui.console.event_sentences import EventLine
+from woz_tui.console.glyphs import ASCII, UNICODE, PaintFrame
 from woz_tui.console.screens.preflight import sign_findings
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -26,7 +26,7 @@ from woz_tui.protocol import requests as r
 NOW = scenes.NOW
 
 
-def told(*messages: m.AnyMessage) -> list[Event]:
+def told(*messages: m.AnyMessage) -> list[EventLine]:
     """The lines that messages get."""
     picture = ConsoleState()
     picture.take([scenes.welcome()], 0)
@@ -54,7 +54,7 @@ def test_a_change_is_a_line_and_a_forced_one_is_marked() -> None:
         assert line(by_name)[2] == "by hand: present"
     (event,) = told(forced)
     for glyphs in (UNICODE, ASCII):
-        row = event_row(event, ConsoleState(), Frame(60, 1, NOW, glyphs))
+        row = event_row(event, ConsoleState(), PaintFrame(60, 1, NOW, glyphs))
         assert glyphs.forced in "".join(piece for piece, _ in row)
 
 

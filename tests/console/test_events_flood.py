@@ -15,11 +15,11 @@ async def rows_repainted(seat: Sitting, seconds: float) -> int:
     """How many rows of the list change while every beat brings a screenful of lines."""
     changed = 0
     for beat in range(round(seconds / BEAT)):
-        before = seat.text("Events").splitlines()
+        before = seat.text("EventList").splitlines()
         lines = [m.Notice(level="info", text=f"{beat}.{n}", t=scenes.NOW) for n in range(SIZE[1])]
         await seat.tell_quietly(*lines)
         await seat.pass_time(BEAT)
-        after = seat.text("Events").splitlines()
+        after = seat.text("EventList").splitlines()
         changed += sum(old != new for old, new in zip(before, after, strict=False))
     return changed
 
@@ -36,7 +36,7 @@ async def test_after_the_flood_the_last_line_is_shown() -> None:
         await rows_repainted(seat, 5.0)
         await seat.tell_quietly(m.Notice(level="info", text="the last line", t=scenes.NOW))
         await seat.pass_time(1.0)
-        assert "the last line" in seat.text("Events")
+        assert "the last line" in seat.text("EventList")
 
 
 async def test_a_new_size_is_drawn_in_the_flood_too() -> None:
@@ -44,5 +44,5 @@ async def test_a_new_size_is_drawn_in_the_flood_too() -> None:
         await rows_repainted(seat, 5.0)
         await seat.tell_quietly(m.Notice(level="info", text="the last line", t=scenes.NOW))
         await seat.pilot.resize_terminal(120, 40)
-        await seat.until(lambda: "the last line" in seat.text("Events"))
-        assert len(seat.text("Events").splitlines()[0]) < SIZE[0]
+        await seat.until(lambda: "the last line" in seat.text("EventList"))
+        assert len(seat.text("EventList").splitlines()[0]) < SIZE[0]

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from tests.console import scenes
 from tests.console.driving import sitting
-from woz_tui.console.action_panels import Board, panel_rows
+from woz_tui.console.action_panels import PanelSelection, panel_rows
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.event_list import (
     ACTS,
@@ -10,13 +10,13 @@ from woz_tui.console.event_list import (
     FAULTS,
     MACHINE,
     VIEWS,
-    chosen,
     event_row,
     event_rows,
+    listed_events,
 )
-from woz_tui.console.glyphs import Frame
-from woz_tui.console.panel_columns import plan
-from woz_tui.console.view_models import State
+from woz_tui.console.glyphs import PaintFrame
+from woz_tui.console.panel_columns import lay_out
+from woz_tui.console.view_models import ButtonState
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
 
@@ -101,7 +101,7 @@ def test_steps_of_one_action_are_one_line_and_refusals_keep_theirs() -> None:
         ("Nod", "done", 1),
         ("Nod", "done", 1),
     ]
-    row = event_row(lines[1], picture, Frame(60, 1, NOW))
+    row = event_row(lines[1], picture, PaintFrame(60, 1, NOW))
     assert "4 times" in "".join(text for text, _ in row)
 
 
@@ -122,9 +122,9 @@ def test_what_counts_after_the_mode_says_so_instead_of_a_tick() -> None:
     picture.take([*begun, done, ended], 0)
     line = picture.events[-1]
     assert (line.mark, line.detail) == ("waits", "applies after this mode")
-    frame = Frame(40, 4, ended.t)
-    assert picture.standing(panel, actions[0], frame.now).state is State.WAITS
-    rows = panel_rows(picture, frame, plan(picture.panels, 40, 4, 3), Board({}))
+    frame = PaintFrame(40, 4, ended.t)
+    assert picture.standing(panel, actions[0], frame.now).state is ButtonState.WAITS
+    rows = panel_rows(picture, frame, lay_out(picture.panels, 40, 4, 3), PanelSelection({}))
     assert "after mode" in "".join(text for row in rows for text, _ in row)
     picture.take(scenes.played("r2", "up", ended.t, 0.1), 0)
     assert picture.events[-1].mark == "done"
@@ -136,11 +136,11 @@ def test_failures_that_nobody_has_seen_leave_room_for_what_happens() -> None:
         picture.take([*scenes.played(f"f{number}", "Hello", NOW, 1, how="failed", reason="no")], 0)
     for number in range(10):
         picture.take([m.Marker(text=f"{number}", t=NOW + number)], 0)
-    lines = [(event.text, event.detail) for event in chosen(picture, 6)]
+    lines = [(event.text, event.detail) for event in listed_events(picture, 6)]
     assert [detail for text, detail in lines if text == "Marker"] == ["9", "8", "7"]
     assert [text for text, _ in lines[3:]] == ["Hello"] * 3
-    assert len(chosen(picture, 1)) == 1
-    assert chosen(picture, 1)[0].detail == "9"
+    assert len(listed_events(picture, 1)) == 1
+    assert listed_events(picture, 1)[0].detail == "9"
 
 
 # -- what comes first ------------------------------------------------------------------------------
@@ -148,7 +148,7 @@ def test_failures_that_nobody_has_seen_leave_room_for_what_happens() -> None:
 
 def rows(picture: ConsoleState, height: int = 6, view: str = ALL) -> list[str]:
     """The list as it is read."""
-    found = event_rows(picture, Frame(60, height, NOW), view)
+    found = event_rows(picture, PaintFrame(60, height, NOW), view)
     return ["".join(piece for piece, _ in row) for row in found]
 
 
@@ -213,10 +213,10 @@ def test_a_fault_is_in_every_view() -> None:
 async def test_a_key_turns_to_the_next_view_and_the_heading_names_it() -> None:
     async with sitting() as seat:
         for view in (*VIEWS, VIEWS[0]):
-            heading = seat.text("Events").splitlines()[0]
+            heading = seat.text("EventList").splitlines()[0]
             assert heading.startswith(" Events ──")
             assert f"{view} · | filters" in heading
             await seat.press("|")
     async with sitting(scenes.welcome(role="watcher")) as seat:
         await seat.press("|")
-        assert VIEWS[1] in seat.text("Events").splitlines()[0]
+        assert VIEWS[1] in seat.text("EventList").splitlines()[0]

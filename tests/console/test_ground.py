@@ -16,10 +16,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.console.driving import sitting
-from woz_tui.console.background_colour import QUESTION, Ground, ask_ground
+from woz_tui.console.background_colour import QUESTION, Background, ask_background
 from woz_tui.console.byte_scanner import Scanner
-from woz_tui.console.input_tokens import Key, Reply, Stop, Token
-from woz_tui.console.theme import look_for, remember, remembered
+from woz_tui.console.input_tokens import Key, StopToken, TerminalReply, Token
+from woz_tui.console.theme import choose_appearance, save_theme, saved_theme
 
 WHITE = b"\x1b]11;rgb:ffff/ffff/ffff\x1b\\"
 BLACK = b"\x1b]11;rgb:00/00/00\x07"
@@ -41,14 +41,14 @@ def cut(data: bytes, cuts: list[int]) -> list[bytes]:
 
 
 def stops(tokens: list[Token]) -> list[str]:
-    return [token.source for token in tokens if isinstance(token, Stop)]
+    return [token.source for token in tokens if isinstance(token, StopToken)]
 
 
 @given(ANSWERS, st.lists(st.integers(0, 40)))
 def test_an_answer_never_stops_however_it_is_split(answer: bytes, cuts: list[int]) -> None:
     scanner = expecting()
     tokens = [token for piece in cut(answer, cuts) for token in scanner.feed(piece)]
-    assert [token.what for token in tokens if isinstance(token, Reply)] == ["ground"]
+    assert [token.what for token in tokens if isinstance(token, TerminalReply)] == ["ground"]
     assert len(tokens) == 1
 
 
@@ -69,14 +69,14 @@ def test_every_escape_in_the_window_stops_and_no_answer_does(
         tokens += scanner.expire() if scanner.waiting is not None else []
     pressed = [press for press in (*before, *after) if press in (b"\x1b", b"\x03")]
     assert len(stops(tokens)) == len(pressed)
-    assert any(isinstance(token, Reply) and token.what == "ground" for token in tokens)
+    assert any(isinstance(token, TerminalReply) and token.what == "ground" for token in tokens)
 
 
 @given(TYPED)
 def test_an_escape_right_before_the_answer_stops(rest: list[bytes]) -> None:
     tokens = expecting().feed(b"\x1b" + WHITE + b"".join(rest))
     assert stops(tokens)[:1] == ["escape"]
-    assert [token.what for token in tokens if isinstance(token, Reply)][:1] == ["ground"]
+    assert [token.what for token in tokens if isinstance(token, TerminalReply)][:1] == ["ground"]
 
 
 @given(st.integers(len(b"\x1b]11;rgb"), len(WHITE) - 1))
@@ -127,17 +127,17 @@ def terminal(*pieces: bytes) -> Iterator[int]:
 @pytest.mark.parametrize(
     ("pieces", "found"),
     [
-        ((WHITE,), Ground(True)),
-        ((BLACK,), Ground(False)),
-        ((b"h", b"\x1b", WHITE), Ground(True, ("escape",))),
-        ((WHITE[:9], WHITE[9:]), Ground(True)),
-        ((b"\x03", BLACK), Ground(False, ("ctrl+c",))),
+        ((WHITE,), Background(True)),
+        ((BLACK,), Background(False)),
+        ((b"h", b"\x1b", WHITE), Background(True, ("escape",))),
+        ((WHITE[:9], WHITE[9:]), Background(True)),
+        ((b"\x03", BLACK), Background(False, ("ctrl+c",))),
     ],
 )
-def test_the_window_is_over_with_the_answer(pieces: tuple[bytes, ...], found: Ground) -> None:
+def test_the_window_is_over_with_the_answer(pieces: tuple[bytes, ...], found: Background) -> None:
     with terminal(*pieces) as tty:
         before = termios.tcgetattr(tty)
-        assert ask_ground(tty, tty, 30.0) == found
+        assert ask_background(tty, tty, 30.0) == found
         assert termios.tcgetattr(tty) == before
 
 
@@ -148,12 +148,12 @@ def test_a_terminal_that_does_not_answer_is_not_waited_for(
     pieces: tuple[bytes, ...], kept: tuple[str, ...]
 ) -> None:
     with terminal(*pieces) as tty:
-        assert ask_ground(tty, tty, 0.3) == Ground(None, kept)
+        assert ask_background(tty, tty, 0.3) == Background(None, kept)
 
 
 def test_what_is_no_terminal_is_not_asked(tmp_path: Path) -> None:
     with (tmp_path / "f").open("w+b") as file:
-        assert ask_ground(file.fileno(), file.fileno()) == Ground()
+        assert ask_background(file.fileno(), file.fileno()) == Background()
     assert (tmp_path / "f").read_bytes() == b""
 
 
@@ -166,16 +166,19 @@ def test_the_ground_decides_where_nothing_else_does(tmp_path: Path) -> None:
     def never() -> bool:
         raise AssertionError("nobody is to be asked")
 
-    assert look_for(environ, "utf-8", light=lambda: True).theme == "woz-light"
-    assert look_for(environ, "utf-8", light=lambda: None).theme == "woz-dark"
-    assert look_for({**environ, "COLORFGBG": "0;15"}, "utf-8", light=never).theme == "woz-light"
-    assert look_for({**environ, "NO_COLOR": "1"}, "utf-8", light=never).theme == "woz-16"
-    assert look_for(environ, "utf-8", theme="light", light=never).theme == "woz-light"
-    remember("light", environ)
-    assert look_for(environ, "utf-8", light=never).theme == "woz-light"
-    assert look_for({**environ, "TERM": "linux"}, "utf-8", light=never).theme == "woz-16"
-    remember("", environ)
-    assert remembered(environ) == ""
+    assert choose_appearance(environ, "utf-8", light=lambda: True).theme == "woz-light"
+    assert choose_appearance(environ, "utf-8", light=lambda: None).theme == "woz-dark"
+    assert (
+        choose_appearance({**environ, "COLORFGBG": "0;15"}, "utf-8", light=never).theme
+        == "woz-light"
+    )
+    assert choose_appearance({**environ, "NO_COLOR": "1"}, "utf-8", light=never).theme == "woz-16"
+    assert choose_appearance(environ, "utf-8", theme="light", light=never).theme == "woz-light"
+    save_theme("light", environ)
+    assert choose_appearance(environ, "utf-8", light=never).theme == "woz-light"
+    assert choose_appearance({**environ, "TERM": "linux"}, "utf-8", light=never).theme == "woz-16"
+    save_theme("", environ)
+    assert saved_theme(environ) == ""
 
 
 async def test_a_key_changes_the_colours_and_they_are_remembered(
@@ -186,11 +189,11 @@ async def test_a_key_changes_the_colours_and_they_are_remembered(
         assert seat.console.theme == "woz-dark"
         await seat.press(seat.console.key_of("theme"))
         assert seat.console.theme == "woz-light"
-        assert remembered(os.environ) == "light"
+        assert saved_theme(os.environ) == "light"
         await seat.press(seat.console.key_of("theme"))
         assert seat.console.theme == "woz-16"
 
 
 def test_a_folder_that_takes_no_file_is_no_reason_not_to_play(tmp_path: Path) -> None:
     (tmp_path / "f").touch()
-    remember("light", {"XDG_CONFIG_HOME": str(tmp_path / "f")})
+    save_theme("light", {"XDG_CONFIG_HOME": str(tmp_path / "f")})

@@ -8,11 +8,11 @@ import pytest
 from tests.console import scenes
 from tests.console.driving import sitting
 from tests.console.robot import pepper
-from woz_tui.console.bottom_rows import Bar, News, bar_rows
+from woz_tui.console.bottom_rows import BarInfo, News, bar_rows
 from woz_tui.console.cells import length
 from woz_tui.console.commands import COMMANDS, by_key, hints
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import Frame
+from woz_tui.console.glyphs import PaintFrame
 from woz_tui.protocol import requests as r
 
 
@@ -51,7 +51,7 @@ async def test_the_robots_key_has_room_in_80_columns(script: bool) -> None:
 
 def told(news: str, width: int = 80) -> list[str]:
     rows = bar_rows(
-        ConsoleState(), Frame(width, 2, 0), Bar(News(news), (("Esc", "stop"),), "Space")
+        ConsoleState(), PaintFrame(width, 2, 0), BarInfo(News(news), (("Esc", "stop"),), "Space")
     )
     assert [length(row) for row in rows] == [width, width]
     return ["".join(text for text, _ in row).strip() for row in rows]

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from tests.console.dialogs import opened
 from tests.console.driving import sitting
 from tests.console.scenes import NOW, played, welcome
-from woz_tui.console.cells import Row, hung, length
+from woz_tui.console.cells import Row, length, wrap_row
 
 ROW: Row = (("  key     ", "strong"), ("what it does, and with many words", "plain"))
 
@@ -18,22 +18,22 @@ def text(rows: list[Row]) -> list[str]:
 
 
 def test_a_long_row_goes_on_beneath_its_words() -> None:
-    assert text(hung(ROW, 10, 28)) == [
+    assert text(wrap_row(ROW, 10, 28)) == [
         "  key     what it does, and",
         "          with many words",
     ]
-    assert [look for row in hung(ROW, 10, 28) for _, look in row if look == "strong"]
+    assert [look for row in wrap_row(ROW, 10, 28) for _, look in row if look == "strong"]
 
 
 def test_a_row_with_room_is_left_alone() -> None:
-    assert hung(ROW, 10, 43) == [ROW]
-    assert text(hung((*ROW, ("  ", "plain")), 10, 43)) == text([ROW]), "blanks need no room"
-    assert hung(ROW, 10, 19) == [ROW], "too narrow to indent anything"
+    assert wrap_row(ROW, 10, 43) == [ROW]
+    assert text(wrap_row((*ROW, ("  ", "plain")), 10, 43)) == text([ROW]), "blanks need no room"
+    assert wrap_row(ROW, 10, 19) == [ROW], "too narrow to indent anything"
 
 
 @given(st.text("ab 中", max_size=60), st.integers(0, 8), st.integers(20, 40))
 def test_no_word_is_lost_and_only_words_are_too_long(words: str, indent: int, width: int) -> None:
-    rows = hung(((words, "plain"),), indent, width)
+    rows = wrap_row(((words, "plain"),), indent, width)
     assert "".join(text(rows)).replace(" ", "") == words.replace(" ", "")
     for row in rows[:-1]:
         assert length(row) <= width or len(text([row])[0].split()) == 1

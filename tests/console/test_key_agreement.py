@@ -17,7 +17,7 @@ from woz_tui.config.keys import (
 )
 from woz_tui.config.keys.terminals import folded
 from woz_tui.console.byte_scanner import Scanner
-from woz_tui.console.input_tokens import Key, Stop, Token
+from woz_tui.console.input_tokens import Key, StopToken, Token
 
 CHARACTERS = [chr(code) for code in range(0x21, 0x7F)]
 NAMED = [
@@ -42,8 +42,8 @@ def test_what_reaches_the_console_is_what_the_key_map_says(terminal: Terminal, h
         if not found.data or found.verdict is Verdict.NEVER:
             continue
         (token, *rest) = scan(found.data, terminal)
-        if found.verdict is Verdict.STOP or isinstance(token, Stop):
-            assert isinstance(token, Stop), chord
+        if found.verdict is Verdict.STOP or isinstance(token, StopToken):
+            assert isinstance(token, StopToken), chord
             assert is_stop(chord), chord
         else:
             assert isinstance(token, Key), chord
@@ -59,7 +59,7 @@ def test_textual_reads_the_same_key(terminal: Terminal, held: str) -> None:
         if not found.data or found.verdict in (Verdict.NEVER, Verdict.STOP):
             continue
         (token,) = scan(found.data, terminal)
-        if isinstance(token, Stop):
+        if isinstance(token, StopToken):
             continue
         assert isinstance(token, Key)
         events = [e for e in XTermParser().feed(token.screen.decode()) if isinstance(e, KeyEvent)]

@@ -6,7 +6,7 @@ import pytest
 
 from tests.console.still_feed import StillFeed
 from woz_tui.console.commands import COMMANDS, by_key
-from woz_tui.console.keyboard import SEQUENCE_S, Keyboard, Steps
+from woz_tui.console.keyboard import SEQUENCE_S, ArrowSizes, Keyboard
 from woz_tui.protocol.requests import (
     AskAction,
     AskMarker,
@@ -26,7 +26,9 @@ class Rig:
     def __init__(self) -> None:
         self.feed = StillFeed()
         self.clock = ManualClock()
-        self.keyboard = Keyboard(self.feed, self.clock, Steps(head=4, hip=2, drive=0.2, turn=15))
+        self.keyboard = Keyboard(
+            self.feed, self.clock, ArrowSizes(head=4, hip=2, drive=0.2, turn=15)
+        )
         self.keyboard.bind(TABLE, OWN)
         self.pressed: list[tuple[str, str, int]] = []
         self.stale: list[tuple[str, str, int]] = []

@@ -10,8 +10,8 @@ from tests.console import scenes
 from tests.console.driving import sitting
 from woz_tui.console.cells import length
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import Frame
-from woz_tui.console.screen_layout import REPAIRS, SCRIPT_BAR, STATUS, Needs, shape, upper
+from woz_tui.console.glyphs import PaintFrame
+from woz_tui.console.screen_layout import REPAIRS, SCRIPT_BAR, STATUS, Needs, shape, upper_lines
 from woz_tui.console.script_row import script_rows
 from woz_tui.protocol import messages as m
 
@@ -34,7 +34,7 @@ def test_the_shape_follows_the_screen(size: tuple[int, int], name: str) -> None:
 
 @given(st.integers(1, 300), st.integers(8, 200), st.integers(1, 90), st.integers(1, 90))
 def test_the_upper_row_leaves_room_below(width: int, height: int, panels: int, meters: int) -> None:
-    lines = upper(Size(width, height), Needs(panels, meters, bar=SCRIPT_BAR))
+    lines = upper_lines(Size(width, height), Needs(panels, meters, bar=SCRIPT_BAR))
     assert lines >= 3
     if height >= 24:
         assert height - STATUS - REPAIRS - SCRIPT_BAR - lines >= 7
@@ -44,11 +44,11 @@ async def test_at_80_by_24_panels_have_ten_lines_and_the_next_sentence_two() -> 
     async with sitting(scenes.welcome(state=[*scenes.healthy(), *scenes.sensors()])) as seat:
         regions = {
             name: seat.console.query_one(name).region
-            for name in ("Panels", "Meters", "Events", "Repairs", "StopBar")
+            for name in ("ActionPanels", "Meters", "EventList", "RepairRow", "StopBar")
         }
-        assert regions["Panels"].height == 10
-        assert regions["Meters"].height == regions["Events"].height == 7
-        assert regions["Repairs"].height == 1
+        assert regions["ActionPanels"].height == 10
+        assert regions["Meters"].height == regions["EventList"].height == 7
+        assert regions["RepairRow"].height == 1
         assert regions["StopBar"].height == 4
         await seat.tell(scenes.filled("Map", "All day long I " + "wait and " * 10 + "greet you."))
         script, first, second, hints = seat.text("StopBar").splitlines()
@@ -74,24 +74,26 @@ async def test_the_page_stands_behind_the_hints() -> None:
 async def test_on_a_roomy_screen_events_have_their_width_and_the_script_its_words() -> None:
     first = scenes.welcome(state=[*scenes.healthy(), *scenes.sensors()], recent=scenes.history())
     async with sitting(first, size=(160, 50)) as seat:
-        assert "head: servo 2 (pitch) overloaded" in seat.text("Events")
-        assert "Hello P07, nice to see you." in seat.text("Script")
-        places = [seat.console.query_one(name).region for name in ("Panels", "Meters", "Events")]
+        assert "head: servo 2 (pitch) overloaded" in seat.text("EventList")
+        assert "Hello P07, nice to see you." in seat.text("ScriptPane")
+        places = [
+            seat.console.query_one(name).region for name in ("ActionPanels", "Meters", "EventList")
+        ]
         await seat.tell(scenes.reading(NOW, "temperature", 40.0))
         await seat.tell(m.StopPressed(source="key", t=NOW))
         assert places == [
-            seat.console.query_one(name).region for name in ("Panels", "Meters", "Events")
+            seat.console.query_one(name).region for name in ("ActionPanels", "Meters", "EventList")
         ]
         await seat.pilot.resize_terminal(100, 30)
         await seat.settle()
-        assert not seat.console.query_one("Script").display
+        assert not seat.console.query_one("ScriptPane").display
 
 
 def scripted(position: int, height: int) -> list[str]:
     picture = ConsoleState()
     picture.take([scenes.welcome(state=[scenes.start()])], 0)
     picture.take([m.ScriptMoved(position=position, t=NOW)], 0)
-    rows = script_rows(picture, Frame(40, height, NOW))
+    rows = script_rows(picture, PaintFrame(40, height, NOW))
     assert len(rows) <= height
     assert all(length(row) == 40 for row in rows)
     return ["".join(text for text, _ in row).rstrip() for row in rows]

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.console.still_feed import StillFeed
-from woz_tui.console.terminal_line import DEAD_S, EVERY_S, PAUSE_S, STALE_S, Line
+from woz_tui.console.terminal_monitor import DEAD_S, EVERY_S, PAUSE_S, STALE_S, TerminalMonitor
 from woz_tui.system.clock import ManualClock
 
 
@@ -15,7 +15,7 @@ class Rig:
     def __init__(self) -> None:
         self.clock = ManualClock()
         self.feed = StillFeed()
-        self.line = Line(self.feed, self.clock)
+        self.line = TerminalMonitor(self.feed, self.clock)
 
     def wait(self, seconds: float) -> None:
         """Time passes while the reading thread runs."""

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.fakes.host import WAIT_S, FakeHost, stops
-from woz_tui.console.host_connection import WAITING_LIMIT, Link
+from woz_tui.console.host_connection import WAITING_LIMIT, HostConnection
 from woz_tui.console.message_feed import Incoming
 from woz_tui.protocol.messages import Marker, Notice, SessionEnd
 from woz_tui.protocol.requests import (
@@ -63,14 +63,16 @@ def ears() -> Ears:
 
 
 @pytest.fixture
-def link(host: FakeHost, ears: Ears) -> Iterator[Link]:
-    made = Link(host.path, name="test")
+def link(host: FakeHost, ears: Ears) -> Iterator[HostConnection]:
+    made = HostConnection(host.path, name="test")
     made.start(ears.on_messages, ears.on_lost)
     yield made
     made.close()
 
 
-def test_it_says_hello_first_and_is_welcomed(host: FakeHost, link: Link, ears: Ears) -> None:
+def test_it_says_hello_first_and_is_welcomed(
+    host: FakeHost, link: HostConnection, ears: Ears
+) -> None:
     ears.until_heard(Welcome)
 
     assert isinstance(host.heard[0].request, Hello)
@@ -80,11 +82,11 @@ def test_it_says_hello_first_and_is_welcomed(host: FakeHost, link: Link, ears: E
 
 def test_nobody_listens(tmp_path: Path, ears: Ears) -> None:
     with pytest.raises(ConnectionError, match="woz run"):
-        Link(tmp_path / "nothing.sock").start(ears.on_messages, ears.on_lost)
+        HostConnection(tmp_path / "nothing.sock").start(ears.on_messages, ears.on_lost)
 
 
 def test_each_request_has_its_own_ref_which_the_reply_repeats(
-    host: FakeHost, link: Link, ears: Ears
+    host: FakeHost, link: HostConnection, ears: Ears
 ) -> None:
     refs = [link.ask(AskAction(action="Hello")), link.ask(AskMarker())]
     ears.until_heard(Reply, 2)
@@ -94,7 +96,7 @@ def test_each_request_has_its_own_ref_which_the_reply_repeats(
 
 
 def test_requests_of_many_threads_arrive_whole_and_in_each_threads_order(
-    host: FakeHost, link: Link
+    host: FakeHost, link: HostConnection
 ) -> None:
     def ask(name: str) -> None:
         for number in range(50):
@@ -112,7 +114,7 @@ def test_requests_of_many_threads_arrive_whole_and_in_each_threads_order(
         assert [text for text in said if text[0] == name] == [f"{name}{n}" for n in range(50)]
 
 
-def test_beats_say_whether_the_line_is_good(host: FakeHost, link: Link) -> None:
+def test_beats_say_whether_the_line_is_good(host: FakeHost, link: HostConnection) -> None:
     assert host.wait(Beat).line_ok
 
     link.line_ok = False
@@ -120,7 +122,9 @@ def test_beats_say_whether_the_line_is_good(host: FakeHost, link: Link) -> None:
     host.until(lambda: not host.all(Beat)[-1].line_ok, "a beat with a bad line")
 
 
-def test_messages_come_decoded_and_in_order(host: FakeHost, link: Link, ears: Ears) -> None:
+def test_messages_come_decoded_and_in_order(
+    host: FakeHost, link: HostConnection, ears: Ears
+) -> None:
     ears.until_heard(Welcome)
     host.say(Marker(text="one"), Marker(text="two"))
     ears.until_heard(Marker, 2)
@@ -129,7 +133,7 @@ def test_messages_come_decoded_and_in_order(host: FakeHost, link: Link, ears: Ea
 
 
 def test_a_kind_of_tomorrow_is_a_dict_and_rubbish_is_told(
-    host: FakeHost, link: Link, ears: Ears
+    host: FakeHost, link: HostConnection, ears: Ears
 ) -> None:
     ears.until_heard(Welcome)
     host.say_bytes(b'{"kind":"tomorrow","x":1}\nrubbish\n')
@@ -138,7 +142,9 @@ def test_a_kind_of_tomorrow_is_a_dict_and_rubbish_is_told(
     assert {"kind": "tomorrow", "x": 1} in ears.messages
 
 
-def test_a_host_that_closes_is_lost_and_found_again(host: FakeHost, link: Link, ears: Ears) -> None:
+def test_a_host_that_closes_is_lost_and_found_again(
+    host: FakeHost, link: HostConnection, ears: Ears
+) -> None:
     ears.until_heard(Welcome)
     host.drop()
     ears.until(lambda: bool(ears.lost))
@@ -153,7 +159,7 @@ def test_a_host_that_closes_is_lost_and_found_again(host: FakeHost, link: Link, 
 def test_whoever_took_over_does_not_take_over_again_when_coming_back(
     host: FakeHost, ears: Ears
 ) -> None:
-    link = Link(host.path, take_over=True)
+    link = HostConnection(host.path, take_over=True)
     link.start(ears.on_messages, ears.on_lost)
     host.wait(Hello)
     host.drop()
@@ -164,7 +170,7 @@ def test_whoever_took_over_does_not_take_over_again_when_coming_back(
 
 
 def test_a_silent_host_is_lost(host: FakeHost, ears: Ears) -> None:
-    link = Link(host.path, silence_s=0.5)
+    link = HostConnection(host.path, silence_s=0.5)
     link.start(ears.on_messages, ears.on_lost)
     ears.until_heard(Pulse)
 
@@ -176,7 +182,7 @@ def test_a_silent_host_is_lost(host: FakeHost, ears: Ears) -> None:
 
 
 def test_after_the_end_of_the_session_nobody_looks_for_it(
-    host: FakeHost, link: Link, ears: Ears
+    host: FakeHost, link: HostConnection, ears: Ears
 ) -> None:
     ears.until_heard(Welcome)
     host.say(SessionEnd(reason="wizard"))
@@ -190,7 +196,7 @@ def test_after_the_end_of_the_session_nobody_looks_for_it(
 
 
 def test_on_a_lost_link_asking_does_nothing_and_the_stop_still_tries(
-    host: FakeHost, link: Link, ears: Ears
+    host: FakeHost, link: HostConnection, ears: Ears
 ) -> None:
     ears.until_heard(Welcome)
     host.stop_listening()
@@ -213,7 +219,7 @@ def test_requests_are_stamped_where_the_host_has_the_same_clock(
     clock = ManualClock()
     clock.advance(7)
     clock.sleep(3)
-    link = Link(host.path, clock=clock)
+    link = HostConnection(host.path, clock=clock)
     link.start(ears.on_messages, ears.on_lost)
     ears.until_heard(Welcome)
     link.ask(AskAction(action="Hello"))
@@ -226,7 +232,7 @@ def test_requests_are_stamped_where_the_host_has_the_same_clock(
 def test_a_host_that_is_found_again_gets_only_stops_until_it_speaks(
     host: FakeHost, ears: Ears
 ) -> None:
-    link = Link(host.path, silence_s=0.5)
+    link = HostConnection(host.path, silence_s=0.5)
     link.start(ears.on_messages, ears.on_lost)
     ears.until_heard(Welcome)
     host.frozen = True  # it neither reads nor speaks, but the kernel takes connections for it
@@ -241,7 +247,9 @@ def test_a_host_that_is_found_again_gets_only_stops_until_it_speaks(
     link.close()
 
 
-def test_what_was_asked_before_leaving_arrives(host: FakeHost, link: Link, ears: Ears) -> None:
+def test_what_was_asked_before_leaving_arrives(
+    host: FakeHost, link: HostConnection, ears: Ears
+) -> None:
     ears.until_heard(Welcome)
     link.ask(AskEnd())
     link.close()
@@ -253,7 +261,7 @@ def test_what_was_asked_before_leaving_arrives(host: FakeHost, link: Link, ears:
 
 
 def test_a_host_that_does_not_read_blocks_nobody_and_the_stop_overtakes(
-    host: FakeHost, link: Link, ears: Ears
+    host: FakeHost, link: HostConnection, ears: Ears
 ) -> None:
     ears.until_heard(Welcome)
     host.frozen = True
@@ -269,7 +277,9 @@ def test_a_host_that_does_not_read_blocks_nobody_and_the_stop_overtakes(
     assert stops(host) == ["escape", "escape"]
 
 
-def test_a_host_that_never_reads_is_given_up(host: FakeHost, link: Link, ears: Ears) -> None:
+def test_a_host_that_never_reads_is_given_up(
+    host: FakeHost, link: HostConnection, ears: Ears
+) -> None:
     ears.until_heard(Welcome)
     host.frozen = True
     for _ in range(WAITING_LIMIT * 2):

@@ -7,21 +7,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.console import engaged, scenes
-from woz_tui.console.bottom_rows import Bar, News, bar_rows
+from woz_tui.console.bottom_rows import BarInfo, News, bar_rows
 from woz_tui.console.cells import Row, length
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.event_list import chosen, event_rows
-from woz_tui.console.glyphs import ASCII, UNICODE, Frame
+from woz_tui.console.event_list import event_rows, listed_events
+from woz_tui.console.glyphs import ASCII, UNICODE, PaintFrame
 from woz_tui.console.meters import meter_rows
-from woz_tui.console.number_text import decibels, elapsed, left, seconds
+from woz_tui.console.number_text import decibels, elapsed, seconds, time_left
 from woz_tui.console.script_row import script_row
-from woz_tui.console.status_rows import Line, status_rows
+from woz_tui.console.status_rows import StatusInfo, status_rows
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.sensing.proxemics import zone
 
 NOW = scenes.NOW
-FRAME = Frame(50, 30, NOW)
+FRAME = PaintFrame(50, 30, NOW)
 
 
 def pictured(*messages: m.AnyMessage, first: list[m.AnyMessage] | None = None) -> ConsoleState:
@@ -34,7 +34,7 @@ def text(rows: list[Row]) -> str:
     return "\n".join("".join(piece for piece, _ in row) for row in rows)
 
 
-def meters(*messages: m.AnyMessage, frame: Frame = FRAME) -> str:
+def meters(*messages: m.AnyMessage, frame: PaintFrame = FRAME) -> str:
     return text(meter_rows(pictured(*messages), frame))
 
 
@@ -131,7 +131,7 @@ def test_joints_show_where_they_are_and_where_they_go() -> None:
 
 
 def test_joints_fold_where_there_is_no_room() -> None:
-    shown = meters(*scenes.sensors(), frame=Frame(40, 5, NOW))
+    shown = meters(*scenes.sensors(), frame=PaintFrame(40, 5, NOW))
     assert "yaw 14°" in shown
     assert len(shown.splitlines()) <= 5
 
@@ -218,7 +218,7 @@ def test_meters_keep_to_their_frame(
     name: str, value: float | None, width: int, height: int
 ) -> None:
     picture = pictured(scenes.reading(NOW, name, value))
-    rows = meter_rows(picture, Frame(width, height, NOW))
+    rows = meter_rows(picture, PaintFrame(width, height, NOW))
     assert len(rows) <= height
     assert all(length(row) == width for row in rows)
 
@@ -226,14 +226,14 @@ def test_meters_keep_to_their_frame(
 # -- status, events, script, stop bar ------------------------------------------------------------
 
 
-def status(picture: ConsoleState, width: int = 80, line: Line | None = None) -> str:
-    rows = status_rows(picture, Frame(width, 2, NOW), line or Line())
+def status(picture: ConsoleState, width: int = 80, line: StatusInfo | None = None) -> str:
+    rows = status_rows(picture, PaintFrame(width, 2, NOW), line or StatusInfo())
     assert all(length(row) == width for row in rows)
     return text(rows)
 
 
 def test_the_status_line_says_who_what_and_how_it_is() -> None:
-    shown = status(pictured(), 120, Line(True, 23_000))
+    shown = status(pictured(), 120, StatusInfo(True, 23_000))
     for part in ("Museum guide", "12:31", "P07", "warm", "trial 3", "session S01", "● Recording"):
         assert part in shown
     assert "connection 23 ms" in shown
@@ -260,8 +260,8 @@ def test_the_recorders_levels(level: str, lag: int, shown: str) -> None:
 
 
 def test_a_slow_and_a_stalled_line_are_told() -> None:
-    assert "▲ connection 200 ms" in status(pictured(), line=Line(True, 200_000))
-    assert "CONNECTION STALLED" in status(pictured(), line=Line(False, None))
+    assert "▲ connection 200 ms" in status(pictured(), line=StatusInfo(True, 200_000))
+    assert "CONNECTION STALLED" in status(pictured(), line=StatusInfo(False, None))
 
 
 def test_lost_drivers_failures_and_missing_participants_are_told() -> None:
@@ -281,16 +281,16 @@ def test_unseen_failures_stay_on_the_list() -> None:
     picture = pictured(*scenes.played("bad", "Bow", NOW - 60_000_000, 1, how="failed"))
     for number in range(30):
         picture.take(scenes.played(f"r{number}", "Nod", NOW - 30_000_000, 1), 0)
-    shown = chosen(picture, 6)
+    shown = listed_events(picture, 6)
     assert len(shown) == 6
     assert shown[0].run == "r29"
     assert shown[-1].run == "bad"
     picture.see_failures()
-    assert "bad" not in {event.run for event in chosen(picture, 6)}
+    assert "bad" not in {event.run for event in listed_events(picture, 6)}
 
 
 def test_events_say_when_what_and_how_it_ended() -> None:
-    frame = Frame(60, 14, NOW)
+    frame = PaintFrame(60, 14, NOW)
     rows = event_rows(pictured(*scenes.history(), *scenes.speaking()), frame)
     shown = text(rows)
     assert all(length(row) == 60 for row in rows)
@@ -302,32 +302,32 @@ def test_events_say_when_what_and_how_it_ended() -> None:
 
 
 def test_the_scripts_line() -> None:
-    shown = text([script_row(pictured(), Frame(60, 1, NOW), "Space")])
+    shown = text([script_row(pictured(), PaintFrame(60, 1, NOW), "Space")])
     assert "▸ Map" in shown
     assert "→ Roman glass" in shown
     assert shown.rstrip().endswith("2/6")
-    ended = text([script_row(pictured(m.ScriptMoved(position=6)), Frame(60, 1, NOW), "Space")])
+    ended = text([script_row(pictured(m.ScriptMoved(position=6)), PaintFrame(60, 1, NOW), "Space")])
     assert "Script has ended" in ended
 
 
 def test_the_scripts_line_leaves_out_what_was_played_by_its_key() -> None:
     picture = pictured(m.ScriptMoved(position=0, played=[1, 2, 4], t=NOW))
-    shown = text([script_row(picture, Frame(80, 1, NOW), "Space")])
+    shown = text([script_row(picture, PaintFrame(80, 1, NOW), "Space")])
     assert "▸ Hello  → Roman glass  → Goodbye" in shown
     assert shown.rstrip().endswith("3/6")
 
 
-def bar(picture: ConsoleState, asked_us: int | None = None, frame: Frame | None = None) -> str:
+def bar(picture: ConsoleState, asked_us: int | None = None, frame: PaintFrame | None = None) -> str:
     hints = (("Esc", "stop"), ("/", "say"))
     rows = bar_rows(
-        picture, frame or Frame(80, 2, NOW), Bar(News(), hints, "Space", "^R", asked_us)
+        picture, frame or PaintFrame(80, 2, NOW), BarInfo(News(), hints, "Space", "^R", asked_us)
     )
     assert len(rows) == 2
     assert all(length(row) == (frame or FRAME_BAR).width for row in rows)
     return text(rows)
 
 
-FRAME_BAR = Frame(80, 2, NOW)
+FRAME_BAR = PaintFrame(80, 2, NOW)
 
 
 def test_the_stop_bar_names_who_confirmed_and_who_did_not() -> None:
@@ -354,8 +354,8 @@ def test_a_stop_that_is_not_answered_or_not_delivered_says_so() -> None:
 
 def test_the_bar_in_ascii_and_very_narrow() -> None:
     picture = pictured(m.StopPressed(source="key", t=NOW))
-    assert bar(picture, frame=Frame(80, 2, NOW, ASCII)).isascii()
-    rows = bar_rows(picture, Frame(12, 2, NOW, UNICODE), Bar(release="^R"))
+    assert bar(picture, frame=PaintFrame(80, 2, NOW, ASCII)).isascii()
+    rows = bar_rows(picture, PaintFrame(12, 2, NOW, UNICODE), BarInfo(release="^R"))
     assert all(length(row) == 12 for row in rows)
 
 
@@ -369,7 +369,7 @@ def test_elapsed(us: int, shown: str) -> None:
 def test_figures() -> None:
     assert seconds(2_140_000) == "2.1 s"
     assert seconds(123_000_000) == "123 s"
-    assert [left(us) for us in (7_440_000, 99_900_000, 99_960_000, 371_300_000)] == [
+    assert [time_left(us) for us in (7_440_000, 99_900_000, 99_960_000, 371_300_000)] == [
         "7.4",
         "99.9",
         "1:40",
@@ -428,7 +428,7 @@ def first_words(names: list[str], *state: m.AnyMessage) -> list[str]:
     picture = ConsoleState()
     first = scenes.welcome(settings={"sensors": names}, state=[*scenes.healthy(), *state])
     picture.take([first], 0)
-    return [text([row]).split()[0] for row in meter_rows(picture, Frame(50, 30, NOW))]
+    return [text([row]).split()[0] for row in meter_rows(picture, PaintFrame(50, 30, NOW))]
 
 
 def test_the_sensors_of_the_file_stand_first_and_the_others_follow() -> None:
@@ -459,5 +459,5 @@ def test_a_reload_moves_the_sensors() -> None:
     panels: dict[str, Any] = {"panels": [], "script": [], "verbs": {}, "conditions": []}
     panels |= {"title": "T", "keyboard": "us", "sensors": ["loudness"]}
     picture.take([r.PanelsChanged(**panels)], 0)
-    (first, *_) = meter_rows(picture, Frame(50, 30, NOW))
+    (first, *_) = meter_rows(picture, PaintFrame(50, 30, NOW))
     assert text([first]).split()[0] == "loudness"

@@ -11,18 +11,18 @@ from rich.color import Color, ColorSystem
 from textual.theme import Theme
 
 from tests.console import scenes
-from woz_tui.console.action_panels import Board, cap_width, panel_rows
+from woz_tui.console.action_panels import PanelSelection, cap_width, panel_rows
 from woz_tui.console.cells import Row, cut, fit, length, spread
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import ASCII, UNICODE, Frame, glyphs_for
-from woz_tui.console.key_caps import Cap, caption
-from woz_tui.console.panel_columns import plan
-from woz_tui.console.theme import DARK, LIGHT, look_for
+from woz_tui.console.glyphs import ASCII, UNICODE, PaintFrame, glyphs_for
+from woz_tui.console.key_caps import KeyCap, caption
+from woz_tui.console.panel_columns import lay_out
+from woz_tui.console.theme import DARK, LIGHT, choose_appearance
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
 
 NOW = scenes.NOW
-FRAME = Frame(80, 13, NOW)
+FRAME = PaintFrame(80, 13, NOW)
 
 
 def pictured(*messages: m.AnyMessage, shown: list[PanelView] | None = None) -> ConsoleState:
@@ -31,10 +31,12 @@ def pictured(*messages: m.AnyMessage, shown: list[PanelView] | None = None) -> C
     return picture
 
 
-def lines(picture: ConsoleState, frame: Frame = FRAME, board: Board | None = None) -> list[str]:
-    board = board or Board({})
+def lines(
+    picture: ConsoleState, frame: PaintFrame = FRAME, board: PanelSelection | None = None
+) -> list[str]:
+    board = board or PanelSelection({})
     cap = cap_width(picture, board, frame.glyphs)
-    arranged = plan(picture.panels, frame.width, frame.height, cap)
+    arranged = lay_out(picture.panels, frame.width, frame.height, cap)
     return ["".join(text for text, _ in row) for row in panel_rows(picture, frame, arranged, board)]
 
 
@@ -61,7 +63,7 @@ def test_states_are_told_by_signs_and_words() -> None:
         m.DriverLost(driver="face", t=NOW),
         m.PanelLocked(panel="Repair", locked=True, t=NOW),
     )
-    found = lines(picture, Frame(130, 20, NOW))
+    found = lines(picture, PaintFrame(130, 20, NOW))
     assert "▶ Map" in line_with("Map", found)
     assert "2.1" in line_with("Map", found)
     assert "◷ Question" in line_with("Question", found)
@@ -78,8 +80,8 @@ def test_states_are_told_by_signs_and_words() -> None:
 def test_the_bar_of_the_running_action_shrinks() -> None:
     def filled(left: float) -> int:
         picture = pictured(*scenes.speaking(left=left))
-        board = Board({})
-        arranged = plan(picture.panels, 80, 13, cap_width(picture, board, UNICODE))
+        board = PanelSelection({})
+        arranged = lay_out(picture.panels, 80, 13, cap_width(picture, board, UNICODE))
         rows = panel_rows(picture, FRAME, arranged, board)
         return sum(cell_len(text) for row in rows for text, look in row if look == "fill")
 
@@ -106,7 +108,7 @@ def test_sixty_actions_are_reached_by_paging() -> None:
     picture = pictured(shown=scenes.many_panels(60))
     seen = set()
     for chosen in range(6):
-        found = lines(picture, board=Board({}, chosen))
+        found = lines(picture, board=PanelSelection({}, chosen))
         seen |= {n for n in range(60) if any(f"Action {n} " in line for line in found)}
     assert seen == set(range(60))
 
@@ -121,13 +123,13 @@ def test_wide_labels_and_control_characters_are_tamed() -> None:
             ],
         )
     ]
-    found = lines(pictured(shown=shown), Frame(38, 6, NOW))
+    found = lines(pictured(shown=shown), PaintFrame(38, 6, NOW))
     assert all(cell_len(line) == 38 for line in found)
     assert not any(ord(character) < 32 for line in found for character in line)
 
 
 def test_reserve_keys_carry_a_star() -> None:
-    board = Board({"Call staff": Cap("C", reserve=True, why="ctrl+1 sends 1")})
+    board = PanelSelection({"Call staff": KeyCap("C", reserve=True, why="ctrl+1 sends 1")})
     assert "C*" in line_with("Call staff", lines(pictured(), board=board))
 
 
@@ -146,7 +148,7 @@ def test_reserve_keys_carry_a_star() -> None:
     ],
 )
 def test_captions(chord: str, shown: str) -> None:
-    assert caption(Cap(chord), UNICODE) == shown
+    assert caption(KeyCap(chord), UNICODE) == shown
 
 
 def test_ascii_glyphs_are_ascii() -> None:
@@ -174,7 +176,7 @@ def test_the_look_follows_the_terminal(
     environ: dict[str, str], encoding: str, ascii_only: bool, theme: str, tmp_path: Path
 ) -> None:
     environ = {**environ, "XDG_CONFIG_HOME": str(tmp_path)}  # nothing is remembered
-    look = look_for(environ, encoding)
+    look = choose_appearance(environ, encoding)
     assert look.glyphs.ascii is ascii_only
     assert look.theme == theme
     assert glyphs_for(environ, encoding) == look.glyphs
@@ -238,7 +240,7 @@ def test_every_action_has_exactly_one_place_inside(
         )
         for p, size in enumerate(sizes)
     ]
-    arranged = plan(shown, width, height, cap)
+    arranged = lay_out(shown, width, height, cap)
     placed = [slot.action.name for slot in arranged.slots if slot.action is not None]
     assert placed == [action.name for panel in shown for action in panel.actions]
     places = {(slot.page, slot.column, slot.row) for slot in arranged.slots}
@@ -262,6 +264,6 @@ def test_a_blank_stands_before_the_time_left_and_the_word(width: int) -> None:
         *scenes.played("r1", "More", NOW, 0, how="refused"),
         shown=[PanelView(title="Talk", actions=actions)],
     )
-    found = lines(picture, Frame(width, 6, NOW))
+    found = lines(picture, PaintFrame(width, 6, NOW))
     assert " 4.4 " in line_with("Where", found)
     assert "refused" not in line_with("More", found) or " refused " in line_with("More", found)

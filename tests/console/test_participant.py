@@ -16,7 +16,7 @@ from tests.console.driving import PATIENCE
 from tests.console.scripted import ScriptedFeed
 from woz_tui.console.keyboard import Keyboard
 from woz_tui.console.message_feed import Incoming
-from woz_tui.console.participant_app import Participant
+from woz_tui.console.participant_app import ParticipantApp
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.welcome import QuestionnaireWords
@@ -29,7 +29,7 @@ WIZARDS += ["ctrl+r", "ctrl+z", "ctrl+p", "question_mark", "asterisk", "tab", "e
 
 @dataclass
 class Seat:
-    app: Participant
+    app: ParticipantApp
     feed: ScriptedFeed
     pilot: Pilot[str]
     clock: ManualClock
@@ -65,7 +65,7 @@ async def seated(
     feed = ScriptedFeed()
     feed.begin_with(*(first or (studied.welcome(role="participant"),)))
     clock = ManualClock()
-    app = Participant(feed, Keyboard(feed), only=only, clock=clock)
+    app = ParticipantApp(feed, Keyboard(feed), only=only, clock=clock)
     async with app.run_test(size=size) as pilot:
         seat = Seat(app, feed, pilot, clock)
         await seat.settle()

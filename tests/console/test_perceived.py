@@ -49,7 +49,7 @@ def told(hide: list[str], blur: list[str] | None = None, **more: Any) -> r.Welco
 
 
 def everything(seat: Sitting) -> str:
-    parts = ("Status", "Meters", "BodyPane", "Events", "StopBar", "Script")
+    parts = ("StatusLines", "Meters", "BodyPane", "EventList", "StopBar", "ScriptPane")
     return seat.drawn() + "\n" + "\n".join(map(seat.text, parts))
 
 
@@ -168,13 +168,13 @@ async def test_a_hidden_face_is_not_drawn_and_keeps_its_place() -> None:
 
 async def test_it_may_change_while_the_session_runs() -> None:
     async with sitting(told([]), size=(160, 50)) as seat:
-        assert "roman glass" in seat.text("Events")
+        assert "roman glass" in seat.text("EventList")
         everything_kept = m.PerceptionChanged(hidden=EVERYTHING, blurred=[], t=NOW + 1)
         await seat.tell(everything_kept)
         shown = everything(seat)
         for what, traces in TRACES.items():
             assert not [trace for trace in traces if trace in shown], what
-        assert "Kept from you" in seat.text("Events")
+        assert "Kept from you" in seat.text("EventList")
 
 
 def kept(*what: str) -> Redactor:

@@ -46,30 +46,30 @@ async def at(seat: Sitting, message: Any, seq: int = 5000) -> None:
 @SIZES
 async def test_the_phase_stands_in_the_status_line_with_its_time(size: tuple[int, int]) -> None:
     async with sitting(guide(), size=size) as seat:
-        assert "no phase  )  Opening" in seat.text("Status")
+        assert "no phase  )  Opening" in seat.text("StatusLines")
         await at(seat, begins("opening"))
-        assert "Opening 00:00" in seat.text("Status")
+        assert "Opening 00:00" in seat.text("StatusLines")
         assert ") phase" in seat.text("StopBar")
         await at(seat, begins("ride", planned_us=120_000_000), 5001)
         await seat.pass_time(130)
-        assert "The ride 02:10/02:00" in seat.text("Status")
-        assert (" )  end" in seat.text("Status")) == (size[0] >= 100)
-        assert "Phase The ride" in seat.text("Events")
+        assert "The ride 02:10/02:00" in seat.text("StatusLines")
+        assert (" )  end" in seat.text("StatusLines")) == (size[0] >= 100)
+        assert "Phase The ride" in seat.text("EventList")
 
 
 @SIZES
 async def test_panels_of_other_phases_fold_away(size: tuple[int, int]) -> None:
     async with sitting(guide(), size=size) as seat:
-        before = seat.text("Panels")
+        before = seat.text("ActionPanels")
         assert "Speech" in before
         await at(seat, begins("ride"))
-        shown = seat.text("Panels")
+        shown = seat.text("ActionPanels")
         assert "Gestures" in shown
         assert "Speech" not in shown
         await seat.press("h")  # its keys play all the same
         assert [each.action for each in seat.feed.asked if isinstance(each, r.AskAction)]
         await at(seat, begins("end"), 5001)
-        assert "Speech" in seat.text("Panels")
+        assert "Speech" in seat.text("ActionPanels")
 
 
 @SIZES
@@ -112,8 +112,8 @@ async def test_a_late_console_knows_the_phase() -> None:
     state = [*scenes.healthy(), begins("ride")]
     welcome = scenes.welcome(state=state, settings={"phases": PHASES})
     async with sitting(welcome) as seat:
-        assert "The ride" in seat.text("Status")
-        assert "Speech" not in seat.text("Panels")
+        assert "The ride" in seat.text("StatusLines")
+        assert "Speech" not in seat.text("ActionPanels")
 
 
 @pytest.mark.parametrize(("key", "kind"), [("space", r.AskScript), (")", r.AskPhase)])

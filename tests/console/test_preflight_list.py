@@ -8,7 +8,7 @@ from tests.console import scenes, studied
 from tests.console.dialogs import opened
 from tests.console.driving import sitting
 from woz_tui.console.glyphs import ASCII
-from woz_tui.console.theme import Look
+from woz_tui.console.theme import Appearance
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 
@@ -79,7 +79,7 @@ async def test_a_refusal_is_said() -> None:
 
 
 async def test_signs_of_a_plain_terminal() -> None:
-    async with sitting(studied.welcome(), look=Look(ASCII, "woz-16")) as seat:
+    async with sitting(studied.welcome(), look=Appearance(ASCII, "woz-16")) as seat:
         await seat.tell(ticked())
         await opened(seat, "PreflightDialog")
         assert f"+ {studied.CHECKS[0]}" in seat.drawn()
@@ -107,11 +107,11 @@ def held(seconds: float = 1.2) -> list[m.AnyMessage]:
 async def test_a_held_action_shows_that_it_waits_and_how_long() -> None:
     async with sitting(studied.welcome(), size=(160, 50)) as seat:
         await seat.tell(*held())
-        row = next(row for row in seat.text("Panels").splitlines() if "Hello" in row)
+        row = next(row for row in seat.text("ActionPanels").splitlines() if "Hello" in row)
         assert "waits 1.2" in row
-        assert "waits 1.2 s" in seat.text("Events")
+        assert "waits 1.2 s" in seat.text("EventList")
         await seat.pass_time(0.5)
-        row = next(row for row in seat.text("Panels").splitlines() if "Hello" in row)
+        row = next(row for row in seat.text("ActionPanels").splitlines() if "Hello" in row)
         assert "waits 0.7" in row
         await seat.tell(
             m.Command(
@@ -127,14 +127,14 @@ async def test_a_held_action_shows_that_it_waits_and_how_long() -> None:
         await seat.tell(
             m.Dispatched(command="c20", driver="voice", latency_us=1, t=NOW + 2 * SECOND)
         )
-        row = next(row for row in seat.text("Panels").splitlines() if "Hello" in row)
+        row = next(row for row in seat.text("ActionPanels").splitlines() if "Hello" in row)
         assert "waits" not in row
 
 
 async def test_a_hold_of_a_run_that_is_unknown_shows_nothing() -> None:
     async with sitting(studied.welcome()) as seat:
         await seat.tell(held()[1])
-        assert "waits" not in seat.text("Panels")
+        assert "waits" not in seat.text("ActionPanels")
 
 
 # -- cues of a training ---------------------------------------------------------------------------
@@ -157,11 +157,11 @@ async def test_a_trainee_is_told_how_it_was(
             cue="q1", sort="question", text="where is it?", expects=["Map"], window_us=1, t=NOW
         )
         await seat.tell(given)
-        assert "Cue: question" in seat.text("Events")
-        assert "Map" not in seat.text("Events")
+        assert "Cue: question" in seat.text("EventList")
+        assert "Map" not in seat.text("EventList")
         await seat.tell(m.CueAnswered(cue="q1", judged=judged, reaction_us=reaction_us, t=NOW))
         assert told in seat.text("StopBar")
-        assert listed in seat.text("Events")
+        assert listed in seat.text("EventList")
 
 
 async def test_the_label_and_the_key_of_each_right_answer_is_told() -> None:

@@ -7,9 +7,9 @@ from tests.console import scenes
 from tests.console.dialogs import opened
 from tests.console.driving import Sitting, sitting
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
-from woz_tui.console.profile_view import Profiles
-from woz_tui.console.status_rows import Line, status_rows
+from woz_tui.console.glyphs import ASCII, UNICODE, Glyphs, PaintFrame
+from woz_tui.console.profile_view import ProfileList
+from woz_tui.console.status_rows import StatusInfo, status_rows
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.welcome import Allowance
@@ -76,24 +76,24 @@ async def test_the_list_tells_what_each_allows_and_which_is_in_use(size: tuple[i
 @SIZES
 async def test_a_profile_is_chosen_and_stands_in_the_top_line(size: tuple[int, int]) -> None:
     async with sitting(guide(), size=size) as seat:
-        before = seat.text("Status").splitlines()[0]
+        before = seat.text("StatusLines").splitlines()[0]
         assert "child" not in before
         await opened(seat, "ProfileDialog")
         await seat.press("down", "enter")
         assert seat.console.dialog is None
         assert [(one.profile, one.source) for one in asked(seat)] == [("child", "key")]
         await seat.tell(m.ProfileChanged(profile="child", t=NOW), changed("child"))
-        after = seat.text("Status").splitlines()[0]
+        after = seat.text("StatusLines").splitlines()[0]
         assert ("◇ profile child" if size[0] >= 100 else "◇ child") in after
         for part in ("Museum guide", "P07", "warm", "trial 3", "Recording"):
             assert after.index(part) == before.index(part), "nothing moves"
-        assert "Gestures locked" in seat.text("Panels")
-        assert "Profile child" in seat.text("Events")
+        assert "Gestures locked" in seat.text("ActionPanels")
+        assert "Profile child" in seat.text("EventList")
         await opened(seat, "ProfileDialog")
         await seat.press("up", "enter")
         assert asked(seat)[-1].profile == ""
         await seat.tell(m.ProfileChanged(profile="", t=NOW), changed(""))
-        assert seat.text("Status").splitlines()[0] == before
+        assert seat.text("StatusLines").splitlines()[0] == before
 
 
 async def test_enter_after_a_slip_changes_nothing() -> None:
@@ -113,7 +113,7 @@ async def test_a_refusal_is_shown() -> None:
         await opened(seat, "ProfileDialog")
         await seat.press("up", "enter")
         await seat.until(lambda: "you are watching (take over)" in seat.text("StopBar"))
-        assert "child" in seat.text("Status")
+        assert "child" in seat.text("StatusLines")
 
 
 async def test_it_is_found_by_typing() -> None:
@@ -172,8 +172,8 @@ async def test_a_refused_press_says_so_at_the_button_the_event_and_the_bar() -> 
             m.ActionRequested(run="a1", action="Nod", source="key", t=NOW),
             m.ActionRefused(run="a1", action="Nod", reason=reason, t=NOW),
         )
-        assert "⊘ Nod" in seat.text("Panels")
-        assert reason in seat.text("Events")
+        assert "⊘ Nod" in seat.text("ActionPanels")
+        assert reason in seat.text("EventList")
         assert reason in seat.text("StopBar")
 
 
@@ -183,8 +183,8 @@ def test_long_names_leave_room_for_time_and_recorder(width: int, glyphs: Glyphs)
     picture = ConsoleState()
     first = guide("those who are here for the first time" * 3)
     picture.take([msgspec.structs.replace(first, title="A title " * 12)], 0)
-    frame = Frame(width, 2, NOW, glyphs)
-    [top, _] = status_rows(picture, frame, Line())
+    frame = PaintFrame(width, 2, NOW, glyphs)
+    [top, _] = status_rows(picture, frame, StatusInfo())
     text = "".join(piece for piece, _ in top)
     assert len(text) == width
     for part in ("12:31", "those who", "ecording", "connect"):
@@ -193,4 +193,4 @@ def test_long_names_leave_room_for_time_and_recorder(width: int, glyphs: Glyphs)
 
 
 def test_a_profile_of_which_nothing_is_known_has_no_words() -> None:
-    assert Profiles("", ("a",), {}).words("a") == ""
+    assert ProfileList("", ("a",), {}).words("a") == ""

@@ -12,7 +12,7 @@ from woz_tui.console.glyphs import ASCII
 from woz_tui.console.screens.questionnaire import QuestionnaireDialog
 from woz_tui.console.study.questionnaire_widget import Sheet
 from woz_tui.console.study.questionnaires import items_of
-from woz_tui.console.theme import Look
+from woz_tui.console.theme import Appearance
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.welcome import ENGLISH
@@ -225,7 +225,7 @@ async def test_an_answer_that_was_lost_with_the_line_goes_out_again() -> None:
 
 
 async def test_signs_of_a_plain_terminal() -> None:
-    async with sitting(studied.welcome(), look=Look(ASCII, "woz-16")) as seat:
+    async with sitting(studied.welcome(), look=Appearance(ASCII, "woz-16")) as seat:
         await asking(seat)
         await seat.press("enter", "right", "right")
         assert seat.drawn().isascii()
@@ -248,13 +248,13 @@ async def test_nothing_jumps_while_an_answer_is_chosen() -> None:
 
 async def test_the_header_tells_how_far_it_is() -> None:
     async with sitting(studied.welcome(studied.started()), size=(120, 40)) as seat:
-        assert "questions 0/4" in seat.text("Status")
+        assert "questions 0/4" in seat.text("StatusLines")
         await seat.tell(studied.answered("pleasant", 3.0))
-        assert "questions 1/4" in seat.text("Status")
-        assert "pleasant" not in seat.text("Events")
+        assert "questions 1/4" in seat.text("StatusLines")
+        assert "pleasant" not in seat.text("EventList")
         await seat.tell(studied.ended(reason="declined", count=1))
-        assert "questions" not in seat.text("Status")
-        assert "declined" in seat.text("Events")
+        assert "questions" not in seat.text("StatusLines")
+        assert "declined" in seat.text("EventList")
 
 
 async def test_the_sheet_says_nothing_before_it_is_put_together() -> None:

@@ -8,7 +8,7 @@ from tests.console import scenes
 from tests.console.driving import sitting
 from woz_tui.config.repairs import LABELS
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import Frame
+from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.repair_row import repair_row
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -29,7 +29,7 @@ def welcome(repairs: list[ActionView], shown: list[PanelView] | None = None) -> 
 
 async def test_all_of_them_stand_in_one_row_of_eighty_columns() -> None:
     async with sitting(welcome(ALL)) as seat:
-        row = seat.text("Repairs")
+        row = seat.text("RepairRow")
         assert len(row) <= 80
         for label in LABELS.values():
             assert label in row
@@ -39,7 +39,7 @@ async def test_a_key_asks_for_the_repair_from_every_page() -> None:
     async with sitting(welcome(ALL, scenes.many_panels(60))) as seat:
         for key, name in (("$", "repair repeat"), ("(", "repair yes"), ("[", "repair dont_know")):
             await seat.press("tab")
-            assert LABELS[name] in seat.text("Repairs")
+            assert LABELS[name] in seat.text("RepairRow")
             await seat.press(key)
             asked = seat.feed.asked[-1]
             assert isinstance(asked, r.AskAction)
@@ -68,7 +68,7 @@ async def test_an_interruption_opens_the_field_for_what_is_said_instead() -> Non
 
 async def test_repairs_that_the_file_does_not_have_have_no_key() -> None:
     async with sitting(welcome(FEW)) as seat:
-        assert "yes" not in seat.text("Repairs")
+        assert "yes" not in seat.text("RepairRow")
         await seat.press("(")
         assert not [each for each in seat.feed.asked if isinstance(each, r.AskAction)]
 
@@ -80,7 +80,7 @@ async def test_a_repair_gives_its_key_to_the_experiment_and_says_where_none_is_l
     actions += [ActionView(name=key, label=key, key=key) for key in spare[:2]]
     shown = [PanelView(title="Signs", actions=actions)]
     async with sitting(welcome(FEW, shown)) as seat:
-        row = seat.text("Repairs")
+        row = seat.text("RepairRow")
         assert "no key" in row
         await seat.press('"')
         asked = seat.feed.last(r.AskAction)
@@ -95,7 +95,7 @@ async def test_its_line_in_the_list_of_events_has_its_label() -> None:
                 run="r9", action="repair dont_know", source="key", panel="Repairs", t=scenes.NOW
             )
         )
-        assert "don't know" in seat.text("Events")
+        assert "don't know" in seat.text("EventList")
 
 
 async def test_an_interruption_from_the_reading_thread_reaches_the_screen() -> None:
@@ -109,6 +109,6 @@ def test_in_a_replay_there_are_labels_alone() -> None:
     picture = ConsoleState()
     replaying = r.Replaying(t=0, length_us=60_000_000, rate=1.0, paused=False)
     picture.take([welcome(ALL), replaying], 0)
-    shown = "".join(text for text, _ in repair_row(picture, Frame(80, 1, scenes.NOW), {}))
+    shown = "".join(text for text, _ in repair_row(picture, PaintFrame(80, 1, scenes.NOW), {}))
     assert "no key" not in shown
     assert "repeat" in shown

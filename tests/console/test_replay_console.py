@@ -22,7 +22,7 @@ from woz_tui.console.glyphs import ASCII, UNICODE
 from woz_tui.console.message_feed import OnLost, OnMessages
 from woz_tui.console.replay.replay_app import ReplayConsole
 from woz_tui.console.replay.replay_commands import ReplayKeyboard
-from woz_tui.console.theme import Look
+from woz_tui.console.theme import Appearance
 from woz_tui.log.coding_file import Coding
 from woz_tui.protocol import requests as r
 from woz_tui.replay.player import Player, Start
@@ -116,7 +116,7 @@ async def watching(
 @pytest.mark.parametrize("size", [(80, 24), (160, 50), (60, 20)])
 async def test_it_says_what_it_is_and_of_which_session(size: tuple[int, int]) -> None:
     async with watching(Start(at_us=9 * SECOND), size=size) as seat:
-        status = seat.text("Status")
+        status = seat.text("StatusLines")
         for part in (" REPLAY ", "Museum", "00:09", "2026-03-01", "log complete"):
             assert part in status
         assert "Recording" not in status
@@ -136,8 +136,8 @@ async def test_the_line_has_a_sign_for_each_place_and_never_moves() -> None:
         assert last.index("UTC") == first.index("UTC")
 
 
-@pytest.mark.parametrize("look", [Look(ASCII, "woz-16"), Look(UNICODE, "woz-16")])
-async def test_the_line_can_be_read_without_colours_and_in_ascii(look: Look) -> None:
+@pytest.mark.parametrize("look", [Appearance(ASCII, "woz-16"), Appearance(UNICODE, "woz-16")])
+async def test_the_line_can_be_read_without_colours_and_in_ascii(look: Appearance) -> None:
     async with watching(Start(at_us=20 * SECOND, paused=True), look=look) as seat:
         line = seat.text("StopBar").splitlines()[-1]
         if look.glyphs.ascii:
@@ -150,16 +150,16 @@ async def test_the_line_can_be_read_without_colours_and_in_ascii(look: Look) -> 
 
 async def test_space_stands_still_and_goes_on_and_nothing_ages_meanwhile() -> None:
     async with watching(Start(at_us=9 * SECOND)) as seat:
-        assert "▶ Go" in seat.text("Panels")
+        assert "▶ Go" in seat.text("ActionPanels")
         await seat.press("space")
-        before = seat.text("Panels"), seat.text("Meters"), seat.text("Status")
+        before = seat.text("ActionPanels"), seat.text("Meters"), seat.text("StatusLines")
         await seat.pass_time(60)
-        assert (seat.text("Panels"), seat.text("Meters"), seat.text("Status")) == before
+        assert (seat.text("ActionPanels"), seat.text("Meters"), seat.text("StatusLines")) == before
         assert "┃┃ 00:09" in seat.text("StopBar")
         await seat.press("space")
         await seat.pass_time(5)
         assert "▶  00:14" in seat.text("StopBar")
-        assert "✓ Go" in seat.text("Events")
+        assert "✓ Go" in seat.text("EventList")
 
 
 @pytest.mark.parametrize(
@@ -214,16 +214,16 @@ async def test_a_dot_steps_and_says_to_which_line() -> None:
         assert seat.t == 6 * SECOND
         assert "00:06.000 marker" in seat.text("StopBar")
         assert "┃┃" in seat.text("StopBar")
-        assert "Marker  smile" in seat.text("Events")
+        assert "Marker  smile" in seat.text("EventList")
 
 
 async def test_the_list_follows_many_steps_while_time_stands_still() -> None:
     async with watching(Start(paused=True)) as seat:
         for _ in range(80):
             await seat.press("left", "end")
-        assert "Session ended" in seat.text("Events")
+        assert "Session ended" in seat.text("EventList")
         await seat.press("home")
-        assert "Session ended" not in seat.text("Events")
+        assert "Session ended" not in seat.text("EventList")
 
 
 async def test_an_action_of_then_lights_its_cap_up() -> None:
@@ -239,7 +239,7 @@ async def test_an_action_of_then_lights_its_cap_up() -> None:
 
 async def test_the_keys_of_the_session_are_shown_but_play_nothing() -> None:
     async with watching() as seat:
-        assert "h" in seat.text("Panels")
+        assert "h" in seat.text("ActionPanels")
         await seat.press("h")
         assert "h is not assigned" in seat.text("StopBar")
         assert seat.feed.asked == []
@@ -319,8 +319,8 @@ async def test_help_shows_the_keys_of_the_replay() -> None:
 
 async def test_what_is_missing_is_in_the_header_and_can_be_read() -> None:
     async with watching(notes=("3 damaged line(s) left out",)) as seat:
-        assert "▲ log incomplete" in seat.text("Status")
-        assert "This log: 3 damaged line(s)" in seat.text("Events")
+        assert "▲ log incomplete" in seat.text("StatusLines")
+        assert "This log: 3 damaged line(s)" in seat.text("EventList")
         await seat.press("i")
         for part in ("3 damaged line(s) left out", "guide.yaml", "W2", "x_S01.jsonl"):
             assert part in seat.drawn

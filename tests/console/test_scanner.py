@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from woz_tui.config.keys.terminals import PLAIN, TMUX, folded
 from woz_tui.console.byte_scanner import LONE_ESC_S, PASTE_LIMIT, Scanner
-from woz_tui.console.input_tokens import Key, Paste, Raw, Reply, Stop, Token
+from woz_tui.console.input_tokens import Key, Paste, Raw, StopToken, TerminalReply, Token
 
 PRESSES = {
     b"a": "a",
@@ -131,7 +131,7 @@ def scan_in(data: bytes, cuts: list[int]) -> list[Token]:
 
 
 def stops(tokens: list[Token]) -> list[str]:
-    return [token.source for token in tokens if isinstance(token, Stop)]
+    return [token.source for token in tokens if isinstance(token, StopToken)]
 
 
 def chords(tokens: list[Token]) -> list[str]:
@@ -151,13 +151,13 @@ def test_a_press_has_the_normal_form_of_its_chord(data: bytes, chord: str) -> No
 
 @pytest.mark.parametrize("data", OTHERS)
 def test_what_is_no_key_presses_nothing_and_stops_nothing(data: bytes) -> None:
-    assert all(isinstance(token, Reply | Raw) for token in scan(data))
+    assert all(isinstance(token, TerminalReply | Raw) for token in scan(data))
 
 
 def test_replies_carry_their_numbers() -> None:
     tokens = scan(b"\x1b[?25u\x1b[?62;22c\x1b[0n\x1b[12;40R")
 
-    assert [(token.what, token.values) for token in tokens if isinstance(token, Reply)] == [
+    assert [(token.what, token.values) for token in tokens if isinstance(token, TerminalReply)] == [
         ("kitty", (25,)),
         ("attributes", (62, 22)),
         ("status", (0,)),
@@ -206,7 +206,7 @@ def test_each_stop_key_stops(data: bytes) -> None:
 
     (token,) = scanner.feed(data)
 
-    assert isinstance(token, Stop)
+    assert isinstance(token, StopToken)
 
 
 def test_an_escape_at_the_end_of_a_read_waits_ten_milliseconds() -> None:
@@ -214,7 +214,7 @@ def test_an_escape_at_the_end_of_a_read_waits_ten_milliseconds() -> None:
 
     assert scanner.feed(b"a\x1b") == [Key("a", b"a", b"a")]
     assert scanner.waiting == LONE_ESC_S
-    assert scanner.expire() == [Stop("escape", b"\x1b")]
+    assert scanner.expire() == [StopToken("escape", b"\x1b")]
     assert scanner.waiting is None
 
 
@@ -345,6 +345,6 @@ def test_bytes_after_their_silence_leave_nothing_waiting(data: bytes) -> None:
 def test_an_escape_folded_into_the_key_behind_it_is_a_stop(sequence: bytes) -> None:
     inside = Scanner(folded(TMUX))
 
-    assert inside.feed(sequence) == [Stop("escape", sequence)]
+    assert inside.feed(sequence) == [StopToken("escape", sequence)]
     assert isinstance(Scanner(folded(PLAIN)).feed(sequence)[0], Key)
     assert inside.feed(b"\x1b[1;3A") == [Key("alt+up", b"\x1b[1;3A", b"\x1b[1;3A")]

@@ -25,8 +25,8 @@ from woz_tui.console.screens.dialog import Dialog
 from woz_tui.console.screens.drivers import DriversDialog
 from woz_tui.console.screens.help import HelpDialog
 from woz_tui.console.screens.preflight import kind_finding, line_finding
-from woz_tui.console.screens.start import wrong_trial
-from woz_tui.console.theme import Look
+from woz_tui.console.screens.start import trial_error
+from woz_tui.console.theme import Appearance
 from woz_tui.drivers.contract import Finding
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -117,11 +117,11 @@ async def test_the_stop_is_released_from_within_a_dialog() -> None:
 
 async def test_failures_are_read_and_seen() -> None:
     async with sitting(busy()) as seat:
-        assert "1 failed" in seat.text("Status")
+        assert "1 failed" in seat.text("StatusLines")
         await opened(seat, "FailuresDialog")
         assert "servo 2 (pitch) overloaded" in seat.drawn()
         await seat.press("enter")
-        assert "failed" not in seat.text("Status")
+        assert "failed" not in seat.text("StatusLines")
         assert seat.console.picture.unseen() == []
         await seat.press("enter")
         assert seat.console.dialog is None
@@ -202,7 +202,7 @@ async def test_the_start_is_asked_only_if_nobody_is_chosen_yet() -> None:
 
 
 async def test_the_chosen_condition_is_told_by_its_sign() -> None:
-    async with sitting(look=Look(ASCII, "woz-16")) as seat:
+    async with sitting(look=Appearance(ASCII, "woz-16")) as seat:
         await opened(seat, "StartDialog")
         await seat.until(lambda: "(*) warm" in seat.drawn())
         assert "( ) cold" in seat.drawn()
@@ -237,8 +237,8 @@ async def test_the_console_leaves_it_to_the_robot_process_which_codes_there_are(
 
 
 def test_trials() -> None:
-    assert wrong_trial("") == wrong_trial("3") == ""
-    assert wrong_trial("-1")
+    assert trial_error("") == trial_error("3") == ""
+    assert trial_error("-1")
 
 
 # -- preflight and reload ----------------------------------------------------------------------

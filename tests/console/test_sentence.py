@@ -171,17 +171,17 @@ async def test_what_is_kept_is_named_as_kept() -> None:
 @pytest.mark.parametrize("size", [(80, 24), (160, 50)])
 async def test_wide_screens_show_the_sentence_beside_the_label(size: tuple[int, int]) -> None:
     async with sitting(guide(), size=size) as seat:
-        beside = "Food  “Whales eat four tonnes" in seat.text("Panels")
+        beside = "Food  “Whales eat four tonnes" in seat.text("ActionPanels")
         assert beside == (size[0] > 100)
-        assert "Secret  “" not in seat.text("Panels")
+        assert "Secret  “" not in seat.text("ActionPanels")
 
 
 async def test_the_event_row_of_what_was_said_has_the_text() -> None:
     async with sitting(guide(), size=(160, 50)) as seat:
         await seat.tell(*pressed("a1", "Food", KRILL))
-        assert "Food “Whales eat four tonnes" in seat.text("Events")
+        assert "Food “Whales eat four tonnes" in seat.text("EventList")
         await seat.tell(m.ActionDone(run="a1", action="Food", t=NOW + 2_400_000))
-        row = seat.text("Events").splitlines()[1]
+        row = seat.text("EventList").splitlines()[1]
         assert "Food “Whales eat four tonnes" in row
         assert row.rstrip().endswith("2.4 s")
 
@@ -190,7 +190,7 @@ async def test_how_long_a_kept_text_took_is_kept_too() -> None:
     async with sitting(guide(blind=True), size=(160, 50)) as seat:
         told = pressed("a1", "Secret", UNTOLD, ("condition",))
         await seat.tell(*told, m.ActionDone(run="a1", action="Secret", t=NOW + 2_400_000))
-        row = seat.text("Events").splitlines()[1]
+        row = seat.text("EventList").splitlines()[1]
         assert row.split()[1:] == ["✓", "Secret"]
 
 
@@ -205,15 +205,17 @@ async def test_what_depends_on_the_condition_is_just_running() -> None:
             begun = m.Dispatched(command="c2", driver="robot", latency_us=0, t=NOW)
             await seat.tell(*told, wave, begun)
             await seat.tell(m.Progress(command="c2", expected_us=2_000_000, t=NOW))
-            assert ("left" in seat.text("Events")) is not blind
-            button = next(line for line in seat.text("Panels").splitlines() if "Secret" in line)
+            assert ("left" in seat.text("EventList")) is not blind
+            button = next(
+                line for line in seat.text("ActionPanels").splitlines() if "Secret" in line
+            )
             assert ("2.0" in button) is not blind
 
 
 async def test_a_late_console_has_text_and_sentence() -> None:
     first = msgspec.structs.replace(guide(), recent=raw(pressed("a1", "Food", KRILL)))
     async with sitting(first, size=(160, 50)) as seat:
-        assert "Food “Whales eat four" in seat.text("Events")
+        assert "Food “Whales eat four" in seat.text("EventList")
         assert "This is the krill tank." in seat.text("StopBar")
 
 
@@ -237,7 +239,7 @@ def pressed(run: str, action: str, text: str, tells: tuple[str, ...] = ()) -> li
 
 
 def on_button(seat: Sitting, label: str) -> str:
-    return next(line for line in seat.text("Panels").splitlines() if f" {label} " in line)
+    return next(line for line in seat.text("ActionPanels").splitlines() if f" {label} " in line)
 
 
 async def test_a_button_shows_what_its_run_says_and_not_what_the_next_would_say() -> None:

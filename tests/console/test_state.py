@@ -8,7 +8,7 @@ from tests.console.scripted import raw
 from tests.replay.logs import stamped
 from woz_tui.console.console_state import DONE_US, ConsoleState
 from woz_tui.console.message_feed import Incoming
-from woz_tui.console.view_models import State
+from woz_tui.console.view_models import ButtonState
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.welcome import Settings
@@ -24,7 +24,7 @@ def begun(*messages: Incoming, first: r.Welcome | None = None) -> ConsoleState:
     return picture
 
 
-def state(picture: ConsoleState, action: str, now: int = NOW) -> State:
+def state(picture: ConsoleState, action: str, now: int = NOW) -> ButtonState:
     for panel in picture.panels:
         for view in panel.actions:
             if view.name == action:
@@ -75,12 +75,12 @@ def test_time_goes_on_between_messages_and_never_back_for_a_late_one() -> None:
 
 def test_an_action_is_queued_then_runs_then_is_done_for_a_moment() -> None:
     picture = begun(requested())
-    assert state(picture, "Hello") is State.QUEUED
+    assert state(picture, "Hello") is ButtonState.QUEUED
     picture.take([command(), dispatched()], 0)
-    assert state(picture, "Hello") is State.RUNNING
+    assert state(picture, "Hello") is ButtonState.RUNNING
     picture.take([m.ActionDone(run="a1", action="Hello", t=NOW + 100)], 0)
-    assert state(picture, "Hello", NOW + 100) is State.DONE
-    assert state(picture, "Hello", NOW + 101 + DONE_US) is State.READY
+    assert state(picture, "Hello", NOW + 100) is ButtonState.DONE
+    assert state(picture, "Hello", NOW + 101 + DONE_US) is ButtonState.READY
     assert not picture.runs.active
 
 
@@ -125,11 +125,11 @@ def test_a_failure_stays_until_it_is_seen() -> None:
         m.ActionFailed(run="a1", action="Hello", reason="voice: no sound card", t=NOW),
     )
     later = NOW + 3_600_000_000
-    assert state(picture, "Hello", later) is State.FAILED
+    assert state(picture, "Hello", later) is ButtonState.FAILED
     (failure,) = picture.unseen()
     assert (failure.reason, failure.remedy) == ("voice: no sound card", "plug it in")
     picture.see_failures()
-    assert state(picture, "Hello", later) is State.READY
+    assert state(picture, "Hello", later) is ButtonState.READY
     assert picture.unseen() == []
 
 
@@ -149,7 +149,7 @@ def test_a_failure_that_worked_later_gives_the_button_back_but_is_not_forgotten(
         *scenes.played("a1", "Hello", NOW - 90_000_000, 1, how="failed", reason="broken"),
         *scenes.played("a2", "Hello", NOW - 80_000_000, 1),
     )
-    assert state(picture, "Hello") is State.READY
+    assert state(picture, "Hello") is ButtonState.READY
     assert len(picture.unseen()) == 1
 
 
@@ -158,9 +158,9 @@ def test_refused_and_stopped_show_for_a_while() -> None:
         *scenes.played("a1", "Hello", NOW, 0, how="refused", reason="stale"),
         *scenes.played("a2", "Map", NOW, 0, how="stopped"),
     )
-    assert state(picture, "Hello") is State.REFUSED
-    assert state(picture, "Map") is State.STOPPED
-    assert state(picture, "Hello", NOW + 60_000_000) is State.READY
+    assert state(picture, "Hello") is ButtonState.REFUSED
+    assert state(picture, "Map") is ButtonState.STOPPED
+    assert state(picture, "Hello", NOW + 60_000_000) is ButtonState.READY
 
 
 def test_locked_panels_and_lost_drivers() -> None:
@@ -168,14 +168,14 @@ def test_locked_panels_and_lost_drivers() -> None:
         m.PanelLocked(panel="Gestures", locked=True, t=NOW),
         m.DriverLost(driver="voice", detail="unplugged", t=NOW),
     )
-    assert state(picture, "Nod") is State.LOCKED
-    assert state(picture, "Hello") is State.UNREACHABLE
-    assert state(picture, "Happy") is State.READY
+    assert state(picture, "Nod") is ButtonState.LOCKED
+    assert state(picture, "Hello") is ButtonState.UNREACHABLE
+    assert state(picture, "Happy") is ButtonState.READY
     picture.take(
         [m.PanelLocked(panel="Gestures", locked=False), m.DriverConnected(driver="voice")], 0
     )
-    assert state(picture, "Nod") is State.READY
-    assert state(picture, "Hello") is State.READY
+    assert state(picture, "Nod") is ButtonState.READY
+    assert state(picture, "Hello") is ButtonState.READY
 
 
 def test_a_verb_of_two_drivers_is_reachable_while_one_is_left() -> None:
@@ -183,9 +183,9 @@ def test_a_verb_of_two_drivers_is_reachable_while_one_is_left() -> None:
         scenes.welcome(), verbs={"left": ["say"], "right": ["say"]}, drivers=["left", "right"]
     )
     picture = begun(m.DriverLost(driver="left"), first=first)
-    assert state(picture, "Hello") is State.READY
+    assert state(picture, "Hello") is ButtonState.READY
     picture.take([m.DriverLost(driver="right")], 0)
-    assert state(picture, "Hello") is State.UNREACHABLE
+    assert state(picture, "Hello") is ButtonState.UNREACHABLE
 
 
 def stopped(picture: ConsoleState) -> object:
@@ -331,7 +331,7 @@ def test_state_is_taken_without_a_line_recent_with_one() -> None:
     )
     picture = begun(first=first)
     assert [event.text for event in picture.events] == ["late"]
-    assert state(picture, "Map") is State.RUNNING
+    assert state(picture, "Map") is ButtonState.RUNNING
 
 
 def test_unknown_and_broken_lines_in_a_welcome_are_passed_over() -> None:
@@ -360,7 +360,7 @@ def test_a_reload_replaces_panels_and_keeps_what_runs() -> None:
     picture.take([shorter], 0)
     assert picture.edition > edition
     assert (picture.title, picture.position, len(picture.panels)) == ("Guide 2", 1, 1)
-    assert state(picture, "Hello") is State.RUNNING
+    assert state(picture, "Hello") is ButtonState.RUNNING
 
 
 def test_a_reload_brings_every_setting_that_it_can_change() -> None:

@@ -11,7 +11,7 @@ import pytest
 
 from tests.fakes.host import FakeHost, stops
 from tests.fakes.terminal import FakeTerminal
-from woz_tui.console.cells import pasted
+from woz_tui.console.cells import clean_paste
 from woz_tui.protocol.messages import Marker
 from woz_tui.protocol.requests import AskAction, AskMarker, AskNote, AskStop
 
@@ -172,7 +172,7 @@ def test_a_paste_into_a_field_holds_nothing_that_a_terminal_obeys(
     ],
 )
 def test_what_is_left_of_a_paste(text: str, kept: str) -> None:
-    assert pasted(text) == kept
+    assert clean_paste(text) == kept
 
 
 def test_keys_behind_a_key_that_opens_a_text_field_go_into_it(

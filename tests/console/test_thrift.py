@@ -15,7 +15,7 @@ from textual.strip import Strip
 from tests.console import bodies
 from tests.console.driving import sitting
 from woz_tui.console.cells import Cells, Row, differences, length
-from woz_tui.console.partial_update import tight
+from woz_tui.console.partial_update import cropped
 
 WIDTH, HEIGHT = 24, 3
 _MOVE = re.compile(r"\x1b\[(?P<line>\d+);(?P<column>\d+)H|\x1b\[[\d;]*m|(?P<text>[^\x1b]+)")
@@ -57,7 +57,7 @@ def shown(sent: str, before: list[str]) -> list[str]:
 def test_all_cells_that_changed_are_sent_and_no_others(
     before: list[str], after: list[str], cuts: list[int], spans: list[tuple[int, int, int]]
 ) -> None:
-    made = tight(update(after, cuts, spans))
+    made = cropped(update(after, cuts, spans))
     assert isinstance(made, ChopsUpdate)
     sent = made.render_segments(Console(force_terminal=True, color_system="truecolor"))
     wanted = [list(line) for line in before]
@@ -67,8 +67,8 @@ def test_all_cells_that_changed_are_sent_and_no_others(
 
 
 def test_other_updates_go_through_as_they_are() -> None:
-    assert tight(None) is None
-    assert tight("text") == "text"
+    assert cropped(None) is None
+    assert cropped("text") == "text"
 
 
 @given(st.text("ab ●⣿é", max_size=30), st.text("ab ●⣿é", max_size=30), st.booleans())

@@ -12,7 +12,7 @@ from textual.screen import Screen
 from tests.console import engaged, scenes
 from tests.console.driving import Sitting, sitting
 from tests.console.test_thrift import shown
-from woz_tui.console.partial_update import tight
+from woz_tui.console.partial_update import cropped
 from woz_tui.protocol import messages as m
 
 NOW, SECOND = scenes.NOW, scenes.SECOND
@@ -35,7 +35,7 @@ class Glass:
 
         def watched(screen: Screen[object], update: RenderableType | None) -> None:
             if update is not None:
-                self._take(screen, tight(update))
+                self._take(screen, cropped(update))
             display(screen, update)
 
         monkeypatch.setattr(seat.console, "_display", watched)

@@ -53,7 +53,7 @@ async def test_the_cue_stands_large_above_the_panels(size: tuple[int, int]) -> N
         board = seat.text("CueBoard")
         assert "How old is it?" in board
         assert seat.console._surface.cue.size.height >= 3
-        assert "Hello" in seat.text("Panels")
+        assert "Hello" in seat.text("ActionPanels")
         await seat.tell(m.CueAnswered(cue="q1", judged="wrong", reaction_us=900_000, t=NOW))
         assert "How old is it?" not in seat.text("CueBoard")
         assert "wrong" in seat.text("CueBoard")

@@ -7,7 +7,7 @@ import pytest
 from tests.console import scenes, studied
 from tests.console.driving import sitting
 from woz_tui.console.screens.questionnaire import QuestionnaireDialog
-from woz_tui.console.screens.trial import OfferDialog, TrialDialog, stands
+from woz_tui.console.screens.trial import OfferDialog, TrialDialog, trial_status
 from woz_tui.console.study.study_view import Study
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -60,28 +60,28 @@ async def test_a_break_and_its_end() -> None:
         await seat.press("asterisk", "p")
         await seat.tell(m.BreakStarted(t=NOW))
         await seat.pass_time(65)
-        assert "break 01:05" in seat.text("Status")
+        assert "break 01:05" in seat.text("StatusLines")
         await seat.press("asterisk", "r")
         asked = [request.what for request in seat.feed.asked if isinstance(request, r.AskTrial)]
         assert asked == ["break", "resume"]
         await seat.tell(m.BreakEnded(t=NOW + 66 * SECOND))
-        assert "break" not in seat.text("Status")
+        assert "break" not in seat.text("StatusLines")
 
 
 async def test_the_header_counts_trials_and_their_time_without_jumping() -> None:
     async with sitting(studied.welcome(studied.trial(ago=59)), size=(120, 40)) as seat:
-        first = seat.text("Status").splitlines()[0]
+        first = seat.text("StatusLines").splitlines()[0]
         assert "trial 3 of 4 00:59" in first
         await seat.pass_time(62)
-        second = seat.text("Status").splitlines()[0]
+        second = seat.text("StatusLines").splitlines()[0]
         assert "trial 3 of 4 02:01" in second
         assert first.index("session") == second.index("session")
 
 
 async def test_a_small_screen_has_the_trial_too() -> None:
     async with sitting(studied.welcome(studied.trial())) as seat:
-        assert "trial 3/4 02:41" in seat.text("Status")
-        assert "cold" in seat.text("Status")
+        assert "trial 3/4 02:41" in seat.text("StatusLines")
+        assert "cold" in seat.text("StatusLines")
 
 
 async def test_what_a_trial_demands_is_offered_when_it_is_done() -> None:
@@ -250,7 +250,7 @@ async def test_what_was_not_ticked_is_told_with_the_first_trial() -> None:
         await seat.tell(studied.trial(1, "warm", ago=0))
         assert "2 not ticked in the preflight" in seat.text("StopBar")
         assert "lists them)" in seat.text("StopBar"), "the key that opens the list is named"
-        assert f"▲ Trial 1 of 4 begins  not ticked: {studied.CHECKS[0]}" in seat.text("Events")
+        assert f"▲ Trial 1 of 4 begins  not ticked: {studied.CHECKS[0]}" in seat.text("EventList")
         assert seat.console.dialog is None
 
 
@@ -375,13 +375,14 @@ def test_another_participant_begins_anew() -> None:
 
 
 def test_where_a_session_stands_in_words() -> None:
-    assert stands(Study(), NOW) == "no trial yet"
+    assert trial_status(Study(), NOW) == "no trial yet"
     single = study(
         studied.assigned(["warm"]), studied.trial(1), over(1),
         design={"order": "latin-square", "within": False, "trials": 1},
     )  # fmt: skip
-    assert stands(single, NOW) == "the trial is over"
-    assert stands(study(), NOW) == "no trial yet, 4 planned"
+    assert trial_status(single, NOW) == "the trial is over"
+    assert trial_status(study(), NOW) == "no trial yet, 4 planned"
     assert (
-        stands(study(studied.trial(2), over(2, "aborted")), NOW) == "trial 2 of 4 is over: aborted"
+        trial_status(study(studied.trial(2), over(2, "aborted")), NOW)
+        == "trial 2 of 4 is over: aborted"
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from woz_tui.console.command_text import words
+from woz_tui.console.command_text import command_words
 from woz_tui.protocol import messages as m
 
 
@@ -35,4 +35,4 @@ from woz_tui.protocol import messages as m
     ],
 )
 def test_a_command_in_words(verb: str, args: dict[str, m.Json], told: str) -> None:
-    assert words(m.Command(command="c1", verb=verb, args=args, source="key", t=0)) == told
+    assert command_words(m.Command(command="c1", verb=verb, args=args, source="key", t=0)) == told

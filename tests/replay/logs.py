@@ -9,7 +9,7 @@ from typing import Any
 import msgspec
 
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.event_sentences import Event
+from woz_tui.console.event_sentences import EventLine
 from woz_tui.console.view_models import SensorView
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
@@ -152,7 +152,7 @@ def story() -> list[m.AnyMessage]:
     return stamped(sorted(timed, key=lambda pair: pair[0]))
 
 
-def _words(event: Event) -> object:
+def _words(event: EventLine) -> object:
     """An event; how a trial began is told by what is known of the study when it is read."""
     return (event.t, event.text) if event.text.startswith("Trial") else event
 

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 import pytest
 
 from tests.replay.logs import KeptSamples, reel_of, story
-from woz_tui.console.message_feed import Feed, Incoming
+from woz_tui.console.message_feed import Incoming, MessageFeed
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -59,7 +59,7 @@ def _kind(kind: type[m.Message]) -> Callable[[Incoming], bool]:
 
 
 def test_it_has_the_shape_of_a_feed() -> None:
-    feed: Feed = ReplayFeed(Player(reel_of([])))
+    feed: MessageFeed = ReplayFeed(Player(reel_of([])))
     assert feed.line_ok
 
 

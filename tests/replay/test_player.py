@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from tests.replay.logs import SECOND, START, Viewer, distance, reel_of, stamped, story
-from woz_tui.console.view_models import State
+from woz_tui.console.view_models import ButtonState
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import ActionView, PanelView
@@ -60,7 +60,7 @@ def test_nothing_runs_on_while_it_stands_still() -> None:
     it = viewer()
     it.wait(9)
     running = it.picture.standing(*_action(it, "Go"), it.picture.now(it.now))
-    assert running.state is State.RUNNING
+    assert running.state is ButtonState.RUNNING
     assert it.do("pause").ok
     it.wait(600, ticks=7)
     assert it.picture.now(it.now) == 9 * SECOND
@@ -68,7 +68,7 @@ def test_nothing_runs_on_while_it_stands_still() -> None:
     assert it.do("pause").ok
     it.wait(3)
     assert it.picture.now(it.now) == 12 * SECOND
-    assert it.picture.standing(*_action(it, "Go"), it.picture.now(it.now)).state is State.DONE
+    assert it.picture.standing(*_action(it, "Go"), it.picture.now(it.now)).state is ButtonState.DONE
 
 
 def _action(it: Viewer, name: str) -> tuple[PanelView, ActionView]:

@@ -17,7 +17,7 @@ from woz_tui.config.keys.console_keys import BUILTIN, Builtin
 
 if TYPE_CHECKING:
     from woz_tui.console.app import Console
-    from woz_tui.console.theme import Look
+    from woz_tui.console.theme import Appearance
 
 #: Collecting young objects is quick, a full collection is not: it must not fall into a key press.
 GC_THRESHOLDS = (50_000, 20, 100)
@@ -47,7 +47,7 @@ class ScreenOptions:
 
 def refusal() -> str:
     """Why the console cannot be opened on this terminal; empty if it can."""
-    from woz_tui.console.leaving import refusal as refused  # noqa: PLC0415
+    from woz_tui.console.exit_handler import missing_terminal as refused  # noqa: PLC0415
 
     return refused(sys.stdin, sys.stdout, os.environ)
 
@@ -69,12 +69,12 @@ def make_console(options: ScreenOptions) -> Console:
     """
     from woz_tui.config.keys.terminals import detected  # noqa: PLC0415
     from woz_tui.console.app import Console  # noqa: PLC0415
-    from woz_tui.console.host_connection import Link  # noqa: PLC0415
+    from woz_tui.console.host_connection import HostConnection  # noqa: PLC0415
     from woz_tui.console.keyboard import Keyboard  # noqa: PLC0415
     from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
 
     look, stops = found_look(options.theme)
-    link = Link(
+    link = HostConnection(
         options.socket,
         role="watcher" if options.watch else "wizard",
         name=os.environ.get("TERM", ""),
@@ -99,26 +99,26 @@ def make_console(options: ScreenOptions) -> Console:
     return app
 
 
-def found_look(theme: str) -> tuple[Look, tuple[str, ...]]:
+def found_look(theme: str) -> tuple[Appearance, tuple[str, ...]]:
     """What suits this terminal, and the stops that were pressed while it was asked.
 
     `theme` as `add_theme` has it; a choice is remembered.
     """
-    from woz_tui.console.background_colour import ask_ground  # noqa: PLC0415
-    from woz_tui.console.theme import look_for, remember  # noqa: PLC0415
+    from woz_tui.console.background_colour import ask_background  # noqa: PLC0415
+    from woz_tui.console.theme import choose_appearance, save_theme  # noqa: PLC0415
 
     stops: tuple[str, ...] = ()
 
     def light() -> bool | None:
         nonlocal stops
-        found = ask_ground(sys.stdin.fileno(), sys.stdout.fileno())
+        found = ask_background(sys.stdin.fileno(), sys.stdout.fileno())
         stops = found.stops
         return found.light
 
     if theme:
         theme = theme.replace("auto", "")
-        remember(theme, os.environ)
-    look = look_for(os.environ, locale.getencoding(), theme=theme, light=light)
+        save_theme(theme, os.environ)
+    look = choose_appearance(os.environ, locale.getencoding(), theme=theme, light=light)
     return look, stops
 
 
@@ -127,18 +127,18 @@ def open_questionnaire(socket: Path, only: str, theme: str = "") -> tuple[str, i
 
     `only` is the name of the one questionnaire that is shown; empty: all.
     """
-    from woz_tui.console.host_connection import Link  # noqa: PLC0415
+    from woz_tui.console.host_connection import HostConnection  # noqa: PLC0415
     from woz_tui.console.keyboard import Keyboard  # noqa: PLC0415
-    from woz_tui.console.participant_app import Participant  # noqa: PLC0415
+    from woz_tui.console.participant_app import ParticipantApp  # noqa: PLC0415
     from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
 
     look, stops = found_look(theme)
-    link = Link(socket, role="participant", name=os.environ.get("TERM", ""))
+    link = HostConnection(socket, role="participant", name=os.environ.get("TERM", ""))
     link.connect()
     keyboard = Keyboard(link)
     for stop in stops:
         keyboard.stop(stop)
-    app = Participant(
+    app = ParticipantApp(
         link,
         keyboard,
         only=only,

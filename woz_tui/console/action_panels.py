@@ -9,12 +9,12 @@ from rich.cells import cell_len, set_cell_size
 
 from woz_tui.console.cells import Cells, Piece, Row, clean, cut, fit, fit_most
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import Frame, Glyphs
-from woz_tui.console.key_caps import Cap, caption
-from woz_tui.console.number_text import left
-from woz_tui.console.panel_columns import GUTTER, Plan, Slot, behind, plan
+from woz_tui.console.glyphs import Glyphs, PaintFrame
+from woz_tui.console.key_caps import KeyCap, caption
+from woz_tui.console.number_text import time_left
+from woz_tui.console.panel_columns import GUTTER, PanelLayout, Slot, append_panel, lay_out
 from woz_tui.console.sentence_rows import quotation
-from woz_tui.console.view_models import Standing, State
+from woz_tui.console.view_models import ButtonState, ButtonView
 from woz_tui.protocol.panels import PanelView
 from woz_tui.session.typed_actions import PANEL as TYPED
 
@@ -27,35 +27,35 @@ MOST = 32
 SAID = 12
 
 _LOOK = {
-    State.READY: "plain",
-    State.QUEUED: "wait",
-    State.HELD: "wait",
-    State.RUNNING: "run",
-    State.DONE: "good",
-    State.WAITS: "wait",
-    State.FAILED: "bad",
-    State.REFUSED: "warn",
-    State.STOPPED: "warn",
-    State.REPLACED: "warn",
-    State.LOCKED: "muted",
-    State.UNREACHABLE: "muted",
+    ButtonState.READY: "plain",
+    ButtonState.QUEUED: "wait",
+    ButtonState.HELD: "wait",
+    ButtonState.RUNNING: "run",
+    ButtonState.DONE: "good",
+    ButtonState.WAITS: "wait",
+    ButtonState.FAILED: "bad",
+    ButtonState.REFUSED: "warn",
+    ButtonState.STOPPED: "warn",
+    ButtonState.REPLACED: "warn",
+    ButtonState.LOCKED: "muted",
+    ButtonState.UNREACHABLE: "muted",
 }
 
 
 @dataclass(frozen=True, slots=True)
-class Board:
+class PanelSelection:
     """What does not come from messages: key caps, the chosen panel, the key just pressed."""
 
-    caps: Mapping[str, Cap]
+    caps: Mapping[str, KeyCap]
     chosen: int = 0
     pressed: str = ""
 
 
-def cap_width(picture: ConsoleState, board: Board, glyphs: Glyphs) -> int:
+def cap_width(picture: ConsoleState, board: PanelSelection, glyphs: Glyphs) -> int:
     """One width for all key caps, so that labels stand in line."""
     longest = max(
         (
-            cell_len(caption(board.caps.get(action.name, Cap(action.key)), glyphs))
+            cell_len(caption(board.caps.get(action.name, KeyCap(action.key)), glyphs))
             for panel in picture.panels
             for action in panel.actions
         ),
@@ -64,18 +64,20 @@ def cap_width(picture: ConsoleState, board: Board, glyphs: Glyphs) -> int:
     return min(CAP_MOST, max(CAP_LEAST, longest + 2))
 
 
-def arrange(panels: Sequence[PanelView], width: int, height: int, cap: int) -> Plan:
+def arrange(panels: Sequence[PanelView], width: int, height: int, cap: int) -> PanelLayout:
     """The best arrangement of the file's panels; the one of typed sentences comes and grows while
     the wizard works, and nothing may move then.
     """
     own = panels[:-1] if panels and panels[-1].title == TYPED else panels
-    arranged = plan(own or panels, width, height, cap)
+    arranged = lay_out(own or panels, width, height, cap)
     if own and len(own) < len(panels):
-        return behind(arranged, panels[-1], len(own), height)
+        return append_panel(arranged, panels[-1], len(own), height)
     return arranged
 
 
-def panel_rows(picture: ConsoleState, frame: Frame, arranged: Plan, board: Board) -> list[Row]:
+def panel_rows(
+    picture: ConsoleState, frame: PaintFrame, arranged: PanelLayout, board: PanelSelection
+) -> list[Row]:
     """The page with the chosen panel, as large as the frame."""
     page = arranged.page_of(board.chosen)
     cap = cap_width(picture, board, frame.glyphs)
@@ -96,14 +98,16 @@ def panel_rows(picture: ConsoleState, frame: Frame, arranged: Plan, board: Board
     return rows
 
 
-def _slot(picture: ConsoleState, slot: Slot, frame: Frame, board: Board, cap: int) -> Row:
+def _slot(
+    picture: ConsoleState, slot: Slot, frame: PaintFrame, board: PanelSelection, cap: int
+) -> Row:
     panel = picture.front[slot.panel]
     if slot.action is None:
         return _title(picture, slot, frame, slot.panel == board.chosen)
     standing = picture.standing(panel, slot.action, frame.now)
     dim = picture.stop is not None or bool(picture.lost)
-    look = "muted" if dim and standing.state is State.READY else _LOOK[standing.state]
-    key = caption(board.caps.get(slot.action.name, Cap(slot.action.key)), frame.glyphs)
+    look = "muted" if dim and standing.state is ButtonState.READY else _LOOK[standing.state]
+    key = caption(board.caps.get(slot.action.name, KeyCap(slot.action.key)), frame.glyphs)
     keylook = "flash" if board.pressed == slot.action.name else "key" if key else "plain"
     word = "" if _said_above(picture, panel, standing.state) else _word(standing)
     said = quotation(picture.words_on(slot.action.name, standing), frame.glyphs)
@@ -113,14 +117,14 @@ def _slot(picture: ConsoleState, slot: Slot, frame: Frame, board: Board, cap: in
     return ((_centred(key, cap, frame.glyphs.ellipsis), keylook), (" ", "plain"), *body)
 
 
-def _said_above(picture: ConsoleState, panel: PanelView, state: State) -> bool:
+def _said_above(picture: ConsoleState, panel: PanelView, state: ButtonState) -> bool:
     """Whether the title or the status line has the word that would stand on every line here."""
-    if state is State.LOCKED:
+    if state is ButtonState.LOCKED:
         return picture.is_locked(panel)
-    return state is State.UNREACHABLE and len(picture.drivers) == 1
+    return state is ButtonState.UNREACHABLE and len(picture.drivers) == 1
 
 
-def _title(picture: ConsoleState, slot: Slot, frame: Frame, chosen: bool) -> Row:
+def _title(picture: ConsoleState, slot: Slot, frame: PaintFrame, chosen: bool) -> Row:
     panel = picture.front[slot.panel]
     glyphs, width = frame.glyphs, frame.width
     mark = f"{glyphs.here} " if chosen and not slot.again else "  "
@@ -140,15 +144,17 @@ def _centred(text: str, width: int, ellipsis: str) -> str:
 
 
 def _body(
-    texts: tuple[str, str], standing: Standing, how: Piece, room: int, glyphs: Glyphs
+    texts: tuple[str, str], standing: ButtonView, how: Piece, room: int, glyphs: Glyphs
 ) -> tuple[Piece, ...]:
     """Glyph, label, what is said where there is room, and word; while it runs, the ground behind
     them is the time left.
     """
     (label, said), (word, look) = texts, how
-    glyph = " " if standing.state is State.READY else str(getattr(glyphs, standing.state.value))
+    glyph = (
+        " " if standing.state is ButtonState.READY else str(getattr(glyphs, standing.state.value))
+    )
     spare = room - 2 - cell_len(label)
-    timed = standing.state in (State.RUNNING, State.HELD)
+    timed = standing.state in (ButtonState.RUNNING, ButtonState.HELD)
     shown = f" {word} " if word else " "
     if not (word if timed else spare > cell_len(word) + 1):
         shown = ""
@@ -164,34 +170,34 @@ def _body(
     return ((front, "fill"), (set_cell_size(text[len(front) :], room - filled), look))
 
 
-def _word(standing: Standing) -> str:
+def _word(standing: ButtonView) -> str:
     match standing.state:
-        case State.READY | State.DONE:
+        case ButtonState.READY | ButtonState.DONE:
             return ""
-        case State.RUNNING:
-            return "" if standing.left_us is None else left(standing.left_us)
-        case State.HELD:
-            return f"waits {left(standing.left_us or 0)}"
-        case State.WAITS:
+        case ButtonState.RUNNING:
+            return "" if standing.left_us is None else time_left(standing.left_us)
+        case ButtonState.HELD:
+            return f"waits {time_left(standing.left_us or 0)}"
+        case ButtonState.WAITS:
             return "after mode"
-        case State.UNREACHABLE:
+        case ButtonState.UNREACHABLE:
             return f"no {standing.note}"
         case state:
             return str(state.value)
 
 
-class Panels(Cells):
+class ActionPanels(Cells):
     """All panels in one widget; tab and page keys turn the pages."""
 
     def __init__(self, *, id: str | None = None) -> None:  # noqa: A002 - Textual's name
         super().__init__(id=id)
-        self.board = Board({})
-        self._arranged: Plan | None = None
+        self.board = PanelSelection({})
+        self._arranged: PanelLayout | None = None
         self._arranged_for: tuple[object, ...] = ()
         self._needed = 1
         self._needed_for: tuple[object, ...] = ()
 
-    def paint(self, picture: ConsoleState, frame: Frame) -> None:
+    def paint(self, picture: ConsoleState, frame: PaintFrame) -> None:
         """Show the picture's panels as they stand."""
         if not picture.welcomed:
             text = f" Waiting for the robot process{frame.glyphs.ellipsis}"
@@ -199,7 +205,7 @@ class Panels(Cells):
         elif frame.width and frame.height:
             self.show(panel_rows(picture, frame, self.arranged(picture, frame), self.board))
 
-    def arranged(self, picture: ConsoleState, frame: Frame) -> Plan:
+    def arranged(self, picture: ConsoleState, frame: PaintFrame) -> PanelLayout:
         """The arrangement, made anew only when the file or the size has changed."""
         cap = cap_width(picture, self.board, frame.glyphs)
         wanted = (picture.front, frame.width, frame.height, cap)
@@ -254,10 +260,10 @@ class Panels(Cells):
             if any(each.name == action for each in panel.actions):
                 self.board = replace(self.board, chosen=index)
 
-    def bear(self, caps: Mapping[str, Cap]) -> None:
+    def bear(self, caps: Mapping[str, KeyCap]) -> None:
         """Show these key caps."""
         chosen = self.board.chosen if self.board.caps else 0
-        self.board = Board(caps, chosen)
+        self.board = PanelSelection(caps, chosen)
 
     def press(self, action: str) -> None:
         """Let an action's key cap light up; an empty name lets all go dark."""

@@ -16,21 +16,21 @@ from woz_tui.config.keys.console_keys import Builtin, builtins_with
 from woz_tui.config.keys.keymap import key_map
 from woz_tui.config.keys.terminals import PLAIN, STOPS, Terminal
 from woz_tui.config.keys.textual_names import from_textual
-from woz_tui.console.bottom_rows import Bar, News
+from woz_tui.console.bottom_rows import BarInfo, News
 from woz_tui.console.cells import Cells
 from woz_tui.console.commands import COMMANDS, by_key, calls, hints
-from woz_tui.console.event_sentences import Event
-from woz_tui.console.glyphs import Frame
-from woz_tui.console.key_caps import Cap, cap_of, caption, key_name
-from woz_tui.console.keyboard import Press
-from woz_tui.console.main_screen import Surface
-from woz_tui.console.message_feed import Feed
-from woz_tui.console.partial_update import tight
-from woz_tui.console.robot_requests import Desk
+from woz_tui.console.event_sentences import EventLine
+from woz_tui.console.glyphs import PaintFrame
+from woz_tui.console.key_caps import KeyCap, cap_of, caption, key_name
+from woz_tui.console.keyboard import KeyPress
+from woz_tui.console.main_screen import MainScreen
+from woz_tui.console.message_feed import MessageFeed
+from woz_tui.console.partial_update import cropped
+from woz_tui.console.robot_requests import RobotRequests
 from woz_tui.console.robot_settings.step_sizes import ArrowSteps
 from woz_tui.console.screen_app import BEAT, ScreenApp
-from woz_tui.console.screens.dialog import Command, Dialog
-from woz_tui.console.status_rows import Line
+from woz_tui.console.screens.dialog import ConsoleCommand, Dialog
+from woz_tui.console.status_rows import StatusInfo
 from woz_tui.console.study.study_view import Tiding
 from woz_tui.protocol.camera_pictures import PictureShown
 from woz_tui.protocol.messages import StopPressed, TrainingChanged
@@ -38,7 +38,7 @@ from woz_tui.protocol.requests import AskRelease, Reply, Welcome
 
 if TYPE_CHECKING:
     from woz_tui.console.camera.terminal_graphics import Side
-    from woz_tui.console.keyboard import Keyboard, OwnKey
+    from woz_tui.console.keyboard import ConsoleKey, Keyboard
 
 #: Seconds a sentence above the hints stays.
 NEWS_S = 8.0
@@ -65,12 +65,12 @@ class Console(ScreenApp):
 
     def __init__(
         self,
-        feed: Feed,
+        feed: MessageFeed,
         keyboard: Keyboard,
         *,
         terminal: Terminal = PLAIN,
         builtins: Sequence[Builtin] = (),
-        commands: Sequence[Command] = COMMANDS,
+        commands: Sequence[ConsoleCommand] = COMMANDS,
         restart: Callable[[], None] | None = None,
         ask_participant: bool = False,
         pictures: str = "auto",
@@ -80,12 +80,12 @@ class Console(ScreenApp):
         self.pictures = pictures
         self.side: Side | None = None
         self.terminal = terminal
-        self.commands: Mapping[str, Command] = by_key(commands)
+        self.commands: Mapping[str, ConsoleCommand] = by_key(commands)
         own = [key for command in commands for key in command.keys if key.chord]
         self._builtins = builtins or own
         self.keymap = key_map((), terminal, builtins=self._builtins)
-        self.caps: Mapping[str, Cap] = {}
-        self.desk = Desk(
+        self.caps: Mapping[str, KeyCap] = {}
+        self.requests = RobotRequests(
             feed,
             self.picture,
             ArrowSteps(keyboard),
@@ -105,7 +105,7 @@ class Console(ScreenApp):
         self._news_until = self._flash_until = 0
         self._stop_asked: int | None = None
         self._painted = 0
-        self._surface = Surface()
+        self._surface = MainScreen()
         self._panels = self._surface.panels
 
     # -- putting together ---------------------------------------------------------------------
@@ -164,7 +164,7 @@ class Console(ScreenApp):
                 if isinstance(message, Reply):
                     self._replied(message)
                 elif isinstance(message, PictureShown):
-                    self.desk.pictured(message)
+                    self.requests.pictured(message)
                 elif isinstance(message, Welcome):
                     self.picture.runs.read_refusal()  # an old one
                     self._welcomed(message)
@@ -177,7 +177,7 @@ class Console(ScreenApp):
             self.news(self._sentence(tiding), tiding.look)
         for why in self.inbox.losses():
             self.picture.lose(why)
-            self.desk.forget()
+            self.requests.forget()
             if not self._was_lost:
                 self._was_lost, self._lost_t = True, self.picture.now(local)
                 calls("screens.lost:open_lost")(self)
@@ -204,7 +204,7 @@ class Console(ScreenApp):
         return f"{text} ({key} {does})" if key else text
 
     def _replied(self, reply: Reply) -> None:
-        self.desk.replied(reply)
+        self.requests.replied(reply)
 
     def _welcomed(self, welcome: Welcome) -> None:
         """The robot process is there, for the first time or again."""
@@ -244,11 +244,11 @@ class Console(ScreenApp):
         self._panels.bear(self.caps)
         self.keyboard.bind(self.keymap.table, self._own_keys())
         self.keyboard.verbs = picture.verbs
-        self.desk.arrows.adopt(picture.settings.steps)
+        self.requests.arrows.adopt(picture.settings.steps)
         if self.keymap.warnings:
             self.news(self.keymap.warnings[0], "warn")
 
-    def _own_keys(self) -> dict[str, OwnKey]:
+    def _own_keys(self) -> dict[str, ConsoleKey]:
         """What arrives, and which command it is the key of."""
         table = self.keymap.builtin_table
         return {chord: self.commands[name] for chord, name in table.items()}
@@ -265,7 +265,7 @@ class Console(ScreenApp):
         self.side = side
 
     def _show(self, now: int) -> None:
-        bar = Bar(
+        bar = BarInfo(
             self._news,
             self._hints(),
             self._key("script_next"),
@@ -276,15 +276,15 @@ class Console(ScreenApp):
             then=tuple(map(self._cap_and_label, self.picture.then)),
         )
         keys = self._key("failures"), self._key("phase_next")
-        line = Line(self.feed.line_ok, self.feed.round_trip_us, *keys)
+        line = StatusInfo(self.feed.line_ok, self.feed.round_trip_us, *keys)
         frame = functools.partial(self._frame, now)
         self._surface.events.key = self._key("events")
         self._surface.paint(self.picture, frame, line, bar, self.size)
         if self.dialog is not None and self.dialog.is_mounted:
             self.dialog.refreshed()
 
-    def _frame(self, now: int, widget: Cells) -> Frame:
-        return Frame(widget.size.width, widget.size.height, now, self.look.glyphs)
+    def _frame(self, now: int, widget: Cells) -> PaintFrame:
+        return PaintFrame(widget.size.width, widget.size.height, now, self.look.glyphs)
 
     def _hints(self) -> tuple[tuple[str, str], ...]:
         named = ((self._key(name), word) for name, word in hints(self.picture, self.commands))
@@ -315,7 +315,7 @@ class Console(ScreenApp):
 
     def _display(self, screen: Screen[object], renderable: RenderableType | None) -> None:
         """As Textual does, with fewer bytes."""
-        super()._display(screen, tight(renderable))
+        super()._display(screen, cropped(renderable))
         if self.dialog is not None:
             self.dialog.displayed(renderable)
 
@@ -329,12 +329,12 @@ class Console(ScreenApp):
 
     def _with_key(self, action: str) -> str:
         """`Hello (h)`."""
-        label, cap = self.picture.label(action), self.caps.get(action, Cap(""))
+        label, cap = self.picture.label(action), self.caps.get(action, KeyCap(""))
         return f"{label} ({caption(cap, self.look.glyphs)})" if cap.chord else label
 
     def _cap_and_label(self, action: str) -> tuple[str, str]:
         """One without a key is the first in the finder."""
-        cap = caption(self.caps.get(action, Cap("")), self.look.glyphs)
+        cap = caption(self.caps.get(action, KeyCap("")), self.look.glyphs)
         return cap or self._key("find"), self.picture.label(action)
 
     def walk(self, by: int) -> None:
@@ -370,7 +370,7 @@ class Console(ScreenApp):
             self._alt_told = True
             now = self.picture.now(self.clock.now_us())
             text = "This terminal sends escape with alt"
-            self.picture.events.append(Event(now, "warning", text, "escape is the stop"))
+            self.picture.events.append(EventLine(now, "warning", text, "escape is the stop"))
             self.paint()
 
     def _prefix(self, prefix: str) -> None:
@@ -421,7 +421,7 @@ class Console(ScreenApp):
             if (top := self.dialog) is not None and top is not below:
                 top.opened_by = command.name
         elif command.sends is not None and not command.verb:
-            self.desk.ask(command.sends(Press()))
+            self.requests.ask(command.sends(KeyPress()))
 
     def _key_in_dialog(self, name: str | None) -> bool:
         """Closing and releasing the stop work in every dialog; the rest is the dialog's."""

@@ -15,7 +15,7 @@ import time
 from dataclasses import dataclass
 
 from woz_tui.console.byte_scanner import Scanner
-from woz_tui.console.input_tokens import Reply, Stop
+from woz_tui.console.input_tokens import StopToken, TerminalReply
 
 QUESTION = b"\x1b]11;?\x1b\\"
 #: How long the answer may take, in seconds.
@@ -25,14 +25,14 @@ _LIGHT = 500
 
 
 @dataclass(frozen=True, slots=True)
-class Ground:
+class Background:
     """Whether the ground is light (None: nobody knows), and the stops that were pressed."""
 
     light: bool | None = None
     stops: tuple[str, ...] = ()
 
 
-def ask_ground(source: int, target: int, window_s: float = WINDOW_S) -> Ground:
+def ask_background(source: int, target: int, window_s: float = WINDOW_S) -> Background:
     """Ask the terminal at the descriptors `source` and `target`; never raises because of it.
 
     Keys other than the stop are dropped: there is nothing yet that they could mean.
@@ -40,7 +40,7 @@ def ask_ground(source: int, target: int, window_s: float = WINDOW_S) -> Ground:
     try:
         before = termios.tcgetattr(source)
     except termios.error:
-        return Ground()
+        return Background()
     quiet = [*before]
     quiet[3] &= ~(termios.ICANON | termios.ECHO | termios.ISIG)
     try:
@@ -48,13 +48,13 @@ def ask_ground(source: int, target: int, window_s: float = WINDOW_S) -> Ground:
         os.write(target, QUESTION)
         return _heard(source, time.monotonic() + window_s)
     except (OSError, termios.error):
-        return Ground()
+        return Background()
     finally:
         with contextlib.suppress(termios.error):
             termios.tcsetattr(source, termios.TCSANOW, before)
 
 
-def _heard(source: int, until: float) -> Ground:
+def _heard(source: int, until: float) -> Background:
     scanner = Scanner()
     scanner.expects_ground = True
     light: bool | None = None
@@ -70,14 +70,18 @@ def _heard(source: int, until: float) -> Ground:
         else:
             data, tokens = b"-", scanner.expire()
         for token in tokens:
-            if isinstance(token, Stop):
+            if isinstance(token, StopToken):
                 stops.append(token.source)
-            elif isinstance(token, Reply) and token.what == "ground" and len(token.values) == 3:
+            elif (
+                isinstance(token, TerminalReply)
+                and token.what == "ground"
+                and len(token.values) == 3
+            ):
                 light = _brightness(token.values) >= _LIGHT
         if not data:
             break
-    stops += [token.source for token in scanner.close() if isinstance(token, Stop)]
-    return Ground(light, tuple(stops))
+    stops += [token.source for token in scanner.close() if isinstance(token, StopToken)]
+    return Background(light, tuple(stops))
 
 
 def _brightness(colour: tuple[int, ...]) -> float:

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 
 from rich.cells import cell_len
 
-from woz_tui.console.cells import Cells, Row, clean, cut, fit, hung, length, spread
+from woz_tui.console.cells import Cells, Row, clean, cut, fit, length, spread, wrap_row
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import Frame, Glyphs
+from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.number_text import elapsed, millis
 from woz_tui.console.robot_settings.stop_confirmation import confirmed_words, missing_row
 from woz_tui.console.script_row import script_row, upcoming
@@ -27,7 +27,7 @@ class News:
 
 
 @dataclass(frozen=True, slots=True)
-class Bar:
+class BarInfo:
     """What does not come from messages.
 
     `news` takes the place of the `hints` (keys with a word each) for a while; `page` stands behind
@@ -48,7 +48,7 @@ class Bar:
     then: tuple[tuple[str, str], ...] = ()
 
 
-def bar_rows(picture: ConsoleState, frame: Frame, bar: Bar) -> list[Row]:
+def bar_rows(picture: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
     """As many rows as the frame has, two at least. What is urgent takes the lowest."""
     lines = max(2, frame.height)
     urgent = _urgent(picture, frame, bar)
@@ -67,7 +67,7 @@ def bar_rows(picture: ConsoleState, frame: Frame, bar: Bar) -> list[Row]:
     return rows
 
 
-def _urgent(picture: ConsoleState, frame: Frame, bar: Bar) -> list[Row]:
+def _urgent(picture: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
     """What the wizard must know now, in two rows at most."""
     glyphs, width, asked_us = frame.glyphs, frame.width, bar.asked_us
     if picture.ended and picture.lost and asked_us is None:
@@ -92,7 +92,7 @@ def _told(news: News, glyphs: Glyphs, width: int) -> list[Row]:
     """News on one line, or on two if it takes them: the remedy stands at its end."""
     if not news.text:
         return []
-    first, *rest = hung(((f" {glyphs.plain(clean(news.text))}", news.look),), 1, width)
+    first, *rest = wrap_row(((f" {glyphs.plain(clean(news.text))}", news.look),), 1, width)
     rows = [first, sum(rest, ())] if rest else [first]
     return [cut(row, width, glyphs.ellipsis) for row in rows]
 
@@ -144,6 +144,6 @@ def hint_row(hints: tuple[tuple[str, str], ...], width: int, page: str = "") -> 
 class StopBar(Cells):
     """The bar over the whole width at the bottom of every screen."""
 
-    def paint(self, picture: ConsoleState, frame: Frame, bar: Bar) -> None:
+    def paint(self, picture: ConsoleState, frame: PaintFrame, bar: BarInfo) -> None:
         """Show the stop, or the news and hints."""
         self.show(bar_rows(picture, frame, bar))

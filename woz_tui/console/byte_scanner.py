@@ -19,7 +19,7 @@ from collections.abc import Collection
 from enum import Enum, auto
 
 from woz_tui.console.escape_sequences import application_sequence, control_sequence
-from woz_tui.console.input_tokens import Key, Paste, Raw, Reply, Stop, Token
+from woz_tui.console.input_tokens import Key, Paste, Raw, StopToken, TerminalReply, Token
 
 #: How long an ESC at the end of a read may be the beginning of a sequence, in seconds.
 LONE_ESC_S = 0.010
@@ -169,7 +169,7 @@ class Scanner:
         if byte == _ESC:
             self._begin(_In.ESCAPE, byte)
         elif byte == _CTRL_C:
-            self._tokens.append(Stop("ctrl+c", raw))
+            self._tokens.append(StopToken("ctrl+c", raw))
         elif byte in _CONTROLS:
             self._tokens.append(Key(_CONTROLS[byte], raw, raw))
         elif byte < 0x20:
@@ -215,7 +215,7 @@ class Scanner:
             self._held.append(byte)
             self._state = _In.TERMINAL_GROUND
         else:
-            self._tokens.append(Stop("escape", self._release()))
+            self._tokens.append(StopToken("escape", self._release()))
             self._ground(byte)
 
     def _control(self, byte: int) -> None:
@@ -257,7 +257,7 @@ class Scanner:
                 self._break_off()
         elif held.endswith(_GRAPHICS_END):
             said = bytes(held[len(GRAPHICS) : -len(_GRAPHICS_END)])
-            self._tokens.append(Reply("graphics", (int(said == b"OK"),), self._release()))
+            self._tokens.append(TerminalReply("graphics", (int(said == b"OK"),), self._release()))
         elif len(held) > _GRAPHICS_LIMIT or held[-2] == _ESC or not (byte >= 0x20 or byte == _ESC):
             self._break_off()
 
@@ -270,7 +270,7 @@ class Scanner:
                 self._break_off()
         elif byte == _BELL or held.endswith(_GRAPHICS_END):
             said = bytes(held[len(GROUND) :]).rstrip(b"\x07\x1b\\")
-            self._tokens.append(Reply("ground", _colour(said), self._release()))
+            self._tokens.append(TerminalReply("ground", _colour(said), self._release()))
         elif len(held) > _GROUND_LIMIT or held[-2] == _ESC or not (byte >= 0x20 or byte == _ESC):
             self._break_off()
 
@@ -283,19 +283,19 @@ class Scanner:
         else:
             self._release()
             fold = isinstance(token, Key) and token.chord in self._folded
-            self._tokens.append(Stop("escape", token.raw) if fold else token)
+            self._tokens.append(StopToken("escape", token.raw) if fold else token)
 
     def _give_up(self) -> None:
         """The rest does not come: a piece of the terminal's answer is nobody's stop."""
         if self._state is _In.TERMINAL_GROUND and self._held.startswith(_GROUND_SURE):
-            self._tokens.append(Reply("unknown", (), self._release()))
+            self._tokens.append(TerminalReply("unknown", (), self._release()))
         else:
             self._break_off()
 
     def _break_off(self) -> None:
         """No sequence after all: ESC was the stop, and the bytes behind it count as they are."""
         rest = self._release()[1:]
-        self._tokens.append(Stop("escape", b"\x1b"))
+        self._tokens.append(StopToken("escape", b"\x1b"))
         for byte in rest:
             self._take(byte)
 
@@ -336,10 +336,10 @@ class Scanner:
             self._settle_doubt()
         self._still = self._doubtful = False
         if data[0] == _CTRL_C:
-            self._tokens.append(Stop("ctrl+c", data[:1]))
+            self._tokens.append(StopToken("ctrl+c", data[:1]))
             return data[1:]
         if data[0] == _ESC and not _PASTE_END.startswith(data[: len(_PASTE_END)]):
-            self._tokens.append(Stop("escape", data[:1]))
+            self._tokens.append(StopToken("escape", data[:1]))
             return data[1:]
         self._doubtful = data == b"\x1b"
         return data
@@ -349,7 +349,7 @@ class Scanner:
         self._doubtful = False
         self._still = True
         self._pasted.pop()
-        self._tokens.append(Stop("escape", b"\x1b"))
+        self._tokens.append(StopToken("escape", b"\x1b"))
 
 
 def _colour(said: bytes) -> tuple[int, ...]:

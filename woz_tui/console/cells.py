@@ -17,7 +17,7 @@ from textual.message import Message
 from textual.strip import Strip
 from textual.widget import Widget
 
-from woz_tui.console.glyphs import Frame
+from woz_tui.console.glyphs import PaintFrame
 from woz_tui.system import text_cleaning
 
 Piece = tuple[str, str]
@@ -60,7 +60,7 @@ _WORD = re.compile(r"\s*\S+|\s+")
 NEAR = 8
 
 
-def pasted(text: str) -> str:
+def clean_paste(text: str) -> str:
     """`text` as it may stand in a field: its lines stay lines, whatever ended them, and nothing is
     left that a terminal would obey.
     """
@@ -116,7 +116,7 @@ def spread(left: Row, right: Row, width: int, ellipsis: str = "…") -> Row:
     return cut(left, room, ellipsis) + right
 
 
-def hung(row: Row, indent: int, width: int) -> list[Row]:
+def wrap_row(row: Row, indent: int, width: int) -> list[Row]:
     """A row that is too long as several ones, broken between words, all but the first indented.
 
     A word that is wider than the row stays whole: whoever draws it folds it.
@@ -139,7 +139,7 @@ def hung(row: Row, indent: int, width: int) -> list[Row]:
     return [*rows, tuple(line)]
 
 
-def heading(title: str, frame: Frame) -> Row:
+def heading(title: str, frame: PaintFrame) -> Row:
     """A title with a thin line behind it, over the frame's whole width."""
     rule = frame.glyphs.rule * max(0, frame.width - cell_len(title) - 3)
     return ((f" {title} ", "title"), (rule, "faint"), (" ", "plain"))

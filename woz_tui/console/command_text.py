@@ -26,13 +26,13 @@ _NAMED = frozenset({"play", "sound", "read", "screen"})
 _PLAIN = frozenset({"on", "level", "percent"})
 
 
-def said_in(command: m.Command | m.FilledCall) -> str:
+def spoken_text(command: m.Command | m.FilledCall) -> str:
     """What is said; empty if nothing is. A text that is kept is `UNTOLD`."""
     text = command.args.get("text")
     return text if isinstance(text, str) and command.driver not in PERFORMERS else ""
 
 
-def words(command: m.Command | m.FilledCall) -> str:
+def command_words(command: m.Command | m.FilledCall) -> str:
     """A command in a few words: what is said, or the verb with what it is given."""
     text = command.args.get("text")
     if isinstance(text, str) and text:

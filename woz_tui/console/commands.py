@@ -15,15 +15,15 @@ from typing import Any
 
 from woz_tui.config.keys.console_keys import Builtin, builtin
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.keyboard import Press
+from woz_tui.console.keyboard import KeyPress
 from woz_tui.console.screens.dialog import (
     EVERYBODY,
     WATCHER,
-    Command,
     ConsoleApp,
-    Hint,
+    ConsoleCommand,
+    KeyHint,
 )
-from woz_tui.console.theme import CHOICES, remember
+from woz_tui.console.theme import CHOICES, save_theme
 from woz_tui.protocol.requests import (
     AskAction,
     AskCancel,
@@ -54,12 +54,12 @@ def calls(function: str) -> Run:
     return run
 
 
-def by_key(commands: Iterable[Command]) -> dict[str, Command]:
+def by_key(commands: Iterable[ConsoleCommand]) -> dict[str, ConsoleCommand]:
     """Commands by the ids of all their keys."""
     return {key.id: command for command in commands for key in command.keys}
 
 
-def hints(picture: ConsoleState, commands: Mapping[str, Command]) -> list[tuple[str, str]]:
+def hints(picture: ConsoleState, commands: Mapping[str, ConsoleCommand]) -> list[tuple[str, str]]:
     """Keys worth naming in this session: id and word, the most important first."""
     named = sorted(
         (command.hint.rank, name, command.hint.word)
@@ -70,9 +70,9 @@ def hints(picture: ConsoleState, commands: Mapping[str, Command]) -> list[tuple[
     return [(name, word) for _, name, word in named]
 
 
-def _row(ids: str, run: Run | None = None, **more: Any) -> Command:
+def _row(ids: str, run: Run | None = None, **more: Any) -> ConsoleCommand:
     keys = tuple(key for name in ids.split() if (key := builtin(name)) is not None)
-    return Command(keys, run, **more)
+    return ConsoleCommand(keys, run, **more)
 
 
 def _has_robot(picture: ConsoleState) -> bool:
@@ -87,10 +87,10 @@ def _has_script(picture: ConsoleState) -> bool:
     return bool(picture.script) or not picture.welcomed
 
 
-def _arrow(name: str, verb: str, argument: str, way: int, step: str) -> Command:
+def _arrow(name: str, verb: str, argument: str, way: int, step: str) -> ConsoleCommand:
     """An arrow key. Left, down and forward are positive."""
 
-    def ask(press: Press) -> AskVerb:
+    def ask(press: KeyPress) -> AskVerb:
         return AskVerb(
             verb=verb,
             args={argument: way * float(getattr(press.steps, step))},
@@ -111,21 +111,21 @@ def _script(by: int) -> Run:
     def run(app: ConsoleApp) -> None:
         to = app.picture.position + by
         if 0 <= to <= len(app.picture.script):
-            app.desk.ask(AskScript(play=False, to=to))
+            app.requests.ask(AskScript(play=False, to=to))
 
     return run
 
 
-def _next_phase(press: Press) -> AskPhase:
+def _next_phase(press: KeyPress) -> AskPhase:
     return AskPhase(source="key", key=press.key, age_us=press.age_us, stale=press.stale)
 
 
-def _play_script(press: Press) -> AskScript:
+def _play_script(press: KeyPress) -> AskScript:
     return AskScript(key=press.key, age_us=press.age_us, stale=press.stale)
 
 
-def _repair(move: str, run: Run | None = None) -> Command:
-    def ask(press: Press) -> AskAction:
+def _repair(move: str, run: Run | None = None) -> ConsoleCommand:
+    def ask(press: KeyPress) -> AskAction:
         name = f"repair {move}"
         return AskAction(
             action=name, source="key", key=press.key, age_us=press.age_us, stale=press.stale
@@ -137,7 +137,7 @@ def _repair(move: str, run: Run | None = None) -> Command:
 
 def _interrupt(app: ConsoleApp) -> None:
     """End what is being said, and type what is said instead."""
-    app.desk.ask(AskAction(action="repair interrupt", source="key", key=app.key_of(_INTERRUPT)))
+    app.requests.ask(AskAction(action="repair interrupt", source="key", key=app.key_of(_INTERRUPT)))
     opens("screens.say:SayDialog")(app)
 
 
@@ -145,7 +145,7 @@ def _cut(app: ConsoleApp) -> None:
     """Cut the last run short."""
     active = app.picture.runs.active
     if active:
-        app.desk.ask(AskCancel(run=next(reversed(active))))
+        app.requests.ask(AskCancel(run=next(reversed(active))))
     else:
         app.news("No action is running")
 
@@ -163,51 +163,51 @@ def _next_colours(app: ConsoleApp) -> None:
 
 def _use_colours(app: ConsoleApp, choice: str) -> None:
     app.theme = f"woz-{choice}"
-    remember(choice, os.environ)
+    save_theme(choice, os.environ)
     app.news(f"colours: {choice}; woz begins with them from now on, --theme auto undoes it")
 
 
-def _colours(name: str, choice: str, words: str) -> Command:
+def _colours(name: str, choice: str, words: str) -> ConsoleCommand:
     def run(app: ConsoleApp) -> None:
         _use_colours(app, choice)
 
-    return Command((Builtin(name, "", words),), run, users=WATCHER)
+    return ConsoleCommand((Builtin(name, "", words),), run, users=WATCHER)
 
 
 _INTERRUPT = "repair_interrupt"
 
 COMMANDS = (
-    _row("stop stop_too", found=False, hint=Hint(1, "stop"), users=WATCHER),
+    _row("stop stop_too", found=False, hint=KeyHint(1, "stop"), users=WATCHER),
     _row("release", sends=lambda press: AskRelease(source="key"), found=False),
     _row(
         "script_next",
         sends=_play_script,
         once=True,
         found=False,
-        hint=Hint(2, "script", _has_script),
+        hint=KeyHint(2, "script", _has_script),
     ),
     _row("script_back", _script(-1), opens=False),
     _row("script_on", _script(1), opens=False),
-    _row("phase_next", sends=_next_phase, once=True, hint=Hint(2.5, "phase", _has_phases)),
+    _row("phase_next", sends=_next_phase, once=True, hint=KeyHint(2.5, "phase", _has_phases)),
     _row("phases", opens("screens.phases:PhasesDialog"), users=WATCHER),
-    _row("say", opens("screens.say:SayDialog"), hint=Hint(3, "say")),
+    _row("say", opens("screens.say:SayDialog"), hint=KeyHint(3, "say")),
     _row(
         "find find_too",
         opens("screens.find:FindDialog"),
         found=False,
-        hint=Hint(4, "find"),
+        hint=KeyHint(4, "find"),
         users=WATCHER,
     ),
     _row("peek", opens("screens.peek:PeekDialog"), found=False, users=EVERYBODY),
-    _row("marker", sends=lambda press: AskMarker(), hint=Hint(7, "mark"), users=WATCHER),
-    _row("note", opens("screens.note:NoteDialog"), hint=Hint(8, "note"), users=WATCHER),
-    _row("mistake_last", sends=lambda press: AskMistake(), found=False, hint=Hint(9, "mistake")),
+    _row("marker", sends=lambda press: AskMarker(), hint=KeyHint(7, "mark"), users=WATCHER),
+    _row("note", opens("screens.note:NoteDialog"), hint=KeyHint(8, "note"), users=WATCHER),
+    _row("mistake_last", sends=lambda press: AskMistake(), found=False, hint=KeyHint(9, "mistake")),
     _row("mistake", opens("screens.mistake:MistakeDialog")),
     _row("cut", _cut, opens=False),
     _row(
         "queue",
         opens("screens.queue:QueueDialog"),
-        hint=Hint(0, "queue", lambda picture: bool(picture.runs.waiting)),
+        hint=KeyHint(0, "queue", lambda picture: bool(picture.runs.waiting)),
         users=WATCHER,
     ),
     _row("queue_empty", sends=lambda press: AskEmptyQueue()),
@@ -225,7 +225,7 @@ COMMANDS = (
         "panel_next page_next",
         lambda app: app.walk(1),
         opens=False,
-        hint=Hint(12, "panel"),
+        hint=KeyHint(12, "panel"),
         users=EVERYBODY,
     ),
     _row("panel_back page_back", lambda app: app.walk(-1), opens=False, users=EVERYBODY),
@@ -252,27 +252,27 @@ COMMANDS = (
     _row(
         "robot",
         opens("screens.robot:RobotDialog"),
-        hint=Hint(6, "robot", _has_robot),
+        hint=KeyHint(6, "robot", _has_robot),
         users=EVERYBODY,
     ),
-    _row("move", calls("screens.move:open_move"), hint=Hint(10, "gesture", _has_robot)),
+    _row("move", calls("screens.move:open_move"), hint=KeyHint(10, "gesture", _has_robot)),
     _row(
         "camera",
         opens("screens.camera:CameraDialog"),
-        hint=Hint(11, "camera", _has_robot),
+        hint=KeyHint(11, "camera", _has_robot),
         users=WATCHER,
     ),
     _row("profile", opens("screens.profile:ProfileDialog"), users=WATCHER),
     _row("redraw", lambda app: app.refresh(layout=True), opens=False, users=EVERYBODY),
     _row("theme", _next_colours, users=WATCHER),
-    _row("help", opens("screens.help:HelpDialog"), hint=Hint(5, "keys"), users=WATCHER),
+    _row("help", opens("screens.help:HelpDialog"), hint=KeyHint(5, "keys"), users=WATCHER),
     _row("suspend", _suspend, users=WATCHER),
-    _row("leave", opens("screens.leave:LeaveDialog"), hint=Hint(13, "leave"), users=WATCHER),
-    Command(
+    _row("leave", opens("screens.leave:LeaveDialog"), hint=KeyHint(13, "leave"), users=WATCHER),
+    ConsoleCommand(
         (Builtin("keep_typed", "", "put the typed sentences into a copy of the experiment file"),),
         opens("screens.typed:KeepTypedDialog"),
     ),
-    Command(
+    ConsoleCommand(
         (Builtin("questionnaire", "", "go on with the questionnaire that is being asked"),),
         opens("screens.questionnaire:QuestionnaireDialog"),
         found=False,

@@ -16,17 +16,17 @@ from dataclasses import dataclass, field, replace
 import msgspec
 
 from woz_tui.console.bodies.body_outlines import Outline, outlines_of
-from woz_tui.console.command_text import said_in
+from woz_tui.console.command_text import spoken_text
 from woz_tui.console.engagement.engagement_view import Engaged
 from woz_tui.console.engagement.override_sentences import done_words
-from woz_tui.console.event_sentences import Event, event_of, explained
+from woz_tui.console.event_sentences import EventLine, event_line, explained
 from woz_tui.console.message_feed import Incoming
-from woz_tui.console.profile_view import Profiles
+from woz_tui.console.profile_view import ProfileList
 from woz_tui.console.replay.replay_state import ReplayPicture, following
 from woz_tui.console.robot_settings.robot_outlines import robots_of
-from woz_tui.console.running_actions import Failure, Outcome, Run, Runs
+from woz_tui.console.running_actions import ActiveRun, Failure, RunningActions, RunOutcome
 from woz_tui.console.study.study_view import Study
-from woz_tui.console.view_models import STALE_US, DriverView, SensorView, Standing, State
+from woz_tui.console.view_models import STALE_US, ButtonState, ButtonView, DriverView, SensorView
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.action_messages import HANDS
@@ -82,10 +82,10 @@ class ConsoleState:
     #: What only a screen needs of study, engagement model and actions.
     study: Study = field(init=False)
     engaged: Engaged = field(init=False)
-    runs: Runs = field(init=False)
+    runs: RunningActions = field(init=False)
     #: How the last commands ended, by command.
     ends: dict[str, m.End] = field(default_factory=dict)
-    events: deque[Event] = field(default_factory=lambda: deque(maxlen=EVENTS))
+    events: deque[EventLine] = field(default_factory=lambda: deque(maxlen=EVENTS))
     #: The last act of the wizard or of a program; once it is done, what is likely to follow.
     act: str = ""
     then: tuple[str, ...] = ()
@@ -101,7 +101,11 @@ class ConsoleState:
 
     def __post_init__(self) -> None:
         session = self.session
-        self.study, self.engaged, self.runs = Study(session), Engaged(session), Runs(session)
+        self.study, self.engaged, self.runs = (
+            Study(session),
+            Engaged(session),
+            RunningActions(session),
+        )
 
     # -- what holds -------------------------------------------------------------------------
 
@@ -184,10 +188,10 @@ class ConsoleState:
         return 0 if moved is None else max(0, min(moved.position, len(self.script)))
 
     @property
-    def profiles(self) -> Profiles:
+    def profiles(self) -> ProfileList:
         """Those of the experiment file, and the one in use."""
         settings, changed = self.settings, self.session.profile_changed
-        told = Profiles(settings.profile, tuple(settings.profiles), settings.allows)
+        told = ProfileList(settings.profile, tuple(settings.profiles), settings.allows)
         return told if changed is None else replace(told, current=changed.profile)
 
     @property
@@ -409,7 +413,7 @@ class ConsoleState:
         for event in reversed(self.events):
             if event.run == run:
                 if command.run:
-                    event.say(said_in(command))
+                    event.say(spoken_text(command))
                 event.untimed = event.untimed or self._untold(command)
                 return
 
@@ -430,7 +434,7 @@ class ConsoleState:
                     each for each, view in there.items() if view is not None and not view.locked
                 )
 
-    def _tell(self, message: m.Message, outcome: Outcome | None) -> None:
+    def _tell(self, message: m.Message, outcome: RunOutcome | None) -> None:
         """Put it on the list of events, or its outcome behind the event that began it."""
         if outcome is not None:
             for event in reversed(self.events):
@@ -441,7 +445,7 @@ class ConsoleState:
         if isinstance(message, m.DriverLost | m.DriverConnecting):
             kept = [event for event in self.events if not explained(event, message, self)]
             self.events = deque(kept, maxlen=EVENTS)
-        told = event_of(message, self)
+        told = event_line(message, self)
         if told is None or (self.events and self.events[-1].again(told)):
             return
         if told.model:  # one line says where the model is: the last one
@@ -499,9 +503,9 @@ class ConsoleState:
         if not steps and (action := self.action(name)) is not None:
             return " ".join(map(self.filled, action.utterances))
         calls = (call for step in steps if not isinstance(step, float | int) for call in step)
-        return " ".join(filter(None, dict.fromkeys(map(said_in, calls))))
+        return " ".join(filter(None, dict.fromkeys(map(spoken_text, calls))))
 
-    def words_on(self, name: str, standing: Standing) -> str:
+    def words_on(self, name: str, standing: ButtonView) -> str:
         """What the run of an action says of which its button tells how it stands; where it tells of
         none, what the action would say now.
         """
@@ -541,23 +545,23 @@ class ConsoleState:
         changed = self.session.locks.get(panel.title)
         return panel.locked if changed is None else changed.locked
 
-    def standing(self, panel: PanelView, action: ActionView, now: int) -> Standing:
+    def standing(self, panel: PanelView, action: ActionView, now: int) -> ButtonView:
         """How an action stands at `now`."""
         current = self.runs.of(action.name)
         if current is not None:
             return _under_way(current, now, timed=not self.untimed(action.name))
         outcome = self.runs.outcomes.get(action.name)
         if outcome is not None and now - outcome.t <= _LINGER.get(outcome.how, 0):
-            return Standing(State(outcome.how), note=outcome.reason)
+            return ButtonView(ButtonState(outcome.how), note=outcome.reason)
         failure = self.runs.failure_of(action.name)
         if failure is not None:
-            return Standing(State.FAILED, note=failure.reason)
+            return ButtonView(ButtonState.FAILED, note=failure.reason)
         if action.locked or self.is_locked(panel):
-            return Standing(State.LOCKED)
+            return ButtonView(ButtonState.LOCKED)
         missing = self.missing_driver(action)
         if missing:
-            return Standing(State.UNREACHABLE, note=missing)
-        return Standing(State.READY)
+            return ButtonView(ButtonState.UNREACHABLE, note=missing)
+        return ButtonView(ButtonState.READY)
 
     def missing_driver(self, action: ActionView) -> str:
         """A driver this action needs and that is lost, or an empty string.
@@ -589,12 +593,12 @@ class ConsoleState:
         self.runs.see_all()
 
 
-def _under_way(run: Run, now: int, *, timed: bool) -> Standing:
+def _under_way(run: ActiveRun, now: int, *, timed: bool) -> ButtonView:
     """How an action stands that has been played and is not over."""
     if (held := run.held_for(now)) is not None:
-        return Standing(State.HELD, *held)
+        return ButtonView(ButtonState.HELD, *held)
     left_us, share = run.timing(now) if timed else (None, None)
-    return Standing(State.RUNNING if run.running else State.QUEUED, left_us, share)
+    return ButtonView(ButtonState.RUNNING if run.running else ButtonState.QUEUED, left_us, share)
 
 
 def _decoded(lines: Iterable[msgspec.Raw]) -> list[m.Message]:

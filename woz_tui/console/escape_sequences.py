@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 
-from woz_tui.console.input_tokens import Key, Paste, Raw, Reply, Stop, Token
+from woz_tui.console.input_tokens import Key, Paste, Raw, StopToken, TerminalReply, Token
 
 _SHIFT, _ALT, _CTRL = 1, 2, 4
 _SUPER, _HYPER, _META = 8, 16, 32
@@ -126,7 +126,7 @@ def control_sequence(raw: bytes) -> Token | None:
     if body[:1] in (b"?", b">", b"=", b"<"):
         return _private(raw, body, final)
     if not _FIELDS.match(body):
-        return Reply("unknown", (), raw)
+        return TerminalReply("unknown", (), raw)
     if final in "$^@":
         return _rxvt(raw, body, final)
     return _plain(raw, _numbers(body), final)
@@ -140,12 +140,12 @@ def _private(raw: bytes, body: bytes, final: str) -> Token:
         return Raw(raw)  # a mode's state, which Textual asked for
     values = tuple(field[0] for field in _numbers(body[1:]))
     if final == "c":
-        return Reply("attributes", values, raw)
+        return TerminalReply("attributes", values, raw)
     if body[:1] == b"?" and final == "u":
-        return Reply("kitty", values, raw)
+        return TerminalReply("kitty", values, raw)
     if body[:1] == b"?" and final == "R":
-        return Reply("position", values, raw)
-    return Reply("unknown", values, raw)
+        return TerminalReply("position", values, raw)
+    return TerminalReply("unknown", values, raw)
 
 
 def _rxvt(raw: bytes, body: bytes, final: str) -> Token:
@@ -153,7 +153,7 @@ def _rxvt(raw: bytes, body: bytes, final: str) -> Token:
     fields = _numbers(body)
     key = _TILDES.get(fields[0][0]) if len(fields) == 1 else None
     bits = {"$": _SHIFT, "^": _CTRL, "@": _SHIFT | _CTRL}[final]
-    return _key(key, bits, raw) if key else Reply("unknown", (), raw)
+    return _key(key, bits, raw) if key else TerminalReply("unknown", (), raw)
 
 
 def _plain(raw: bytes, fields: list[list[int]], final: str) -> Token:
@@ -170,9 +170,9 @@ def _report(raw: bytes, fields: list[list[int]], final: str) -> Token | None:
     if final in "Mt" or raw in (b"\x1b[I", b"\x1b[O"):
         return Raw(raw)  # mouse, size of the window, focus gained or lost
     if final == "n":
-        return Reply("status", (fields[0][0],), raw)
+        return TerminalReply("status", (fields[0][0],), raw)
     if final == "R" and not _is_f3(raw, fields):
-        return Reply("position", tuple(field[0] for field in fields), raw)
+        return TerminalReply("position", tuple(field[0] for field in fields), raw)
     return None
 
 
@@ -185,7 +185,7 @@ def _function_key(raw: bytes, fields: list[list[int]], final: str) -> Token:
         return _key(_LETTERS[final.upper()], _SHIFT, raw)
     key = _TILDES.get(first) if final == "~" else _LETTERS.get(final)
     if key is None or _released(fields):
-        return Reply("unknown", (), raw)
+        return TerminalReply("unknown", (), raw)
     # Old tmux: CSI 5 A is ctrl+up, the modifier being the only number.
     modifier = fields[1][0] if len(fields) > 1 else (first if final != "~" else 0)
     return _key(key, modifiers_of(modifier), raw, _readable(raw, key, modifier))
@@ -220,7 +220,7 @@ def _kitty(raw: bytes, fields: list[list[int]]) -> Token:
         return stop
     codes = fields[2] if len(fields) > 2 and fields[2] != [0] else []
     if _released(fields) or not all(map(_character, codes)):
-        return Reply("unknown", (), raw)
+        return TerminalReply("unknown", (), raw)
     if len(codes) > 1:  # put together by an input method: text, not keys
         return Paste("".join(map(_character, codes)), raw)
     if codes and _character(codes[0]).isprintable() and not bits & (_CTRL | _ALT):
@@ -241,10 +241,10 @@ def _xterm(raw: bytes, code: int, bits: int) -> Token:
     return _code_point(raw, code, bits, f"\x1b[{code};{bits + 1}u".encode())
 
 
-def _stop(raw: bytes, codes: list[int], bits: int) -> Stop | None:
+def _stop(raw: bytes, codes: list[int], bits: int) -> StopToken | None:
     if codes[0] == 27:
-        return Stop("escape", raw)
-    return Stop("ctrl+c", raw) if bits & _CTRL and not _C_KEYS.isdisjoint(codes) else None
+        return StopToken("escape", raw)
+    return StopToken("ctrl+c", raw) if bits & _CTRL and not _C_KEYS.isdisjoint(codes) else None
 
 
 def _code_point(raw: bytes, code: int, bits: int, screen: bytes) -> Token:
@@ -256,7 +256,7 @@ def _code_point(raw: bytes, code: int, bits: int, screen: bytes) -> Token:
     if 0xE000 <= code <= 0xF8FF:
         return Raw(screen)  # a modifier by itself, a media key
     if not character or not character.isprintable():
-        return Reply("unknown", (), raw)
+        return TerminalReply("unknown", (), raw)
     if character.isupper() and bits & ~_SHIFT:  # some terminals give the shifted letter's code
         return _key(character.lower(), bits | _SHIFT, raw, screen)
     if bits == _SHIFT and len(character.upper()) == 1 and character.upper() != character:

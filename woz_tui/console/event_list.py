@@ -13,9 +13,9 @@ from rich.cells import cell_len
 
 from woz_tui.console.cells import Cells, Piece, Row, clean, cut, heading
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.event_sentences import Event
-from woz_tui.console.glyphs import Frame
-from woz_tui.console.number_text import elapsed, left, seconds
+from woz_tui.console.event_sentences import EventLine
+from woz_tui.console.glyphs import PaintFrame
+from woz_tui.console.number_text import elapsed, seconds, time_left
 from woz_tui.session.variables import UNTOLD
 
 #: Rows the list may repaint at once, and a second in the long run. A flood of lines moves every row
@@ -53,7 +53,7 @@ LOOK = {
 }
 
 
-def chosen(picture: ConsoleState, height: int, view: str = ALL) -> list[Event]:
+def listed_events(picture: ConsoleState, height: int, view: str = ALL) -> list[EventLine]:
     """The newest events, newest first; failures that nobody has seen stay among them, in half of
     the rows at most: the status line counts all of them, and what happens now is to be seen.
     """
@@ -72,24 +72,26 @@ def chosen(picture: ConsoleState, height: int, view: str = ALL) -> list[Event]:
     return [*reversed(newest), *reversed(pinned)]
 
 
-def _is_in(view: str, event: Event) -> bool:
+def _is_in(view: str, event: EventLine) -> bool:
     """Whether an event belongs to a view by right, and not only where rows are left."""
     if view == MACHINE:
         return event.machine or event.fault
     return event.fault or (view != FAULTS and not event.machine)
 
 
-def event_rows(picture: ConsoleState, frame: Frame, view: str = ALL) -> list[Row]:
+def event_rows(picture: ConsoleState, frame: PaintFrame, view: str = ALL) -> list[Row]:
     """As many rows as the frame is high, at most; the engagement model's is the lowest."""
     model = next((event for event in reversed(picture.events) if event.model), None)
     if model is None or view in (ACTS, FAULTS) or frame.height < MODEL_ROWS:
-        return [event_row(event, picture, frame) for event in chosen(picture, frame.height, view)]
+        return [
+            event_row(event, picture, frame) for event in listed_events(picture, frame.height, view)
+        ]
     height = frame.height - 1
-    rows = [event_row(event, picture, frame) for event in chosen(picture, height, view)]
+    rows = [event_row(event, picture, frame) for event in listed_events(picture, height, view)]
     return [*rows, *[()] * (height - len(rows)), event_row(model, picture, frame)]
 
 
-def event_row(event: Event, picture: ConsoleState, frame: Frame) -> Row:
+def event_row(event: EventLine, picture: ConsoleState, frame: PaintFrame) -> Row:
     """One event: when, its mark, what, details as far as there is room, how long it took."""
     glyphs = frame.glyphs
     look = LOOK.get(event.mark, "plain")
@@ -109,7 +111,7 @@ def event_row(event: Event, picture: ConsoleState, frame: Frame) -> Row:
     return (*front, *cut(body, max(1, room), glyphs.ellipsis), back)
 
 
-def _back(event: Event, picture: ConsoleState, frame: Frame) -> Piece:
+def _back(event: EventLine, picture: ConsoleState, frame: PaintFrame) -> Piece:
     if event.mistake:
         return (" mistake ", "warn")
     if event.took_us is not None:
@@ -121,7 +123,7 @@ def _back(event: Event, picture: ConsoleState, frame: Frame) -> Piece:
     return (" ", "plain")
 
 
-def _under_way(event: Event, picture: ConsoleState, frame: Frame) -> Piece:
+def _under_way(event: EventLine, picture: ConsoleState, frame: PaintFrame) -> Piece:
     run = picture.runs.get(event.run)
     if run is None:
         return (" ", "plain")
@@ -133,11 +135,11 @@ def _under_way(event: Event, picture: ConsoleState, frame: Frame) -> Piece:
     to_go = None if untimed else run.timing(frame.now)[0]
     shown = seconds(frame.now - event.t)
     if to_go is not None:
-        shown = f"{seconds(to_go)} left" if to_go < _MINUTES_US else f"{left(to_go)} left"
+        shown = f"{seconds(to_go)} left" if to_go < _MINUTES_US else f"{time_left(to_go)} left"
     return (f" {shown} ", "run")
 
 
-class Events(Cells):
+class EventList(Cells):
     """The list of events; `view` is what of them."""
 
     view = ALL
@@ -151,7 +153,7 @@ class Events(Cells):
         """Go on to the next view."""
         self.view = VIEWS[(VIEWS.index(self.view) + 1) % len(VIEWS)]
 
-    def paint(self, picture: ConsoleState, frame: Frame) -> None:
+    def paint(self, picture: ConsoleState, frame: PaintFrame) -> None:
         """Show a heading and the newest events; in a flood of them not every time. A
         replay that stands still has no floods.
         """
@@ -160,13 +162,13 @@ class Events(Cells):
         if not picture.rate or self._affords(rows, frame, picture):
             self.show(rows)
 
-    def _heading(self, frame: Frame) -> Row:
+    def _heading(self, frame: PaintFrame) -> Row:
         """Title, rule, at the right the view and the key that turns it, where there is room."""
         turns = f"{self.view} {frame.glyphs.middle} {self.key} filters" if self.key else self.view
         bare = heading("Events", replace(frame, width=max(0, frame.width - cell_len(turns) - 1)))
         return (*bare, (turns, "muted"), (" ", "plain"))
 
-    def _affords(self, rows: list[Row], frame: Frame, picture: ConsoleState) -> bool:
+    def _affords(self, rows: list[Row], frame: PaintFrame, picture: ConsoleState) -> bool:
         """Whether so many rows may change now; a new size or a new beginning is always drawn."""
         passed_us = max(0, frame.now - self._painted_us) / picture.rate
         self._painted_us = frame.now

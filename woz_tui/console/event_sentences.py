@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from woz_tui.config.session_verbs import ENGAGEMENT
-from woz_tui.console.command_text import words
+from woz_tui.console.command_text import command_words
 from woz_tui.console.engagement.engagement_text import sentence, why
 from woz_tui.console.engagement.engagement_view import texts
 from woz_tui.console.robot_settings.stop_confirmation import missing_words
-from woz_tui.console.running_actions import Outcome, looks
+from woz_tui.console.running_actions import RunOutcome, shown_outcome
 from woz_tui.console.study.study_sentences import TELLERS, line_of
 from woz_tui.console.study.study_view import Study
 from woz_tui.console.view_models import DriverView
@@ -87,7 +87,7 @@ class Shown(Protocol):
 
 
 @dataclass(slots=True)
-class Event:
+class EventLine:
     """One line of the list.
 
     `mark` names its glyph and colour (running, done, failed, refused, stopped, replaced, info,
@@ -122,7 +122,7 @@ class Event:
         """Something is wrong: no view hides it."""
         return self.mark in _FAULTS
 
-    def again(self, other: Event) -> bool:
+    def again(self, other: EventLine) -> bool:
         """Take in the same step made once more, so that a held or repeated key is one line."""
         same = bool(self.run) and self.text == other.text and not self.mistake
         bare = not self.action and not other.action and not self.text.startswith("“")
@@ -139,7 +139,7 @@ class Event:
         if text and text not in self.said:
             self.said = f"{self.said} {text}".strip()
 
-    def end(self, outcome: Outcome) -> None:
+    def end(self, outcome: RunOutcome) -> None:
         """Put the outcome behind what was begun."""
         self.mark = outcome.how
         self.took_us = max(0, outcome.t - self.t)
@@ -147,7 +147,7 @@ class Event:
             self.detail = outcome.reason
 
 
-def event_of(message: m.Message, shown: Shown) -> Event | None:
+def event_line(message: m.Message, shown: Shown) -> EventLine | None:
     """The line for `message`, or None if it is not worth one."""
     tell = _TELLERS.get(type(message))
     event = tell(message, shown) if tell is not None else None
@@ -161,12 +161,12 @@ def _by_robot(message: m.Message) -> bool:
     return isinstance(message, m.ActionRequested | m.Command) and message.source == ENGAGEMENT
 
 
-def _requested(message: m.ActionRequested, shown: Shown) -> Event | None:
+def _requested(message: m.ActionRequested, shown: Shown) -> EventLine | None:
     if _is_effect(message.action, shown):
         return None  # the state's own line tells of it
     source = _SOURCES.get(message.source, "")
     action = shown.action(message.action)
-    return Event(
+    return EventLine(
         message.t,
         "running",
         shown.label(message.action),
@@ -182,26 +182,26 @@ def _is_effect(action: str, shown: Shown) -> bool:
     return action.startswith("on ") and shown.action(action) is None
 
 
-def _command(message: m.Command, shown: Shown) -> Event | None:
+def _command(message: m.Command, shown: Shown) -> EventLine | None:
     if message.run or message.passing:
         return None  # its action has a line, or the panel's picture shows it
     if message.driver == "session" and message.verb in ("mark", "note"):
         return None  # so has the marker or the note
-    return Event(message.t, "running", words(message), run=message.command)
+    return EventLine(message.t, "running", command_words(message), run=message.command)
 
 
-def _action_end(message: m.ActionEnd, shown: Shown) -> Event | None:
+def _action_end(message: m.ActionEnd, shown: Shown) -> EventLine | None:
     """Only reached if the beginning is not on the list, or not any more."""
     left = isinstance(message, m.ActionStopped | m.ActionSuperseded) and _is_effect(
         message.action, shown
     )
     if isinstance(message, m.ActionDone) or left:
         return None
-    how = looks(OUTCOMES[type(message)])
-    return Event(message.t, how, shown.label(message.action), message.reason, run=message.run)
+    how = shown_outcome(OUTCOMES[type(message)])
+    return EventLine(message.t, how, shown.label(message.action), message.reason, run=message.run)
 
 
-def _session(message: m.SessionChanged, shown: Shown) -> Event | None:
+def _session(message: m.SessionChanged, shown: Shown) -> EventLine | None:
     parts = [
         f"{name} {value}"
         for name, value in (
@@ -211,72 +211,72 @@ def _session(message: m.SessionChanged, shown: Shown) -> Event | None:
         )
         if value is not None
     ]
-    return Event(message.t, "info", ", ".join(parts)) if parts else None
+    return EventLine(message.t, "info", ", ".join(parts)) if parts else None
 
 
-def _session_end(message: m.SessionEnd, shown: Shown) -> Event:
-    return Event(message.t, "info", "Session ended", message.reason)
+def _session_end(message: m.SessionEnd, shown: Shown) -> EventLine:
+    return EventLine(message.t, "info", "Session ended", message.reason)
 
 
-def _recorder(message: m.RecorderState, shown: Shown) -> Event | None:
+def _recorder(message: m.RecorderState, shown: Shown) -> EventLine | None:
     if message.level == "ok":
         return None
     mark = "warning" if message.level == "warn" else "error"
     if message.level == "failed":
-        return Event(message.t, mark, "Log is not written", message.detail)
+        return EventLine(message.t, mark, "Log is not written", message.detail)
     if message.detail:
-        return Event(message.t, mark, f"Log: {message.detail}", message.remedy)
-    return Event(message.t, mark, "Log falls behind", f"{message.lag_us / 1000:.0f} ms")
+        return EventLine(message.t, mark, f"Log: {message.detail}", message.remedy)
+    return EventLine(message.t, mark, "Log falls behind", f"{message.lag_us / 1000:.0f} ms")
 
 
-def _notice(message: m.Notice, shown: Shown) -> Event:
+def _notice(message: m.Notice, shown: Shown) -> EventLine:
     mark = message.level if message.level in ("info", "warning", "error") else "info"
-    return Event(message.t, mark, message.text, message.remedy)
+    return EventLine(message.t, mark, message.text, message.remedy)
 
 
-def _stop(message: m.StopPressed, shown: Shown) -> Event:
+def _stop(message: m.StopPressed, shown: Shown) -> EventLine:
     if message.scope != "all":
-        return Event(message.t, "stop", "Driving stopped", message.source)
-    return Event(message.t, "stop", "STOP", f"by {message.source}")
+        return EventLine(message.t, "stop", "Driving stopped", message.source)
+    return EventLine(message.t, "stop", "STOP", f"by {message.source}")
 
 
-def _confirmed(message: m.StopConfirmed, shown: Shown) -> Event:
+def _confirmed(message: m.StopConfirmed, shown: Shown) -> EventLine:
     if message.missing:
         parts = shown.stop.parts_missing if shown.stop is not None else {}
-        words = "; ".join(missing_words(message.missing, message.unreached, parts))
-        what, _, names = words.partition(": ")
-        return Event(message.t, "error", what.capitalize(), names)
-    return Event(message.t, "stop", "Stop confirmed", f"in {message.elapsed_us / 1000:.0f} ms")
+        missing = "; ".join(missing_words(message.missing, message.unreached, parts))
+        what, _, names = missing.partition(": ")
+        return EventLine(message.t, "error", what.capitalize(), names)
+    return EventLine(message.t, "stop", "Stop confirmed", f"in {message.elapsed_us / 1000:.0f} ms")
 
 
-def _released(message: m.StopReleased, shown: Shown) -> Event:
-    return Event(message.t, "info", "Stop released", f"by {message.source}")
+def _released(message: m.StopReleased, shown: Shown) -> EventLine:
+    return EventLine(message.t, "info", "Stop released", f"by {message.source}")
 
 
-def _driver(message: m.DriverHealth, shown: Shown) -> Event:
+def _driver(message: m.DriverHealth, shown: Shown) -> EventLine:
     health = str(message.__struct_config__.tag).removeprefix("driver.")
     mark = {"lost": "error", "faulted": "error", "connected": "done"}.get(health, "driver")
-    return Event(message.t, mark, f"{message.driver} {health}", message.detail)
+    return EventLine(message.t, mark, f"{message.driver} {health}", message.detail)
 
 
-def _lane_faulted(message: m.LaneFaulted, shown: Shown) -> Event:
-    return Event(
+def _lane_faulted(message: m.LaneFaulted, shown: Shown) -> EventLine:
+    return EventLine(
         message.t, "error", f"{message.driver}: {message.lane} hangs", "until its job ends"
     )
 
 
-def _lane_recovered(message: m.LaneRecovered, shown: Shown) -> Event:
-    return Event(message.t, "done", f"{message.driver}: {message.lane} works again")
+def _lane_recovered(message: m.LaneRecovered, shown: Shown) -> EventLine:
+    return EventLine(message.t, "done", f"{message.driver}: {message.lane} works again")
 
 
-def _sensor(message: m.SensorChanged, shown: Shown) -> Event | None:
+def _sensor(message: m.SensorChanged, shown: Shown) -> EventLine | None:
     if message.state != "stale" and message.was != "stale":
         return None  # speaking and quiet are on the meter
     if _with_its_driver(message, shown):
         return None
     mark = "warning" if message.state == "stale" else "done"
     text = f"{message.sensor} {message.state}"
-    return Event(message.t, mark, text, message.why, sensor=message.sensor)
+    return EventLine(message.t, mark, text, message.why, sensor=message.sensor)
 
 
 def _with_its_driver(message: m.SensorChanged, shown: Shown) -> bool:
@@ -301,7 +301,7 @@ def _driver_of(sensor: str, shown: Shown) -> str:
     return reading.driver if reading is not None else ""
 
 
-def explained(event: Event, message: m.DriverHealth, shown: Shown) -> bool:
+def explained(event: EventLine, message: m.DriverHealth, shown: Shown) -> bool:
     """Whether `message` tells why a sensor fell silent: its driver was lost, or takes another
     robot, a moment after. The sensor's own line then says nothing any more.
     """
@@ -311,77 +311,81 @@ def explained(event: Event, message: m.DriverHealth, shown: Shown) -> bool:
     return whose in ("", message.driver) and 0 <= message.t - event.t < _BACK_US
 
 
-def _engagement(message: m.EngagementChanged, shown: Shown) -> Event:
+def _engagement(message: m.EngagementChanged, shown: Shown) -> EventLine:
     told = sentence(message.now, message.visitor)
     if message.forced:
-        return Event(message.t, "forced", told, f"by hand: {why(message)}", model=True)
-    return Event(message.t, "info", told, message.why, model=True)
+        return EventLine(message.t, "forced", told, f"by hand: {why(message)}", model=True)
+    return EventLine(message.t, "info", told, message.why, model=True)
 
 
-def _speech(message: m.SpeechEnded, shown: Shown) -> Event | None:
+def _speech(message: m.SpeechEnded, shown: Shown) -> EventLine | None:
     """Only that nothing was kept of it; what it says comes later."""
     if not message.detail or message.file:
         return None
-    return Event(message.t, "warning", "Speech not saved", message.detail)
+    return EventLine(message.t, "warning", "Speech not saved", message.detail)
 
 
-def _heard(message: m.SpeechText, shown: Shown) -> Event:
+def _heard(message: m.SpeechText, shown: Shown) -> EventLine:
     if message.text.strip():
-        return Event(message.t, "heard", f"“{message.text}”", "heard")
+        return EventLine(message.t, "heard", f"“{message.text}”", "heard")
     mark = "warning" if message.detail else "info"
-    return Event(message.t, mark, "Speech not understood", message.detail)
+    return EventLine(message.t, mark, "Speech not understood", message.detail)
 
 
-def _visitor(message: m.VisitorChanged, shown: Shown) -> Event:
+def _visitor(message: m.VisitorChanged, shown: Shown) -> EventLine:
     about = ", ".join(value for value in texts(message.about).values() if value)
     if message.what == "renamed" and message.was:
-        return Event(message.t, "info", f"Visitor {message.was} is {message.visitor} now", about)
+        return EventLine(
+            message.t, "info", f"Visitor {message.was} is {message.visitor} now", about
+        )
     what = _VISITOR.get(message.what, message.what)
-    return Event(message.t, "info", f"Visitor {message.visitor} {what}".rstrip(), about)
+    return EventLine(message.t, "info", f"Visitor {message.visitor} {what}".rstrip(), about)
 
 
-def _mode(message: m.ModeChanged, shown: Shown) -> Event:
-    return Event(message.t, "info", f"{message.driver} mode {message.now}", message.why)
+def _mode(message: m.ModeChanged, shown: Shown) -> EventLine:
+    return EventLine(message.t, "info", f"{message.driver} mode {message.now}", message.why)
 
 
-def _marker(message: m.Marker, shown: Shown) -> Event:
+def _marker(message: m.Marker, shown: Shown) -> EventLine:
     _, coder, name = message.source.partition("coder ")
-    return Event(message.t, "marker", f"Code of {name}" if coder else "Marker", message.text)
+    return EventLine(message.t, "marker", f"Code of {name}" if coder else "Marker", message.text)
 
 
-def _note(message: m.Note, shown: Shown) -> Event:
-    return Event(message.t, "note", message.text)
+def _note(message: m.Note, shown: Shown) -> EventLine:
+    return EventLine(message.t, "note", message.text)
 
 
-def _mistake(message: m.Mistake, shown: Shown) -> Event:
+def _mistake(message: m.Mistake, shown: Shown) -> EventLine:
     what = shown.label(message.action) if message.action else message.run
-    return Event(message.t, "note", f"Mistake: {what}", message.text)
+    return EventLine(message.t, "note", f"Mistake: {what}", message.text)
 
 
-def _phase(message: m.PhaseChanged, shown: Shown) -> Event:
+def _phase(message: m.PhaseChanged, shown: Shown) -> EventLine:
     heading = shown.heading(message.phase)
-    return Event(message.t, "info", f"Phase {heading}" if heading else "No phase holds")
+    return EventLine(message.t, "info", f"Phase {heading}" if heading else "No phase holds")
 
 
-def _lock(message: m.PanelLocked, shown: Shown) -> Event | None:
+def _lock(message: m.PanelLocked, shown: Shown) -> EventLine | None:
     if message.source == "phase":
         return None  # the phase has a line
-    return Event(message.t, "info", f"{message.panel} {'locked' if message.locked else 'unlocked'}")
+    return EventLine(
+        message.t, "info", f"{message.panel} {'locked' if message.locked else 'unlocked'}"
+    )
 
 
-def _profile(message: m.ProfileChanged, shown: Shown) -> Event:
-    return Event(
+def _profile(message: m.ProfileChanged, shown: Shown) -> EventLine:
+    return EventLine(
         message.t,
         "info",
         f"Profile {message.profile}" if message.profile else "No profile: everything may be used",
     )
 
 
-def _reloaded(message: m.ExperimentReloaded, shown: Shown) -> Event:
-    return Event(message.t, "info", "File reloaded", "; ".join(message.changes) or "no changes")
+def _reloaded(message: m.ExperimentReloaded, shown: Shown) -> EventLine:
+    return EventLine(message.t, "info", "File reloaded", "; ".join(message.changes) or "no changes")
 
 
-def _of_study(message: m.Message, shown: Shown) -> Event | None:
+def _of_study(message: m.Message, shown: Shown) -> EventLine | None:
     line = line_of(message)
     missing = shown.study.unticked() if isinstance(message, m.TrialStarted) else []
     if line is not None and missing and shown.study.last is None:
@@ -390,21 +394,21 @@ def _of_study(message: m.Message, shown: Shown) -> Event | None:
         names = shown.study.right_for(message)
         right = f"right: {' or '.join(map(shown.label, names))}" if names else ""
         line = line._replace(detail=", ".join(filter(None, (line.detail, right))))
-    return Event(message.t, *line) if line is not None else None
+    return EventLine(message.t, *line) if line is not None else None
 
 
-def _attached(message: m.ConsoleAttached, shown: Shown) -> Event:
+def _attached(message: m.ConsoleAttached, shown: Shown) -> EventLine:
     what = f"{message.role} {message.name}".rstrip()
     if message.sees == "all" and shown.keeps:
-        return Event(message.t, "info", f"{what} attached", "it sees what is hidden from you")
-    return Event(message.t, "info", f"{what} attached", message.console)
+        return EventLine(message.t, "info", f"{what} attached", "it sees what is hidden from you")
+    return EventLine(message.t, "info", f"{what} attached", message.console)
 
 
-def _console_lost(message: m.ConsoleLost, shown: Shown) -> Event:
-    return Event(message.t, "warning", f"{message.role} disconnected", message.why)
+def _console_lost(message: m.ConsoleLost, shown: Shown) -> EventLine:
+    return EventLine(message.t, "warning", f"{message.role} disconnected", message.why)
 
 
-_TELLERS: dict[type[m.Message], Callable[[Any, Shown], Event | None]] = {
+_TELLERS: dict[type[m.Message], Callable[[Any, Shown], EventLine | None]] = {
     m.ActionRequested: _requested,
     m.Command: _command,
     m.ActionDone: _action_end,

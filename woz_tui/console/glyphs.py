@@ -132,7 +132,7 @@ ASCII = AsciiGlyphs()
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class PaintFrame:
     """Room, moment and signs for one painting: cells, microseconds of session time, glyphs."""
 
     width: int

@@ -36,7 +36,7 @@ LINE_LIMIT = 16 * codec.MAX_LINE
 _READ = 256 * 1024
 
 
-class Link:
+class HostConnection:
     """A `Feed` from a live robot process.
 
     When the host closes, dies or goes silent, `on_lost` is told why and the link looks for it

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Stop:
+class StopToken:
     """Somebody wants everything to stop; `source` is `escape` or `ctrl+c`."""
 
     source: str
@@ -38,7 +38,7 @@ class Paste:
 
 
 @dataclass(frozen=True, slots=True)
-class Reply:
+class TerminalReply:
     """The terminal's answer to a question.
 
     `what`: `status` (to `CSI 5 n`), `kitty` (keyboard flags, in `values`), `attributes`
@@ -59,4 +59,4 @@ class Raw:
     raw: bytes
 
 
-Token = Stop | Key | Paste | Reply | Raw
+Token = StopToken | Key | Paste | TerminalReply | Raw

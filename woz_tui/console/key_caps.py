@@ -24,7 +24,7 @@ _MODIFIERS = {"ctrl": "^", "alt": "A-", "shift": "S-"}
 
 
 @dataclass(frozen=True, slots=True)
-class Cap:
+class KeyCap:
     """A key as the wizard finds it. `reserve`: it stands in for the file's own key, which does
     not arrive from this terminal for the reason `why`. Without any key `chord` is empty.
     """
@@ -34,12 +34,12 @@ class Cap:
     why: str = ""
 
 
-def cap_of(assigned: Assigned) -> Cap:
+def cap_of(assigned: Assigned) -> KeyCap:
     """The cap for what the key map assigned."""
-    return Cap(assigned.press, assigned.reserve, assigned.why)
+    return KeyCap(assigned.press, assigned.reserve, assigned.why)
 
 
-def caption(cap: Cap, glyphs: Glyphs) -> str:
+def caption(cap: KeyCap, glyphs: Glyphs) -> str:
     """Short text for a key cap; a reserve key carries a star."""
     text = " ".join(_chord(part, glyphs) for part in cap.chord.split(" ") if part)
     return f"{text}*" if cap.reserve and text else text
@@ -47,7 +47,7 @@ def caption(cap: Cap, glyphs: Glyphs) -> str:
 
 def key_name(chord: str, glyphs: Glyphs) -> str:
     """A chord in short, as on key caps and in hints."""
-    return caption(Cap(chord), glyphs)
+    return caption(KeyCap(chord), glyphs)
 
 
 def _chord(chord: str, glyphs: Glyphs) -> str:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from woz_tui.config.keys.console_keys import Builtin
 from woz_tui.config.keys.terminals import STOPS
-from woz_tui.console.message_feed import Feed
+from woz_tui.console.message_feed import MessageFeed
 from woz_tui.protocol.requests import (
     AnyRequest,
     AskAction,
@@ -39,7 +39,7 @@ OnPress = Callable[[str, str, int], None]
 
 
 @dataclass(frozen=True, slots=True)
-class Steps:
+class ArrowSizes:
     """How far one press of an arrow goes: degrees, metres."""
 
     head: float = 5.0
@@ -48,17 +48,17 @@ class Steps:
     turn: float = 10.0
 
 
-class Press(NamedTuple):
+class KeyPress(NamedTuple):
     """One press, as its request tells of it."""
 
     key: str = ""
     age_us: int = 0
     stale: bool = False
-    steps: Steps = Steps()
+    steps: ArrowSizes = ArrowSizes()
 
 
 @dataclass(frozen=True, slots=True)
-class OwnKey:
+class ConsoleKey:
     """A key of the console itself, as the keyboard needs it.
 
     Args:
@@ -71,7 +71,7 @@ class OwnKey:
     """
 
     keys: tuple[Builtin, ...]
-    sends: Callable[[Press], AnyRequest] | None = field(default=None, kw_only=True)
+    sends: Callable[[KeyPress], AnyRequest] | None = field(default=None, kw_only=True)
     verb: str = field(default="", kw_only=True)
     opens: bool = field(default=True, kw_only=True)
     once: bool = field(default=False, kw_only=True)
@@ -96,7 +96,9 @@ class Keyboard:
         steps: Of the arrow keys.
     """
 
-    def __init__(self, feed: Feed, clock: Clock | None = None, steps: Steps | None = None) -> None:
+    def __init__(
+        self, feed: MessageFeed, clock: Clock | None = None, steps: ArrowSizes | None = None
+    ) -> None:
         self.feed = feed
         #: The verbs that each driver offers, from the welcome: arrows work only where one moves.
         self.verbs: Mapping[str, Collection[str]] = {}
@@ -116,10 +118,10 @@ class Keyboard:
         self.on_suspend: Callable[[], None] | None = None
         self._clock = clock or RealClock()
         #: How far one press of an arrow goes.
-        self.steps = steps or Steps()
+        self.steps = steps or ArrowSizes()
         self._lock = threading.RLock()
         self._table: Mapping[str, str] = {}
-        self._own: Mapping[str, OwnKey] = {}
+        self._own: Mapping[str, ConsoleKey] = {}
         self._prefixes: Collection[str] = frozenset()
         self._free = True
         #: Keys left to the screen that it has not handled; those of them behind which others
@@ -133,7 +135,7 @@ class Keyboard:
 
     # -- what the app says ----------------------------------------------------------------------
 
-    def bind(self, table: Mapping[str, str], own: Mapping[str, OwnKey] | None = None) -> None:
+    def bind(self, table: Mapping[str, str], own: Mapping[str, ConsoleKey] | None = None) -> None:
         """Play `table` from now on: normal form or sequence `c r` -> name of the action.
 
         `own`: normal form -> the console's own key; without it they stay as they are.
@@ -298,7 +300,7 @@ class Keyboard:
             return False
         if own.verb and not any(own.verb in offered for offered in self.verbs.values()):
             return False
-        request = own.sends(Press(chord, age_us, stale, self.steps))
+        request = own.sends(KeyPress(chord, age_us, stale, self.steps))
         if not stale:
             self.on_pressed(chord, "", self.feed.ask(request))
         elif isinstance(

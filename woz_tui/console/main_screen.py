@@ -9,40 +9,47 @@ from textual.app import ComposeResult
 from textual.geometry import Size
 from textual.screen import Screen
 
-from woz_tui.console.action_panels import Panels
+from woz_tui.console.action_panels import ActionPanels
 from woz_tui.console.bodies.bodies_pane import BodyPane
 from woz_tui.console.bodies.body_outlines import bodies
-from woz_tui.console.bottom_rows import Bar, StopBar
+from woz_tui.console.bottom_rows import BarInfo, StopBar
 from woz_tui.console.cells import Cells, fit
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.event_list import Events
-from woz_tui.console.glyphs import Frame, Glyphs
+from woz_tui.console.event_list import EventList
+from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.meters import Meters
-from woz_tui.console.repair_row import Repairs
-from woz_tui.console.screen_layout import LEAST, WHOLE, Body, Needs, Side, bar_lines
-from woz_tui.console.script_row import Script
-from woz_tui.console.status_rows import Line, Status
+from woz_tui.console.repair_row import RepairRow
+from woz_tui.console.screen_layout import (
+    FULL_SIZE,
+    LEAST_SIZE,
+    MainArea,
+    Needs,
+    SidePane,
+    bar_lines,
+)
+from woz_tui.console.script_row import ScriptPane
+from woz_tui.console.status_rows import StatusInfo, StatusLines
 from woz_tui.console.training_row import CueBoard, cue_lines
 
 SMALL = "{0} x {1} is small: meters need 80 x 24, keys and stop do not"
 
 
 @dataclass(slots=True)
-class Surface:
+class MainScreen:
     """Status on top, panels, meters and bodies, events, script, repairs, stop bar."""
 
-    status: Status = field(default_factory=Status)
+    status: StatusLines = field(default_factory=StatusLines)
     cue: CueBoard = field(default_factory=CueBoard)
-    panels: Panels = field(default_factory=Panels)
+    panels: ActionPanels = field(default_factory=ActionPanels)
     meters: Meters = field(default_factory=Meters)
     bodies: BodyPane = field(default_factory=BodyPane)
-    events: Events = field(default_factory=Events)
-    script: Script = field(default_factory=Script)
-    repairs: Repairs = field(default_factory=Repairs)
+    events: EventList = field(default_factory=EventList)
+    script: ScriptPane = field(default_factory=ScriptPane)
+    repairs: RepairRow = field(default_factory=RepairRow)
     bar: StopBar = field(default_factory=StopBar)
     small: Cells = field(default_factory=lambda: Cells(id="small"))
-    body: Body = field(default_factory=Body)
-    side: Side = field(default_factory=Side)
+    body: MainArea = field(default_factory=MainArea)
+    side: SidePane = field(default_factory=SidePane)
 
     def compose(self) -> ComposeResult:
         """All widgets in their order."""
@@ -61,8 +68,8 @@ class Surface:
     ) -> None:
         """Choose what fits: everything, no side, or a sentence and the stop."""
         width, height = size
-        base.set_class(width < WHOLE.width or height < WHOLE.height, "-small")
-        base.set_class(width < LEAST.width or height < LEAST.height, "-tiny")
+        base.set_class(width < FULL_SIZE.width or height < FULL_SIZE.height, "-small")
+        base.set_class(width < LEAST_SIZE.width or height < LEAST_SIZE.height, "-tiny")
         lines = bar_lines(size, any(picture.scripts.values()))
         if self.bar.styles.height is None or self.bar.styles.height.value != lines:
             self.bar.styles.height = lines
@@ -82,9 +89,9 @@ class Surface:
     def paint(
         self,
         picture: ConsoleState,
-        frame: Callable[[Cells], Frame],
-        line: Line,
-        bar: Bar,
+        frame: Callable[[Cells], PaintFrame],
+        line: StatusInfo,
+        bar: BarInfo,
         size: Size,
     ) -> None:
         """Show what has changed; `frame` tells each part's room and the moment."""

@@ -22,7 +22,7 @@ OnMessages = Callable[[list[Incoming]], None]
 OnLost = Callable[[str], None]
 
 
-class Feed(Protocol):
+class MessageFeed(Protocol):
     """A connection that speaks the session's messages; the console cannot tell which kind it is.
 
     The first message is a `Welcome`; after a lost connection a feed that comes back by itself

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from woz_tui.console.cells import Piece, Row, cut, fit
-from woz_tui.console.glyphs import Frame, Glyphs
+from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.number_text import age
 from woz_tui.console.view_models import SensorView
 from woz_tui.session.redactor import HIDDEN
@@ -14,22 +14,22 @@ from woz_tui.session.redactor import HIDDEN
 NAME, VALUE = 11, 17
 
 
-def named(name: str) -> Piece:
+def name_piece(name: str) -> Piece:
     """The name at the left, with a blank at each side."""
     return (f" {fit(name, NAME - 2)} ", "muted")
 
 
-def labelled(name: str, body: Row, value: str, look: str) -> Row:
+def meter_row(name: str, body: Row, value: str, look: str) -> Row:
     """A whole row."""
-    return (named(name), *body, (f" {fit(value, VALUE - 2)} ", look))
+    return (name_piece(name), *body, (f" {fit(value, VALUE - 2)} ", look))
 
 
-def track(frame: Frame) -> int:
+def track_width(frame: PaintFrame) -> int:
     """Cells between name and value."""
     return max(5, frame.width - NAME - VALUE)
 
 
-def at(share: float, width: int) -> int:
+def track_cell(share: float, width: int) -> int:
     """The cell of `share` (0..1) on a track; what lies beyond is drawn at the end."""
     return min(width - 1, int(min(1.0, max(0.0, share)) * width))
 
@@ -39,10 +39,10 @@ def ruler(
 ) -> Row:
     """A line with ticks on it and spots on top of them."""
     cells = [spots.get(x, (ticks.get(x, glyphs.track), "faint")) for x in range(width)]
-    return joined(cells)
+    return merge_pieces(cells)
 
 
-def joined(cells: list[Piece]) -> Row:
+def merge_pieces(cells: list[Piece]) -> Row:
     """Neighbours of one look as one piece."""
     pieces: list[Piece] = []
     for text, look in cells:
@@ -53,17 +53,17 @@ def joined(cells: list[Piece]) -> Row:
     return tuple(pieces)
 
 
-def kept(name: str, frame: Frame) -> Row:
+def hidden_row(name: str, frame: PaintFrame) -> Row:
     """The row of something that is kept from the wizard on purpose."""
-    return labelled(name, ((frame.glyphs.track * track(frame), "faint"),), HIDDEN, "faint")
+    return meter_row(name, ((frame.glyphs.track * track_width(frame), "faint"),), HIDDEN, "faint")
 
 
-def old(sensor: SensorView, frame: Frame) -> str:
+def age_note(sensor: SensorView, frame: PaintFrame) -> str:
     """How old a value is that should not be trusted any more."""
     return f"{frame.glyphs.stale}{age(frame.now - sensor.t)} old"
 
 
-def beside(
+def side_by_side(
     blocks: Sequence[tuple[Sequence[Row], int]], height: int, glyphs: Glyphs, gap: int = 1
 ) -> list[Row]:
     """Blocks of rows side by side, each in its own width, with `gap` blanks between them."""

@@ -17,8 +17,18 @@ from woz_tui.console.engagement.engagement_meter import block_rows
 from woz_tui.console.engagement.engagement_text import sentence
 from woz_tui.console.engagement.sign_bars import FARTHEST
 from woz_tui.console.engagement.wizard_overrides import is_offered
-from woz_tui.console.glyphs import Frame, Glyphs
-from woz_tui.console.meter_rows import NAME, at, joined, kept, labelled, named, old, ruler, track
+from woz_tui.console.glyphs import Glyphs, PaintFrame
+from woz_tui.console.meter_rows import (
+    NAME,
+    age_note,
+    hidden_row,
+    merge_pieces,
+    meter_row,
+    name_piece,
+    ruler,
+    track_cell,
+    track_width,
+)
 from woz_tui.console.number_text import SILENCE_DB, decibels
 from woz_tui.console.pose_meter import joint_rows, other_rows
 from woz_tui.console.view_models import SensorView
@@ -33,7 +43,7 @@ MOST = 40
 _KNOWN = ("distance", "loudness", "presence", "gaze", "identity")
 
 
-def meter_rows(picture: ConsoleState, frame: Frame) -> list[Row]:
+def meter_rows(picture: ConsoleState, frame: PaintFrame) -> list[Row]:
     """At most the frame's height; joints fold into text where room is short."""
     known = [name for name in picture.sensors if name.rpartition(".")[2] in _KNOWN]
     near = [name for name in known if name.endswith("distance")]
@@ -73,40 +83,42 @@ def _is_named(part: str, wish: str) -> bool:
     return wish in (part, last) or wish.startswith(f"{part}.")
 
 
-def _stale(picture: ConsoleState, sensor: SensorView, frame: Frame) -> bool:
+def _stale(picture: ConsoleState, sensor: SensorView, frame: PaintFrame) -> bool:
     return picture.is_stale(sensor, frame.now)
 
 
 # -- distance and loudness ----------------------------------------------------------------------
 
 
-def _distance(picture: ConsoleState, name: str, frame: Frame) -> list[Row]:
+def _distance(picture: ConsoleState, name: str, frame: PaintFrame) -> list[Row]:
     sensor = picture.sensor(name)
     if sensor is None or picture.perception.hides("distance"):
-        return [kept(_short(name), frame)]
-    glyphs, width = frame.glyphs, track(frame)
+        return [hidden_row(_short(name), frame)]
+    glyphs, width = frame.glyphs, track_width(frame)
     if picture.perception.blurs("distance"):
         return [_coarse(picture, sensor, frame)]
-    ticks = {at(limit / FARTHEST, width): glyphs.tick for limit, _ in ZONES}
+    ticks = {track_cell(limit / FARTHEST, width): glyphs.tick for limit, _ in ZONES}
     stale = _stale(picture, sensor, frame)
     if sensor.value is None:
-        text = old(sensor, frame) if stale else "nothing seen"
+        text = age_note(sensor, frame) if stale else "nothing seen"
         look = "stale" if stale else "muted"
-        return [labelled(_short(name), ruler(width, ticks, {}, glyphs), text, look)]
-    spot = {at(sensor.value / FARTHEST, width): (glyphs.spot, "stale" if stale else "strong")}
+        return [meter_row(_short(name), ruler(width, ticks, {}, glyphs), text, look)]
+    spot = {
+        track_cell(sensor.value / FARTHEST, width): (glyphs.spot, "stale" if stale else "strong")
+    }
     text = f"{sensor.value:.2f} m {zone(sensor.value)}"
     if stale:
-        text = f"{sensor.value:.1f} m {old(sensor, frame)}"
+        text = f"{sensor.value:.1f} m {age_note(sensor, frame)}"
     look = "stale" if stale else "plain"
-    return [labelled(_short(name), ruler(width, ticks, spot, glyphs), text, look)]
+    return [meter_row(_short(name), ruler(width, ticks, spot, glyphs), text, look)]
 
 
-def _coarse(picture: ConsoleState, sensor: SensorView, frame: Frame) -> Row:
+def _coarse(picture: ConsoleState, sensor: SensorView, frame: PaintFrame) -> Row:
     """A blurred value in a word, on a track without marks."""
     stale = _stale(picture, sensor, frame)
-    track_row: Row = ((frame.glyphs.track * track(frame), "faint"),)
-    text = old(sensor, frame) if stale else sensor.text or "nothing seen"
-    return labelled(_short(sensor.name), track_row, text, "stale" if stale else "plain")
+    track_row: Row = ((frame.glyphs.track * track_width(frame), "faint"),)
+    text = age_note(sensor, frame) if stale else sensor.text or "nothing seen"
+    return meter_row(_short(sensor.name), track_row, text, "stale" if stale else "plain")
 
 
 def _short(name: str) -> str:
@@ -120,28 +132,28 @@ def _robots(names: list[str]) -> list[str]:
     return list(dict.fromkeys(name[: -len(name.rpartition(".")[2])] for name in names))
 
 
-def _loudness_rows(picture: ConsoleState, frame: Frame, speech: str) -> list[Row]:
+def _loudness_rows(picture: ConsoleState, frame: PaintFrame, speech: str) -> list[Row]:
     """Every microphone's level; `speech` is said of an utterance that is being cut out of it."""
     loud = [name for name in picture.sensors if name.rpartition(".")[2] == "loudness"]
     return [row for name in loud for row in _loudness(picture, name, frame, speech)]
 
 
-def _loudness(picture: ConsoleState, name: str, frame: Frame, speech: str = "") -> list[Row]:
+def _loudness(picture: ConsoleState, name: str, frame: PaintFrame, speech: str = "") -> list[Row]:
     """The level on a track of decibels, quiet below the threshold of speech, green in a voice."""
     sensor = picture.sensor(name)
     if sensor is None or picture.perception.hides("loudness"):
-        return [kept(_short(name), frame)]
+        return [hidden_row(_short(name), frame)]
     if picture.perception.blurs("loudness"):
         return [_coarse(picture, sensor, frame)]
-    glyphs, width = frame.glyphs, track(frame)
+    glyphs, width = frame.glyphs, track_width(frame)
     if sensor.value is None or _stale(picture, sensor, frame):
         empty: Row = ((glyphs.track * width, "faint"),)
-        return [labelled(_short(name), empty, old(sensor, frame), "stale")]
+        return [meter_row(_short(name), empty, age_note(sensor, frame), "stale")]
     level = decibels(sensor.value)
     speaking = sensor.state == "speaking"
-    full = at(1 - level / SILENCE_DB, width + 1)
+    full = track_cell(1 - level / SILENCE_DB, width + 1)
     threshold = _threshold(picture, name)
-    mark_at = None if threshold is None else at(1 - decibels(threshold) / SILENCE_DB, width)
+    mark_at = None if threshold is None else track_cell(1 - decibels(threshold) / SILENCE_DB, width)
     loud = "good" if speaking else "muted"
     cells = [(glyphs.bar, loud) if x < full else (glyphs.track, "faint") for x in range(width)]
     if mark_at is not None:
@@ -150,7 +162,7 @@ def _loudness(picture: ConsoleState, name: str, frame: Frame, speech: str = "") 
     look = "good" if speaking else "warn" if sensor.state in ("clipping", "silent") else "plain"
     if speech and look != "warn":
         mark, look = speech.replace("speech", glyphs.yes), "good"
-    return [labelled(_short(name), joined(cells), f"{level:3.0f} dB {mark}", look)]
+    return [meter_row(_short(name), merge_pieces(cells), f"{level:3.0f} dB {mark}", look)]
 
 
 def _threshold(picture: ConsoleState, loudness: str) -> float | None:
@@ -162,7 +174,7 @@ def _threshold(picture: ConsoleState, loudness: str) -> float | None:
 # -- who is there, and what the robot makes of it -------------------------------------------------
 
 
-def _verdicts(picture: ConsoleState, robot: str, frame: Frame) -> list[Row]:
+def _verdicts(picture: ConsoleState, robot: str, frame: PaintFrame) -> list[Row]:
     """Presence, gaze and identity with a mark each: yes, no, old."""
     pieces: list[Piece] = []
     for name, word in (("presence", "person"), ("gaze", "looks")):
@@ -182,7 +194,7 @@ def _verdicts(picture: ConsoleState, robot: str, frame: Frame) -> list[Row]:
         name = clean(who.text) or "unknown"
         look = "stale" if _stale(picture, who, frame) else "plain" if who.text else "muted"
         pieces.append((name, look))
-    return [(named(f"{robot}visitor"), *pieces)] if pieces else []
+    return [(name_piece(f"{robot}visitor"), *pieces)] if pieces else []
 
 
 def _verdict(yes: bool, word: str, stale: bool, glyphs: Glyphs) -> Piece:
@@ -193,15 +205,15 @@ def _verdict(yes: bool, word: str, stale: bool, glyphs: Glyphs) -> Piece:
     return (f"{glyphs.no} {word}", "muted")
 
 
-def _engagement(picture: ConsoleState, frame: Frame) -> list[Row]:
+def _engagement(picture: ConsoleState, frame: PaintFrame) -> list[Row]:
     changed = picture.session.model.changed
     if picture.perception.hides("engagement") and is_offered(picture.engaged, picture.verbs):
-        return [kept("engaged", frame)]
+        return [hidden_row("engaged", frame)]
     if changed is None:
         return []
     verdicts = "  ".join(_marked(changed, frame.glyphs))
     first: Row = (
-        named("engaged"),
+        name_piece("engaged"),
         (sentence(changed.now, changed.visitor, frame.glyphs), "strong"),
     )
     if length(first) + cell_len(verdicts) + 2 <= frame.width:
@@ -226,7 +238,7 @@ class Meters(Cells):
     #: Lines they would like to have; never less than before, so that nothing jumps back.
     needs = 1
 
-    def paint(self, picture: ConsoleState, frame: Frame) -> None:
+    def paint(self, picture: ConsoleState, frame: PaintFrame) -> None:
         """Show a heading, and what the sensors said last."""
         inner = replace(frame, height=MOST)
         rows = meter_rows(picture, inner)

@@ -22,7 +22,7 @@ def seconds(us: int) -> str:
     return f"{value:.1f} s" if value < 99.95 else f"{value:.0f} s"
 
 
-def left(us: int) -> str:
+def time_left(us: int) -> str:
     """What is still to go, without its unit: `7.4` seconds, from a hundred on `6:11` minutes."""
     value = max(0, us) / 1_000_000
     if value < 99.95:

@@ -35,7 +35,7 @@ class Slot:
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class PanelLayout:
     """All slots, how many pages they fill, and the columns' geometry in cells."""
 
     slots: tuple[Slot, ...]
@@ -50,7 +50,7 @@ class Plan:
         return next((slot.page for slot in self.slots if slot.panel == panel), 0)
 
 
-def plan(panels: Sequence[PanelView], width: int, height: int, cap: int) -> Plan:
+def lay_out(panels: Sequence[PanelView], width: int, height: int, cap: int) -> PanelLayout:
     """The best arrangement in `width` x `height` cells with key caps of `cap` cells.
 
     Fewest pages first, then fewest labels cut short, then fewest panels torn apart, then air
@@ -75,14 +75,16 @@ def plan(panels: Sequence[PanelView], width: int, height: int, cap: int) -> Plan
                 short = _cut_short(panels, cells - cap - FIXED)
                 far = abs(best - cells)
                 cost = (flow.pages, short, flow.splits, -air, cells < COMFORTABLE, far)
-                found = Plan(tuple(flow.slots), flow.pages, columns, cells, short, flow.splits)
+                found = PanelLayout(
+                    tuple(flow.slots), flow.pages, columns, cells, short, flow.splits
+                )
                 candidates.append((cost, found))
     if not candidates:  # no panels at all
-        return Plan((), 1, 1, min(widest, width), 0, 0)
+        return PanelLayout((), 1, 1, min(widest, width), 0, 0)
     return min(candidates, key=lambda candidate: candidate[0])[1]
 
 
-def behind(arranged: Plan, panel: PanelView, number: int, height: int) -> Plan:
+def append_panel(arranged: PanelLayout, panel: PanelView, number: int, height: int) -> PanelLayout:
     """The same with one panel more, behind all others, of which none moves: in the column with the
     most room on the last page, or else on a page of its own.
     """

@@ -15,7 +15,7 @@ from textual._compositor import ChopsUpdate
 from textual.screen import Screen, ScreenResultType
 
 
-class TightUpdate(ChopsUpdate):
+class CroppedUpdate(ChopsUpdate):
     """Spans of lines, cropped at both ends."""
 
     def render_segments(self, console: Console) -> str:
@@ -31,14 +31,14 @@ class TightUpdate(ChopsUpdate):
         return "".join(sent)
 
 
-def tight(update: RenderableType | None) -> RenderableType | None:
+def cropped(update: RenderableType | None) -> RenderableType | None:
     """The same update with fewer bytes, if it is one of single cells."""
     if type(update) is ChopsUpdate:
-        return TightUpdate(update.chops, update.spans, update.chop_ends)
+        return CroppedUpdate(update.chops, update.spans, update.chop_ends)
     return update
 
 
-class ThriftyScreen(Screen[ScreenResultType]):
+class PartialScreen(Screen[ScreenResultType]):
     """A screen that hands on a change once while another one lies over it, and paints what it is
     handed beside what its own widgets have to paint.
     """

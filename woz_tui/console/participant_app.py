@@ -14,7 +14,7 @@ from textual.app import ComposeResult
 from woz_tui.config.keys.terminals import STOPS
 from woz_tui.config.keys.textual_names import from_textual
 from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.message_feed import GONE, Feed
+from woz_tui.console.message_feed import GONE, MessageFeed
 from woz_tui.console.screen_app import ScreenApp
 from woz_tui.console.study.questionnaire_widget import Sheet, Words, thanks
 from woz_tui.console.study.questionnaires import Asked
@@ -26,7 +26,7 @@ from woz_tui.protocol.welcome import QuestionnaireWords
 LEAVE = "ctrl+q"
 
 
-class Participant(ScreenApp):
+class ParticipantApp(ScreenApp):
     """Returns how it was left: `detached`, or `ended` with the session.
 
     Args:
@@ -36,7 +36,9 @@ class Participant(ScreenApp):
         options: As for `ScreenApp`.
     """
 
-    def __init__(self, feed: Feed, keyboard: Keyboard, *, only: str = "", **options: Any) -> None:
+    def __init__(
+        self, feed: MessageFeed, keyboard: Keyboard, *, only: str = "", **options: Any
+    ) -> None:
         super().__init__(feed, keyboard, **options)
         keyboard.free = False
         self._only = only

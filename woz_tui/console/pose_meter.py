@@ -9,8 +9,17 @@ from rich.cells import cell_len
 
 from woz_tui.console.cells import Piece, Row, clean, fit, length
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import Frame, Glyphs
-from woz_tui.console.meter_rows import NAME, at, kept, labelled, named, old, ruler, track
+from woz_tui.console.glyphs import Glyphs, PaintFrame
+from woz_tui.console.meter_rows import (
+    NAME,
+    age_note,
+    hidden_row,
+    meter_row,
+    name_piece,
+    ruler,
+    track_cell,
+    track_width,
+)
 from woz_tui.console.number_text import is_share
 from woz_tui.console.view_models import SensorView
 from woz_tui.session.redactor import kind_of
@@ -29,13 +38,13 @@ _FOR_THE_LOG = re.compile(r"(.*\.)?(tick|speech)")
 _LAST = ("direction", "base")
 
 
-def joint_rows(picture: ConsoleState, frame: Frame, room: int, others: int) -> list[Row]:
+def joint_rows(picture: ConsoleState, frame: PaintFrame, room: int, others: int) -> list[Row]:
     """A row for each joint, or if that leaves less than `others` of `room`, all of them as text."""
     joints = _joints(picture)
     if not joints:
         return []
     if picture.perception.hides("joints"):
-        return [kept("pose", frame)]
+        return [hidden_row("pose", frame)]
     if len(joints) + others <= room:
         return [_joint(picture, name, shown, frame) for name, shown in joints.items()]
     return _folded(picture, joints, frame, max(1, room - 1))
@@ -70,9 +79,9 @@ def _limits(picture: ConsoleState) -> dict[str, tuple[float, float]]:
     return {name: (low, high) for name, (low, high) in joints.items() if low < high}
 
 
-def _joint(picture: ConsoleState, name: str, shown: str, frame: Frame) -> Row:
+def _joint(picture: ConsoleState, name: str, shown: str, frame: PaintFrame) -> Row:
     """Where the joint is (full mark) and where it should be (hollow mark) between its limits."""
-    glyphs, width = frame.glyphs, track(frame)
+    glyphs, width = frame.glyphs, track_width(frame)
     present, wanted = _sensor(picture, "joint", name), _sensor(picture, "setpoint", name)
     here = present.value if present is not None else None
     there = wanted.value if wanted is not None else None
@@ -84,17 +93,17 @@ def _joint(picture: ConsoleState, name: str, shown: str, frame: Frame) -> Row:
     if here is not None:
         texts.append(f"{round(here):4}{glyphs.degrees}")
     if there is not None:
-        spots[at((there - low) / (high - low), width)] = (glyphs.target, "run")
+        spots[track_cell((there - low) / (high - low), width)] = (glyphs.target, "run")
         if here is None or abs(there - here) >= 1:
             texts.append(f"{glyphs.next} {round(there)}{glyphs.degrees}")
     if here is not None:
-        spots[at((here - low) / (high - low), width)] = (
+        spots[track_cell((here - low) / (high - low), width)] = (
             glyphs.position,
             "stale" if stale else "strong",
         )
-    ticks = {at(-low / (high - low), width): glyphs.tick} if low < 0 < high else {}
-    text = old(present, frame) if stale and present is not None else " ".join(texts)
-    return labelled(shown, ruler(width, ticks, spots, glyphs), text, "stale" if stale else "plain")
+    ticks = {track_cell(-low / (high - low), width): glyphs.tick} if low < 0 < high else {}
+    text = age_note(present, frame) if stale and present is not None else " ".join(texts)
+    return meter_row(shown, ruler(width, ticks, spots, glyphs), text, "stale" if stale else "plain")
 
 
 def _range(
@@ -108,7 +117,9 @@ def _range(
     return -half, half
 
 
-def _folded(picture: ConsoleState, joints: dict[str, str], frame: Frame, room: int) -> list[Row]:
+def _folded(
+    picture: ConsoleState, joints: dict[str, str], frame: PaintFrame, room: int
+) -> list[Row]:
     """All joints as text, on as many lines as there is room for."""
     pieces = []
     for name, short in joints.items():
@@ -116,22 +127,22 @@ def _folded(picture: ConsoleState, joints: dict[str, str], frame: Frame, room: i
         if sensor is not None:
             value = "?" if sensor.value is None else f"{round(sensor.value)}{frame.glyphs.degrees}"
             pieces.append(_member(short, f"{value:<4}", picture.is_stale(sensor, frame.now), frame))
-    return _wrapped(named("pose"), pieces, frame, room)
+    return _wrapped(name_piece("pose"), pieces, frame, room)
 
 
-def _member(name: str, value: str, stale: bool, frame: Frame) -> Row:
+def _member(name: str, value: str, stale: bool, frame: PaintFrame) -> Row:
     mark = frame.glyphs.stale if stale else ""
     return ((f"{clean(name)} ", "muted"), (f"{mark}{value}", "stale" if stale else "plain"))
 
 
-def _wrapped(front: Piece, members: Sequence[Row], frame: Frame, room: int) -> list[Row]:
+def _wrapped(front: Piece, members: Sequence[Row], frame: PaintFrame, room: int) -> list[Row]:
     """Members behind `front`, on at most `room` lines."""
     rows: list[Row] = []
     row: Row = (front,)
     for member in members:
         if length(row) + length(member) >= frame.width and len(row) > 1 and len(rows) + 1 < room:
             rows.append(row)
-            row = (named(""),)
+            row = (name_piece(""),)
         row += ((" ", "plain"), *member) if len(row) > 1 else member
     (text, look) = row[-1]
     return [*rows, (*row[:-1], (text.rstrip(), look))]
@@ -140,7 +151,7 @@ def _wrapped(front: Piece, members: Sequence[Row], frame: Frame, room: int) -> l
 # -- everything else ----------------------------------------------------------------------------
 
 
-def other_rows(picture: ConsoleState, frame: Frame, known: Sequence[str]) -> dict[str, Row]:
+def other_rows(picture: ConsoleState, frame: PaintFrame, known: Sequence[str]) -> dict[str, Row]:
     """Sensors that are not `known` and no joint, by name: one a line, those with a common first
     name (`base.x`, `base.y`) together on one.
     """
@@ -153,30 +164,30 @@ def other_rows(picture: ConsoleState, frame: Frame, known: Sequence[str]) -> dic
     return {name: _group(name, groups[name], picture, frame) for name in names}
 
 
-def _group(name: str, sensors: list[SensorView], picture: ConsoleState, frame: Frame) -> Row:
+def _group(name: str, sensors: list[SensorView], picture: ConsoleState, frame: PaintFrame) -> Row:
     if len(sensors) == 1:
         return _alone(sensors[0], picture, frame)
     members = []
     if all(picture.perception.hides(kind_of(sensor.name)) for sensor in sensors):
-        return kept(name, frame)
+        return hidden_row(name, frame)
     for sensor in sensors:
         # What has never been anything, such as a touch of a tablet, does not get old.
         stale = sensor.value is not None and picture.is_stale(sensor, frame.now)
         last = sensor.name.rpartition(".")[2]
         members.append(_member(last, f"{figure(sensor, frame.glyphs):<7}", stale, frame))
-    return _wrapped(named(name), members, frame, 1)[0]
+    return _wrapped(name_piece(name), members, frame, 1)[0]
 
 
-def _alone(sensor: SensorView, picture: ConsoleState, frame: Frame) -> Row:
+def _alone(sensor: SensorView, picture: ConsoleState, frame: PaintFrame) -> Row:
     if picture.perception.hides(kind_of(sensor.name)):
-        return kept(sensor.name, frame)
+        return hidden_row(sensor.name, frame)
     stale = picture.is_stale(sensor, frame.now)
     parts = (clean(sensor.text), figure(sensor, frame.glyphs))
     text = " ".join(part for part in parts if part) or "nothing"
-    state = old(sensor, frame) if stale else clean(sensor.state)
+    state = age_note(sensor, frame) if stale else clean(sensor.state)
     room = max(1, frame.width - NAME - cell_len(state) - 2)
     return (
-        named(sensor.name),
+        name_piece(sensor.name),
         (fit(text, room), "stale" if stale else "plain"),
         (f" {state} ", "stale" if stale else "muted"),
     )

@@ -14,7 +14,7 @@ _KINDS = {"panels": "panels", "actions": "actions", "controls": "knobs", "verbs"
 
 
 @dataclass(frozen=True, slots=True)
-class Profiles:
+class ProfileList:
     """Names in the file's order; `current` is empty where everything may be used. `allows` has
     what each profile names, as far as the robot process tells.
     """

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 
 from woz_tui.console.cells import Cells, Piece, Row, clean, cut, length
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import Frame
+from woz_tui.console.glyphs import PaintFrame
 from woz_tui.protocol.panels import ActionView
 
 
-def repair_row(picture: ConsoleState, frame: Frame, keys: Mapping[str, str]) -> Row:
+def repair_row(picture: ConsoleState, frame: PaintFrame, keys: Mapping[str, str]) -> Row:
     """Each repair with its key, in a replay alone; what is under way stands out."""
     found = [_repair(picture, frame, action, keys) for action in picture.settings.repairs]
     need = sum(map(length, found))
@@ -22,7 +22,7 @@ def repair_row(picture: ConsoleState, frame: Frame, keys: Mapping[str, str]) -> 
 
 
 def _repair(
-    picture: ConsoleState, frame: Frame, action: ActionView, keys: Mapping[str, str]
+    picture: ConsoleState, frame: PaintFrame, action: ActionView, keys: Mapping[str, str]
 ) -> Row:
     key = keys.get(action.name, "")
     if picture.runs.of(action.name) is not None:
@@ -37,12 +37,12 @@ def _repair(
     return (key, "key") if key else ("no key", "faint"), label
 
 
-class Repairs(Cells):
+class RepairRow(Cells):
     """One row."""
 
     #: Action -> its key, as a cap shows it; the app says so.
     keys: Mapping[str, str] = {}
 
-    def paint(self, picture: ConsoleState, frame: Frame) -> None:
+    def paint(self, picture: ConsoleState, frame: PaintFrame) -> None:
         """Show it."""
         self.show([repair_row(picture, frame, self.keys)])

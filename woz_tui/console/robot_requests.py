@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.message_feed import GONE, Feed
+from woz_tui.console.message_feed import GONE, MessageFeed
 from woz_tui.console.robot_settings.step_sizes import ArrowSteps
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.camera_pictures import PictureShown
@@ -18,7 +18,7 @@ OnPicture = Callable[[PictureShown], None]
 HISTORY = 100
 
 
-class Desk:
+class RobotRequests:
     """Requests with their replies, and drafts of dialogs.
 
     Args:
@@ -33,7 +33,7 @@ class Desk:
 
     def __init__(
         self,
-        feed: Feed,
+        feed: MessageFeed,
         picture: ConsoleState,
         arrows: ArrowSteps,
         *,

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from woz_tui.console.command_text import said_in, words
+from woz_tui.console.command_text import command_words, spoken_text
 from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import OUTCOMES, Action, Command, Episode, Moment, keep
 from woz_tui.timeline.episodes import Outcome as Word
@@ -19,13 +19,13 @@ LATER = "applies after this mode"
 _LOOKS: dict[str, str] = {Word.TIMED_OUT: Word.FAILED, Word.SUPERSEDED: "replaced"}
 
 
-def looks(outcome: str) -> str:
+def shown_outcome(outcome: str) -> str:
     """How an outcome of the timeline is shown."""
     return _LOOKS.get(outcome, outcome)
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class RunOutcome:
     """How a run ended; `how` is done, waits (done, but it counts later), failed, refused, stopped
     or replaced. `said`: the words of the run.
     """
@@ -50,7 +50,7 @@ class Failure:
 
 
 @dataclass(frozen=True, slots=True)
-class Refusal:
+class DriverRefusal:
     """What a driver would not do, and why. `action` is empty where `what` says what was tried."""
 
     action: str
@@ -65,7 +65,7 @@ class Refusal:
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class ActiveRun:
     """One press under way, with those of its commands that are not over: an action, or a command
     that was sent on its own.
     """
@@ -109,17 +109,17 @@ class Run:
 
 
 @dataclass(slots=True)
-class Runs:
+class RunningActions:
     """All runs under way by id, the last outcome of each action, failures until seen.
 
     `session` says what is under way; `take` what has ended.
     """
 
     session: SessionState
-    outcomes: dict[str, Outcome] = field(default_factory=dict)
+    outcomes: dict[str, RunOutcome] = field(default_factory=dict)
     failures: deque[Failure] = field(default_factory=lambda: deque(maxlen=FAILURES))
     seen: set[str] = field(default_factory=set)
-    _refusal: Refusal | None = None
+    _refusal: DriverRefusal | None = None
     #: Of runs under way: what was to be said when they were asked for, what is said so far, and
     #: the last remedy that a command of theirs named.
     _wanted: dict[str, str] = field(default_factory=dict)
@@ -140,12 +140,12 @@ class Runs:
         waiting = (each for each in commands if each.started is None)
         return sorted(waiting, key=lambda command: command.seq)
 
-    def get(self, run: str) -> Run | None:
+    def get(self, run: str) -> ActiveRun | None:
         """A run under way."""
         press = self.session.actions.get(run) or self.session.commands.get(run)
         return self._run(press) if press is not None else None
 
-    def of(self, action: str) -> Run | None:
+    def of(self, action: str) -> ActiveRun | None:
         """The run of `action` to show: one at work before one that waits."""
         waiting = None
         for press in self.session.actions.values():
@@ -156,11 +156,11 @@ class Runs:
                 waiting = waiting or run
         return waiting
 
-    def _run(self, press: Action | Command) -> Run:
+    def _run(self, press: Action | Command) -> ActiveRun:
         if isinstance(press, Command):
-            return Run(press, (press,))
+            return ActiveRun(press, (press,))
         known = self.session.commands
-        return Run(press, tuple(known[name] for name in press.commands if name in known))
+        return ActiveRun(press, tuple(known[name] for name in press.commands if name in known))
 
     def expect(self, run: str, words: str) -> None:
         """What a run that has just been asked for is to say, as far as that is known."""
@@ -188,12 +188,12 @@ class Runs:
         """Acknowledge every failure."""
         self.seen.update(failure.run for failure in self.failures)
 
-    def read_refusal(self) -> Refusal | None:
+    def read_refusal(self) -> DriverRefusal | None:
         """The last refusal that nobody has read: the list of events is too narrow to say why."""
         refusal, self._refusal = self._refusal, None
         return refusal
 
-    def take(self, episodes: Iterable[Episode]) -> Outcome | None:
+    def take(self, episodes: Iterable[Episode]) -> RunOutcome | None:
         """What a message began and ended; the outcome of the run that is over with it."""
         found = None
         for episode in episodes:
@@ -206,40 +206,40 @@ class Runs:
                     found = self._action(ended, OUTCOMES[type(ended)])
         return found
 
-    def _action(self, ended: m.ActionEnd, outcome: str, *, waits: bool = False) -> Outcome:
+    def _action(self, ended: m.ActionEnd, outcome: str, *, waits: bool = False) -> RunOutcome:
         text = self.said(ended.run)
         self._wanted.pop(ended.run, None)
         said, remedy = self._said.pop(ended.run, ""), self._remedies.pop(ended.run, "")
         what = f"“{said}”" if said else ended.action
-        found = Outcome(ended.run, looks(outcome), ended.t, ended.reason, text)
+        found = RunOutcome(ended.run, shown_outcome(outcome), ended.t, ended.reason, text)
         if waits and outcome == Word.DONE:
-            found = Outcome(ended.run, "waits", ended.t, LATER, text)
+            found = RunOutcome(ended.run, "waits", ended.t, LATER, text)
         self.outcomes[ended.action] = found
         if outcome == Word.FAILED:
             self._fail(Failure(ended.run, ended.action, what, ended.reason, remedy, ended.t))
         return found
 
-    def _command(self, command: Command) -> Outcome | None:
+    def _command(self, command: Command) -> RunOutcome | None:
         request, ended, run = command.request, command.ended, command.request.run
-        what = words(request)
+        what = command_words(request)
         if ended is None:
-            said, text = self._said.get(run, ""), said_in(request)
+            said, text = self._said.get(run, ""), spoken_text(request)
             if run and text not in said:  # what two robots say together is there once
                 keep(self._said, run, f"{said} {text}".strip())
             return None
         if command.outcome == Word.REFUSED:
-            self._refusal = Refusal(request.action, what, ended.reason, ended.remedy)
+            self._refusal = DriverRefusal(request.action, what, ended.reason, ended.remedy)
         if run:
             if ended.remedy:
                 keep(self._remedies, run, ended.remedy)
             return None  # its action's end is still to come
-        how = looks(command.outcome)
+        how = shown_outcome(command.outcome)
         if how == Word.FAILED:
             reason = f"{ended.driver}: {ended.reason}".strip(": ")
             self._fail(Failure(request.command, "", what, reason, ended.remedy, ended.t))
         if command.sent.get("waits"):
-            return Outcome(request.command, "waits", ended.t, LATER)
-        return Outcome(request.command, how, ended.t, ended.reason)
+            return RunOutcome(request.command, "waits", ended.t, LATER)
+        return RunOutcome(request.command, how, ended.t, ended.reason)
 
     def _fail(self, failure: Failure) -> None:
         if failure.run not in self.seen:

@@ -13,10 +13,10 @@ from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import UNICODE
 from woz_tui.console.inbox import Inbox
 from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.message_feed import Feed
-from woz_tui.console.partial_update import ThriftyScreen
+from woz_tui.console.message_feed import MessageFeed
+from woz_tui.console.partial_update import PartialScreen
 from woz_tui.console.text_console import TextConsole
-from woz_tui.console.theme import SIXTEEN, THEMES, Look
+from woz_tui.console.theme import SIXTEEN, THEMES, Appearance
 from woz_tui.system.clock import Clock, RealClock
 
 #: Seconds between two paintings: ten a second is as much as an eye and a line can use.
@@ -41,14 +41,14 @@ class ScreenApp(App[str]):
 
     def __init__(
         self,
-        feed: Feed,
+        feed: MessageFeed,
         keyboard: Keyboard,
         *,
-        look: Look | None = None,
+        look: Appearance | None = None,
         clock: Clock | None = None,
         driver_class: type[Driver] | None = None,
     ) -> None:
-        look = look or Look(UNICODE)
+        look = look or Appearance(UNICODE)
         # Told at once, so that NO_COLOR leaves no colours at all instead of greys.
         sixteen = look.theme == SIXTEEN.name or None
         super().__init__(driver_class=driver_class, ansi_color=sixteen)
@@ -63,7 +63,7 @@ class ScreenApp(App[str]):
 
     def get_default_screen(self) -> Screen[object]:
         """One that paints little."""
-        return ThriftyScreen(id="_default")
+        return PartialScreen(id="_default")
 
     def on_mount(self) -> None:
         """Begin to listen and to paint."""

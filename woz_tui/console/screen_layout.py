@@ -29,7 +29,7 @@ LOW_BODIES, BODIES, BODY_WIDTH, NARROW_BODIES = 6, 20, 14, 2
 #: Lines the events keep at least.
 EVENTS = 10
 #: The smallest screen with all parts, and the smallest with panels.
-WHOLE, LEAST = Size(80, 24), Size(50, 12)
+FULL_SIZE, LEAST_SIZE = Size(80, 24), Size(50, 12)
 
 
 class Needs(NamedTuple):
@@ -45,7 +45,7 @@ class Needs(NamedTuple):
 
 def shape(screen: Size) -> str:
     """`narrow`, `wide` or `roomy`."""
-    if screen.width < WIDE or screen.height < WHOLE.height:
+    if screen.width < WIDE or screen.height < FULL_SIZE.height:
         return "narrow"
     return "roomy" if screen.height >= ROOMY else "wide"
 
@@ -55,34 +55,34 @@ def bar_lines(screen: Size, script: bool) -> int:
     return SCRIPT_BAR if script and screen.height >= SENTENCE_FROM else BAR
 
 
-def upper(screen: Size, needs: Needs) -> int:
+def upper_lines(screen: Size, needs: Needs) -> int:
     """Lines of the upper row of parts; the lower row has the rest."""
     body = screen.height - STATUS - REPAIRS - needs.bar
     match shape(screen):
         case "narrow":
             return max(3, body - (TALL_SIDE if screen.height >= TALL else SIDE))
         case "wide":
-            return max(3, min(needs.meters + beneath(screen, needs) + 1, body * 3 // 5))
+            return max(3, min(needs.meters + body_lines(screen, needs) + 1, body * 3 // 5))
         case _:
-            side = needs.meters + beneath(screen, needs)
+            side = needs.meters + body_lines(screen, needs)
             return max(3, min(max(needs.panels, side) + 1, body - EVENTS))
 
 
-def beneath(screen: Size, needs: Needs) -> int:
+def body_lines(screen: Size, needs: Needs) -> int:
     """Lines of bodies under the meters."""
     if not needs.bodies:
         return 0
     return {"narrow": 0, "wide": LOW_BODIES, "roomy": BODIES}[shape(screen)]
 
 
-def at_side(screen: Size, needs: Needs) -> int:
+def body_columns(screen: Size, needs: Needs) -> int:
     """Columns of bodies beside the meters."""
     if shape(screen) != "narrow":
         return 0
     return BODY_WIDTH * min(needs.bodies, NARROW_BODIES)
 
 
-class Side(Container):
+class SidePane(Container):
     """Meters and bodies."""
 
     def lay_out(self, lines: int, columns: int) -> None:
@@ -94,15 +94,15 @@ class Side(Container):
         bodies.styles.width = columns or "100%"
 
 
-class Body(Container):
+class MainArea(Container):
     """All between the status line and the stop bar."""
 
     _laid_out: tuple[object, ...] | None = None
 
     def lay_out(self, screen: Size, needs: Needs) -> None:
         """Give every part its place."""
-        below, beside = beneath(screen, needs), at_side(screen, needs)
-        wanted = (shape(screen), upper(screen, needs), below, beside and screen.width)
+        below, beside = body_lines(screen, needs), body_columns(screen, needs)
+        wanted = (shape(screen), upper_lines(screen, needs), below, beside and screen.width)
         if wanted == self._laid_out:
             return
         self._laid_out = wanted
@@ -111,4 +111,4 @@ class Body(Container):
         self.styles.grid_rows = f"{wanted[1]} 1fr"
         columns = f"{(screen.width + beside) // 2} 1fr" if beside else "1fr 1fr"
         self.styles.grid_columns = columns if wanted[0] == "narrow" else "1fr 50"
-        self.query_one(Side).lay_out(below, beside)
+        self.query_one(SidePane).lay_out(below, beside)

@@ -10,7 +10,7 @@ from rich.cells import cell_len
 
 from woz_tui.console.cells import Cells, Row, clean, cut, fit, heading, length
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import Frame
+from woz_tui.console.glyphs import PaintFrame
 
 
 def upcoming(picture: ConsoleState) -> str:
@@ -20,7 +20,7 @@ def upcoming(picture: ConsoleState) -> str:
 
 def script_row(
     picture: ConsoleState,
-    frame: Frame,
+    frame: PaintFrame,
     key: str,
     skip: str = "",
     then: Sequence[tuple[str, str]] = (),
@@ -72,7 +72,7 @@ WORDS = 2
 INDENT = 5
 
 
-def script_rows(picture: ConsoleState, frame: Frame) -> list[Row]:
+def script_rows(picture: ConsoleState, frame: PaintFrame) -> list[Row]:
     """Every line of the script with what is said; what has been played is quiet.
 
     Where not all of it has room it begins shortly before the next line.
@@ -88,7 +88,7 @@ def script_rows(picture: ConsoleState, frame: Frame) -> list[Row]:
     return rows[: frame.height]
 
 
-def _entry(picture: ConsoleState, index: int, frame: Frame) -> list[Row]:
+def _entry(picture: ConsoleState, index: int, frame: PaintFrame) -> list[Row]:
     glyphs, name = frame.glyphs, picture.script[index]
     played, following = index in picture.played, index == picture.position
     mark = glyphs.here if following else glyphs.done if played else " "
@@ -102,15 +102,15 @@ def _entry(picture: ConsoleState, index: int, frame: Frame) -> list[Row]:
     return [cut(row, frame.width, glyphs.ellipsis) for row in rows]
 
 
-def _wrapped(words: str, frame: Frame) -> list[str]:
+def _wrapped(words: str, frame: PaintFrame) -> list[str]:
     room = max(10, frame.width - INDENT - 1)
     return textwrap.wrap(words, room, max_lines=WORDS, placeholder=f" {frame.glyphs.ellipsis}")
 
 
-class Script(Cells):
+class ScriptPane(Cells):
     """The whole script."""
 
-    def paint(self, picture: ConsoleState, frame: Frame) -> None:
+    def paint(self, picture: ConsoleState, frame: PaintFrame) -> None:
         """Show a heading and the lines."""
         if not self.display:
             return

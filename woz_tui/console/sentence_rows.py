@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from woz_tui.console.cells import Row, clean, cut, hung
-from woz_tui.console.command_text import words
+from woz_tui.console.cells import Row, clean, cut, wrap_row
+from woz_tui.console.command_text import command_words
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import Frame, Glyphs
+from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.protocol.messages import FilledCall
 from woz_tui.session.variables import UNTOLD
 
@@ -23,11 +23,11 @@ def step_words(step: Sequence[FilledCall] | float) -> str:
 
 
 def _call_words(call: FilledCall) -> str:
-    text = words(call)
+    text = command_words(call)
     return f"{call.verb} {text}" if call.args.get("text") else text
 
 
-def does(picture: ConsoleState, action: str) -> str:
+def steps_text(picture: ConsoleState, action: str) -> str:
     """All of its steps in one line; empty where nobody has told."""
     return ", ".join(map(step_words, picture.steps(action)))
 
@@ -45,15 +45,15 @@ def quotation(text: str, glyphs: Glyphs) -> str:
     return f"{glyphs.opening}{glyphs.plain(said)}{glyphs.closing}"
 
 
-def sentence_rows(picture: ConsoleState, frame: Frame, action: str) -> list[Row]:
+def sentence_rows(picture: ConsoleState, frame: PaintFrame, action: str) -> list[Row]:
     """What it says, or what it does if it says nothing, in as many rows as the frame has."""
     if picture.sentence(action) == UNTOLD:
         text, look = KEPT, "muted"
     elif said := quoted(picture, action, frame.glyphs):
         text, look = said, "strong"
     else:
-        text, look = frame.glyphs.plain(clean(does(picture, action))), "muted"
-    rows = hung(((f" {text}", look),), 2, frame.width) if text else []
+        text, look = frame.glyphs.plain(clean(steps_text(picture, action))), "muted"
+    rows = wrap_row(((f" {text}", look),), 2, frame.width) if text else []
     if len(rows) > frame.height > 0:
         rest = " ".join(
             "".join(piece for piece, _ in row).strip() for row in rows[frame.height - 1 :]

@@ -8,7 +8,7 @@ from rich.cells import cell_len
 
 from woz_tui.console.cells import Cells, Piece, Row, clean, fit, fit_most, length, spread
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import Frame, Glyphs
+from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.number_text import elapsed, millis
 from woz_tui.console.replay.replay_state import wall_at
 from woz_tui.console.robot_settings.settings_status import driver_trouble
@@ -26,7 +26,7 @@ TITLE = 8
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class StatusInfo:
     """The line to the wizard's terminal: whether it takes output, its round trip if known; and
     the keys that show what has failed and that go on to the next phase.
     """
@@ -37,7 +37,7 @@ class Line:
     phase: str = ""
 
 
-def status_rows(picture: ConsoleState, frame: Frame, line: Line) -> list[Row]:
+def status_rows(picture: ConsoleState, frame: PaintFrame, line: StatusInfo) -> list[Row]:
     """Two rows of the frame's width. What does not fit is left out from the right, as a whole."""
     glyphs, width = frame.glyphs, frame.width
     vitals = _log(picture, glyphs) or (
@@ -63,7 +63,7 @@ def _whole(parts: list[Row], width: int) -> Row:
     return row
 
 
-def _session(picture: ConsoleState, frame: Frame, room: int) -> list[Row]:
+def _session(picture: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
     """The more important, the earlier. A long title gives way to the time."""
     glyphs = frame.glyphs
     time = elapsed(frame.now) if picture.welcomed else "--:--"
@@ -96,7 +96,7 @@ def _badge(picture: ConsoleState) -> Row:
     return ()
 
 
-def _values(picture: ConsoleState, frame: Frame) -> list[str]:
+def _values(picture: ConsoleState, frame: PaintFrame) -> list[str]:
     """Who takes part, under which condition, in which trial, and so on."""
     found = (
         clean(picture.participant) or "no participant",
@@ -113,7 +113,7 @@ def _session_code(picture: ConsoleState) -> str:
     return f"session {clean(start.session)}" if start is not None and start.session else ""
 
 
-def _trial(picture: ConsoleState, frame: Frame) -> str:
+def _trial(picture: ConsoleState, frame: PaintFrame) -> str:
     """The trial's number and, where the robot process counts them, its time, or the break's."""
     study, now = picture.study, frame.now
     of = f"{' of ' if frame.width >= WORDY else '/'}{study.planned}" if study.planned else ""
@@ -136,7 +136,7 @@ def _asked(picture: ConsoleState) -> str:
     return f"questions {asked.answered}/{len(asked.items)}" if asked is not None else ""
 
 
-def _profile(picture: ConsoleState, frame: Frame) -> Row:
+def _profile(picture: ConsoleState, frame: PaintFrame) -> Row:
     """At the right, where it takes nothing else's place and is never left out."""
     name = clean(picture.profiles.current)
     if not name:
@@ -146,7 +146,7 @@ def _profile(picture: ConsoleState, frame: Frame) -> Row:
     return (("  ", "plain"), (f"{frame.glyphs.locked} {word}{shown}", "wait"))
 
 
-def _recorder(picture: ConsoleState, frame: Frame) -> Row:
+def _recorder(picture: ConsoleState, frame: PaintFrame) -> Row:
     """Whether the log is written; how far it lags, where there is room or it is too much."""
     glyphs = frame.glyphs
     if picture.ended:
@@ -183,7 +183,7 @@ def _alarm(lag_us: int) -> str:
     return f"{millis(lag_us)} LATE" if lag_us >= LATE_US else "TROUBLE"
 
 
-def _line(line: Line, frame: Frame) -> Row:
+def _line(line: StatusInfo, frame: PaintFrame) -> Row:
     """How the terminal is reached; its round trip, where there is room or it is too long."""
     glyphs, round_trip = frame.glyphs, line.round_trip_us
     if not line.well:
@@ -228,7 +228,7 @@ def _failures(picture: ConsoleState, glyphs: Glyphs, key: str) -> Row:
     return ((f" {glyphs.failed} {count} failed: {key} ", "alarm"),)
 
 
-def _phase(picture: ConsoleState, frame: Frame, key: str, room: int) -> Row:
+def _phase(picture: ConsoleState, frame: PaintFrame, key: str, room: int) -> Row:
     """The phase with its time and, where there is room, the key and the phase that it begins."""
     study, phases = picture.session.study, picture.settings.phases
     if not phases:
@@ -254,9 +254,9 @@ def _seers(picture: ConsoleState) -> Row:
     return ((f" {names} sees all ", "wait"),) if names and picture.keeps else ()
 
 
-class Status(Cells):
+class StatusLines(Cells):
     """The status line."""
 
-    def paint(self, picture: ConsoleState, frame: Frame, line: Line) -> None:
+    def paint(self, picture: ConsoleState, frame: PaintFrame, line: StatusInfo) -> None:
         """Show the picture's state."""
         self.show(status_rows(picture, frame, line))

@@ -148,14 +148,14 @@ CHOICES = ("dark", "light", "16")
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
+class Appearance:
     """Signs, and the name of the theme to begin with."""
 
     glyphs: Glyphs
     theme: str = "woz-dark"
 
 
-def colours_of(environ: Mapping[str, str]) -> int:
+def colour_count(environ: Mapping[str, str]) -> int:
     """How many colours a terminal has, as far as its environment says: Textual goes by the same."""
     if environ.get("COLORTERM", "").strip().lower() in ("truecolor", "24bit"):
         return 1 << 24
@@ -163,32 +163,32 @@ def colours_of(environ: Mapping[str, str]) -> int:
     return 256 if kind in ("256color", "kitty") else 16
 
 
-def look_for(
+def choose_appearance(
     environ: Mapping[str, str],
     encoding: str,
     colours: int | None = None,
     *,
     theme: str = "",
     light: Callable[[], bool | None] = lambda: None,
-) -> Look:
+) -> Appearance:
     """What suits a terminal: `colours` is how many it has, by default what it says itself.
 
     NO_COLOR and terminals of 16 colours get the terminal's own colours, so that nothing but its
-    palette is used. Otherwise it is the theme that was chosen last (`remember`), or what
+    palette is used. Otherwise it is the theme that was chosen last (`save_theme`), or what
     `COLORFGBG` tells of the terminal's ground, or what `light` finds out about it. `theme`, and
     then `WOZ_THEME` (dark, light, 16), overrule all that.
     """
     glyphs = glyphs_for(environ, encoding)
     wanted = theme or environ.get("WOZ_THEME", "")
     if wanted in CHOICES:
-        return Look(glyphs, f"woz-{wanted}")
-    colours = colours_of(environ) if colours is None else colours
+        return Appearance(glyphs, f"woz-{wanted}")
+    colours = colour_count(environ) if colours is None else colours
     if "NO_COLOR" in environ or environ.get("TERM", "") == "linux" or colours <= 16:
-        return Look(glyphs, "woz-16")
-    if chosen := remembered(environ):
-        return Look(glyphs, f"woz-{chosen}")
+        return Appearance(glyphs, "woz-16")
+    if chosen := saved_theme(environ):
+        return Appearance(glyphs, f"woz-{chosen}")
     ground = environ.get("COLORFGBG", "").rpartition(";")[2]
-    return Look(
+    return Appearance(
         glyphs, "woz-light" if ground in ("7", "15") or (not ground and light()) else "woz-dark"
     )
 
@@ -201,7 +201,7 @@ def _memory(environ: Mapping[str, str]) -> Path:
     return (Path(configured) if configured else Path.home() / ".config") / "woz" / "theme"
 
 
-def remembered(environ: Mapping[str, str]) -> str:
+def saved_theme(environ: Mapping[str, str]) -> str:
     """The theme that was chosen last: one of `CHOICES`, or nothing."""
     with contextlib.suppress(OSError, ValueError, RuntimeError):
         word = _memory(environ).read_text(encoding="utf-8").strip()
@@ -209,7 +209,7 @@ def remembered(environ: Mapping[str, str]) -> str:
     return ""
 
 
-def remember(theme: str, environ: Mapping[str, str]) -> None:
+def save_theme(theme: str, environ: Mapping[str, str]) -> None:
     """Begin with this theme from now on; with an empty one, with what suits the terminal. A folder
     that takes no file is no reason not to play.
     """

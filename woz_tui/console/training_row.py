@@ -6,7 +6,7 @@ from textual.geometry import Size
 
 from woz_tui.console.cells import Cells, Row, clean, fit
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import Frame
+from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.study.study_view import judged
 
 #: Lines on a low screen, and on one of so many lines or more.
@@ -30,7 +30,7 @@ def cue_lines(size: Size, picture: ConsoleState) -> int:
 class CueBoard(Cells):
     """The cue that waits; between two of them what became of the last one."""
 
-    def paint(self, picture: ConsoleState, frame: Frame) -> None:
+    def paint(self, picture: ConsoleState, frame: PaintFrame) -> None:
         """Show it."""
         cue, last = picture.session.cue, picture.study.judged
         if cue is not None:
@@ -48,7 +48,7 @@ class CueBoard(Cells):
         self.show([*above, *(_centred(text, look, frame) for text, look in rows)])
 
 
-def _centred(text: str, look: str, frame: Frame) -> Row:
+def _centred(text: str, look: str, frame: PaintFrame) -> Row:
     shown = fit(frame.glyphs.plain(clean(text)), len(text), frame.glyphs.ellipsis)
     return (
         ((shown if len(shown) < frame.width else shown[: frame.width]).center(frame.width), look),

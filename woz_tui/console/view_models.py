@@ -10,7 +10,7 @@ from typing import NamedTuple
 STALE_US = 2_000_000
 
 
-class State(enum.Enum):
+class ButtonState(enum.Enum):
     """How an action stands, as its button shows it."""
 
     READY = "ready"
@@ -28,7 +28,7 @@ class State(enum.Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Standing:
+class ButtonView:
     """An action's state at one moment.
 
     `left_us` is the time still to go, `share` (0..1) how much of the expected time has passed;
@@ -37,7 +37,7 @@ class Standing:
     state: what is missing, why it was refused.
     """
 
-    state: State
+    state: ButtonState
     left_us: int | None = None
     share: float | None = None
     note: str = ""
@@ -45,7 +45,7 @@ class Standing:
     @property
     def of_run(self) -> bool:
         """Whether it is that of a run, under way or over."""
-        return self.state not in (State.READY, State.LOCKED, State.UNREACHABLE)
+        return self.state not in (ButtonState.READY, ButtonState.LOCKED, ButtonState.UNREACHABLE)
 
 
 class DriverView(NamedTuple):

@@ -30,11 +30,11 @@ from textual.drivers.linux_driver import LinuxDriver
 from woz_tui.config.keys.terminals import KITTY, PLAIN, Terminal, detected, folded
 from woz_tui.console.byte_scanner import INTRODUCER_S, Scanner
 from woz_tui.console.camera.terminal_graphics import Side, question
-from woz_tui.console.cells import clean, pasted
-from woz_tui.console.input_tokens import Key, Paste, Raw, Reply, Stop, Token
+from woz_tui.console.cells import clean, clean_paste
+from woz_tui.console.exit_handler import GONE, ExitHandler, run_aside
+from woz_tui.console.input_tokens import Key, Paste, Raw, StopToken, TerminalReply, Token
 from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.leaving import GONE, Endings, aside
-from woz_tui.console.terminal_line import QUESTION, Line
+from woz_tui.console.terminal_monitor import QUESTION, TerminalMonitor
 from woz_tui.console.terminal_output import Output
 from woz_tui.machine.scheduling import ask_for_short_turns
 from woz_tui.system.clock import RealClock
@@ -57,7 +57,7 @@ _RESTORE = (
 )
 
 
-class Played(Protocol):
+class KeyboardApp(Protocol):
     """What the driver needs of the app: its `keyboard`; if it likes, it is told what is found."""
 
     keyboard: Keyboard
@@ -73,9 +73,9 @@ class WizardDriver(LinuxDriver):
 
     def __init__(self, app: App[Any], **options: Any) -> None:
         super().__init__(app, **options)
-        self._keyboard = cast(Played, app).keyboard
+        self._keyboard = cast(KeyboardApp, app).keyboard
         self._keyboard.on_suspend = _suspend
-        self._line = Line(self._keyboard.feed, RealClock())
+        self._line = TerminalMonitor(self._keyboard.feed, RealClock())
         self._kitty = 0
         self._output: Output | None = None
         self._wake_in, self._wake_out = os.pipe()
@@ -86,7 +86,7 @@ class WizardDriver(LinuxDriver):
         self._read_s = 0.0
         self._scanner = Scanner()
         self._parser = XTermParser(self._debug)
-        self._endings = Endings(
+        self._endings = ExitHandler(
             self, self._keyboard.feed, self._line, self._interrupted, self._leave
         )
         self._endings.install()
@@ -188,9 +188,9 @@ class WizardDriver(LinuxDriver):
         if self._key_thread is not None or not self.in_foreground():
             termios.tcflush(self.fileno, termios.TCIFLUSH)
             return
-        stops = [token.source for token in self._unread() if isinstance(token, Stop)]
+        stops = [token.source for token in self._unread() if isinstance(token, StopToken)]
         if stops:  # perhaps in a signal's handler: the interrupted code may hold the locks
-            aside(lambda: self._stop_all(stops))
+            run_aside(lambda: self._stop_all(stops))
 
     def _stop_all(self, sources: list[str]) -> None:
         for source in sources:
@@ -289,7 +289,7 @@ class WizardDriver(LinuxDriver):
 
     def _carry_out(self, tokens: list[Token]) -> None:
         for token in tokens:
-            if isinstance(token, Stop):
+            if isinstance(token, StopToken):
                 self._keyboard.stop(token.source)
         if any(_is_alt(*pair) for pair in pairwise(tokens)):
             self._keyboard.on_alt()
@@ -299,13 +299,13 @@ class WizardDriver(LinuxDriver):
                 case Key():
                     self._key(token, stale)
                 case Paste(text=text):
-                    self.process_message(events.Paste(pasted(text)))
+                    self.process_message(events.Paste(clean_paste(text)))
                 case Raw(raw=raw):
                     self._to_screen(raw)
-                case Reply(what="status"):
+                case TerminalReply(what="status"):
                     stale = stale and not self._line.burst
                     self._line.answered()
-                case Reply():
+                case TerminalReply():
                     self._reply(token)
 
     def _key(self, key: Key, stale: bool) -> None:
@@ -326,7 +326,7 @@ class WizardDriver(LinuxDriver):
             self._parser = XTermParser(self._debug)  # it cannot go on after an exception
             raise
 
-    def _reply(self, reply: Reply) -> None:
+    def _reply(self, reply: TerminalReply) -> None:
         if reply.what == "kitty" and reply.values:
             self._kitty = reply.values[0]
         elif reply.what == "graphics":
@@ -358,4 +358,4 @@ def _suspend() -> None:
 
 def _is_alt(first: Token, second: Token) -> bool:
     """Whether they came as alt and a key do from a plain terminal: escape, the key at once."""
-    return isinstance(first, Stop) and first.raw == b"\x1b" and isinstance(second, Key)
+    return isinstance(first, StopToken) and first.raw == b"\x1b" and isinstance(second, Key)

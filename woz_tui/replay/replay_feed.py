@@ -1,6 +1,6 @@
 """A log as a feed of the console: a thread that plays, and an `ask` that never leaves it.
 
-It has the shape of `woz_tui.console.message_feed.Feed`. It opens no socket and knows no driver.
+It has the shape of `woz_tui.console.message_feed.MessageFeed`, opens no socket, knows no driver.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from woz_tui.console.byte_scanner import GRAPHICS, Scanner
 from woz_tui.console.camera import kitty
 from woz_tui.console.camera.terminal_graphics import question
-from woz_tui.console.input_tokens import Key, Reply, Stop, Token
+from woz_tui.console.input_tokens import Key, StopToken, TerminalReply, Token
 
 YES = b"\x1b_Gi=31;OK\x1b\\"
 
@@ -30,12 +30,15 @@ def read(scanner: Scanner, *reads: bytes) -> list[Token]:
 def test_the_answer_however_it_is_split(cuts: list[int]) -> None:
     places = [0, *sorted(cuts), len(YES)]
     pieces = [YES[a:b] for a, b in pairwise(places)]
-    assert read(expecting(), *pieces) == [Reply("graphics", (1,), YES)]
+    assert read(expecting(), *pieces) == [TerminalReply("graphics", (1,), YES)]
 
 
 def test_an_error_is_a_no() -> None:
     no = b"\x1b_Gi=31;EINVAL:no pictures here\x1b\\"
-    assert read(expecting(), no, b"h") == [Reply("graphics", (0,), no), Key("h", b"h", b"h")]
+    assert read(expecting(), no, b"h") == [
+        TerminalReply("graphics", (0,), no),
+        Key("h", b"h", b"h"),
+    ]
 
 
 def test_the_question_has_the_number_of_the_answer() -> None:
@@ -52,14 +55,14 @@ def test_escape_before_the_cameras_key_is_a_stop(data: bytes, expects: bool) -> 
     tokens = scanner.feed(data)
     assert scanner.waiting is None or scanner.waiting <= 1.0
     tokens += scanner.expire()
-    assert isinstance(tokens[0], Stop)
+    assert isinstance(tokens[0], StopToken)
     assert b"".join(token.raw for token in tokens) == data
 
 
 @pytest.mark.parametrize("data", [b"\x1b_h", b"\x1b_GO", b"\x1b_Gi=32", b"\x1b_Gi=31;O\x1bK"])
 def test_what_cannot_be_the_answer_stops_at_once(data: bytes) -> None:
     tokens = expecting().feed(data)
-    assert isinstance(tokens[0], Stop)
+    assert isinstance(tokens[0], StopToken)
     assert b"".join(token.raw for token in tokens) == data
 
 
@@ -73,7 +76,7 @@ def test_nothing_is_lost_of_what_only_begins_like_it(rest: bytes) -> None:
     tokens += scanner.close()
     assert b"".join(token.raw for token in tokens) == data
     whole = b"\x1b\\" in rest
-    assert whole or isinstance(tokens[0], Stop)
+    assert whole or isinstance(tokens[0], StopToken)
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from woz_tui.console.camera.picture_widgets import Blocks
 from woz_tui.console.cells import Cells
 from woz_tui.console.glyphs import ASCII
 from woz_tui.console.screens.camera import CameraDialog
-from woz_tui.console.theme import Look
+from woz_tui.console.theme import Appearance
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.camera_pictures import PictureShown
@@ -60,7 +60,7 @@ async def watching(
     film: Film = lambda number: room(),
     *first: r.Welcome,
     size: tuple[int, int] = (80, 24),
-    look: Look | None = None,
+    look: Appearance | None = None,
     pictures: str = "auto",
 ) -> AsyncIterator[tuple[Sitting, Robot]]:
     """A console whose camera screen has just been opened."""
@@ -274,7 +274,7 @@ async def test_a_damaged_picture_is_told() -> None:
 
 
 async def test_signs_of_ascii_where_there_are_no_others() -> None:
-    async with watching(look=Look(ASCII, "woz-16")) as (seat, robot):
+    async with watching(look=Appearance(ASCII, "woz-16")) as (seat, robot):
         await seen(seat, robot, 4)
         text = seat.drawn()
         assert text.isascii()

@@ -10,7 +10,7 @@ import pytest
 
 from tests.console.scripted import ScriptedFeed
 from woz_tui.console.camera.terminal_graphics import Side
-from woz_tui.console.terminal_line import AGAIN_S, DEAD_S, EVERY_S, Line
+from woz_tui.console.terminal_monitor import AGAIN_S, DEAD_S, EVERY_S, TerminalMonitor
 from woz_tui.console.terminal_output import Output
 from woz_tui.system.clock import ManualClock
 
@@ -21,7 +21,7 @@ class Seat:
     def __init__(self) -> None:
         self.master, self.slave = os.openpty()
         self.clock = ManualClock()
-        self.line = Line(ScriptedFeed(), self.clock)
+        self.line = TerminalMonitor(ScriptedFeed(), self.clock)
         self.output: Output | None = Output(self.slave, lambda: None)
         self.woken = 0
         self.side = Side(lambda: self.output, self.line, self._wake)

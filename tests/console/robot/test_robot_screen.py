@@ -13,7 +13,7 @@ from tests.console.robot.screen import choose, line, opened, verbs
 from woz_tui.console.glyphs import ASCII
 from woz_tui.console.replay.replay_commands import COMMANDS
 from woz_tui.console.screens.robot import RobotDialog
-from woz_tui.console.theme import Look
+from woz_tui.console.theme import Appearance
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 
@@ -33,7 +33,7 @@ async def test_values_are_shown_and_unknown_ones_are_a_dash() -> None:
 @pytest.mark.parametrize("size", [(80, 24), (160, 50)])
 @pytest.mark.parametrize("glyphs", ["unicode", "ascii"])
 async def test_a_difference_and_a_conflict_are_words(size: tuple[int, int], glyphs: str) -> None:
-    look = {"look": Look(ASCII)} if glyphs == "ascii" else {}
+    look = {"look": Appearance(ASCII)} if glyphs == "ascii" else {}
     told = pepper.shown({"state": "interactive"}, ("Awareness is off.", "Life is off."))
     async with opened(told, size=size, **look) as seat:
         sign = "!" if glyphs == "ascii" else "▲"
@@ -167,11 +167,11 @@ async def test_without_colours_there_is_no_swatch(monkeypatch: pytest.MonkeyPatc
 
 async def test_a_difference_is_seen_on_the_main_screen() -> None:
     async with sitting(pepper.welcome(pepper.shown())) as seat:
-        assert "differ" not in seat.text("Status")
+        assert "differ" not in seat.text("StatusLines")
         await seat.tell(pepper.shown({"volume": 0.1, "state": "disabled"}))
-        assert "pepper: ▲ volume, autonomous life not as wanted" in seat.text("Status")
+        assert "pepper: ▲ volume, autonomous life not as wanted" in seat.text("StatusLines")
         await seat.tell(pepper.shown({"volume": 0.1}, ("They fight.",)))
-        assert "pepper: ▲ volume not as wanted, 1 conflict" in seat.text("Status")
+        assert "pepper: ▲ volume not as wanted, 1 conflict" in seat.text("StatusLines")
         many: dict[str, m.Json] = {
             "volume": 0.1,
             "state": "disabled",
@@ -179,17 +179,17 @@ async def test_a_difference_is_seen_on_the_main_screen() -> None:
             "awake": False,
         }
         await seat.tell(pepper.shown(many, ("They fight.", "So do these.")))
-        assert "pepper: ▲ 4 settings differ, 2 conflicts" in seat.text("Status")
+        assert "pepper: ▲ 4 settings differ, 2 conflicts" in seat.text("StatusLines")
         off = "the motors are off: nothing moves until the robot is woken up"
         await seat.tell(pepper.shown({"volume": 0.1}, (off,)))
-        assert "pepper: ▲ volume not as wanted, the motors are off " in seat.text("Status")
+        assert "pepper: ▲ volume not as wanted, the motors are off " in seat.text("StatusLines")
         await seat.tell(pepper.shown(None, (off, "They fight.", "So do these.")))
-        assert "pepper: ▲ the motors are off, 2 more " in seat.text("Status")
+        assert "pepper: ▲ the motors are off, 2 more " in seat.text("StatusLines")
         await seat.tell(pepper.shown({"of another robot": 1}))
-        assert "pepper: ▲ 1 setting differs " in seat.text("Status")
+        assert "pepper: ▲ 1 setting differs " in seat.text("StatusLines")
         await seat.tell(m.DriverLost(driver="pepper", detail="no answer", t=pepper.NOW))
-        assert "wanted" not in seat.text("Status")
-        assert "differs" not in seat.text("Status")
+        assert "wanted" not in seat.text("StatusLines")
+        assert "differs" not in seat.text("StatusLines")
 
 
 async def test_in_a_replay_it_is_only_looked_at() -> None:

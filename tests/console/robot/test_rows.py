@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.console.cells import length
-from woz_tui.console.glyphs import ASCII, UNICODE, Frame
+from woz_tui.console.glyphs import ASCII, UNICODE, PaintFrame
 from woz_tui.console.robot_settings.setting_rows import (
     Place,
     list_room,
@@ -43,7 +43,7 @@ views = st.builds(
 def test_rows_fill_their_room_and_no_more(
     view: RobotView, width: int, height: int, chosen: int, ascii_only: bool
 ) -> None:
-    frame = Frame(width, height, 0, ASCII if ascii_only else UNICODE)
+    frame = PaintFrame(width, height, 0, ASCII if ascii_only else UNICODE)
     chosen = min(chosen, max(0, len(view.lines) - 1))
     top = scrolled(view.lines, chosen, 0, frame)
     rows = settings_rows(view, Place(chosen, top, 0, 2), frame)
@@ -55,7 +55,7 @@ def test_rows_fill_their_room_and_no_more(
 def test_what_is_chosen_is_seen_and_so_is_the_beginning(
     lines: tuple[LineView, ...], data: st.DataObject
 ) -> None:
-    frame = Frame(80, data.draw(st.integers(10, 40)), 0)
+    frame = PaintFrame(80, data.draw(st.integers(10, 40)), 0)
     top = 0
     for chosen in data.draw(st.lists(st.integers(0, len(lines) - 1), min_size=1, max_size=20)):
         top = scrolled(lines, chosen, top, frame)

@@ -13,8 +13,8 @@ from tests.console.driving import sitting
 from tests.console.robot import pepper
 from tests.console.still_feed import StillFeed
 from woz_tui.config.experiment import Steps
+from woz_tui.console.keyboard import ArrowSizes as Pressed
 from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.keyboard import Steps as Pressed
 from woz_tui.console.robot_settings.step_sizes import STEPS, ArrowSteps, steps_offered
 from woz_tui.drivers.fields import Range
 from woz_tui.protocol import requests as r
@@ -66,7 +66,7 @@ async def test_an_arrow_key_goes_as_far_as_it_was_told() -> None:
         keyboard = seat.console.keyboard
         assert keyboard.press("left")
         assert keyboard.press("alt+up")
-        seat.console.desk.arrows.change("head", 12.0)
+        seat.console.requests.arrows.change("head", 12.0)
         assert keyboard.press("left")
         asked = [each for each in seat.feed.asked if isinstance(each, r.AskVerb)]
         assert [each.args for each in asked] == [{"yaw": 7.0}, {"x": 0.25}, {"yaw": 12.0}]
@@ -86,6 +86,6 @@ async def test_steps_of_a_file_that_was_read_again() -> None:
         )
         await seat.tell(changed)
         assert seat.console.keyboard.steps.head == 1.0
-        seat.console.desk.arrows.change("head", 4.0)
+        seat.console.requests.arrows.change("head", 4.0)
         await seat.tell(msgspec.structs.replace(changed, profile="child"))
         assert seat.console.keyboard.steps.head == 4.0

@@ -9,10 +9,10 @@ import pytest
 
 from tests.console import scenes
 from tools import guide_session
-from woz_tui.console.bottom_rows import Bar, bar_rows
+from woz_tui.console.bottom_rows import BarInfo, bar_rows
 from woz_tui.console.cells import length
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import Frame
+from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.replay.replay_timeline import replay_rows
 from woz_tui.protocol import messages as m
 from woz_tui.session.action_runner import Origin
@@ -44,7 +44,7 @@ def confirmation(
 
 
 def bar(picture: ConsoleState, width: int = 80) -> str:
-    rows = bar_rows(picture, Frame(width, 2, NOW), Bar(release="^R"))
+    rows = bar_rows(picture, PaintFrame(width, 2, NOW), BarInfo(release="^R"))
     assert [length(row) for row in rows] == [width, width]
     return "".join(text for text, _ in rows[1]).strip()
 
@@ -90,7 +90,7 @@ def test_events_and_the_replay_name_what_was_not_reached_too(missing: list[str])
     event = picture.events[-1]
     assert "not reached" in f"{event.text} {event.detail}".lower()
     assert "robot" in event.detail
-    row = replay_rows(picture, Frame(120, 2, NOW), Bar())[0]
+    row = replay_rows(picture, PaintFrame(120, 2, NOW), BarInfo())[0]
     assert "NOT REACHED: robot" in "".join(text for text, _ in row)
 
 
@@ -155,5 +155,5 @@ def test_a_robot_that_is_unplugged_confirms_no_stop(tmp_path: Path) -> None:
     told = [f"{event.text} {event.detail}" for event in live.events if event.mark == "error"]
     assert "Not reached robot" in told
     assert not [event for event in live.events if event.text == "Stop confirmed"]
-    row = replay_rows(live, Frame(120, 2, NOW), Bar())[0]
+    row = replay_rows(live, PaintFrame(120, 2, NOW), BarInfo())[0]
     assert "NOT REACHED: robot" in "".join(text for text, _ in row)

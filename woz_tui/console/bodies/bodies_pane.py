@@ -15,8 +15,8 @@ from woz_tui.console.bodies.face_lights import size as face_size
 from woz_tui.console.bodies.link_views import ABOVE, SIDE, draw, sights
 from woz_tui.console.cells import Cells, Row, clean, cut, fit
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import Frame, Glyphs
-from woz_tui.console.meter_rows import beside
+from woz_tui.console.glyphs import Glyphs, PaintFrame
+from woz_tui.console.meter_rows import side_by_side
 from woz_tui.session.redactor import HIDDEN
 
 #: Cells that words beside a face need, and a view at the least (columns, lines).
@@ -29,7 +29,7 @@ GAP = 2
 NARROWEST = 12
 
 
-def pane_rows(picture: ConsoleState, frame: Frame) -> list[Row]:
+def pane_rows(picture: ConsoleState, frame: PaintFrame) -> list[Row]:
     """All bodies side by side, as many as have room."""
     seen = seen_bodies(picture, frame.now, frame.glyphs)
     count = min(len(seen), max(1, (frame.width + GAP) // (NARROWEST + GAP)))
@@ -38,25 +38,25 @@ def pane_rows(picture: ConsoleState, frame: Frame) -> list[Row]:
     each = (frame.width - GAP * (count - 1)) // count
     more = len(seen) - count
     blocks = [
-        (_column(one, Frame(each, frame.height, frame.now, frame.glyphs), more), each)
+        (_column(one, PaintFrame(each, frame.height, frame.now, frame.glyphs), more), each)
         for one in seen[:count]
     ]
     return [
         cut(row, frame.width, frame.glyphs.ellipsis)
-        for row in beside(blocks, frame.height, frame.glyphs, GAP)
+        for row in side_by_side(blocks, frame.height, frame.glyphs, GAP)
     ]
 
 
-def _column(seen: SeenBody, frame: Frame, more: int) -> list[Row]:
+def _column(seen: SeenBody, frame: PaintFrame, more: int) -> list[Row]:
     lights = seen.outline.face
     tight = lights is not None and face_size(*lights, compact=False)[0] == frame.width
     indent = 0 if tight else 1
-    inner = Frame(frame.width - indent, frame.height - 1, frame.now, frame.glyphs)
+    inner = PaintFrame(frame.width - indent, frame.height - 1, frame.now, frame.glyphs)
     front: Row = ((" " * indent, "plain"),)
     return [_title(seen, frame, more), *(front + row for row in _arranged(seen, inner))]
 
 
-def _title(seen: SeenBody, frame: Frame, more: int) -> Row:
+def _title(seen: SeenBody, frame: PaintFrame, more: int) -> Row:
     glyphs = frame.glyphs
     title = f" {clean(seen.outline.title)} "
     others = f" +{more} " if more else ""
@@ -67,7 +67,7 @@ def _title(seen: SeenBody, frame: Frame, more: int) -> Row:
     return cut(row, frame.width, glyphs.ellipsis)
 
 
-def _arranged(seen: SeenBody, frame: Frame) -> list[Row]:
+def _arranged(seen: SeenBody, frame: PaintFrame) -> list[Row]:
     """Large face and both views, or a compact face with one view beside or beneath it."""
     columns, lines = face_size(*(seen.outline.face or (24, 16)), compact=False)
     if frame.width >= columns and frame.height >= lines + 2 + 1 + VIEW[1]:
@@ -78,19 +78,19 @@ def _arranged(seen: SeenBody, frame: Frame) -> list[Row]:
     return _slim(seen, frame, (columns, lines))
 
 
-def _large(seen: SeenBody, frame: Frame, size: tuple[int, int]) -> list[Row]:
+def _large(seen: SeenBody, frame: PaintFrame, size: tuple[int, int]) -> list[Row]:
     columns, lines = size
     words = frame.width - columns - GAP
     face = face_rows(seen, frame.glyphs, compact=False)
     if words >= WORDS:
         described = word_rows(seen, frame.glyphs, words, lines)
-        rows = beside([(face, columns), (described, words)], lines, frame.glyphs, GAP)
+        rows = side_by_side([(face, columns), (described, words)], lines, frame.glyphs, GAP)
     else:
         rows = [*face, *short_rows(seen, frame.glyphs)]
     return rows + view_rows(seen, frame.glyphs, frame.width, frame.height - len(rows))
 
 
-def _low(seen: SeenBody, frame: Frame, columns: int) -> list[Row]:
+def _low(seen: SeenBody, frame: PaintFrame, columns: int) -> list[Row]:
     view = frame.width - columns - WORDS - 2 * GAP
     height = frame.height
     described = word_rows(seen, frame.glyphs, WORDS, height)
@@ -99,10 +99,10 @@ def _low(seen: SeenBody, frame: Frame, columns: int) -> list[Row]:
         (_drawn(seen, {SIDE: (view, height)}, frame.glyphs)[SIDE], view),
         (described, WORDS),
     ]
-    return beside(blocks, height, frame.glyphs, GAP)
+    return side_by_side(blocks, height, frame.glyphs, GAP)
 
 
-def _slim(seen: SeenBody, frame: Frame, size: tuple[int, int]) -> list[Row]:
+def _slim(seen: SeenBody, frame: PaintFrame, size: tuple[int, int]) -> list[Row]:
     rows = [*face_rows(seen, frame.glyphs, compact=True), *short_rows(seen, frame.glyphs)]
     spare = frame.height - len(rows)
     if spare >= VIEW[1] and frame.width >= VIEW[0]:
@@ -138,7 +138,10 @@ def view_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[R
         (fit(f"side{front}{glyphs.next}", side + GAP, glyphs.ellipsis), "faint"),
         (fit(f"top{front}{glyphs.up}", above, glyphs.ellipsis), "faint"),
     )
-    return [captions, *beside([(drawn[SIDE], side), (drawn[ABOVE], above)], lines, glyphs, GAP)]
+    return [
+        captions,
+        *side_by_side([(drawn[SIDE], side), (drawn[ABOVE], above)], lines, glyphs, GAP),
+    ]
 
 
 def _drawn(
@@ -162,7 +165,7 @@ def _kept_view(width: int, height: int) -> list[Row]:
 class BodyPane(Cells):
     """The bodies; takes no room in a session without one."""
 
-    def paint(self, picture: ConsoleState, frame: Frame) -> None:
+    def paint(self, picture: ConsoleState, frame: PaintFrame) -> None:
         """Show what they look like now."""
         if self.display:
             self.show(pane_rows(picture, frame))

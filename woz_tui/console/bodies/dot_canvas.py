@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from woz_tui.console.cells import Piece, Row
 from woz_tui.console.glyphs import Glyphs
-from woz_tui.console.meter_rows import joined
+from woz_tui.console.meter_rows import merge_pieces
 
 #: Dots of a cell, and the bit of each in Unicode's braille block, by column and row.
 ACROSS, DOWN = 2, 4
@@ -79,7 +79,7 @@ class Dots:
                 if sign == " " and cells:
                     look = cells[-1][1]  # one look for longer: a blank has none of its own
                 cells.append((sign, look))
-            rows.append(joined(cells))
+            rows.append(merge_pieces(cells))
         return rows
 
     def _cell(self, cell: Dot, glyphs: Glyphs) -> Piece:

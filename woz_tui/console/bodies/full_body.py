@@ -7,14 +7,14 @@ from woz_tui.console.bodies.body_state import SeenBody
 from woz_tui.console.bodies.body_text import ORDER, table_rows
 from woz_tui.console.bodies.face_lights import size as face_size
 from woz_tui.console.cells import Row, clean, cut
-from woz_tui.console.glyphs import Frame
-from woz_tui.console.meter_rows import beside
+from woz_tui.console.glyphs import PaintFrame
+from woz_tui.console.meter_rows import side_by_side
 
 #: Cells of one column of the table, and lines of the picture at the least.
 COLUMN, PICTURE = 24, 9
 
 
-def full_rows(seen: SeenBody, frame: Frame) -> list[Row]:
+def full_rows(seen: SeenBody, frame: PaintFrame) -> list[Row]:
     """As large as the frame."""
     columns = max(1, frame.width // COLUMN)
     table = min(-(-len(ORDER) // columns), max(0, frame.height - PICTURE - 2))
@@ -25,7 +25,7 @@ def full_rows(seen: SeenBody, frame: Frame) -> list[Row]:
     return [cut(row, frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
 
 
-def _picture(seen: SeenBody, frame: Frame, lines: int) -> list[Row]:
+def _picture(seen: SeenBody, frame: PaintFrame, lines: int) -> list[Row]:
     """Face and views beside each other, the face compact where it would take all the room."""
     lights = seen.outline.face
     if lights is None:
@@ -39,4 +39,4 @@ def _picture(seen: SeenBody, frame: Frame, lines: int) -> list[Row]:
     face = face_rows(seen, frame.glyphs, compact=compact)
     room = frame.width - columns - GAP
     views = view_rows(seen, frame.glyphs, room, lines) if room >= 2 * VIEW[0] + GAP else []
-    return beside([(face, columns), (views, max(0, room))], lines, frame.glyphs, GAP)
+    return side_by_side([(face, columns), (views, max(0, room))], lines, frame.glyphs, GAP)

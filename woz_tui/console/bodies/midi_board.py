@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from woz_tui.console.bodies.body_outlines import Control, PanelOutline
 from woz_tui.console.bodies.dot_canvas import ACROSS, DOWN, Dots, Layer
 from woz_tui.console.cells import Piece, Row, clean, cut, fit
-from woz_tui.console.glyphs import Frame, Glyphs
-from woz_tui.console.meter_rows import beside
+from woz_tui.console.glyphs import Glyphs, PaintFrame
+from woz_tui.console.meter_rows import side_by_side
 from woz_tui.protocol.messages import ControlsMoved
 
 #: The highest value of a control.
@@ -54,7 +54,7 @@ class Board:
         return control.name in self.knobs.waiting
 
 
-def board_rows(board: Board, frame: Frame) -> list[Row]:
+def board_rows(board: Board, frame: PaintFrame) -> list[Row]:
     """The picture, beneath it what was moved last and what to do about controls that wait."""
     told, drawn = _split(board.outline.controls, frame.width)
     rows = [*_grid(board, drawn, frame), (), *_told(board, told, frame)]
@@ -79,7 +79,7 @@ def _split(controls: Sequence[Control], width: int) -> tuple[list[Control], list
     )
 
 
-def _grid(board: Board, controls: Sequence[Control], frame: Frame) -> list[Row]:
+def _grid(board: Board, controls: Sequence[Control], frame: PaintFrame) -> list[Row]:
     columns = sorted({control.column for control in controls})
     if not columns:
         return []
@@ -93,7 +93,7 @@ def _grid(board: Board, controls: Sequence[Control], frame: Frame) -> list[Row]:
             (_control(board, one, width - 1, frame.glyphs) if one is not None else [], width - 1)
             for one in here
         ]
-        rows += beside(blocks, height, frame.glyphs)
+        rows += side_by_side(blocks, height, frame.glyphs)
     return rows
 
 
@@ -210,7 +210,7 @@ def _slider(board: Board, control: Control, glyphs: Glyphs) -> list[Row]:
 # -- in words -------------------------------------------------------------------------------------
 
 
-def _told(board: Board, controls: Sequence[Control], frame: Frame) -> list[Row]:
+def _told(board: Board, controls: Sequence[Control], frame: PaintFrame) -> list[Row]:
     """Buttons that had no room in the picture: those that do something."""
     glyphs = frame.glyphs
     row: Row = ()
@@ -225,7 +225,7 @@ def _told(board: Board, controls: Sequence[Control], frame: Frame) -> list[Row]:
     return [row] if row else []
 
 
-def _foot(board: Board, frame: Frame) -> list[Row]:
+def _foot(board: Board, frame: PaintFrame) -> list[Row]:
     return [(), _moved(board, frame.glyphs), *_advice(board, frame)]
 
 
@@ -256,7 +256,7 @@ def _order(board: Board, control: Control) -> str:
     return f"waits: {verb} {turned[0] if target > value else turned[1]} to {target}"
 
 
-def _advice(board: Board, frame: Frame) -> list[Row]:
+def _advice(board: Board, frame: PaintFrame) -> list[Row]:
     waiting = [one for one in board.outline.controls if board.waits(one)]
     if waiting and not board.old:
         names = ", ".join(clean(one.label or one.name) for one in waiting)

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 
 from woz_tui.config.keys.terminals import detected
 from woz_tui.console.camera import kitty
-from woz_tui.console.terminal_line import Line
+from woz_tui.console.terminal_monitor import TerminalMonitor
 from woz_tui.console.terminal_output import Output
 
 #: Values of TERM whose terminals draw pictures over kitty's placeholders. Others that answer the
@@ -35,7 +35,7 @@ class Side:
     """
 
     def __init__(
-        self, output: Callable[[], Output | None], line: Line, wake: Callable[[], None]
+        self, output: Callable[[], Output | None], line: TerminalMonitor, wake: Callable[[], None]
     ) -> None:
         #: What the terminal said of itself; False until it has answered.
         self.kitty = self.sixel = False

@@ -26,8 +26,15 @@ from woz_tui.console.engagement.engagement_text import (
     why,
 )
 from woz_tui.console.engagement.sign_bars import LEAST, distance_bar, queue_bar
-from woz_tui.console.glyphs import Frame, Glyphs
-from woz_tui.console.meter_rows import VALUE, kept, labelled, named, old, track
+from woz_tui.console.glyphs import Glyphs, PaintFrame
+from woz_tui.console.meter_rows import (
+    VALUE,
+    age_note,
+    hidden_row,
+    meter_row,
+    name_piece,
+    track_width,
+)
 from woz_tui.console.number_text import age, seconds
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.proxemics import zone
@@ -42,11 +49,11 @@ _SIGN = 9
 _WORD = 7
 
 #: Draws the rows of the loudness, given what is said of speech.
-Loudness = Callable[[ConsoleState, Frame, str], list[Row]]
+Loudness = Callable[[ConsoleState, PaintFrame, str], list[Row]]
 
 
 def block_rows(
-    picture: ConsoleState, shown: m.EngagementShown, frame: Frame, loudness: Loudness
+    picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame, loudness: Loudness
 ) -> dict[str, list[Row]]:
     """The parts for a session with a model; `loudness` draws the rows that are not the model's."""
     speech = _speech(picture, frame)
@@ -60,9 +67,9 @@ def block_rows(
         rows.append(_moment(picture, shown, frame, unheard))
         rows += [_why(picture, frame), *_pairs(picture, shown, frame)]
     else:
-        rows.append((named("now"), *(_now(shown, frame, unheard) or [_dash(frame)])))
+        rows.append((name_piece("now"), *(_now(shown, frame, unheard) or [_dash(frame)])))
         rows += [_why(picture, frame), *_singles(picture, shown, frame)]
-    heard: list[Row] = [(named("heard"), *_heard(picture, frame))]
+    heard: list[Row] = [(name_piece("heard"), *_heard(picture, frame))]
     return {
         "engagement": rows,
         "distance": _distance(picture, shown, frame),
@@ -74,7 +81,7 @@ def block_rows(
 # -- state, waiting, path, why ------------------------------------------------------------------
 
 
-def _state(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> Row:
+def _state(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
     """The state as a sentence and for how long; the attempt of a handshake."""
     glyphs = frame.glyphs
     if picture.lost:
@@ -88,13 +95,13 @@ def _state(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> Row
     return row
 
 
-def _speech(picture: ConsoleState, frame: Frame) -> str:
+def _speech(picture: ConsoleState, frame: PaintFrame) -> str:
     """`speech 3.1 s` while somebody speaks."""
     segment = None if picture.lost else picture.engaged.speaking(frame.now)
     return "" if segment is None else f"speech {seconds(frame.now - segment.begin)}"
 
 
-def _now(shown: m.EngagementShown, frame: Frame, unheard: str) -> list[Piece]:
+def _now(shown: m.EngagementShown, frame: PaintFrame, unheard: str) -> list[Piece]:
     """What asks for the wizard at this moment."""
     glyphs = frame.glyphs
     pieces = [
@@ -109,7 +116,9 @@ def _now(shown: m.EngagementShown, frame: Frame, unheard: str) -> list[Piece]:
     return found
 
 
-def _moment(picture: ConsoleState, shown: m.EngagementShown, frame: Frame, unheard: str) -> Row:
+def _moment(
+    picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame, unheard: str
+) -> Row:
     """Whether the machine is held, and what was heard."""
     heard = picture.engaged.heard()
     recent = bool(heard) and frame.now - heard[0].t < HEARD_US
@@ -120,21 +129,21 @@ def _moment(picture: ConsoleState, shown: m.EngagementShown, frame: Frame, unhea
     return ((" ", "plain"), *_heard(picture, frame))
 
 
-def _dash(frame: Frame) -> Piece:
+def _dash(frame: PaintFrame) -> Piece:
     return (frame.glyphs.dash, "faint")
 
 
-def _why(picture: ConsoleState, frame: Frame) -> Row:
+def _why(picture: ConsoleState, frame: PaintFrame) -> Row:
     """Why the last change came about."""
     changes = picture.engaged.changes
     last = changes[-1] if changes else picture.session.model.changed
     if last is None:
-        return (named("why"), _dash(frame))
+        return (name_piece("why"), _dash(frame))
     hand: Row = ((f"{frame.glyphs.forced} ", "wait"),) if last.forced else ()
-    return (named("why"), *hand, (frame.glyphs.plain(clean(why(last))), "muted"))
+    return (name_piece("why"), *hand, (frame.glyphs.plain(clean(why(last))), "muted"))
 
 
-def _heard(picture: ConsoleState, frame: Frame) -> Row:
+def _heard(picture: ConsoleState, frame: PaintFrame) -> Row:
     """What was understood last, and when."""
     if picture.perception.hides("transcript"):
         return ((HIDDEN, "faint"),)
@@ -154,7 +163,7 @@ def quoted(heard: m.SpeechText, glyphs: Glyphs) -> Piece:
 # -- signs --------------------------------------------------------------------------------------
 
 
-def _pairs(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> list[Row]:
+def _pairs(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
     """Two signs in a row: mark, word, fill of the queue."""
     width = (frame.width - 2) // 2
     small = replace(frame, width=width)
@@ -166,7 +175,7 @@ def _pairs(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> lis
 
 
 def _pair(
-    name: str, sign: m.SignShown, shown: m.EngagementShown, picture: ConsoleState, frame: Frame
+    name: str, sign: m.SignShown, shown: m.EngagementShown, picture: ConsoleState, frame: PaintFrame
 ) -> Row:
     glyphs = frame.glyphs
     found = mark(name, sign, glyphs, old=bool(picture.lost))
@@ -189,30 +198,30 @@ def _pair(
     return cut((front, *back), frame.width, glyphs.ellipsis)
 
 
-def _singles(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> list[Row]:
+def _singles(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
     """A row for each sign: name, fill of the queue, verdict with its count."""
     return [_single(name, sign, shown, picture, frame) for name, sign in signs_of(shown)]
 
 
 def _single(
-    name: str, sign: m.SignShown, shown: m.EngagementShown, picture: ConsoleState, frame: Frame
+    name: str, sign: m.SignShown, shown: m.EngagementShown, picture: ConsoleState, frame: PaintFrame
 ) -> Row:
     glyphs = frame.glyphs
     found = mark(name, sign, glyphs, old=bool(picture.lost))
     quiet = found.look == "stale" or sign.forced or not is_used(name, shown)
-    bar = queue_bar(sign, track(frame), glyphs, "muted" if quiet else "good")
+    bar = queue_bar(sign, track_width(frame), glyphs, "muted" if quiet else "good")
     if not is_used(name, shown):
-        return labelled(WORD[name], bar, "not used", "faint")
+        return meter_row(WORD[name], bar, "not used", "faint")
     if sign.forced:
-        return labelled(WORD[name], bar, f"{found.sign} {found.word} {glyphs.forced} hand", "wait")
+        return meter_row(WORD[name], bar, f"{found.sign} {found.word} {glyphs.forced} hand", "wait")
     value = f"{found.sign} {found.word}"
     counted = f"{value} {share(sign)}"
     if found.look != "stale" and cell_len(counted) <= VALUE - 2:
         value = counted
-    return labelled(WORD[name], bar, value, found.look)
+    return meter_row(WORD[name], bar, value, found.look)
 
 
-def _distance(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> list[Row]:
+def _distance(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
     """Where the visitor stands among Hall's spaces; no row in a session without a distance."""
     sign = shown.signs.get("distance")
     if sign is not None and picture.sensor("distance") and picture.perception.keeps("distance"):
@@ -223,24 +232,24 @@ def _distance(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> 
     bar = distance_bar(
         sign.raw,
         shown.social_distance,
-        track(frame),
+        track_width(frame),
         frame.glyphs,
         stale=stale,
     )
     if sign.raw is None:
-        return [labelled("distance", bar, "nothing seen", "muted")]
+        return [meter_row("distance", bar, "nothing seen", "muted")]
     figure = f"{sign.raw:.2f} m" if sign.raw < 100 else "far"
     if stale:
-        return [labelled("distance", bar, f"{frame.glyphs.stale} {figure} stale", "stale")]
-    return [labelled("distance", bar, f"{figure} {zone(sign.raw)}", "plain")]
+        return [meter_row("distance", bar, f"{frame.glyphs.stale} {figure} stale", "stale")]
+    return [meter_row("distance", bar, f"{figure} {zone(sign.raw)}", "plain")]
 
 
-def _kept_distance(picture: ConsoleState, frame: Frame) -> Row:
+def _kept_distance(picture: ConsoleState, frame: PaintFrame) -> Row:
     """Its place where the wizard does not see it, or only near and far."""
     sensor = picture.sensor("distance")
     if sensor is None or picture.perception.hides("distance"):
-        return kept("distance", frame)
+        return hidden_row("distance", frame)
     stale = picture.is_stale(sensor, frame.now)
-    text = old(sensor, frame) if stale else sensor.text or "nothing seen"
-    bar: Row = ((frame.glyphs.track * track(frame), "faint"),)
-    return labelled("distance", bar, text, "stale" if stale else "plain")
+    text = age_note(sensor, frame) if stale else sensor.text or "nothing seen"
+    bar: Row = ((frame.glyphs.track * track_width(frame), "faint"),)
+    return meter_row("distance", bar, text, "stale" if stale else "plain")

@@ -26,8 +26,8 @@ from woz_tui.console.engagement.engagement_text import (
 from woz_tui.console.engagement.sign_bars import queue_bar
 from woz_tui.console.engagement.state_diagram import HEIGHT, WIDTH, diagram
 from woz_tui.console.engagement.time_limits import running
-from woz_tui.console.glyphs import Frame
-from woz_tui.console.meter_rows import beside
+from woz_tui.console.glyphs import PaintFrame
+from woz_tui.console.meter_rows import side_by_side
 from woz_tui.console.number_text import elapsed, seconds
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.proxemics import zone
@@ -50,7 +50,7 @@ _HEARD = 2
 _TALL = 24
 
 
-def whole_rows(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> list[Row]:
+def whole_rows(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
     """As many rows as the frame is high; what matters most stands on top."""
     table = [*_signs(picture, shown, frame), _condition(picture, shown, frame)]
     top = [_head(picture, shown, frame), _second(picture, shown, frame)]
@@ -68,7 +68,7 @@ def whole_rows(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) ->
     return [cut(row, frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
 
 
-def _air(frame: Frame) -> list[Row]:
+def _air(frame: PaintFrame) -> list[Row]:
     """An empty line where there is room for one."""
     return [()] if frame.height >= _TALL else []
 
@@ -76,7 +76,7 @@ def _air(frame: Frame) -> list[Row]:
 # -- what is now --------------------------------------------------------------------------------
 
 
-def _head(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> Row:
+def _head(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
     """State, time, run; at the right visitor and attention."""
     glyphs = frame.glyphs
     row: Row = (
@@ -110,7 +110,7 @@ def _about(picture: ConsoleState, visitor: str) -> str:
     return f" ({told})" if told else ""
 
 
-def _second(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> Row:
+def _second(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
     """The state as a sentence, what is being said, which limits run."""
     glyphs, engaged = frame.glyphs, picture.engaged
     row: Row = ()
@@ -125,7 +125,7 @@ def _second(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> Ro
 
 
 def _states(
-    picture: ConsoleState, shown: m.EngagementShown, frame: Frame, *, side: bool
+    picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame, *, side: bool
 ) -> list[Row]:
     """The diagram, at its right what was heard."""
     way = [(change.was, change.now) for change in reversed(picture.engaged.changes)]
@@ -136,13 +136,13 @@ def _states(
         return drawn
     room = frame.width - WIDTH - 2
     heard = _heard(picture, replace(frame, width=room), HEIGHT)
-    return beside([(drawn, WIDTH), (heard, room)], HEIGHT, frame.glyphs, 2)
+    return side_by_side([(drawn, WIDTH), (heard, room)], HEIGHT, frame.glyphs, 2)
 
 
 # -- signs ----------------------------------------------------------------------------------------
 
 
-def _signs(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> list[Row]:
+def _signs(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
     """A line for each sign beneath the names of the columns."""
     filtered = _FILTER + 1 if frame.width >= _WITH_FILTER else 0
     bar = min(_BAR, max(6, frame.width - _NAME - _SENSED - 2 - filtered - 1 - _VERDICT))
@@ -160,7 +160,7 @@ def _signs(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> lis
 
 
 def _sign(
-    name: str, shown: m.EngagementShown, picture: ConsoleState, frame: Frame, filtered: int
+    name: str, shown: m.EngagementShown, picture: ConsoleState, frame: PaintFrame, filtered: int
 ) -> Row:
     """One of them. `frame` is the bar's; the filter's name has `filtered` cells."""
     sign = shown.signs[name]
@@ -201,7 +201,7 @@ def _sensed(name: str, sign: m.SignShown) -> str:
     return "yes" if FLAGS[name](sign.raw) else "no"
 
 
-def _condition(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> Row:
+def _condition(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
     old = bool(picture.lost)
     row = condition(shown, frame.glyphs, old=old)
     if length(row) > frame.width:
@@ -215,7 +215,7 @@ def _condition(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) ->
 # -- what was -------------------------------------------------------------------------------------
 
 
-def _way(picture: ConsoleState, frame: Frame, room: int) -> list[Row]:
+def _way(picture: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
     """The changes, newest on top: when, to what, by which outcome, why, and by whom."""
     glyphs = frame.glyphs
     rows: list[Row] = []
@@ -233,7 +233,7 @@ def _way(picture: ConsoleState, frame: Frame, room: int) -> list[Row]:
     return rows[:room] or [(("nothing has changed yet", "muted"),)]
 
 
-def _heard(picture: ConsoleState, frame: Frame, room: int) -> list[Row]:
+def _heard(picture: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
     """What was understood, newest on top."""
     rows: list[Row] = []
     if picture.perception.hides("transcript"):

@@ -6,7 +6,7 @@ import math
 
 from woz_tui.console.cells import Piece, Row
 from woz_tui.console.glyphs import Glyphs
-from woz_tui.console.meter_rows import at, joined
+from woz_tui.console.meter_rows import merge_pieces, track_cell
 from woz_tui.protocol.messages import SignShown
 from woz_tui.sensing.proxemics import ZONES
 
@@ -48,15 +48,15 @@ def queue_bar(sign: SignShown, width: int, glyphs: Glyphs, look: str = "good") -
         *((glyphs.track, "faint") for _ in range(after - beyond)),
         *((" ", "plain") for _ in range(room - cells)),
     ]
-    return joined(row)
+    return merge_pieces(row)
 
 
 def distance_bar(
     metres: float | None, social: float, width: int, glyphs: Glyphs, *, stale: bool = False
 ) -> Row:
     """Hall's spaces with ticks between them; as far as the robot talks (S_d) the line is solid."""
-    near = at(social / FARTHEST, width) if math.isfinite(social) else 0
-    ticks = {at(limit / FARTHEST, width) for limit, _ in ZONES}
+    near = track_cell(social / FARTHEST, width) if math.isfinite(social) else 0
+    ticks = {track_cell(limit / FARTHEST, width) for limit, _ in ZONES}
     cells: list[Piece] = []
     for x in range(width):
         if x in ticks:
@@ -66,5 +66,5 @@ def distance_bar(
         else:
             cells.append((glyphs.track, "faint"))
     if metres is not None and not math.isnan(metres):
-        cells[at(metres / FARTHEST, width)] = (glyphs.spot, "stale" if stale else "strong")
-    return joined(cells)
+        cells[track_cell(metres / FARTHEST, width)] = (glyphs.spot, "stale" if stale else "strong")
+    return merge_pieces(cells)

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from woz_tui.console.cells import Piece, Row
 from woz_tui.console.glyphs import Glyphs
-from woz_tui.console.meter_rows import joined
+from woz_tui.console.meter_rows import merge_pieces
 
 #: Cells of the drawing.
 WIDTH, HEIGHT = 60, 5
@@ -81,7 +81,8 @@ def diagram(state: str, way: Sequence[tuple[str, str]], glyphs: Glyphs) -> list[
     for name in PLACES:
         _name(cells, name, here=name == state, been=name in been)
     return [
-        joined([cells.get((x, y), (" ", "plain")) for x in range(WIDTH)]) for y in range(HEIGHT)
+        merge_pieces([cells.get((x, y), (" ", "plain")) for x in range(WIDTH)])
+        for y in range(HEIGHT)
     ]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from textual.content import Content
 
 from woz_tui.console.cells import clean
-from woz_tui.console.screens.choice import Search
+from woz_tui.console.screens.choice import SearchDialog
 from woz_tui.console.screens.dialog import Dialog
 from woz_tui.console.screens.note import NoteDialog
 from woz_tui.protocol.requests import AskMarker, AskReplay
@@ -29,10 +29,10 @@ class _Still(Dialog):
 
     def _toggle(self) -> None:
         if self._went:
-            self.desk.ask(AskReplay(what="pause"))
+            self.requests.ask(AskReplay(what="pause"))
 
 
-class CodeDialog(_Still, Search[str]):
+class CodeDialog(_Still, SearchDialog[str]):
     """Type a code, or choose one that was set before."""
 
     heading = "Code"
@@ -55,7 +55,7 @@ class CodeDialog(_Still, Search[str]):
         """Set it."""
         text = item or typed.strip()
         if text:
-            self.desk.ask(AskMarker(text=text))
+            self.requests.ask(AskMarker(text=text))
 
 
 class CodeNoteDialog(_Still, NoteDialog):

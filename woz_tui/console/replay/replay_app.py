@@ -11,8 +11,8 @@ from woz_tui.config.keys.keymap import key_map
 from woz_tui.console.app import FLASH_S, NEWS_S, Console
 from woz_tui.console.inbox import Inbox
 from woz_tui.console.key_caps import cap_of
-from woz_tui.console.main_screen import Surface
-from woz_tui.console.message_feed import Feed, Incoming
+from woz_tui.console.main_screen import MainScreen
+from woz_tui.console.message_feed import Incoming, MessageFeed
 from woz_tui.console.number_text import elapsed
 from woz_tui.console.replay.replay_commands import COMMANDS, ReplayKeyboard
 from woz_tui.console.replay.replay_timeline import TimeBar
@@ -50,10 +50,10 @@ class ReplayConsole(Console):
         options: As for `Console`.
     """
 
-    def __init__(self, feed: Feed, keyboard: ReplayKeyboard, **options: Any) -> None:
+    def __init__(self, feed: MessageFeed, keyboard: ReplayKeyboard, **options: Any) -> None:
         super().__init__(feed, keyboard, commands=COMMANDS, **options)
         self.inbox: _Inbox = _Inbox(self.wake)
-        self._surface = Surface(bar=TimeBar())
+        self._surface = MainScreen(bar=TimeBar())
         self._panels = self._surface.panels
         self._said_until = 0
         self._greeted = False

@@ -9,39 +9,43 @@ from woz_tui.config.keys.console_keys import Builtin
 from woz_tui.console import commands as session
 from woz_tui.console.commands import Run, opens
 from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.screens.dialog import REPLAY, Command, Hint
+from woz_tui.console.screens.dialog import REPLAY, ConsoleCommand, KeyHint
 from woz_tui.protocol.requests import AskMistake, AskReplay
 
 #: Seconds that one press of an arrow goes, and one with shift or alt.
 NEAR_S, FAR_S = 5.0, 60.0
 
 
-def _row(*keys: Builtin, run: Run | None = None, hint: Hint | None = None) -> Command:
-    return Command(keys, run, hint=hint, users=REPLAY)
+def _row(*keys: Builtin, run: Run | None = None, hint: KeyHint | None = None) -> ConsoleCommand:
+    return ConsoleCommand(keys, run, hint=hint, users=REPLAY)
 
 
-def _goes(*keys: Builtin, hint: Hint | None = None, **more: Any) -> Command:
+def _goes(*keys: Builtin, hint: KeyHint | None = None, **more: Any) -> ConsoleCommand:
     """Moves through the log."""
-    return Command(keys, sends=lambda press: AskReplay(**more), hint=hint, users=REPLAY)
+    return ConsoleCommand(keys, sends=lambda press: AskReplay(**more), hint=hint, users=REPLAY)
 
 
 COMMANDS = (
-    _goes(Builtin("pause", "space", "stand still, go on"), what="pause", hint=Hint(1, "pause")),
-    _goes(Builtin("step", ".", "to the next line of the log"), what="step", hint=Hint(2, "step")),
+    _goes(Builtin("pause", "space", "stand still, go on"), what="pause", hint=KeyHint(1, "pause")),
+    _goes(
+        Builtin("step", ".", "to the next line of the log"), what="step", hint=KeyHint(2, "step")
+    ),
     _goes(
         Builtin("slower", "[", "half the speed, down to 0.25x"),
         Builtin("slower_too", "<", "half the speed"),
         what="slower",
-        hint=Hint(3, "slower"),
+        hint=KeyHint(3, "slower"),
     ),
     _goes(
         Builtin("faster", "]", "twice the speed, up to 16x"),
         Builtin("faster_too", ">", "twice the speed"),
         what="faster",
-        hint=Hint(4, "faster"),
+        hint=KeyHint(4, "faster"),
     ),
-    _goes(Builtin("back", "left", "5 s back"), what="seek", by_s=-NEAR_S, hint=Hint(5, "5 s back")),
-    _goes(Builtin("on", "right", "5 s on"), what="seek", by_s=NEAR_S, hint=Hint(6, "5 s on")),
+    _goes(
+        Builtin("back", "left", "5 s back"), what="seek", by_s=-NEAR_S, hint=KeyHint(5, "5 s back")
+    ),
+    _goes(Builtin("on", "right", "5 s on"), what="seek", by_s=NEAR_S, hint=KeyHint(6, "5 s on")),
     _goes(
         Builtin("far_back", "shift+left", "60 s back"),
         Builtin("far_back_too", "alt+left", "60 s back"),
@@ -67,7 +71,7 @@ COMMANDS = (
     _row(
         Builtin("go", "g", "go to a time, or to a marker, stop, trial ..."),
         run=opens("replay.seek_dialogs:GoDialog"),
-        hint=Hint(7, "go to"),
+        hint=KeyHint(7, "go to"),
     ),
     _row(
         Builtin("code", "m", "set a code at this moment (with --coder)"),
@@ -77,7 +81,7 @@ COMMANDS = (
         Builtin("code_note", "n", "write a note about this moment (with --coder)"),
         run=opens("replay.coding_dialogs:CodeNoteDialog"),
     ),
-    Command(
+    ConsoleCommand(
         (Builtin("code_back", "x", "take your last code or note back (with --coder)"),),
         sends=lambda press: AskMistake(),
         users=REPLAY,
@@ -95,12 +99,12 @@ COMMANDS = (
     _row(
         Builtin("help", "?", "these keys"),
         run=opens("replay.replay_info:ReplayHelp"),
-        hint=Hint(8, "keys"),
+        hint=KeyHint(8, "keys"),
     ),
     _row(
         Builtin("leave", "ctrl+q", "leave; nothing is changed by a replay"),
         run=lambda app: app.exit("left"),
-        hint=Hint(9, "leave"),
+        hint=KeyHint(9, "leave"),
     ),
     _row(
         Builtin("stop", "escape", "closes a dialog; nothing moves in a replay", movable=False),

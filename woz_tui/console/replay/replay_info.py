@@ -5,7 +5,7 @@ from __future__ import annotations
 from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.number_text import elapsed
 from woz_tui.console.replay.replay_state import wall_at
-from woz_tui.console.screens.dialog import Report
+from woz_tui.console.screens.dialog import ReportDialog
 from woz_tui.console.screens.help import HelpDialog
 from woz_tui.protocol.welcome import ReplayedLog
 
@@ -28,7 +28,7 @@ class ReplayHelp(HelpDialog):
         return []
 
 
-class AboutDialog(Report):
+class AboutDialog(ReportDialog):
     """The log: which session, which experiment, how whole it is."""
 
     heading = "This log"

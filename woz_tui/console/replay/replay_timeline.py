@@ -7,10 +7,10 @@ from dataclasses import replace
 
 from rich.cells import cell_len
 
-from woz_tui.console.bottom_rows import Bar, StopBar, hint_row
+from woz_tui.console.bottom_rows import BarInfo, StopBar, hint_row
 from woz_tui.console.cells import Piece, Row, clean, cut, fit, length, spread
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.glyphs import Frame, Glyphs
+from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.number_text import elapsed
 from woz_tui.console.replay.replay_state import Place, ReplayPicture, wall_at
 from woz_tui.console.robot_settings.stop_confirmation import missing_row
@@ -43,7 +43,7 @@ def sign_of(sort: str, glyphs: Glyphs) -> Piece:
     return str(getattr(glyphs, name)), look
 
 
-def replay_rows(picture: ConsoleState, frame: Frame, bar: Bar) -> list[Row]:
+def replay_rows(picture: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
     """As many rows as the frame has, two at least."""
     rows = [_then(picture, frame, bar)]
     if frame.height > 2:
@@ -51,7 +51,7 @@ def replay_rows(picture: ConsoleState, frame: Frame, bar: Bar) -> list[Row]:
     return [*rows, time_row(picture, frame, bar.hints)]
 
 
-def _then(picture: ConsoleState, frame: Frame, bar: Bar) -> Row:
+def _then(picture: ConsoleState, frame: PaintFrame, bar: BarInfo) -> Row:
     """A sentence for the viewer; else the stop as it was; else the script, or what keys do."""
     glyphs, width = frame.glyphs, frame.width
     if bar.news.text:
@@ -73,7 +73,9 @@ def _stopped(stop: Stop, glyphs: Glyphs, width: int) -> Row:
     return cut((*row, (" " * width, "alarm-soft")), width, " ")
 
 
-def time_row(picture: ConsoleState, frame: Frame, hints: tuple[tuple[str, str], ...] = ()) -> Row:
+def time_row(
+    picture: ConsoleState, frame: PaintFrame, hints: tuple[tuple[str, str], ...] = ()
+) -> Row:
     """Where the replay is: state, time, the line with its places, clock of then, speed."""
     replay = picture.replay
     if replay is None:
@@ -161,6 +163,6 @@ def _joined(cells: Iterable[Piece]) -> list[Piece]:
 class TimeBar(StopBar):
     """The bar over the whole width at the bottom of a replay."""
 
-    def paint(self, picture: ConsoleState, frame: Frame, bar: Bar) -> None:
+    def paint(self, picture: ConsoleState, frame: PaintFrame, bar: BarInfo) -> None:
         """Show the stop or the script of then, and the time line."""
         self.show(replay_rows(picture, frame, bar))

@@ -12,14 +12,14 @@ from woz_tui.console.cells import clean, fit
 from woz_tui.console.number_text import elapsed
 from woz_tui.console.replay.replay_state import Place
 from woz_tui.console.replay.replay_timeline import sign_of
-from woz_tui.console.screens.choice import Search
+from woz_tui.console.screens.choice import SearchDialog
 from woz_tui.protocol.requests import AskReplay
 from woz_tui.replay.seek import time_of
 
 TIME, SORT = 8, 14
 
 
-class GoDialog(Search[Place]):
+class GoDialog(SearchDialog[Place]):
     """Type `12:34`, or a few letters of a marker; arrows choose among all places."""
 
     heading = "Go to"
@@ -63,4 +63,4 @@ class GoDialog(Search[Place]):
         """Go to it, or to what was typed."""
         to = f"{item.t / 1_000_000:.6f}" if item is not None else typed
         if to:
-            self.desk.ask(AskReplay(what="go", to=to))
+            self.requests.ask(AskReplay(what="go", to=to))

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from rich.cells import cell_len, chop_cells
 
 from woz_tui.console.cells import Piece, Row, clean, cut, fit, length, spread
-from woz_tui.console.glyphs import Frame
+from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.robot_settings.setting_view import LineView, RobotView
 
 #: From this height on there is more room for sentences, above and below the lines.
@@ -38,7 +38,7 @@ class Place:
     colours: bool = True
 
 
-def settings_rows(view: RobotView, place: Place, frame: Frame) -> list[Row]:
+def settings_rows(view: RobotView, place: Place, frame: PaintFrame) -> list[Row]:
     """The whole screen: as many rows as the frame is high."""
     above, below = _sentences(frame)
     listed = _listed(view.lines, place, frame)
@@ -54,17 +54,17 @@ def settings_rows(view: RobotView, place: Place, frame: Frame) -> list[Row]:
     ]
 
 
-def list_room(frame: Frame) -> int:
+def list_room(frame: PaintFrame) -> int:
     """Rows for the list."""
     return max(1, frame.height - sum(_sentences(frame)) - 2)
 
 
-def _sentences(frame: Frame) -> tuple[int, int]:
+def _sentences(frame: PaintFrame) -> tuple[int, int]:
     """Rows of sentences above and below the list."""
     return _HIGH if frame.height >= TALL else _LOW
 
 
-def scrolled(lines: tuple[LineView, ...], chosen: int, top: int, frame: Frame) -> int:
+def scrolled(lines: tuple[LineView, ...], chosen: int, top: int, frame: PaintFrame) -> int:
     """The list's first row such that the chosen line is seen, with its section's heading."""
     at = row_of(lines, chosen)
     first = at - 1 if chosen == 0 or lines[chosen - 1].section != lines[chosen].section else at
@@ -81,7 +81,7 @@ def row_of(lines: tuple[LineView, ...], index: int) -> int:
     return index + sections
 
 
-def _head(view: RobotView, place: Place, frame: Frame) -> Row:
+def _head(view: RobotView, place: Place, frame: PaintFrame) -> Row:
     glyphs = frame.glyphs
     which = f" {place.robot + 1} of {place.robots}" if place.robots > 1 else ""
     state, look = view.state
@@ -94,7 +94,7 @@ def _head(view: RobotView, place: Place, frame: Frame) -> Row:
     return spread(left, ((count, "warn"),), frame.width, glyphs.ellipsis)
 
 
-def _conflicts(view: RobotView, rows: int, frame: Frame) -> list[Row]:
+def _conflicts(view: RobotView, rows: int, frame: PaintFrame) -> list[Row]:
     """As many sentences as there is room for, and how many more there are."""
     sign = frame.glyphs.warning
     texts = [f"{sign} {frame.glyphs.plain(clean(text))}" for text in view.conflicts]
@@ -107,7 +107,7 @@ def _conflicts(view: RobotView, rows: int, frame: Frame) -> list[Row]:
     return _cut_off(_wrapped(" ".join(texts), "warn", frame), rows, frame)
 
 
-def _listed(lines: tuple[LineView, ...], place: Place, frame: Frame) -> list[Row]:
+def _listed(lines: tuple[LineView, ...], place: Place, frame: PaintFrame) -> list[Row]:
     found: list[Row] = []
     for number, line in enumerate(lines):
         if number == 0 or line.section != lines[number - 1].section:
@@ -116,7 +116,7 @@ def _listed(lines: tuple[LineView, ...], place: Place, frame: Frame) -> list[Row
     return found
 
 
-def _line(line: LineView, chosen: bool, colours: bool, frame: Frame) -> Row:
+def _line(line: LineView, chosen: bool, colours: bool, frame: PaintFrame) -> Row:
     glyphs = frame.glyphs
     label, value = (26, 24) if frame.width >= WIDE else (20, 18)
     mark = f" {glyphs.here} " if chosen else "   "
@@ -126,7 +126,7 @@ def _line(line: LineView, chosen: bool, colours: bool, frame: Frame) -> Row:
     return cut(row, frame.width, glyphs.ellipsis)
 
 
-def _value(line: LineView, width: int, colours: bool, frame: Frame) -> Row:
+def _value(line: LineView, width: int, colours: bool, frame: PaintFrame) -> Row:
     look = "stale" if line.stale else "muted" if line.fixed else "strong"
     swatch: Row = ()
     if line.color and colours:
@@ -135,11 +135,11 @@ def _value(line: LineView, width: int, colours: bool, frame: Frame) -> Row:
     return ((" ", "plain"), *swatch, (fit(line.value, room, frame.glyphs.ellipsis), look))
 
 
-def _signs(line: LineView, frame: Frame) -> Row:
+def _signs(line: LineView, frame: PaintFrame) -> Row:
     return tuple((f" {frame.glyphs.plain(clean(text))} ", look) for text, look in line.signs)
 
 
-def _rule(top: int, count: int, room: int, frame: Frame) -> Row:
+def _rule(top: int, count: int, room: int, frame: PaintFrame) -> Row:
     """A line over the whole width that says what is above and below."""
     above, below = top, max(0, count - top - room)
     told = ", ".join(
@@ -152,13 +152,13 @@ def _rule(top: int, count: int, room: int, frame: Frame) -> Row:
     return ((rule, "faint"), (words, "muted"), (frame.glyphs.rule, "faint"))
 
 
-def _foot(lines: tuple[LineView, ...], place: Place, rows: int, frame: Frame) -> list[Row]:
+def _foot(lines: tuple[LineView, ...], place: Place, rows: int, frame: PaintFrame) -> list[Row]:
     about = lines[place.chosen].about if place.chosen < len(lines) else ()
     wrapped = [row for text, look in about for row in _wrapped(clean(text), look, frame)]
     return _cut_off(wrapped, rows, frame)
 
 
-def _wrapped(text: str, look: str, frame: Frame) -> list[Row]:
+def _wrapped(text: str, look: str, frame: PaintFrame) -> list[Row]:
     """Sentences in rows, by cells: a sign of Chinese takes two."""
     room = max(10, frame.width - 2)
     rows = [""]
@@ -171,7 +171,7 @@ def _wrapped(text: str, look: str, frame: Frame) -> list[Row]:
     return [((f" {row}", look),) for row in rows if row]
 
 
-def _cut_off(rows: Iterable[Row], room: int, frame: Frame) -> list[Row]:
+def _cut_off(rows: Iterable[Row], room: int, frame: PaintFrame) -> list[Row]:
     """`room` rows: what is beyond them is left out, and an ellipsis says so."""
     found = list(rows)
     kept = found[:room]

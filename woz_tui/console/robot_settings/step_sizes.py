@@ -8,7 +8,7 @@ import math
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 
-from woz_tui.console.keyboard import Keyboard, Steps
+from woz_tui.console.keyboard import ArrowSizes, Keyboard
 from woz_tui.protocol.robot_outline import Setting
 
 SECTION = "Arrow keys of this console"
@@ -61,4 +61,4 @@ def _fits(setting: Setting, value: float) -> bool:
     return math.isfinite(value) and setting.low <= value <= setting.high
 
 
-__all__ = ["SECTION", "STEPS", "ArrowSteps", "Steps", "steps_offered"]
+__all__ = ["SECTION", "STEPS", "ArrowSizes", "ArrowSteps", "steps_offered"]

@@ -6,11 +6,11 @@ from woz_tui.console.bodies.body_outlines import bodies
 from woz_tui.console.bodies.body_state import seen_bodies
 from woz_tui.console.bodies.full_body import full_rows
 from woz_tui.console.cells import Row
-from woz_tui.console.glyphs import Frame
-from woz_tui.console.screens.drawing import Drawing
+from woz_tui.console.glyphs import PaintFrame
+from woz_tui.console.screens.drawing import DrawingDialog
 
 
-class BodyDialog(Drawing):
+class BodyDialog(DrawingDialog):
     """Face, both views, table of values."""
 
     heading = "Body"
@@ -20,7 +20,7 @@ class BodyDialog(Drawing):
         """Bodies of the session."""
         return len(bodies(self.picture.outlines))
 
-    def rows(self, chosen: int, frame: Frame) -> list[Row]:
+    def rows(self, chosen: int, frame: PaintFrame) -> list[Row]:
         """The chosen body."""
         return full_rows(seen_bodies(self.picture, frame.now, frame.glyphs)[chosen], frame)
 

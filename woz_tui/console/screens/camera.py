@@ -77,7 +77,7 @@ class CameraDialog(Dialog):
         depth = depth_of(self.app.console.color_system, plain=plain)
         means = Means(depth, app.side, app.terminal.multiplexer)
         self._view = view_for(app.pictures, means)
-        self._watching = Watching(self.desk.ask_picture, app.clock, app.side, self._draw)
+        self._watching = Watching(self.requests.ask_picture, app.clock, app.side, self._draw)
         middle = Vertical(self._view)
         middle.styles.align_horizontal = "center"
         yield middle
@@ -227,5 +227,5 @@ class CameraDialog(Dialog):
         if _VERB not in self.picture.verbs.get(camera, ()):
             self.console_app.news(f"{camera or 'this camera'} cannot save pictures")
             return
-        self.desk.ask(AskVerb(verb=_VERB, on=camera, source="key", key=_TAKE))
+        self.requests.ask(AskVerb(verb=_VERB, on=camera, source="key", key=_TAKE))
         self.console_app.news(f"{camera} takes a picture; the log names its file", "run")

@@ -12,12 +12,12 @@ from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
 
 from woz_tui.console.cells import Row
-from woz_tui.console.screens.dialog import Dialog, Entry, content
+from woz_tui.console.screens.dialog import Dialog, EntryDialog, content
 
 T = TypeVar("T")
 
 
-class Choice(Dialog):
+class ChoiceDialog(Dialog):
     """Lines of explanation, then the choices; arrows and enter."""
 
     def lines(self) -> list[Row]:
@@ -46,7 +46,7 @@ class Choice(Dialog):
         self.chose(event.option_index)
 
 
-class Search(Entry, Generic[T]):
+class SearchDialog(EntryDialog, Generic[T]):
     """A text field that narrows a list: arrows choose, enter takes. It keeps no draft.
 
     The list is what the letters say whenever enter comes: Textual's own palette searches beside

@@ -22,9 +22,9 @@ from textual.visual import RenderOptions, Visual
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
-from woz_tui.console.cells import Row, clean, hung
-from woz_tui.console.keyboard import OwnKey
-from woz_tui.console.partial_update import ThriftyScreen
+from woz_tui.console.cells import Row, clean, wrap_row
+from woz_tui.console.keyboard import ConsoleKey
+from woz_tui.console.partial_update import PartialScreen
 from woz_tui.protocol.requests import Reply
 
 if TYPE_CHECKING:
@@ -33,11 +33,11 @@ if TYPE_CHECKING:
     from woz_tui.console.camera.terminal_graphics import Side
     from woz_tui.console.console_state import ConsoleState
     from woz_tui.console.glyphs import Glyphs
-    from woz_tui.console.key_caps import Cap
+    from woz_tui.console.key_caps import KeyCap
     from woz_tui.console.keyboard import Keyboard
-    from woz_tui.console.message_feed import Feed
-    from woz_tui.console.robot_requests import Desk
-    from woz_tui.console.theme import Look
+    from woz_tui.console.message_feed import MessageFeed
+    from woz_tui.console.robot_requests import RobotRequests
+    from woz_tui.console.theme import Appearance
     from woz_tui.system.clock import Clock
 
 #: Whom a command serves: the console that plays the robot; also one that watches; also a replay;
@@ -49,7 +49,7 @@ REPLAY = frozenset({"replay"})
 
 
 @dataclass(frozen=True, slots=True)
-class Hint:
+class KeyHint:
     """A key's word in the lowest line, where `worth` says so; the lower `rank`, the earlier."""
 
     rank: float
@@ -58,7 +58,7 @@ class Hint:
 
 
 @dataclass(frozen=True, slots=True)
-class Command(OwnKey):
+class ConsoleCommand(ConsoleKey):
     """One thing the console does, beside playing the experiment's actions.
 
     Args:
@@ -69,7 +69,7 @@ class Command(OwnKey):
     """
 
     run: Callable[[ConsoleApp], object] | None = None
-    hint: Hint | None = None
+    hint: KeyHint | None = None
     found: bool = True
     users: frozenset[str] = WIZARD
 
@@ -82,17 +82,17 @@ class ConsoleApp(Protocol):
     """What dialogs and commands may use of the app."""
 
     picture: ConsoleState
-    feed: Feed
-    desk: Desk
+    feed: MessageFeed
+    requests: RobotRequests
     keyboard: Keyboard
     clock: Clock
-    look: Look
+    look: Appearance
     theme: str
     terminal: Terminal
     #: Commands by the ids of their keys; all keys as they are bound now; the caps of actions.
-    commands: Mapping[str, Command]
+    commands: Mapping[str, ConsoleCommand]
     keymap: KeyMap
-    caps: Mapping[str, Cap]
+    caps: Mapping[str, KeyCap]
     #: How a camera's pictures are drawn, and what they need to know of the terminal.
     pictures: str
     side: Side | None
@@ -167,7 +167,7 @@ def plain(text: str) -> Content:
     return content([((text, "plain"),)])
 
 
-class Dialog(ThriftyScreen[None], ModalScreen[None]):
+class Dialog(PartialScreen[None], ModalScreen[None]):
     """A framed dialog. Subclasses give `heading`, `hint` and `body`."""
 
     heading: ClassVar[str] = ""
@@ -186,9 +186,9 @@ class Dialog(ThriftyScreen[None], ModalScreen[None]):
         return cast("ConsoleApp", self.app)
 
     @property
-    def desk(self) -> Desk:
+    def requests(self) -> RobotRequests:
         """Requests and drafts."""
-        return self.console_app.desk
+        return self.console_app.requests
 
     @property
     def picture(self) -> ConsoleState:
@@ -229,7 +229,7 @@ class Dialog(ThriftyScreen[None], ModalScreen[None]):
         """Called after each writing to the terminal; for what is drawn beside Textual."""
 
 
-class Hung(Visual):
+class WrappedRows(Visual):
     """Rows as text that wraps; a row goes on `indent` cells to the right of its beginning."""
 
     def __init__(self, rows: Iterable[Row], indent: int) -> None:
@@ -239,7 +239,7 @@ class Hung(Visual):
     def _at(self, width: int) -> Content:
         """The text for this width; asked for several times in a row."""
         if self._last is None or self._last[0] != width:
-            rows = [part for row in self._rows for part in hung(row, self._indent, width)]
+            rows = [part for row in self._rows for part in wrap_row(row, self._indent, width)]
             self._last = width, content(rows)
         return self._last[1]
 
@@ -258,7 +258,7 @@ class Hung(Visual):
         return self._at(width).get_height(rules, width)
 
 
-class Report(Dialog):
+class ReportDialog(Dialog):
     """A dialog of text to read: rows, scrolled with the arrows."""
 
     #: Where the lines go on that a long row takes beyond its first.
@@ -266,7 +266,7 @@ class Report(Dialog):
 
     def body(self) -> Iterable[Widget]:
         """One text that scrolls."""
-        yield VerticalScroll(Static(Hung(self.lines(), self.indent), id="report"))
+        yield VerticalScroll(Static(WrappedRows(self.lines(), self.indent), id="report"))
 
     def lines(self) -> list[Row]:
         """What it says."""
@@ -275,10 +275,10 @@ class Report(Dialog):
     def renew(self) -> None:
         """Say it again after something has changed; before it is composed there is no need."""
         for report in self.query("#report").results(Static):
-            report.update(Hung(self.lines(), self.indent))
+            report.update(WrappedRows(self.lines(), self.indent))
 
 
-class Entry(Dialog):
+class EntryDialog(Dialog):
     """A dialog with one text field whose text is kept as a draft until it is sent."""
 
     placeholder: ClassVar[str] = ""
@@ -292,7 +292,7 @@ class Entry(Dialog):
     def body(self) -> Iterable[Widget]:
         """The field, then `below`."""
         yield Input(
-            self.desk.drafts.get(self.draft, ""),
+            self.requests.drafts.get(self.draft, ""),
             placeholder=self.placeholder,
             select_on_focus=False,
             id="entry",
@@ -318,7 +318,7 @@ class Entry(Dialog):
     def closing(self) -> None:
         """Keep what was typed; a stop may come before there is a field."""
         for entry in self.query("#entry").results(Input):
-            self.desk.drafts[self.draft] = entry.value
+            self.requests.drafts[self.draft] = entry.value
 
     @property
     def history(self) -> Sequence[str]:
@@ -341,12 +341,12 @@ class Entry(Dialog):
         self.leave()
 
 
-def refusal(reply: Reply) -> str:
+def refusal_text(reply: Reply) -> str:
     """Why something was not done, and what helps."""
     return ": ".join(part for part in (reply.reason, reply.hint) if part)
 
 
-class Form(Dialog):
+class FormDialog(Dialog):
     """A dialog of several fields that stays open until what stands in them is accepted."""
 
     def answered(self, reply: Reply) -> None:
@@ -354,7 +354,7 @@ class Form(Dialog):
         if reply.ok:
             self.leave()
         else:
-            self.complain(refusal(reply))
+            self.complain(refusal_text(reply))
 
     def complain(self, wrong: str) -> None:
         """Say what is wrong in the field `#wrong`; nothing, if nothing is."""

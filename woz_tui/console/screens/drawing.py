@@ -13,13 +13,13 @@ from textual.containers import Vertical
 from textual.widget import Widget
 
 from woz_tui.console.cells import Cells, Row
-from woz_tui.console.glyphs import Frame
+from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.screens.dialog import Dialog
 
 _NEXT, _BACK = "tab", "shift+tab"
 
 
-class Drawing(Dialog):
+class DrawingDialog(Dialog):
     """One of several drawings; tab shows the next."""
 
     plays = True
@@ -44,7 +44,7 @@ class Drawing(Dialog):
         """How many there are to choose from."""
         raise NotImplementedError
 
-    def rows(self, chosen: int, frame: Frame) -> list[Row]:
+    def rows(self, chosen: int, frame: PaintFrame) -> list[Row]:
         """Draw one of them; `chosen` counts from 0 and is below `count`."""
         raise NotImplementedError
 
@@ -65,7 +65,7 @@ class Drawing(Dialog):
         for cells in self.query("#drawing").results(Cells):
             app = self.console_app
             now = app.picture.now(app.clock.now_us())
-            frame = Frame(cells.size.width, cells.size.height, now, self.glyphs)
+            frame = PaintFrame(cells.size.width, cells.size.height, now, self.glyphs)
             count = self.count()
             if count:
                 cells.show(self.rows(self._chosen % count, frame))

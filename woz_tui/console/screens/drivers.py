@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from woz_tui.console.cells import Row
-from woz_tui.console.screens.dialog import Report
+from woz_tui.console.screens.dialog import ReportDialog
 
 _LOOKS = {"connected": "good", "connecting": "warn", "lost": "bad", "faulted": "bad"}
 _SIGNS = {"connected": "yes", "connecting": "driver", "lost": "error", "faulted": "warning"}
 
 
-class DriversDialog(Report):
+class DriversDialog(ReportDialog):
     """Health, detail and remedy; follows what happens while it is open."""
 
     heading = "Drivers"

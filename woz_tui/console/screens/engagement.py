@@ -16,8 +16,8 @@ from woz_tui.console.cells import Row
 from woz_tui.console.engagement.full_engagement import whole_rows
 from woz_tui.console.engagement.key_legend import legend_rows
 from woz_tui.console.engagement.wizard_overrides import BY_KEY, KEYS
-from woz_tui.console.glyphs import Frame
-from woz_tui.console.screens.drawing import Drawing
+from woz_tui.console.glyphs import PaintFrame
+from woz_tui.console.screens.drawing import DrawingDialog
 from woz_tui.console.screens.engagement_questions import steer
 
 _TAKE = frozenset(("tab", "shift+tab"))
@@ -27,7 +27,7 @@ _HINTS = {
 }
 
 
-class EngagementDialog(Drawing):
+class EngagementDialog(DrawingDialog):
     """States, signs, the condition, the way, what was said; beneath them what the keys do."""
 
     heading = "Engagement"
@@ -42,7 +42,7 @@ class EngagementDialog(Drawing):
         """One, in a session with a model that has said something."""
         return int(self.picture.engaged.shown is not None)
 
-    def rows(self, chosen: int, frame: Frame) -> list[Row]:
+    def rows(self, chosen: int, frame: PaintFrame) -> list[Row]:
         """The model, then the legend."""
         engaged = self.picture.engaged
         if engaged.shown is None:

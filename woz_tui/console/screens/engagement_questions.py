@@ -18,8 +18,15 @@ from woz_tui.console.engagement.wizard_overrides import (
     verb,
     ways,
 )
-from woz_tui.console.screens.choice import Choice
-from woz_tui.console.screens.dialog import ConsoleApp, Dialog, Entry, Form, content, plain
+from woz_tui.console.screens.choice import ChoiceDialog
+from woz_tui.console.screens.dialog import (
+    ConsoleApp,
+    Dialog,
+    EntryDialog,
+    FormDialog,
+    content,
+    plain,
+)
 
 #: Cells of an outcome in the list.
 _OUTCOME = 16
@@ -48,10 +55,10 @@ def steer(app: ConsoleApp, order: Order, key: str = "") -> None:
     if dialog is not None:
         app.open_dialog(dialog)
     else:
-        app.desk.ask(request(order, engaged, key))
+        app.requests.ask(request(order, engaged, key))
 
 
-class ForceDialog(Choice):
+class ForceDialog(ChoiceDialog):
     """States and outcomes; the log says that it was the wizard."""
 
     heading = "Force"
@@ -83,10 +90,10 @@ class ForceDialog(Choice):
         to, state = self._ways[index]
         shown = self.picture.engaged.shown
         moved = shown is not None and shown.state != self._from
-        self.desk.ask(verb("force", {"to": state if state and moved else to}, self._key))
+        self.requests.ask(verb("force", {"to": state if state and moved else to}, self._key))
 
 
-class IdentityDialog(Entry):
+class IdentityDialog(EntryDialog):
     """Who it is, in place of a camera; an empty line means nobody who is known."""
 
     heading = "Who is it?"
@@ -108,11 +115,11 @@ class IdentityDialog(Entry):
         """Say it, and forget the draft."""
         event.stop()
         name = event.value.strip() or "Unknown"
-        self.desk.ask(verb("sense", {"sign": "identity", "value": name}, self._key))
+        self.requests.ask(verb("sense", {"sign": "identity", "value": name}, self._key))
         self.sent()
 
 
-class VisitorDialog(Form):
+class VisitorDialog(FormDialog):
     """Who stands there, from now on in the store; during a handshake that ends it well."""
 
     heading = "Visitor"
@@ -146,4 +153,4 @@ class VisitorDialog(Form):
             self.complain("A visitor needs a code.")
             return
         args = {name: value for name, value in told.items() if value}
-        self.desk.ask(verb("visitor", {**args}, self._key), self.answered)
+        self.requests.ask(verb("visitor", {**args}, self._key), self.answered)

@@ -8,7 +8,7 @@ from textual.binding import Binding, BindingType
 
 from woz_tui.console.cells import Row
 from woz_tui.console.number_text import elapsed
-from woz_tui.console.screens.dialog import ConsoleApp, Report
+from woz_tui.console.screens.dialog import ConsoleApp, ReportDialog
 from woz_tui.console.screens.lost import open_lost
 
 
@@ -22,7 +22,7 @@ def open_failures(app: ConsoleApp) -> None:
         app.news("No unseen failures")
 
 
-class FailuresDialog(Report):
+class FailuresDialog(ReportDialog):
     """Each failure with its reason and remedy; enter marks all as seen."""
 
     heading = "Failed"

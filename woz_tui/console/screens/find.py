@@ -14,9 +14,9 @@ from textual.fuzzy import Matcher
 
 from woz_tui.console.cells import clean, fit
 from woz_tui.console.engagement.wizard_overrides import ORDERS, is_offered
-from woz_tui.console.key_caps import Cap, caption, key_name
+from woz_tui.console.key_caps import KeyCap, caption, key_name
 from woz_tui.console.robot_settings.driver_verbs import orders_of
-from woz_tui.console.screens.choice import Search
+from woz_tui.console.screens.choice import SearchDialog
 from woz_tui.console.screens.engagement_questions import steer
 from woz_tui.console.sentence_rows import quoted
 from woz_tui.protocol.requests import AskLock, AskPhase, AskVerb
@@ -26,7 +26,7 @@ KEY, LABEL = 7, 38
 
 
 @dataclass(frozen=True, slots=True)
-class Find:
+class SearchItem:
     """Something that can be found: what it is called, where it belongs, what it does, what it says.
 
     `acts`: it is an action of the experiment, and no command of the console.
@@ -41,7 +41,7 @@ class Find:
     acts: bool = False
 
 
-def _rank(matcher: Matcher, typed: str, find: Find) -> tuple[int, float]:
+def _rank(matcher: Matcher, typed: str, find: SearchItem) -> tuple[int, float]:
     """How well it fits what is typed; 0: not at all.
 
     Whole pieces in what is said and in names come before letters of a name in their order, speech
@@ -76,7 +76,7 @@ def _begins_words(text: str, pieces: list[str]) -> bool:
     return all(any(word.startswith(piece) for word in (*words, *joined)) for piece in pieces)
 
 
-class FindDialog(Search[Find]):
+class FindDialog(SearchDialog[SearchItem]):
     """Type, choose with the arrows, enter plays."""
 
     heading = "Find"
@@ -84,7 +84,7 @@ class FindDialog(Search[Find]):
     placeholder = "a few letters of an action, its words or its panel"
 
     @cached_property
-    def _all(self) -> list[Find]:
+    def _all(self) -> list[SearchItem]:
         """All there is, in the file's order."""
         found = [
             *self._actions(),
@@ -101,57 +101,57 @@ class FindDialog(Search[Find]):
         longest = max((cell_len(find.name) for find in self._all if find.acts), default=LABEL)
         return max(LABEL // 2, min(LABEL, longest))
 
-    def _actions(self) -> Iterable[Find]:
+    def _actions(self) -> Iterable[SearchItem]:
         """Those first that are likely to follow the last act, then those of the present phase."""
         then, front = self.picture.then, {panel.title for panel in self.picture.front}
         actions = [(each, panel) for panel in self.picture.panels for each in panel.actions]
         actions.sort(key=lambda pair: pair[1].title not in front)
         actions.sort(key=lambda pair: (pair[0].name not in then, *map(pair[0].name.__ne__, then)))
         for action, panel in actions:
-            cap = self.console_app.caps.get(action.name, Cap(action.key))
+            cap = self.console_app.caps.get(action.name, KeyCap(action.key))
             said = quoted(self.picture, action.name, self.glyphs)
             where = panel.title if not action.help else f"{panel.title}: {action.help}"
-            yield Find(
+            yield SearchItem(
                 action.label,
                 caption(cap, self.glyphs),
                 f"{said}  {where}".lstrip(),
-                functools.partial(self.desk.play, action.name),
+                functools.partial(self.requests.play, action.name),
                 " ".join((action.label, action.help, panel.title)),
                 said,
                 acts=True,
             )
 
-    def _phases(self) -> Iterable[Find]:
+    def _phases(self) -> Iterable[SearchItem]:
         for phase in self.picture.settings.phases:
             request = AskPhase(phase=phase.name, source="palette")
             name = f"Phase {phase.heading}"
-            yield Find(name, "", "phase", functools.partial(self.desk.ask, request), name)
+            yield SearchItem(name, "", "phase", functools.partial(self.requests.ask, request), name)
 
-    def _locks(self) -> Iterable[Find]:
+    def _locks(self) -> Iterable[SearchItem]:
         for panel in self.picture.panels:
             locked = self.picture.is_locked(panel)
             word = "Unlock" if locked else "Lock"
             request = AskLock(panel=panel.title, locked=not locked)
             name = f"{word} {panel.title}"
-            yield Find(name, "", "panel", functools.partial(self.desk.ask, request), name)
+            yield SearchItem(name, "", "panel", functools.partial(self.requests.ask, request), name)
 
-    def _orders(self) -> Iterable[Find]:
+    def _orders(self) -> Iterable[SearchItem]:
         """What the hand may do to the engagement model, in a session that has one."""
         if is_offered(self.picture.engaged, self.picture.verbs):
             for order in ORDERS:
                 do = functools.partial(steer, self.console_app, order)
-                yield Find(order.text, "", "engagement", do, order.text)
+                yield SearchItem(order.text, "", "engagement", do, order.text)
 
-    def _robots(self) -> Iterable[Find]:
+    def _robots(self) -> Iterable[SearchItem]:
         """What a robot can do that needs no button."""
         key = self.console_app.key_of("find")
         for driver, order in orders_of(self.picture):
             args = dict(order.args)
             request = AskVerb(verb=order.verb, args=args, on=driver, source="key", key=key)
-            do = functools.partial(self.desk.ask, request)
-            yield Find(order.text, "", driver, do, f"{order.text} {order.verb}")
+            do = functools.partial(self.requests.ask, request)
+            yield SearchItem(order.text, "", driver, do, f"{order.text} {order.verb}")
 
-    def _commands(self) -> Iterable[Find]:
+    def _commands(self) -> Iterable[SearchItem]:
         app = self.console_app
         for name, command in app.commands.items():
             bound = name in app.keymap.builtins or not command.keys[0].chord
@@ -160,9 +160,9 @@ class FindDialog(Search[Find]):
                 key, words = key_name(app.key_of(name), self.glyphs), command.words
                 said = quoted(self.picture, name.replace("_", " ", 1), self.glyphs)  # of a repair
                 do = functools.partial(app.do, name)
-                yield Find(words, key, said or "console", do, words, said)
+                yield SearchItem(words, key, said or "console", do, words, said)
 
-    def matching(self, typed: str) -> list[Find]:
+    def matching(self, typed: str) -> list[SearchItem]:
         """The best first, in the file's order where they are as good."""
         if not typed:
             return self._all
@@ -171,7 +171,7 @@ class FindDialog(Search[Find]):
         hits = sorted(ranked, key=lambda hit: hit[0], reverse=True)
         return [find for rank, find in hits if any(rank)]
 
-    def line(self, item: Find) -> Content:
+    def line(self, item: SearchItem) -> Content:
         """On one line; where a help is cut off, the list of keys has it whole."""
         ellipsis = self.glyphs.ellipsis
         where = clean(item.where)
@@ -188,7 +188,7 @@ class FindDialog(Search[Find]):
         """Cells inside the frame and beside a scrollbar; the frame is as wide as the theme says."""
         return min(self.app.size.width * 9 // 10, 100) - 6
 
-    def chose(self, item: Find | None, typed: str) -> None:
+    def chose(self, item: SearchItem | None, typed: str) -> None:
         """Play it."""
         if item is not None:
             item.do()

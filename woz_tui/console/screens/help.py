@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from woz_tui.console.cells import Row, fit
 from woz_tui.console.engagement.wizard_overrides import ORDERS, is_offered
-from woz_tui.console.key_caps import Cap, cap_of, caption, key_name
-from woz_tui.console.screens.dialog import Report
+from woz_tui.console.key_caps import KeyCap, cap_of, caption, key_name
+from woz_tui.console.screens.dialog import ReportDialog
 
 KEY = 8
 #: How key caps are read; an arrow or a letter follows.
 _SIGNS = "^ is ctrl, A- alt, S- shift; * is a substitute for the file's key."
 
 
-class HelpDialog(Report):
+class HelpDialog(ReportDialog):
     """The stop, the console's keys, then every action; reserve keys with the reason.
 
     Arrow keys that move what no driver of this session has are left out.
@@ -39,7 +39,7 @@ class HelpDialog(Report):
             locked = "  locked" if self.picture.is_locked(panel) else ""
             rows += [(), ((panel.title, "title"), (locked, "muted"))]
             for action in panel.actions:
-                cap = self.console_app.caps.get(action.name, Cap(action.key))
+                cap = self.console_app.caps.get(action.name, KeyCap(action.key))
                 rows += self._key(cap, action.key, action.label, action.help)
         return rows
 
@@ -55,7 +55,7 @@ class HelpDialog(Report):
             rows.append(((fit(order.key, KEY), "strong"), (f"  {text}", "plain")))
         return rows
 
-    def _key(self, cap: Cap, wanted: str, text: str, note: str) -> list[Row]:
+    def _key(self, cap: KeyCap, wanted: str, text: str, note: str) -> list[Row]:
         """Key and meaning; beneath it why it is not the key that was asked for."""
         key = fit(caption(cap, self.glyphs) or self.glyphs.dash, KEY, self.glyphs.ellipsis)
         rows: list[Row] = [((key, "strong"), (f"  {text}", "plain"), (f"  {note}", "muted"))]

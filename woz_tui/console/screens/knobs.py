@@ -5,13 +5,13 @@ from __future__ import annotations
 from woz_tui.console.bodies.body_outlines import PanelOutline, boards
 from woz_tui.console.bodies.midi_board import Board, board_rows
 from woz_tui.console.cells import Row, clean
-from woz_tui.console.glyphs import Frame
+from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.number_text import age
-from woz_tui.console.screens.drawing import Drawing
+from woz_tui.console.screens.drawing import DrawingDialog
 from woz_tui.protocol.messages import ControlsMoved
 
 
-class KnobsDialog(Drawing):
+class KnobsDialog(DrawingDialog):
     """One panel."""
 
     heading = "Knobs"
@@ -21,7 +21,7 @@ class KnobsDialog(Drawing):
         """Panels of the session."""
         return len(boards(self.picture.outlines))
 
-    def rows(self, chosen: int, frame: Frame) -> list[Row]:
+    def rows(self, chosen: int, frame: PaintFrame) -> list[Row]:
         """The chosen panel with its name."""
         outline = boards(self.picture.outlines)[chosen]
         moved = self.picture.session.controls.get(outline.driver)
@@ -30,10 +30,10 @@ class KnobsDialog(Drawing):
             (clean(outline.driver), "title"),
             (f"  {clean(outline.name)}", "muted"),
         )
-        inner = Frame(frame.width, frame.height - 1, frame.now, frame.glyphs)
+        inner = PaintFrame(frame.width, frame.height - 1, frame.now, frame.glyphs)
         return [title, *board_rows(Board(outline, knobs, self._old(outline, frame)), inner)]
 
-    def _old(self, outline: PanelOutline, frame: Frame) -> str:
+    def _old(self, outline: PanelOutline, frame: PaintFrame) -> str:
         driver = self.picture.drivers.get(outline.driver)
         if self.picture.lost:
             return "the robot process is gone"

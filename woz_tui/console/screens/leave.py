@@ -7,14 +7,14 @@ from collections.abc import Sequence
 from textual.content import Content
 
 from woz_tui.console.cells import Row, clean
-from woz_tui.console.screens.choice import Choice
+from woz_tui.console.screens.choice import ChoiceDialog
 from woz_tui.console.screens.trial import OfferDialog, progress
 from woz_tui.console.screens.typed import KeepTypedDialog, has_typed
 from woz_tui.console.study.study_view import Study
 from woz_tui.log.file_names import gets_participant
 
 
-class LeaveDialog(Choice):
+class LeaveDialog(ChoiceDialog):
     """Stay is the first choice, so that enter after a slip does no harm."""
 
     heading = "Leave"
@@ -54,9 +54,9 @@ class LeaveDialog(Choice):
     def _end(self) -> None:
         """With what was typed offered for the file."""
         if self.picture.role == "wizard" and has_typed(self.picture):
-            self.console_app.open_dialog(KeepTypedDialog(self.desk.end_session))
+            self.console_app.open_dialog(KeepTypedDialog(self.requests.end_session))
         else:
-            self.desk.end_session()
+            self.requests.end_session()
 
 
 def cut_off(study: Study) -> list[str]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from textual.content import Content
 
 from woz_tui.console.cells import Row
-from woz_tui.console.screens.choice import Choice
+from woz_tui.console.screens.choice import ChoiceDialog
 from woz_tui.console.screens.dialog import ConsoleApp
 from woz_tui.console.screens.typed import has_typed
 from woz_tui.log.file_names import present
@@ -16,7 +16,7 @@ from woz_tui.log.file_names import present
 
 def open_lost(app: ConsoleApp) -> None:
     """The robot process is gone: say so and offer what can be done."""
-    if not app.desk.ending:
+    if not app.requests.ending:
         app.open_dialog(EndedDialog() if app.picture.ended else LostDialog())
 
 
@@ -31,7 +31,7 @@ def _log(announced: str) -> str:
     return str(present(Path(announced))) if announced else ""
 
 
-class LostDialog(Choice):
+class LostDialog(ChoiceDialog):
     """Says so, where the log is, and what can be done."""
 
     heading = "The robot process is gone"
@@ -64,7 +64,7 @@ class LostDialog(Choice):
             self.console_app.exit("lost")
 
 
-class EndedDialog(Choice):
+class EndedDialog(ChoiceDialog):
     """Somebody else has ended the session: nothing was lost, and nothing is to be done."""
 
     heading = "The session has ended"

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from textual.content import Content
 
 from woz_tui.console.cells import Row, fit
-from woz_tui.console.event_sentences import Event
+from woz_tui.console.event_sentences import EventLine
 from woz_tui.console.number_text import elapsed
-from woz_tui.console.screens.choice import Choice
+from woz_tui.console.screens.choice import ChoiceDialog
 from woz_tui.console.screens.dialog import content
 from woz_tui.protocol.requests import AskMistake
 
@@ -17,13 +17,13 @@ from woz_tui.protocol.requests import AskMistake
 OFFERED = 40
 
 
-class MistakeDialog(Choice):
+class MistakeDialog(ChoiceDialog):
     """The last actions, newest first; backspace on the main screen takes the newest at once."""
 
     heading = "That was a mistake"
     hint = "enter labels it in the log · ctrl+q closes"
 
-    def _events(self) -> list[Event]:
+    def _events(self) -> list[EventLine]:
         runs = [event for event in self.picture.events if event.run]
         return runs[::-1][:OFFERED]
 
@@ -49,4 +49,4 @@ class MistakeDialog(Choice):
 
     def chose(self, index: int) -> None:
         """Label it."""
-        self.desk.ask(AskMistake(run=self._offered[index].run))
+        self.requests.ask(AskMistake(run=self._offered[index].run))

@@ -13,7 +13,7 @@ from textual.widgets import Input, Static
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.robot_settings.name_completion import begin_with, holding, meant
-from woz_tui.console.screens.dialog import ConsoleApp, Entry, content, plain
+from woz_tui.console.screens.dialog import ConsoleApp, EntryDialog, content, plain
 
 #: Lines of matching names under the field.
 MATCHES = 8
@@ -47,7 +47,7 @@ class _Completer(Suggester):
         return next(iter(begin_with(value, self._names)), None) if value else None
 
 
-class MoveDialog(Entry):
+class MoveDialog(EntryDialog):
     """Type and play: enter plays the first name that holds what was typed, unless that is a path or
     a whole name; tab puts it in, arrows walk through what was played, ctrl+o takes another robot.
     """
@@ -116,7 +116,7 @@ class MoveDialog(Entry):
         name = event.value.strip()
         if name:
             key = self.console_app.key_of("move")
-            self.desk.move(meant(name, self._names), self._driver, key)
+            self.requests.move(meant(name, self._names), self._driver, key)
         self.sent()
 
     def action_complete(self) -> None:
@@ -127,7 +127,7 @@ class MoveDialog(Entry):
     @property
     def history(self) -> Sequence[str]:
         """What was played before."""
-        return self.desk.moved
+        return self.requests.moved
 
     def action_robot(self) -> None:
         """Let another robot play."""

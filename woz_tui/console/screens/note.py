@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from textual.widgets import Input
 
-from woz_tui.console.screens.dialog import Entry
+from woz_tui.console.screens.dialog import EntryDialog
 from woz_tui.protocol.requests import AskNote
 
 
-class NoteDialog(Entry):
+class NoteDialog(EntryDialog):
     """Type a sentence; it goes into the log with the moment at which it is sent."""
 
     heading = "Note"
@@ -20,5 +20,5 @@ class NoteDialog(Entry):
         event.stop()
         text = event.value.strip()
         if text:
-            self.desk.ask(AskNote(text=text))
+            self.requests.ask(AskNote(text=text))
         self.sent()

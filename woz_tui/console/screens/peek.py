@@ -6,14 +6,14 @@ from textual import events
 
 from woz_tui.config.keys.textual_names import from_textual
 from woz_tui.console.cells import Row
-from woz_tui.console.key_caps import Cap, caption, key_name
-from woz_tui.console.screens.dialog import Report
+from woz_tui.console.key_caps import KeyCap, caption, key_name
+from woz_tui.console.screens.dialog import ReportDialog
 from woz_tui.console.script_row import upcoming
 from woz_tui.console.sentence_rows import KEPT, step_words
 from woz_tui.session.variables import UNTOLD
 
 
-class PeekDialog(Report):
+class PeekDialog(ReportDialog):
     """Press a key: its action, what it says and each of its steps. Nothing is sent."""
 
     heading = "What a key would do"
@@ -47,7 +47,7 @@ class PeekDialog(Report):
             (each for each in picture.panels if any(a.name == name for a in each.actions)), None
         )
         view = picture.action(name)
-        key = caption(app.caps.get(name, Cap("")), glyphs)
+        key = caption(app.caps.get(name, KeyCap("")), glyphs)
         where = panel.title if panel is not None else ""
         rows: list[Row] = [
             (

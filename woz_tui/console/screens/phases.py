@@ -10,7 +10,7 @@ from textual.widgets import OptionList
 
 from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.number_text import elapsed
-from woz_tui.console.screens.choice import Choice
+from woz_tui.console.screens.choice import ChoiceDialog
 from woz_tui.protocol.panels import PhaseView
 from woz_tui.protocol.requests import AskPhase
 
@@ -18,7 +18,7 @@ from woz_tui.protocol.requests import AskPhase
 TITLE = 26
 
 
-class PhasesDialog(Choice):
+class PhasesDialog(ChoiceDialog):
     """The next one is chosen at first."""
 
     heading = "Phase"
@@ -77,4 +77,4 @@ class PhasesDialog(Choice):
 
     def chose(self, index: int) -> None:
         """Ask for it; a refusal is shown above the hints."""
-        self.desk.ask(AskPhase(phase=self._offered[index].name, source="key"))
+        self.requests.ask(AskPhase(phase=self._offered[index].name, source="key"))

@@ -18,8 +18,8 @@ from woz_tui.config.keys.terminals import Terminal
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.engagement.engagement_text import signs_of, unsensed
-from woz_tui.console.key_caps import Cap
-from woz_tui.console.screens.dialog import Report, refusal
+from woz_tui.console.key_caps import KeyCap
+from woz_tui.console.screens.dialog import ReportDialog, refusal_text
 from woz_tui.console.status_rows import SLOW_LINE_US
 from woz_tui.drivers.contract import Finding
 from woz_tui.machine.terminal_check import environment, multiplexers
@@ -50,7 +50,9 @@ def finding_rows(data: object) -> list[tuple[str, str, str, str]]:
     ]
 
 
-def key_findings(picture: ConsoleState, caps: Mapping[str, Cap]) -> list[tuple[str, str, str, str]]:
+def key_findings(
+    picture: ConsoleState, caps: Mapping[str, KeyCap]
+) -> list[tuple[str, str, str, str]]:
     """What the console itself knows: keys of the file that this terminal cannot send."""
     findings = []
     for panel in picture.panels:
@@ -110,7 +112,7 @@ def terminal_findings(environ: Mapping[str, str]) -> list[Finding]:
     return [*environment(environ), *multiplexers(environ)]
 
 
-class PreflightDialog(Report):
+class PreflightDialog(ReportDialog):
     """The robot side's checks and the console's own; enter runs them again.
 
     Above them is what the experiment file leaves to a human, each with a sign: to be ticked.
@@ -168,13 +170,13 @@ class PreflightDialog(Report):
             if choices.has_focus and choices.highlighted is not None:
                 check = list(self._shown)[choices.highlighted]
                 request = AskCheck(check=check, ok=not self.picture.study.checks.get(check, False))
-                self.desk.ask(request, self._ticked)
+                self.requests.ask(request, self._ticked)
                 return True
         return False
 
     def _ticked(self, reply: Reply) -> None:
         if not reply.ok:
-            self._said = refusal(reply)
+            self._said = refusal_text(reply)
             self.renew()
 
     def refreshed(self) -> None:
@@ -196,7 +198,7 @@ class PreflightDialog(Report):
         self._findings, self._said = [], f"checking {self.glyphs.ellipsis}"
         self._reply = self._terminal = None
         self.renew()
-        self.desk.ask(AskPreflight(), self._answered)
+        self.requests.ask(AskPreflight(), self._answered)
         self.run_worker(self._look(), exclusive=True)
 
     async def _look(self) -> None:
@@ -231,7 +233,7 @@ class PreflightDialog(Report):
         warnings = sum(level == "warning" for level, *_ in self._findings)
         unticked = len(self.picture.study.unticked())
         if not reply.ok:
-            self._said = refusal(reply)
+            self._said = refusal_text(reply)
         elif errors or warnings or unticked:
             counts = ((errors, "error"), (warnings, "warning"))
             told = [f"{n} {word}{'' if n == 1 else 's'}" for n, word in counts if n]

@@ -10,14 +10,14 @@ from textual.widgets import OptionList
 
 from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.profile_view import EVERYTHING
-from woz_tui.console.screens.choice import Choice
+from woz_tui.console.screens.choice import ChoiceDialog
 from woz_tui.protocol.requests import AskProfile
 
 #: Cells of a profile's name at the most.
 NAME = 20
 
 
-class ProfileDialog(Choice):
+class ProfileDialog(ChoiceDialog):
     """The one in use is chosen at first, so that enter after a slip changes nothing."""
 
     heading = "Profile"
@@ -66,4 +66,4 @@ class ProfileDialog(Choice):
         """Ask for it, unless it is in use; a refusal is shown above the hints."""
         name = self._offered[index]
         if name != self.picture.profiles.current:
-            self.desk.ask(AskProfile(profile=name, source="key"))
+            self.requests.ask(AskProfile(profile=name, source="key"))

@@ -31,7 +31,7 @@ class QuestionnaireDialog(Dialog):
     def body(self) -> Iterable[Widget]:
         """The sheet."""
         app = self.console_app
-        yield Sheet(self.desk.ask, app.clock.now_us, self.glyphs)
+        yield Sheet(self.requests.ask, app.clock.now_us, self.glyphs)
 
     def on_mount(self) -> None:
         """Begin where the questionnaire stands."""

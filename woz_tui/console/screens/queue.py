@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from woz_tui.console.cells import Row
-from woz_tui.console.command_text import words
+from woz_tui.console.command_text import command_words
 from woz_tui.console.key_caps import key_name
 from woz_tui.console.number_text import seconds
-from woz_tui.console.screens.dialog import Report
+from woz_tui.console.screens.dialog import ReportDialog
 from woz_tui.timeline.episodes import Command
 
 
-class QueueDialog(Report):
+class QueueDialog(ReportDialog):
     """Follows the queues while it is open; the robot is played meanwhile."""
 
     heading = "Queue"
@@ -56,7 +56,7 @@ class QueueDialog(Report):
 
     def _what(self, command: Command) -> str:
         request = command.request
-        return self.picture.label(request.action) if request.action else words(request)
+        return self.picture.label(request.action) if request.action else command_words(request)
 
     def refreshed(self) -> None:
         """Show a change at once."""

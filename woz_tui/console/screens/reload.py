@@ -7,11 +7,11 @@ from typing import ClassVar
 from textual.binding import Binding, BindingType
 
 from woz_tui.console.cells import Row
-from woz_tui.console.screens.dialog import Report
+from woz_tui.console.screens.dialog import ReportDialog
 from woz_tui.protocol.requests import AskReload, Reply
 
 
-class ReloadDialog(Report):
+class ReloadDialog(ReportDialog):
     """Asks for the differences first; enter applies them. Errors change nothing."""
 
     heading = "Read the experiment file again"
@@ -26,7 +26,7 @@ class ReloadDialog(Report):
 
     def on_mount(self) -> None:
         """Ask for the differences."""
-        self.desk.ask(AskReload(dry_run=True), self._compared)
+        self.requests.ask(AskReload(dry_run=True), self._compared)
 
     def _compared(self, reply: Reply) -> None:
         details = [str(item) for item in reply.data] if isinstance(reply.data, list) else []
@@ -51,7 +51,7 @@ class ReloadDialog(Report):
     def action_apply(self) -> None:
         """Apply if there is something to apply; in any case close."""
         if self._ready:
-            self.desk.ask(AskReload(), self._applied)
+            self.requests.ask(AskReload(), self._applied)
         self.leave()
 
     def _applied(self, reply: Reply) -> None:

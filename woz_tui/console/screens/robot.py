@@ -15,7 +15,7 @@ from textual.widgets import Input, Static
 
 from woz_tui.config.keys.textual_names import from_textual
 from woz_tui.console.cells import Row, clean
-from woz_tui.console.glyphs import Frame
+from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.robot_settings.colour_swatch import Swatches
 from woz_tui.console.robot_settings.setting_lines import CONNECTION, Line, What
 from woz_tui.console.robot_settings.setting_requests import Hand
@@ -29,8 +29,8 @@ from woz_tui.console.robot_settings.setting_values import (
 )
 from woz_tui.console.robot_settings.setting_view import Viewer
 from woz_tui.console.robot_settings.settings_status import is_stale
-from woz_tui.console.screens.dialog import Entry, plain
-from woz_tui.console.screens.drawing import Drawing
+from woz_tui.console.screens.dialog import EntryDialog, plain
+from woz_tui.console.screens.drawing import DrawingDialog
 from woz_tui.protocol.messages import Json
 
 _ROBOTS = {"tab": 1, "shift+tab": -1}
@@ -39,12 +39,12 @@ _VALUES = {"left": -1, "right": 1}
 _DO = frozenset(("space", "enter"))
 #: Taken only where no action of the experiment has them.
 _FAR = frozenset(("pageup", "pagedown", "home", "end"))
-#: Under which name the desk keeps which line was chosen.
+#: Under which name the requests keep which line was chosen.
 _LAST = "RobotDialog line"
 _REPLAY_HINT = "arrows up and down choose · tab: next · ctrl+q closes"
 
 
-class RobotDialog(Drawing):
+class RobotDialog(DrawingDialog):
     """One of the session's robots; tab shows the next."""
 
     heading = "Robot"
@@ -71,11 +71,13 @@ class RobotDialog(Drawing):
     def _hand(self) -> Hand:
         """Made when it is first needed: a painting may come before the mounting."""
         key = self.console_app.key_of("robot")
-        return Hand(self.picture, self.desk.ask, self.desk.refused, key, watched=lambda: self._open)
+        return Hand(
+            self.picture, self.requests.ask, self.requests.refused, key, watched=lambda: self._open
+        )
 
     @cached_property
     def _viewer(self) -> Viewer:
-        return Viewer(self.picture, self.glyphs, self.desk.arrows, self._hand)
+        return Viewer(self.picture, self.glyphs, self.requests.arrows, self._hand)
 
     def _first_line(self) -> int:
         """Where it opens: without a robot where one is taken, with settings that differ at the
@@ -90,7 +92,7 @@ class RobotDialog(Drawing):
             found = [number for number, line in enumerate(lines) if line.what is What.ROBOT]
         else:
             found = [number for number, line in enumerate(lines) if line.setting.name in wanted]
-        last = self.desk.drafts.get(_LAST)
+        last = self.requests.drafts.get(_LAST)
         found += [number for number, line in enumerate(lines) if line.id == last]
         return next(iter(found), 0)
 
@@ -107,7 +109,7 @@ class RobotDialog(Drawing):
         self._open = False
         line = self._lines()[self._line] if self.count() else None
         if line is not None and line.setting.section != CONNECTION:
-            self.desk.drafts[_LAST] = line.id
+            self.requests.drafts[_LAST] = line.id
 
     def body(self) -> Iterable[Widget]:
         """Cells that can show a colour."""
@@ -125,7 +127,7 @@ class RobotDialog(Drawing):
             "  pepper: {type: pepper, robots: [ADDRESS]}"
         )
 
-    def rows(self, chosen: int, frame: Frame) -> list[Row]:
+    def rows(self, chosen: int, frame: PaintFrame) -> list[Row]:
         """The chosen robot."""
         self._hand.settle(frame.now)
         driver, outline = list(self.picture.robot_outlines.items())[chosen]
@@ -144,7 +146,7 @@ class RobotDialog(Drawing):
         if chord not in self.own_keys:
             return
         event.stop()
-        event.prevent_default()  # tab is `Drawing`'s, too
+        event.prevent_default()  # tab is `DrawingDialog`'s, too
         if not self.count():
             return
         if chord in _ROBOTS:
@@ -173,7 +175,9 @@ class RobotDialog(Drawing):
     def _room(self) -> int:
         """Lines that fit; 1 as long as there is nothing to draw in."""
         heights = [cells.size.height for cells in self.query("#drawing")]
-        return max((list_room(Frame(0, height, 0, self.glyphs)) for height in heights), default=1)
+        return max(
+            (list_room(PaintFrame(0, height, 0, self.glyphs)) for height in heights), default=1
+        )
 
     def _chosen_line(self) -> Line | None:
         """The chosen line, if something may be done there."""
@@ -222,10 +226,10 @@ class RobotDialog(Drawing):
         if line.what is not What.STEP:
             self._hand.change(driver or self._driver, line, value)
         elif isinstance(value, int | float):
-            self.desk.arrows.change(line.setting.name, value)
+            self.requests.arrows.change(line.setting.name, value)
 
 
-class ValueDialog(Entry):
+class ValueDialog(EntryDialog):
     """A field for one value."""
 
     heading = "Value"

@@ -21,7 +21,7 @@ from woz_tui.console.robot_settings.speech_tags import (
     completed,
     offers,
 )
-from woz_tui.console.screens.dialog import Entry, content, plain
+from woz_tui.console.screens.dialog import EntryDialog, content, plain
 from woz_tui.protocol.robot_outline import RobotOutline
 from woz_tui.session.variables import UNTOLD
 
@@ -71,7 +71,7 @@ class _Completer(Suggester):
         return whole if whole is not None and whole.startswith(value) else None
 
 
-class SayDialog(Entry):
+class SayDialog(EntryDialog):
     """Type and say: arrows walk through what was said, tab completes, ctrl+o changes the voice."""
 
     heading = "Say"
@@ -96,7 +96,7 @@ class SayDialog(Entry):
         """Utterances as they are now."""
         if not self.there:
             return
-        self._utterances = utterances_of(self.picture, self.desk.said)
+        self._utterances = utterances_of(self.picture, self.requests.said)
         self.entry.suggester = _Completer(self)
         self.watch(self.entry, "selection", self._show_matches, init=False)  # the caret
         self._show_voice()
@@ -180,7 +180,7 @@ class SayDialog(Entry):
         voices = self._voices()
         if text:
             key = self.console_app.key_of("say")
-            self.desk.say(text, voices[self._voice] if len(voices) > 1 else "", key)
+            self.requests.say(text, voices[self._voice] if len(voices) > 1 else "", key)
         self.sent()
 
     def action_complete(self) -> None:
@@ -202,7 +202,7 @@ class SayDialog(Entry):
     @property
     def history(self) -> Sequence[str]:
         """What was said before."""
-        return self.desk.said
+        return self.requests.said
 
     def action_voice(self) -> None:
         """Let another driver speak."""

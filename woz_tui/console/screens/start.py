@@ -15,7 +15,7 @@ from textual.widgets import Input, RadioButton, RadioSet, Static
 from woz_tui.config.participant_pattern import example
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.glyphs import Glyphs
-from woz_tui.console.screens.dialog import Form, content, plain, refusal
+from woz_tui.console.screens.dialog import FormDialog, content, plain, refusal_text
 from woz_tui.console.screens.trial import order_row
 from woz_tui.protocol.requests import AskAssign, AskProposal, AskSet, Reply
 
@@ -23,13 +23,13 @@ from woz_tui.protocol.requests import AskAssign, AskProposal, AskSet, Reply
 PATTERN = r"P\d\d"
 
 
-def wrong_trial(text: str) -> str:
+def trial_error(text: str) -> str:
     """Why `text` cannot be a trial's number, or an empty string; it may be left empty."""
     return "" if not text or text.isdecimal() else f"a trial is a whole number, not {text!r}"
 
 
 @dataclass(frozen=True, slots=True)
-class Proposal:
+class ProposedOrder:
     """What a participant should get: conditions in their order, and where the session goes on."""
 
     order: tuple[str, ...]
@@ -40,12 +40,12 @@ class Proposal:
     trial: int | None = None
 
 
-def proposal_of(data: object) -> Proposal | None:
+def proposal_of(data: object) -> ProposedOrder | None:
     """As a reply tells it; None where it tells none."""
     match data:
         case {"order": [*order], **more} if order:
             trial, row = more.get("trial"), more.get("row")
-            return Proposal(
+            return ProposedOrder(
                 tuple(map(str, order)),
                 str(more.get("method") or ""),
                 row if isinstance(row, int) else -1,
@@ -56,7 +56,7 @@ def proposal_of(data: object) -> Proposal | None:
     return None
 
 
-def proposal_rows(proposal: Proposal, glyphs: Glyphs) -> list[Row]:
+def proposal_rows(proposal: ProposedOrder, glyphs: Glyphs) -> list[Row]:
     """The order with the present one marked, what comes next, and why."""
     told = ", ".join(part for part in (proposal.method, proposal.why) if part)
     trial = f"trial {proposal.trial}" if proposal.trial is not None else "the first trial"
@@ -68,7 +68,7 @@ def proposal_rows(proposal: Proposal, glyphs: Glyphs) -> list[Row]:
     ]
 
 
-class Choice(RadioButton):
+class ConditionButton(RadioButton):
     """A radio button that is told from its neighbours by its sign, not by colour alone."""
 
     def __init__(self, label: str, chosen: bool, glyphs: Glyphs) -> None:
@@ -87,7 +87,7 @@ class Choice(RadioButton):
         super().watch_value()
 
 
-class Conditions(RadioSet):
+class ConditionList(RadioSet):
     """Space chooses; enter chooses and accepts the whole dialog, as in a field."""
 
     BINDINGS: ClassVar[list[BindingType]] = [Binding("enter", "accept")]
@@ -101,7 +101,7 @@ class Conditions(RadioSet):
         self.call_after_refresh(self.post_message, self.Accepted())
 
 
-class StartDialog(Form):
+class StartDialog(FormDialog):
     """Participant, condition, trial; enter in a field accepts all.
 
     In an experiment with a design the robot process proposes the order of the conditions as soon as
@@ -113,7 +113,7 @@ class StartDialog(Form):
 
     def __init__(self) -> None:
         super().__init__()
-        self._proposal: Proposal | None = None
+        self._proposal: ProposedOrder | None = None
         #: Why there is none for this code; empty: nothing is wrong.
         self._refused = ""
         self._for = ""
@@ -131,9 +131,9 @@ class StartDialog(Form):
             yield field
         if picture.conditions:
             yield Static("Condition", classes="caption one")
-            with Conditions(id="condition"):
+            with ConditionList(id="condition"):
                 for condition in picture.conditions:
-                    yield Choice(condition, condition == picture.condition, self.glyphs)
+                    yield ConditionButton(condition, condition == picture.condition, self.glyphs)
         yield Static("Trial (may stay empty)", classes="caption")
         yield Input("" if picture.trial is None else str(picture.trial), id="trial")
         yield Static("", id="wrong", classes="wrong")
@@ -167,7 +167,9 @@ class StartDialog(Form):
         self._accepts, self._refused = False, ""
         self._awaited = self.picture.study.designed and bool(code)
         if self._awaited:
-            self.desk.ask(AskProposal(participant=code), functools.partial(self._proposed, code))
+            self.requests.ask(
+                AskProposal(participant=code), functools.partial(self._proposed, code)
+            )
 
     def _proposed(self, code: str, reply: Reply) -> None:
         """Without a design there is nothing to propose."""
@@ -177,11 +179,11 @@ class StartDialog(Form):
         if reply.ok:
             self._propose(proposal_of(reply.data))
         else:
-            self._refused = refusal(reply)
+            self._refused = refusal_text(reply)
         if self._accepts:
             self._accept()
 
-    def _propose(self, proposal: Proposal | None) -> None:
+    def _propose(self, proposal: ProposedOrder | None) -> None:
         self._proposal = proposal
         for place in self.query("#proposal").results(Static):
             place.update(content(proposal_rows(proposal, self.glyphs) if proposal else []))
@@ -194,14 +196,14 @@ class StartDialog(Form):
         if proposal is not None:
             self._fill_in(proposal)
 
-    def _fill_in(self, proposal: Proposal) -> None:
+    def _fill_in(self, proposal: ProposedOrder) -> None:
         """The fields say what is proposed, until somebody writes otherwise."""
         self.query_one("#order", Input).value = ", ".join(proposal.order)
         if proposal.trial is not None:
             self.query_one("#trial", Input).value = str(proposal.trial)
         if proposal.condition in self.picture.conditions:
             chosen = self.picture.conditions.index(proposal.condition)
-            for button in list(self.query(Choice))[chosen : chosen + 1]:
+            for button in list(self.query(ConditionButton))[chosen : chosen + 1]:
                 button.value = True
 
     # -- accepting ------------------------------------------------------------------------------
@@ -209,9 +211,9 @@ class StartDialog(Form):
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """Accept everything at once."""
         event.stop()
-        self.on_conditions_accepted()
+        self.on_condition_list_accepted()
 
-    def on_conditions_accepted(self) -> None:
+    def on_condition_list_accepted(self) -> None:
         """So does enter on a condition; what is about to be proposed is part of it."""
         if self._awaited:
             self._accepts = True
@@ -223,7 +225,7 @@ class StartDialog(Form):
         code = self.query_one("#participant", Input).value.strip()
         trial = self.query_one("#trial", Input).value.strip()
         wrong = "" if code else "A participant needs a code."
-        wrong = wrong or self._wrong_order() or wrong_trial(trial)
+        wrong = wrong or self._wrong_order() or trial_error(trial)
         self.complain(wrong)
         if wrong:
             return
@@ -231,7 +233,7 @@ class StartDialog(Form):
         if self._proposal is None:
             condition = self._condition()
             asks = AskSet(participant=code, condition=condition, trial=number)
-            self.desk.ask(asks, self.answered)
+            self.requests.ask(asks, self.answered)
         else:
             self._assign(code, number)
 
@@ -243,12 +245,12 @@ class StartDialog(Form):
             return
         assign = AskAssign(participant=code, order=order)
         other = trial if self._proposal is not None and trial != self._proposal.trial else None
-        self.desk.ask(assign, functools.partial(self._assigned, other))
+        self.requests.ask(assign, functools.partial(self._assigned, other))
 
     def _assigned(self, trial: int | None, reply: Reply) -> None:
         """Participant, order, condition and trial are set; another trial is asked for behind it."""
         if reply.ok and trial is not None:
-            self.desk.ask(AskSet(trial=trial), self.answered)
+            self.requests.ask(AskSet(trial=trial), self.answered)
         else:
             self.answered(reply)
 

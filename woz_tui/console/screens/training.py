@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from textual.content import Content
 
 from woz_tui.console.cells import Row
-from woz_tui.console.screens.choice import Choice
+from woz_tui.console.screens.choice import ChoiceDialog
 from woz_tui.console.screens.dialog import ConsoleApp
 from woz_tui.console.screens.trial import TrialDialog
 from woz_tui.protocol import messages as m
@@ -33,7 +33,7 @@ def open_trial(app: ConsoleApp) -> None:
         app.open_dialog(TrialDialog())
 
 
-class _Training(Choice):
+class _Training(ChoiceDialog):
     hint = "arrows choose · enter"
 
     def __init__(self, training: m.TrainingChanged) -> None:
@@ -61,7 +61,7 @@ class BeginDialog(_Training):
     def chose(self, index: int) -> None:
         """Begin."""
         if index == 0:
-            self.desk.ask(AskTraining())
+            self.requests.ask(AskTraining())
 
 
 class ScoreDialog(_Training):
@@ -89,4 +89,4 @@ class ScoreDialog(_Training):
     def chose(self, index: int) -> None:
         """End the session: nobody comes back to a training."""
         if index == 0:
-            self.desk.end_session()
+            self.requests.end_session()

@@ -14,7 +14,7 @@ from textual.widgets.option_list import Option
 from woz_tui.config.due_questionnaires import OVER
 from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.number_text import elapsed
-from woz_tui.console.screens.choice import Choice
+from woz_tui.console.screens.choice import ChoiceDialog
 from woz_tui.console.screens.dialog import ConsoleApp, Dialog, content
 from woz_tui.console.study.questionnaires import Asked
 from woz_tui.console.study.study_view import Study
@@ -25,7 +25,7 @@ _NUMBERED = 9
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class TrialStep:
     """What one key does. `asks`: a word is typed first, and given to `do`."""
 
     key: str
@@ -42,25 +42,25 @@ class TrialDialog(Dialog):
 
     def __init__(self) -> None:
         super().__init__()
-        self._asking: Step | None = None
+        self._asking: TrialStep | None = None
         self._stood = ""
 
     def body(self) -> Iterable[Widget]:
         """Where the session stands, what can be done, a field for a word."""
-        self._steps = steps(self.picture.study)
+        self._steps = trial_steps(self.picture.study)
         yield Static(content(self.lines()), id="stands")
         yield OptionList(*(Option(self._line(step)) for step in self._steps), id="choices")
         field = Input(placeholder="why, in a word (may stay empty)", id="why")
         field.display = False
         yield field
 
-    def _line(self, step: Step) -> Content:
+    def _line(self, step: TrialStep) -> Content:
         return content([((f" {step.key} ", "key"), (f"  {step.text}", "plain"))])
 
     def lines(self) -> list[Row]:
         """Trial or break with its time, the order of the conditions."""
         study, now = self.picture.study, self._now()
-        first: Row = ((stands(study, now), "strong"),)
+        first: Row = ((trial_status(study, now), "strong"),)
         rows: list[Row] = [first]
         if study.order:
             rows.append(order_row(study.order, _here(study), self.glyphs.here))
@@ -75,7 +75,7 @@ class TrialDialog(Dialog):
 
     def refreshed(self) -> None:
         """The time goes on."""
-        stood = stands(self.picture.study, self._now())
+        stood = trial_status(self.picture.study, self._now())
         if stood != self._stood:
             self._stood = stood
             for place in self.query("#stands").results(Static):
@@ -104,7 +104,7 @@ class TrialDialog(Dialog):
         event.stop()
         self._take(self._steps[event.option_index])
 
-    def _take(self, step: Step) -> None:
+    def _take(self, step: TrialStep) -> None:
         if not step.asks:
             self.leave()
             step.do(self.console_app, "")
@@ -129,7 +129,7 @@ class TrialDialog(Dialog):
             self._asking.do(self.console_app, event.value.strip())
 
 
-class OfferDialog(Choice):
+class OfferDialog(ChoiceDialog):
     """A questionnaire is due: ask it now, or later."""
 
     heading = "Questionnaire"
@@ -152,8 +152,12 @@ class OfferDialog(Choice):
         """Where to ask it."""
         elsewhere = bool(self.picture.study.participants)
         self._ways: list[Callable[[], None]] = [
-            lambda: begin(self.console_app, self._asked, here=True),
-            *([lambda: begin(self.console_app, self._asked, here=False)] if elsewhere else []),
+            lambda: ask_questionnaire(self.console_app, self._asked, here=True),
+            *(
+                [lambda: ask_questionnaire(self.console_app, self._asked, here=False)]
+                if elsewhere
+                else []
+            ),
             self._otherwise or (lambda: None),
         ]
         words = ["Ask it here", *(["At the participant's terminal"] if elsewhere else [])]
@@ -167,32 +171,34 @@ class OfferDialog(Choice):
 # -- what can be done -----------------------------------------------------------------------------
 
 
-def steps(study: Study) -> list[Step]:
+def trial_steps(study: Study) -> list[TrialStep]:
     """All that makes sense now, the most likely first."""
-    found: list[Step] = []
+    found: list[TrialStep] = []
     if study.asked is not None:
         title = study.asked.questionnaire.heading
-        found.append(Step("q", f"go on with: {title}", lambda app, why: app.do("questionnaire")))
-        found.append(Step("l", "leave it unfinished", _leave(study.asked.name)))
+        found.append(
+            TrialStep("q", f"go on with: {title}", lambda app, why: app.do("questionnaire"))
+        )
+        found.append(TrialStep("l", "leave it unfinished", _leave(study.asked.name)))
     elif study.due:
-        found.append(Step("q", f"ask: {_title(study, study.due[0])}", _offer(study.due[0])))
+        found.append(TrialStep("q", f"ask: {_title(study, study.due[0])}", _offer(study.due[0])))
     if study.break_began is not None:
-        found.append(Step("r", "resume: the break is over", _trial("resume")))
+        found.append(TrialStep("r", "resume: the break is over", _trial("resume")))
     if study.trial is not None:
         found += [
-            Step("d", "done: this trial is over", _trial("done")),
-            Step("a", "aborted: it will be run again", _trial("aborted"), asks=True),
-            Step("x", "excluded: not to be analysed", _trial("excluded"), asks=True),
+            TrialStep("d", "done: this trial is over", _trial("done")),
+            TrialStep("a", "aborted: it will be run again", _trial("aborted"), asks=True),
+            TrialStep("x", "excluded: not to be analysed", _trial("excluded"), asks=True),
         ]
     elif study.asked is None and not study.all_over:
-        found.append(Step("b", _beginning(study), _trial("begin")))
+        found.append(TrialStep("b", _beginning(study), _trial("begin")))
     if study.break_began is None:
-        found.append(Step("p", "pause: a break", _trial("break")))
+        found.append(TrialStep("p", "pause: a break", _trial("break")))
     if study.asked is None:
         others = [one for one in study.questionnaires if one.name not in study.due[:1]]
         for number, one in enumerate(others[:_NUMBERED], start=1):
             over = "  (asked already)" if one.name in study.over else ""
-            found.append(Step(str(number), f"ask: {one.heading}{over}", _offer(one.name)))
+            found.append(TrialStep(str(number), f"ask: {one.heading}{over}", _offer(one.name)))
     return found
 
 
@@ -202,7 +208,7 @@ def _beginning(study: Study) -> str:
     return f"begin trial {study.next}{' again' if again else ''}"
 
 
-def stands(study: Study, now: int) -> str:
+def trial_status(study: Study, now: int) -> str:
     """`trial 3 of 12, 02:41`."""
     of = f" of {study.planned}" if study.planned else ""
     if study.break_began is not None:
@@ -241,16 +247,16 @@ def order_row(order: Iterable[str], present: str, here: str) -> Row:
     return row
 
 
-def begin(app: ConsoleApp, name: str, *, here: bool) -> None:
+def ask_questionnaire(app: ConsoleApp, name: str, *, here: bool) -> None:
     """Put a questionnaire to the participant, at this terminal or at theirs."""
 
     def answered(reply: Reply) -> None:
         if not reply.ok:
-            app.desk.refused(reply)
+            app.requests.refused(reply)
         elif here:
             app.do("questionnaire")
 
-    app.desk.ask(AskQuestionnaire(questionnaire=name), answered)
+    app.requests.ask(AskQuestionnaire(questionnaire=name), answered)
 
 
 def _title(study: Study, name: str) -> str:
@@ -270,18 +276,18 @@ def _offer(name: str) -> Callable[[ConsoleApp, str], None]:
 
 
 def _leave(name: str) -> Callable[[ConsoleApp, str], None]:
-    return lambda app, why: app.desk.ask(AskQuestionnaire(questionnaire=name, what="left"))
+    return lambda app, why: app.requests.ask(AskQuestionnaire(questionnaire=name, what="left"))
 
 
 def _trial(what: str) -> Callable[[ConsoleApp, str], None]:
     def do(app: ConsoleApp, why: str) -> None:
         def over(reply: Reply) -> None:
             if not reply.ok:
-                app.desk.refused(reply)
+                app.requests.refused(reply)
             else:
                 offer_due(app)
 
         request = AskTrial(what=what, text=why)  # type: ignore[arg-type]
-        app.desk.ask(request, over if what in OVER else None)
+        app.requests.ask(request, over if what in OVER else None)
 
     return do

@@ -9,7 +9,7 @@ from textual.binding import Binding, BindingType
 
 from woz_tui.console.cells import Row
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.screens.dialog import Report
+from woz_tui.console.screens.dialog import ReportDialog
 from woz_tui.protocol.requests import AskKeepTyped, Reply
 from woz_tui.session.typed_actions import NAME, PANEL
 
@@ -26,7 +26,7 @@ def has_typed(picture: ConsoleState) -> bool:
     )
 
 
-class KeepTypedDialog(Report):
+class KeepTypedDialog(ReportDialog):
     """Asks for the differences first; enter writes the copy. `then` ends the session, which no
     answer that does not come may hold up.
     """
@@ -51,7 +51,7 @@ class KeepTypedDialog(Report):
         if self._then is not None:
             for box in self.query(".dialog"):
                 box.border_subtitle = self.glyphs.plain(self.ending_hint)
-        self.desk.ask(AskKeepTyped(dry_run=True), self._compared)
+        self.requests.ask(AskKeepTyped(dry_run=True), self._compared)
 
     def lines(self) -> list[Row]:
         """Differences, or why there is no copy."""
@@ -92,7 +92,7 @@ class KeepTypedDialog(Report):
         """Write the copy that is shown; with nothing to write, close, but end nothing."""
         if self._ready:
             self._ready = False
-            self.desk.ask(AskKeepTyped(), self._written)
+            self.requests.ask(AskKeepTyped(), self._written)
         elif self._then is None:
             self.leave()
 

@@ -7,7 +7,7 @@ import textwrap
 from rich.cells import cell_len, chop_cells
 
 from woz_tui.console.cells import Piece, Row, clean, cut, fit
-from woz_tui.console.glyphs import Frame, Glyphs
+from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.study.questionnaire_run import WIDE, Page, Round
 from woz_tui.protocol.welcome import Item
 
@@ -24,12 +24,12 @@ def column_of(width: int) -> int:
     return max(1, min(COLUMN, width - 4))
 
 
-def page_rows(taken: Round, frame: Frame) -> list[Row]:
+def page_rows(taken: Round, frame: PaintFrame) -> list[Row]:
     """The whole page, as many rows as the frame is high."""
     if frame.width < NARROWEST:
         return []  # not laid out yet, or nothing that could be read
     width = column_of(frame.width)
-    inner = Frame(width, frame.height, frame.now, frame.glyphs)
+    inner = PaintFrame(width, frame.height, frame.now, frame.glyphs)
     air: list[Row] = [()] if frame.height >= _AIRY else []
     head = [*air, *_head(taken, inner), ()]
     body = _BODIES[taken.page](taken, inner)
@@ -42,11 +42,11 @@ def page_rows(taken: Round, frame: Frame) -> list[Row]:
 
 def question_height(taken: Round, width: int, glyphs: Glyphs) -> int:
     """Lines that a question for words needs at least, from the title on, in a column so wide."""
-    frame = Frame(width, 0, 0, glyphs)
+    frame = PaintFrame(width, 0, 0, glyphs)
     return len(_head(taken, frame)) + 1 + len(_item(taken, frame))
 
 
-def foot_rows(taken: Round, frame: Frame, notice: str = "") -> list[Row]:
+def foot_rows(taken: Round, frame: PaintFrame, notice: str = "") -> list[Row]:
     """What is wrong, the keys, and a `notice`."""
     if frame.width < NARROWEST:
         return []
@@ -62,7 +62,7 @@ def foot_rows(taken: Round, frame: Frame, notice: str = "") -> list[Row]:
     ]
 
 
-def words_rows(lines: list[tuple[str, str]], frame: Frame) -> list[Row]:
+def words_rows(lines: list[tuple[str, str]], frame: PaintFrame) -> list[Row]:
     """Sentences with their looks in the middle of the screen."""
     above = max(0, (frame.height - len(lines)) // 3)
     rows: list[Row] = [()] * above
@@ -75,7 +75,7 @@ def words_rows(lines: list[tuple[str, str]], frame: Frame) -> list[Row]:
 # -- pages ----------------------------------------------------------------------------------------
 
 
-def _head(taken: Round, frame: Frame) -> list[Row]:
+def _head(taken: Round, frame: PaintFrame) -> list[Row]:
     """Title, and how far it is."""
     asked, count = taken.asked, len(taken.asked.items)
     done = min(taken.position + (taken.page is Page.ITEM), count)
@@ -89,7 +89,7 @@ def _head(taken: Round, frame: Frame) -> list[Row]:
     ]
 
 
-def _introduction(taken: Round, frame: Frame) -> list[Row]:
+def _introduction(taken: Round, frame: PaintFrame) -> list[Row]:
     told = taken.asked.questionnaire.introduction
     rows: list[Row] = [((line, "plain"),) for line in _wrapped(told, frame.width)]
     count = len(taken.asked.items)
@@ -109,7 +109,7 @@ def _folded(line: str, width: int) -> list[str]:
     return textwrap.wrap(line, width) or [""]
 
 
-def _item(taken: Round, frame: Frame) -> list[Row]:
+def _item(taken: Round, frame: PaintFrame) -> list[Row]:
     item = taken.item
     if item is None:
         return []
@@ -123,7 +123,7 @@ def _item(taken: Round, frame: Frame) -> list[Row]:
     return [*rows, *scale]
 
 
-def _boxes(item: Item, taken: Round, frame: Frame) -> list[Row]:
+def _boxes(item: Item, taken: Round, frame: PaintFrame) -> list[Row]:
     """A box for each point, the chosen one filled and between brackets."""
     values = range(item.low, item.high + 1)
     box = max(3, min(BOX, frame.width // len(values)))
@@ -140,7 +140,7 @@ def _boxes(item: Item, taken: Round, frame: Frame) -> list[Row]:
     return [tuple(above), tuple(row), tuple(above), (), *_ends(item, whole, frame)]
 
 
-def _line(item: Item, taken: Round, frame: Frame) -> list[Row]:
+def _line(item: Item, taken: Round, frame: PaintFrame) -> list[Row]:
     """A line from end to end, with a mark on it and the number above."""
     glyphs, width = frame.glyphs, frame.width
     cells = [(glyphs.track, "faint")] * width
@@ -156,7 +156,7 @@ def _line(item: Item, taken: Round, frame: Frame) -> list[Row]:
     return [told, (), tuple(cells), ((numbers, "plain"),), *_ends(item, width, frame)]
 
 
-def _ends(item: Item, width: int, frame: Frame) -> list[Row]:
+def _ends(item: Item, width: int, frame: PaintFrame) -> list[Row]:
     """What the ends are called, each under its own end."""
     low, high = map(clean, item.ends)
     if not low and not high:
@@ -171,7 +171,7 @@ def _ends(item: Item, width: int, frame: Frame) -> list[Row]:
     ]
 
 
-def _summary(taken: Round, frame: Frame) -> list[Row]:
+def _summary(taken: Round, frame: PaintFrame) -> list[Row]:
     """All answers, the chosen line marked; beneath them the way to finish."""
     glyphs, words = frame.glyphs, taken.words
     rows: list[Row] = []
@@ -192,7 +192,7 @@ def _summary(taken: Round, frame: Frame) -> list[Row]:
     return [*rows[first : first + room], (), ((finish, "strong" if here else "plain"),)]
 
 
-def _decline(taken: Round, frame: Frame) -> list[Row]:
+def _decline(taken: Round, frame: PaintFrame) -> list[Row]:
     return [
         ((taken.words.stop_question, "strong"),),
         (),

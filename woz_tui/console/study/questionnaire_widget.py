@@ -12,7 +12,7 @@ from textual.message import Message
 from textual.widgets import TextArea
 
 from woz_tui.console.cells import Cells
-from woz_tui.console.glyphs import Frame, Glyphs
+from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.message_feed import GONE
 from woz_tui.console.study.questionnaire_pages import (
     column_of,
@@ -232,8 +232,8 @@ class Sheet(Vertical):
             page.show(page_rows(taken, frame))
             foot.show(foot_rows(taken, self._frame(foot), self._notice))
 
-    def _frame(self, cells: Cells) -> Frame:
-        return Frame(cells.size.width, cells.size.height, 0, self._glyphs)
+    def _frame(self, cells: Cells) -> PaintFrame:
+        return PaintFrame(cells.size.width, cells.size.height, 0, self._glyphs)
 
     def _room(self, taken: Round | None, column: int) -> int:
         """Lines for the field and the air below it, once the question is in sight."""

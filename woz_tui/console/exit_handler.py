@@ -9,7 +9,7 @@
 | ctrl+z, SIGTSTP                          | host told that nobody watches (driving stops),    |
 |                                          | terminal restored, suspended; redrawn on resuming |
 | SIGCONT after SIGSTOP                    | terminal set up again and redrawn                 |
-| no terminal, TERM=dumb                   | refused with a sentence, see `refusal`            |
+| no terminal, TERM=dumb                   | refused with a sentence, see `missing_terminal`   |
 
 Handlers are Python's plain ones: they run at the next bytecode of the main thread, while the
 event loop's own would wait for a screen that may be busy or blocked for good.
@@ -26,8 +26,8 @@ from collections.abc import Callable, Mapping
 from types import FrameType
 from typing import IO, Protocol
 
-from woz_tui.console.message_feed import Feed
-from woz_tui.console.terminal_line import Line
+from woz_tui.console.message_feed import MessageFeed
+from woz_tui.console.terminal_monitor import TerminalMonitor
 from woz_tui.protocol.requests import Beat
 
 #: After an ending has begun the process is gone after so long, whatever hangs; in seconds.
@@ -39,7 +39,7 @@ GONE = 128 + signal.SIGHUP
 _ENDING = (signal.SIGHUP, signal.SIGTERM, signal.SIGQUIT)
 
 
-class Terminal(Protocol):
+class TerminalControl(Protocol):
     """What an ending does to the terminal."""
 
     def restore(self) -> None:
@@ -59,7 +59,7 @@ class Terminal(Protocol):
         ...
 
 
-class Endings:
+class ExitHandler:
     """Acts on signals and on the loss of the terminal.
 
     Args:
@@ -73,9 +73,9 @@ class Endings:
 
     def __init__(
         self,
-        terminal: Terminal,
-        feed: Feed,
-        line: Line,
+        terminal: TerminalControl,
+        feed: MessageFeed,
+        line: TerminalMonitor,
         stop: Callable[[], None],
         leave: Callable[[int], None],
         *,
@@ -103,7 +103,7 @@ class Endings:
         if not self._once.acquire(blocking=False):
             return
         threading.Thread(target=self._exit_by_force, args=(code,), daemon=True).start()
-        aside(self._feed.close)
+        run_aside(self._feed.close)
         self._terminal.restore()
         self._leave(code)
 
@@ -117,13 +117,13 @@ class Endings:
         self.end(128 + number)
 
     def _on_interrupt(self, number: int, frame: FrameType | None) -> None:
-        aside(self._stop)
+        run_aside(self._stop)
 
     def _on_suspend(self, number: int, frame: FrameType | None) -> None:
         if self._suspended:
             return
         self._suspended = True
-        aside(self._tell_away)
+        run_aside(self._tell_away)
         self._terminal.pause()
         self._sleep()
         self._back()
@@ -157,11 +157,11 @@ class Endings:
 
     def _back(self) -> None:
         self._line.reset()
-        aside(lambda: self._feed.ask(Beat(line_ok=True)))
+        run_aside(lambda: self._feed.ask(Beat(line_ok=True)))
         self._terminal.resume()
 
 
-def aside(work: Callable[[], object]) -> None:
+def run_aside(work: Callable[[], object]) -> None:
     """Do `work` in another thread and wait a moment for it.
 
     A handler interrupts its thread anywhere, perhaps inside a lock that `work` needs.
@@ -171,7 +171,9 @@ def aside(work: Callable[[], object]) -> None:
     thread.join(TELL_S)
 
 
-def refusal(stdin: IO[str] | None, stdout: IO[str] | None, environ: Mapping[str, str]) -> str:
+def missing_terminal(
+    stdin: IO[str] | None, stdout: IO[str] | None, environ: Mapping[str, str]
+) -> str:
     """Why the console cannot run here, in a sentence; empty if it can."""
     if not _is_terminal(stdin):
         return (

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from woz_tui.console.message_feed import Feed
+from woz_tui.console.message_feed import MessageFeed
 from woz_tui.system.clock import Clock
 
 #: The question, and how often it is asked.
@@ -42,13 +42,13 @@ BURST, PASTED = 3, 8
 REPEATS_AFTER_SILENCE, REPEATS = 10, 30
 
 
-class Line:
+class TerminalMonitor:
     """Used from the thread that reads the terminal; `rtt_ms` and `ok` may be read anywhere.
 
     What it finds out it also writes to the feed, which tells the host with every beat.
     """
 
-    def __init__(self, feed: Feed, clock: Clock) -> None:
+    def __init__(self, feed: MessageFeed, clock: Clock) -> None:
         self._feed = feed
         self._clock = clock
         self.reset()

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.analysis.durations import Series, mean_and_sd, quantile
-from woz_tui.timeline.session_state import LONGEST
+from woz_tui.timeline.session_state import LATEST_TIME
 
 TIMES = st.lists(st.integers(0, 10**9), min_size=2, max_size=60)
 
@@ -56,4 +56,4 @@ def test_two_series_together_are_one(first: list[int], second: list[int]) -> Non
 
 def test_what_no_clock_can_say_is_brought_near() -> None:
     series = Series([-5, 10**30])
-    assert list(series.values) == [0, LONGEST]
+    assert list(series.values) == [0, LATEST_TIME]

@@ -12,7 +12,7 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AskAnswer
 from woz_tui.session.participant_identity import AskError
 from woz_tui.session.questionnaire_control import LONGEST
-from woz_tui.timeline.study_history import Due
+from woz_tui.timeline.study_history import DueQuestionnaire
 
 ROUND = (m.QuestionnaireStarted, m.QuestionnaireAnswered, m.QuestionnaireEnded)
 
@@ -37,7 +37,7 @@ def answer(stage: Stage, item: str, value: float | None = None, **rest: object) 
     stage.session.study.questioning.answer(request)
 
 
-def due(stage: Stage) -> list[Due]:
+def due(stage: Stage) -> list[DueQuestionnaire]:
     return stage.session.study.state.due
 
 
@@ -52,10 +52,10 @@ def test_what_is_due_after_which_trial(tmp_path: Path) -> None:
             seen.append([*due(stage)])
         assert seen == [
             [],
-            [Due("each", 1)],
-            [Due("ux", 2)],
-            [Due("each", 3)],
-            [Due("each", 4), Due("ux", 4), Due("last")],
+            [DueQuestionnaire("each", 1)],
+            [DueQuestionnaire("ux", 2)],
+            [DueQuestionnaire("each", 3)],
+            [DueQuestionnaire("each", 4), DueQuestionnaire("ux", 4), DueQuestionnaire("last")],
         ]
 
     on_stage(tmp_path, scenario)
@@ -70,7 +70,7 @@ def test_a_round_from_its_beginning_to_its_end(tmp_path: Path) -> None:
         answer(stage, "pleasant", 5.0)
         answer(stage, "else", skipped=True)
         ask(stage, "ux", "done")
-        assert due(stage) == [Due("each", 2)]
+        assert due(stage) == [DueQuestionnaire("each", 2)]
 
     stage = on_stage(tmp_path, scenario)
     assert said(stage, *ROUND) == [
@@ -175,7 +175,7 @@ def test_a_round_that_was_left_stays_due_and_begins_anew(tmp_path: Path) -> None
         ask(stage, "ux")
         answer(stage, "pleasant", 2)
         ask(stage, "ux", "left")
-        assert Due("ux", 2) in due(stage)
+        assert DueQuestionnaire("ux", 2) in due(stage)
         ask(stage, "ux")
         current = stage.session.study.state.questionnaire
         assert current is not None

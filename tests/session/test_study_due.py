@@ -12,7 +12,7 @@ from tests.session.studied import STUDY, on_stage, said
 from woz_tui.config.study import Design
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import AskError
-from woz_tui.timeline.study_history import Due
+from woz_tui.timeline.study_history import DueQuestionnaire
 
 
 def assigned(stage: Stage, participant: str = "P01") -> None:
@@ -29,17 +29,22 @@ def trials(stage: Stage, *outcomes: str) -> None:
 @pytest.mark.parametrize(
     ("outcomes", "due"),
     [
-        (["done"], [Due("each", 1)]),
+        (["done"], [DueQuestionnaire("each", 1)]),
         (["done", "aborted"], []),
         (["excluded"], []),
-        (["done", "excluded"], [Due("ux", 2)]),
-        (["done", "done"], [Due("each", 2), Due("ux", 2)]),
-        (["done", "done", "done"], [Due("each", 3)]),
-        (["done"] * 4, [Due("each", 4), Due("ux", 4), Due("last", -1)]),
-        (["done"] * 3 + ["excluded"], [Due("ux", 4), Due("last", -1)]),
+        (["done", "excluded"], [DueQuestionnaire("ux", 2)]),
+        (["done", "done"], [DueQuestionnaire("each", 2), DueQuestionnaire("ux", 2)]),
+        (["done", "done", "done"], [DueQuestionnaire("each", 3)]),
+        (
+            ["done"] * 4,
+            [DueQuestionnaire("each", 4), DueQuestionnaire("ux", 4), DueQuestionnaire("last", -1)],
+        ),
+        (["done"] * 3 + ["excluded"], [DueQuestionnaire("ux", 4), DueQuestionnaire("last", -1)]),
     ],
 )
-def test_what_is_due_behind_the_trials(tmp_path: Path, outcomes: list[str], due: list[Due]) -> None:
+def test_what_is_due_behind_the_trials(
+    tmp_path: Path, outcomes: list[str], due: list[DueQuestionnaire]
+) -> None:
     async def scenario(stage: Stage) -> None:
         assigned(stage)
         trials(stage, *outcomes)
@@ -52,7 +57,7 @@ def test_what_was_due_is_so_no_more_once_the_next_trial_has_begun(tmp_path: Path
     async def scenario(stage: Stage) -> None:
         assigned(stage)
         trials(stage, "done")
-        assert stage.session.study.state.due == [Due("each", 1)]
+        assert stage.session.study.state.due == [DueQuestionnaire("each", 1)]
         stage.session.study.trial("begin", "")
         assert stage.session.study.state.due == []
 
@@ -66,7 +71,7 @@ def test_a_trial_for_practice_is_the_last_of_no_condition(tmp_path: Path) -> Non
         assigned(stage)
         stage.session.set(trial=0)
         trials(stage, "done")
-        assert stage.session.study.state.due == [Due("each", 0)]
+        assert stage.session.study.state.due == [DueQuestionnaire("each", 0)]
 
     stage = on_stage(tmp_path, scenario)
     assert said(stage, m.TrialStarted) == ["trial.started 0 warm"]

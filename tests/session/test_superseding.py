@@ -18,8 +18,8 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.session.action_runner import Origin
 from woz_tui.session.participant_identity import AskError
-from woz_tui.timeline.episodes import Action as Played
-from woz_tui.timeline.episodes import Outcome
+from woz_tui.timeline.episodes import ActionEpisode as Played
+from woz_tui.timeline.episodes import EpisodeOutcome
 from woz_tui.timeline.timeline import Timeline
 
 KEY = Origin("key", "x", "con1")
@@ -217,4 +217,4 @@ def test_the_timeline_counts_it_as_superseded(tmp_path: Path) -> None:
         timeline.take(line)
     timeline.finish()
     outcomes = [each.outcome for each in timeline.of(Played)]
-    assert outcomes == [Outcome.SUPERSEDED, Outcome.DONE, Outcome.DONE]
+    assert outcomes == [EpisodeOutcome.SUPERSEDED, EpisodeOutcome.DONE, EpisodeOutcome.DONE]

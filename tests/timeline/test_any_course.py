@@ -18,7 +18,7 @@ from msgspec.structs import replace
 from tests.timeline.courses import damaged, recordings, stamped, start
 from woz_tui.log.log_reader import read
 from woz_tui.protocol import messages as m
-from woz_tui.timeline.episodes import MOST, Action, Command, Utterance
+from woz_tui.timeline.episodes import MOST_KEPT, ActionEpisode, CommandEpisode, UtteranceEpisode
 from woz_tui.timeline.session_state import CASES, SessionState
 from woz_tui.timeline.timeline import Timeline, timeline_of
 from woz_tui.timeline.trial_context import Context
@@ -136,12 +136,12 @@ def test_every_request_has_one_episode_and_one_outcome(messages: list[m.AnyMessa
     requested = Counter(each.seq for each in messages if isinstance(each, m.ActionRequested))
     commands = [each for each in messages if isinstance(each, m.Command)]
     sent = Counter(each.seq for each in commands if not each.passing)
-    assert Counter(each.seq for each in timeline.of(Action)) == requested
-    assert Counter(each.seq for each in timeline.of(Command)) == sent
+    assert Counter(each.seq for each in timeline.of(ActionEpisode)) == requested
+    assert Counter(each.seq for each in timeline.of(CommandEpisode)) == sent
     assert timeline.state.passing == sum(each.passing for each in commands)
     for episode in timeline.episodes:
         assert episode.outcome
-        if isinstance(episode, Action | Command):
+        if isinstance(episode, ActionEpisode | CommandEpisode):
             assert (episode.ended is None) == (episode.outcome == "open") == episode.cut
 
 
@@ -201,7 +201,7 @@ def test_logs_of_every_schema_have_a_timeline(log: Path) -> None:
     timeline = timeline_of(lines)
     assert timeline.state.start is not None
     assert {each.kind for each in timeline.episodes} > {"action", "command", "state", "utterance"}
-    assert {each.outcome for each in timeline.of(Command)} >= {"done", "stopped"}
+    assert {each.outcome for each in timeline.of(CommandEpisode)} >= {"done", "stopped"}
     snapshot = timeline.state.messages()
     assert held(state_of(snapshot))["engaged"] == held(timeline.state)["engaged"]
     assert len(snapshot) < len(lines) / 2
@@ -213,7 +213,7 @@ def test_logs_of_every_schema_have_a_timeline(log: Path) -> None:
 def test_memory_is_bounded_whatever_never_ends() -> None:
     state, size = SessionState(), 0
     ended = 0
-    for number in range(MOST + 1000):
+    for number in range(MOST_KEPT + 1000):
         name, seq = f"n{number}", 20 * number
         for at, message in enumerate(
             (
@@ -229,11 +229,11 @@ def test_memory_is_bounded_whatever_never_ends() -> None:
             )
         ):
             done = state.take(msgspec.structs.replace(message, seq=seq + at, t=seq))
-            ended += sum(isinstance(each, Action) and each.end is not None for each in done)
-        if number == MOST:
+            ended += sum(isinstance(each, ActionEpisode) and each.end is not None for each in done)
+        if number == MOST_KEPT:
             size = len(state.messages())
     assert len(state.messages()) <= size + 1
-    assert len(state.actions) == MOST
+    assert len(state.actions) == MOST_KEPT
     assert ended == 1000, "what makes way has ended"
 
 
@@ -252,7 +252,7 @@ def test_an_utterance_is_one_episode_whatever_comes_of_it() -> None:
         m.SpeechText(driver="mic", segment=1, text="hello"),
     ]
     timeline = timeline_of(stamped([(5 + at, message) for at, message in enumerate(speech)]))
-    spoken = timeline.of(Utterance)
+    spoken = timeline.of(UtteranceEpisode)
     assert [(each.begin, each.end, each.outcome, each.cut) for each in spoken] == [
         (5, 5, "done", False)
     ]
@@ -271,4 +271,4 @@ def test_what_never_ends_costs_as_much_as_it_is_however_often_the_condition_chan
     held_bytes, _ = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert held_bytes < 4_000_000
-    assert len(timeline.parts(timeline.of(Action)[0])) == 599
+    assert len(timeline.parts(timeline.of(ActionEpisode)[0])) == 599

@@ -6,9 +6,16 @@ from typing import TypeVar
 
 from tests.timeline.courses import SECOND, plan, start, timed
 from woz_tui.protocol import messages as m
-from woz_tui.timeline.episodes import Break, Engagement, Episode, Moment, Trial, Utterance
+from woz_tui.timeline.episodes import (
+    BreakEpisode,
+    EngagementEpisode,
+    Episode,
+    MomentEpisode,
+    TrialEpisode,
+    UtteranceEpisode,
+)
 from woz_tui.timeline.timeline import timeline_of
-from woz_tui.timeline.trial_context import Span
+from woz_tui.timeline.trial_context import ContextSpan
 
 E = TypeVar("E", bound=Episode)
 ASSIGNED = m.ConditionsAssigned(participant="P01", order=["warm", "cold"], method="hand")
@@ -27,12 +34,12 @@ def notes(messages: list[m.AnyMessage]) -> dict[str, tuple[str, str, int | None,
             each.context.trial,
             each.context.in_break,
         )
-        for each in of(messages, Moment)
+        for each in of(messages, MomentEpisode)
         if isinstance(each.message, m.Note)
     }
 
 
-def pieces(parts: tuple[Span, ...]) -> list[tuple[float, str, int | None]]:
+def pieces(parts: tuple[ContextSpan, ...]) -> list[tuple[float, str, int | None]]:
     """Seconds, condition, trial."""
     return [
         ((part.end - part.begin) / SECOND, part.context.condition, part.context.trial)
@@ -57,7 +64,7 @@ def test_an_engagement_over_two_conditions_is_one_with_two_parts() -> None:
             (120, m.SessionEnd(reason="wizard")),
         )
     )
-    [engaged] = timeline.of(Engagement)
+    [engaged] = timeline.of(EngagementEpisode)
     assert pieces(timeline.parts(engaged)) == [
         (10, "neutral", 1), (60, "empathic", 2), (25, "funny", 3),
     ]  # fmt: skip
@@ -93,9 +100,9 @@ def test_a_break_belongs_to_no_trial_also_inside_one() -> None:
         "on": (1, False), "after": (None, False),
     }  # fmt: skip
     timeline = timeline_of(messages)
-    [trial] = timeline.of(Trial)
+    [trial] = timeline.of(TrialEpisode)
     assert pieces(timeline.parts(trial)) == [(2, "warm", 1), (2, "warm", None), (2, "warm", 1)]
-    [pause] = of(messages, Break)
+    [pause] = of(messages, BreakEpisode)
     assert (pause.duration, pause.outcome) == (2 * SECOND, "done")
 
 
@@ -109,7 +116,7 @@ def test_a_trial_that_ends_or_begins_ends_a_break() -> None:
         (6, m.TrialStarted(trial=1)),
         (7, m.Note(text="x")),
     )
-    assert [(each.duration, each.outcome, each.cut) for each in of(messages, Break)] == [
+    assert [(each.duration, each.outcome, each.cut) for each in of(messages, BreakEpisode)] == [
         (SECOND, "open", True), (2 * SECOND, "open", True),
     ]  # fmt: skip
     assert notes(messages)["x"] == ("P01", "warm", 1, False)
@@ -132,7 +139,7 @@ def test_trials_of_one_number_are_told_apart() -> None:
         (3, m.TrialStarted(trial=1)),
         (4, m.TrialEnded(trial=1, outcome="done", text="well")),
     )
-    first, second = of(messages, Trial)
+    first, second = of(messages, TrialEpisode)
     assert (first.outcome, second.outcome, second.text) == ("aborted", "done", "well")
     assert first.context.trial == second.context.trial == 1
     assert first.context.run != second.context.run
@@ -143,7 +150,8 @@ def test_trials_of_one_number_are_told_apart() -> None:
 
 def test_a_trial_that_another_one_follows_is_over() -> None:
     first, second = of(
-        timed((0, start()), (1, m.TrialStarted(trial=1)), (3, m.TrialStarted(trial=2))), Trial
+        timed((0, start()), (1, m.TrialStarted(trial=1)), (3, m.TrialStarted(trial=2))),
+        TrialEpisode,
     )
     assert (first.duration, first.outcome, first.cut) == (2 * SECOND, "open", True)
     assert second.cut
@@ -176,7 +184,7 @@ def test_speech_is_in_the_context_in_which_it_was_spoken() -> None:
         (15, m.SpeechText(driver="mic", segment=1, text="what is this?")),
     )
     timeline = timeline_of(messages)
-    [spoken] = timeline.of(Utterance)
+    [spoken] = timeline.of(UtteranceEpisode)
     assert pieces(timeline.parts(spoken)) == [(2.3, "warm", None), (1.0, "cold", None)]
 
 

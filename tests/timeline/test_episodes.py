@@ -9,25 +9,25 @@ import pytest
 from tests.timeline.courses import SECOND, plan, start, timed
 from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import (
-    Action,
-    Command,
-    Conflict,
-    Cue,
-    Engagement,
+    ActionEpisode,
+    CommandEpisode,
+    ConflictEpisode,
+    CueEpisode,
+    EngagementEpisode,
     Episode,
-    FaultedLane,
-    LostDriver,
-    ModelOff,
-    ModelState,
-    Moment,
-    Profile,
-    Questionnaire,
-    Restriction,
-    Setting,
-    Stop,
+    FaultedLaneEpisode,
+    LostDriverEpisode,
+    ModelOffEpisode,
+    ModelStateEpisode,
+    MomentEpisode,
+    ProfileEpisode,
+    QuestionnaireEpisode,
+    RestrictionEpisode,
+    SettingEpisode,
+    StopEpisode,
 )
 from woz_tui.timeline.session_state import SessionState
-from woz_tui.timeline.study_history import Due
+from woz_tui.timeline.study_history import DueQuestionnaire
 from woz_tui.timeline.timeline import timeline_of
 
 E = TypeVar("E", bound=Episode)
@@ -63,14 +63,14 @@ def requested(command: str = "c", run: str = "", driver: str = "voice") -> m.Com
 
 @pytest.mark.parametrize(("end", "outcome"), ENDS, ids=[outcome for _, outcome in ENDS])
 def test_a_command_has_the_outcome_that_its_end_says(end: Any, outcome: str) -> None:
-    [command] = of(Command, (1, requested()), (3, end))
+    [command] = of(CommandEpisode, (1, requested()), (3, end))
     assert (command.outcome, command.cut, command.duration) == (outcome, False, 2 * SECOND)
     assert command.reason == end.reason
 
 
 def test_a_command_has_all_that_its_lines_say() -> None:
     [command] = of(
-        Command,
+        CommandEpisode,
         (1, requested()),
         (1.5, m.Dispatched(command="c", driver="voice", latency_us=500_000)),
         (2, m.Progress(command="c", driver="voice", expected_us=SECOND)),
@@ -85,15 +85,15 @@ def test_a_command_has_all_that_its_lines_say() -> None:
 
 def test_the_start_of_a_command_is_known_also_without_its_line() -> None:
     done = m.Done(command="c", sent={}, latency_us=250_000, duration_us=9)
-    [command] = of(Command, (1, requested()), (3, done))
+    [command] = of(CommandEpisode, (1, requested()), (3, done))
     assert (command.started, command.latency_us) == (1_250_000, 250_000)
-    [command] = of(Command, (1, requested()), (3, m.Stopped(command="c")))
+    [command] = of(CommandEpisode, (1, requested()), (3, m.Stopped(command="c")))
     assert (command.started, command.latency_us) == (None, None)
 
 
 def test_an_action_counts_its_latency_to_the_first_start_of_a_driver() -> None:
     [action] = of(
-        Action,
+        ActionEpisode,
         (1, m.ActionRequested(run="r", action="Hello", panel="Speech", source="key")),
         (1, m.ActionHeld(run="r", action="Hello", sort="speech", cued=0, until=1_800_000)),
         (1.8, requested("mark", "r", driver="session")),
@@ -113,7 +113,7 @@ def test_an_action_counts_its_latency_to_the_first_start_of_a_driver() -> None:
 
 def test_what_has_no_end_in_the_log_is_open() -> None:
     actions = of(
-        Action,
+        ActionEpisode,
         (1, m.ActionRequested(run="r", action="Nod", source="key")),
         (2, m.ActionRequested(run="r", action="Nod", source="key")),
         (5, m.Note(text="x")),
@@ -146,7 +146,7 @@ def test_an_end_without_a_beginning_is_a_moment() -> None:
         m.QuestionnaireEnded(questionnaire="q", reason="done", answered=1),
         m.LaneRecovered(driver="head", lane="body"),
     ]
-    moments = of(Moment, *((1, end) for end in ends))
+    moments = of(MomentEpisode, *((1, end) for end in ends))
     assert [type(each.message) for each in moments] == [type(end) for end in ends]
 
 
@@ -159,7 +159,7 @@ def confirmed(*names: str, missing: tuple[str, ...] = ()) -> m.StopConfirmed:
 
 def test_a_stop_lasts_until_its_release() -> None:
     [stop] = of(
-        Stop,
+        StopEpisode,
         (1, m.StopPressed(source="key")),
         (1.5, confirmed("voice", missing=("base",))),
         (4, m.StopReleased(source="key")),
@@ -170,7 +170,7 @@ def test_a_stop_lasts_until_its_release() -> None:
 
 def test_each_press_has_the_confirmation_of_its_own() -> None:
     [stop] = of(
-        Stop,
+        StopEpisode,
         (1, m.StopPressed(source="key")),
         (1.5, confirmed(missing=("voice",))),
         (2, m.StopPressed(source="program")),
@@ -183,7 +183,7 @@ def test_each_press_has_the_confirmation_of_its_own() -> None:
 
 def test_a_stop_of_driving_is_over_when_it_is_confirmed() -> None:
     drive, whole = of(
-        Stop,
+        StopEpisode,
         (1, m.StopPressed(source="console-lost", scope="drive")),
         (1.2, m.StopPressed(source="key")),
         (1.5, confirmed("base")),
@@ -210,7 +210,7 @@ def switched(run: str) -> m.Done:
 
 def test_states_of_the_model_follow_each_other() -> None:
     states = of(
-        ModelState,
+        ModelStateEpisode,
         (0, SETTINGS),
         (3, changed("Wait", "PersonDetected", "human_presence")),
         (5, changed("PersonDetected", "EngagedWithKnown")),
@@ -233,25 +233,25 @@ def test_a_model_that_is_off_is_in_no_state() -> None:
         (9, m.EngagementAdopted(settings={})),
         (12, m.Note(text="x")),
     ]
-    assert spans(of(ModelState, *course)) == [
+    assert spans(of(ModelStateEpisode, *course)) == [
         (0, 2, "Wait"), (2, 2, "EngagedWithKnown"), (7, 2, "UserSpeaks"),
     ]  # fmt: skip
-    engaged = of(Engagement, *course)
+    engaged = of(EngagementEpisode, *course)
     assert [(each.begin / SECOND, each.visitor, each.outcome) for each in engaged] == [
         (2, "V01", "off"), (7, "", "off"),
     ]  # fmt: skip
-    assert spans(of(ModelOff, *course)) == [(4, 3, "")]
+    assert spans(of(ModelOffEpisode, *course)) == [(4, 3, "")]
 
 
 def test_a_log_without_settings_has_a_model_from_its_beginning_if_it_ever_moved() -> None:
-    states = of(ModelState, (4, changed("EngagedWithKnown", "Wait")), (6, m.Note(text="x")))
+    states = of(ModelStateEpisode, (4, changed("EngagedWithKnown", "Wait")), (6, m.Note(text="x")))
     assert spans(states) == [(0, 4, "EngagedWithKnown"), (4, 2, "Wait")]
-    assert of(ModelState, (4, m.Note(text="x"))) == []
+    assert of(ModelStateEpisode, (4, m.Note(text="x"))) == []
 
 
 def test_a_plan_without_the_section_says_that_the_model_is_gone() -> None:
     states = of(
-        ModelState,
+        ModelStateEpisode,
         (0, plan(engagement={"attempts": 3})),
         (2, changed("Wait", "PersonDetected")),
         (5, plan()),
@@ -265,7 +265,7 @@ def test_a_plan_without_the_section_says_that_the_model_is_gone() -> None:
 
 def test_a_driver_is_lost_until_it_is_ready() -> None:
     lost = of(
-        LostDriver,
+        LostDriverEpisode,
         (1, m.DriverFaulted(driver="head", detail="servo 3")),
         (2, m.DriverLost(driver="head", detail="the port")),
         (3, m.DriverConnecting(driver="head")),
@@ -280,7 +280,7 @@ def test_a_driver_is_lost_until_it_is_ready() -> None:
 
 def test_a_lane_is_faulted_until_it_recovers() -> None:
     faulted = of(
-        FaultedLane,
+        FaultedLaneEpisode,
         (1, m.LaneFaulted(driver="head", lane="body", command="c")),
         (3, m.LaneRecovered(driver="head", lane="body")),
     )
@@ -302,14 +302,14 @@ def test_a_setting_differs_from_when_it_was_read_until_it_does_not() -> None:
         (7, m.DriverConnected(driver="pepper")),
         (9, m.Note(text="x")),
     ]
-    settings = of(Setting, *course)
+    settings = of(SettingEpisode, *course)
     assert [(each.begin / SECOND, each.value, each.differs, each.outcome) for each in settings] == [
         (1, 0.7, False, "changed"),
         (2, 0.3, True, "lost"),
         (5, None, None, "changed"),
         (7, 0.3, True, "open"),
     ]
-    assert spans(of(Conflict, *course)) == [(2, 2, "loud")]
+    assert spans(of(ConflictEpisode, *course)) == [(2, 2, "loud")]
 
 
 # -- the wizard -----------------------------------------------------------------------------------
@@ -323,13 +323,13 @@ def test_profiles_and_restrictions_last_until_they_change() -> None:
         (4, m.PerceptionChanged(hidden=[], blurred=[])),
         (6, m.ProfileChanged()),
     ]
-    assert spans(of(Profile, *course)) == [(1, 2, "child"), (3, 3, "adult")]
-    assert spans(of(Restriction, *course)) == [(2, 2, "")]
+    assert spans(of(ProfileEpisode, *course)) == [(1, 2, "child"), (3, 3, "adult")]
+    assert spans(of(RestrictionEpisode, *course)) == [(2, 2, "")]
 
 
 def test_a_cue_of_a_training_ends_as_it_was_judged() -> None:
     [cue] = of(
-        Cue,
+        CueEpisode,
         (1, m.CueGiven(cue="q1", sort="question", expects=["Exhibit"], window_us=SECOND)),
         (2, m.CueAnswered(cue="", judged="uncalled", action="Bye")),
         (3, m.CueAnswered(cue="q1", judged="wrong", action="Bye")),
@@ -354,7 +354,7 @@ def over(name: str, reason: str = "done") -> m.QuestionnaireEnded:
 
 def test_a_questionnaire_keeps_the_last_answer_to_each_item() -> None:
     [each] = of(
-        Questionnaire,
+        QuestionnaireEpisode,
         (1, begun("each")),
         (2, answer("b", 1)),
         (3, answer("a", 5)),
@@ -366,7 +366,7 @@ def test_a_questionnaire_keeps_the_last_answer_to_each_item() -> None:
 
 
 def test_answers_whose_questionnaire_has_no_beginning_are_not_lost() -> None:
-    [each] = of(Questionnaire, (2, answer("a", 1)), (5, over("each", "left")))
+    [each] = of(QuestionnaireEpisode, (2, answer("a", 1)), (5, over("each", "left")))
     assert (each.label, each.started, each.outcome) == ("each", None, "left")
 
 
@@ -387,13 +387,17 @@ def test_questionnaires_are_due_behind_a_trial_until_they_were_had() -> None:
         (3, m.TrialEnded(trial=2, outcome="done")),
     ]
     study = state_of(*trials).study
-    assert study.due == [Due("each", 2), Due("ux", 2)]
+    assert study.due == [DueQuestionnaire("each", 2), DueQuestionnaire("ux", 2)]
     assert (study.next_trial, study.planned, list(study.order)) == (3, 4, ["warm", "cold"])
     assert state_of(*trials, (4, over("ux", "left"))).study.due == study.due
-    assert state_of(*trials, (4, over("ux", "declined"))).study.due == [Due("each", 2)]
+    assert state_of(*trials, (4, over("ux", "declined"))).study.due == [DueQuestionnaire("each", 2)]
     assert state_of(*trials, (4, m.TrialStarted(trial=3))).study.due == []
     last = state_of(*trials, (4, m.TrialEnded(trial=4, outcome="done"))).study
-    assert last.due == [Due("each", 4), Due("ux", 4), Due("last", -1)]
+    assert last.due == [
+        DueQuestionnaire("each", 4),
+        DueQuestionnaire("ux", 4),
+        DueQuestionnaire("last", -1),
+    ]
 
 
 def test_a_questionnaire_that_was_had_once_stays_had_when_it_is_left() -> None:

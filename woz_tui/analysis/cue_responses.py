@@ -35,7 +35,7 @@ UNMEANT = frozenset({"action", PREFLIGHT})
 #: Acts that may come before the line of the cue they answer.
 _KEPT = 16
 #: How the cues of a training are judged that were answered.
-_REACTED = (e.Outcome.RIGHT, e.Outcome.WRONG)
+_REACTED = (e.EpisodeOutcome.RIGHT, e.EpisodeOutcome.WRONG)
 #: A cue, and the context of its line.
 Placed = tuple[Context, Cue]
 
@@ -46,7 +46,7 @@ class _Answers:
     def __init__(self, timeline: Timeline) -> None:
         self._said = timeline.state.study.settings.answers
         #: What was sent, by the command's id, and what was to be sent, by the action's name.
-        self._sent = {each.request.command: each.label for each in timeline.of(e.Command)}
+        self._sent = {each.request.command: each.label for each in timeline.of(e.CommandEpisode)}
         self._planned = {
             action.name: action.verbs
             for _, plan in moments(timeline, m.SessionPlan)
@@ -61,7 +61,7 @@ class _Answers:
         wanted = frozenset(self._said.get(cue_type, SPEECH))
         if act.request.panel in wanted:
             return True
-        if isinstance(act, e.Command):
+        if isinstance(act, e.CommandEpisode):
             return act.label in wanted
         verbs = [self._sent[command] for command in act.commands if command in self._sent]
         verbs += self._planned.get(act.label, ())
@@ -112,20 +112,20 @@ class _Cues:
         """The log is over."""
         self.border(None)
 
-    def speaks(self, spoken: e.Utterance) -> None:
+    def speaks(self, spoken: e.UtteranceEpisode) -> None:
         """The visitor begins to speak."""
         self._supersede("speech")
 
-    def spoke(self, spoken: e.Utterance) -> None:
+    def spoke(self, spoken: e.UtteranceEpisode) -> None:
         """Has spoken: the line of it comes later than the end."""
         end = self.t if spoken.end is None else spoken.end
         self._give("speech", end, f"utterance {spoken.segment}", spoken.begin)
 
-    def waits(self, state: e.ModelState) -> None:
+    def waits(self, state: e.ModelStateEpisode) -> None:
         """The engagement model comes to a state in which the visitor waits."""
         self._give("engagement", self.t, state.state, 0)
 
-    def waited(self, state: e.ModelState) -> None:
+    def waited(self, state: e.ModelStateEpisode) -> None:
         """And leaves it, or is switched off."""
         self._supersede("engagement")
 
@@ -197,15 +197,15 @@ def cues_of(
     lines: list[tuple[int, int, Callable[[Any], None], Any]] = [
         (act.begin, act.seq, cues.act, act) for act in acts
     ]
-    for spoken in timeline.of(e.Utterance):
+    for spoken in timeline.of(e.UtteranceEpisode):
         if spoken.started is not None:
             lines.append((spoken.started.t, spoken.started.seq, cues.speaks, spoken))
         if spoken.ended is not None:
             lines.append((spoken.ended.t, spoken.ended.seq, cues.spoke, spoken))
-    for state in timeline.of(e.ModelState):
+    for state in timeline.of(e.ModelStateEpisode):
         if state.entered is not None and state.state in waiting:
             lines.append((state.begin, state.seq, cues.waits, state))
-            if state.outcome != e.Outcome.OPEN:
+            if state.outcome != e.EpisodeOutcome.OPEN:
                 last = state.left.seq if state.left is not None else sys.maxsize
                 lines.append((state.begin + state.duration, last, cues.waited, state))
     for _, marker in moments(timeline, m.Marker):
@@ -225,12 +225,14 @@ def cues_of(
 
 def trained_cues(timeline: Timeline) -> Iterator[Placed]:
     """The cues of a training, as it judged them."""
-    for cue in timeline.of(e.Cue):
+    for cue in timeline.of(e.CueEpisode):
         given = Cue(
             **placed(cue.context), cue_type="training", t=cue.begin, what=cue.label, result="cut"
         )
         answer = cue.answered
-        if answer is None or cue.outcome == e.Outcome.VOID:  # a stop or the end: nobody's failure
+        if (
+            answer is None or cue.outcome == e.EpisodeOutcome.VOID
+        ):  # a stop or the end: nobody's failure
             yield cue.context, given
             continue
         yield (
@@ -248,7 +250,7 @@ def trained_cues(timeline: Timeline) -> Iterator[Placed]:
 
 def training_of(timeline: Timeline, cues: Sequence[Placed]) -> Training | None:
     """How the `trained_cues` were judged; None if this was no training."""
-    given = timeline.of(e.Cue)
+    given = timeline.of(e.CueEpisode)
     answers = [cue.answered for cue in given if cue.answered is not None]
     answers += [answer for _, answer in moments(timeline, m.CueAnswered)]
     if not given and not answers:
@@ -256,7 +258,7 @@ def training_of(timeline: Timeline, cues: Sequence[Placed]) -> Training | None:
     judged = Counter(answer.judged for answer in answers)
     times = (cue.reaction_us for _, cue in cues if cue.result == "answered")
     return Training(
-        cues=sum(cue.outcome != e.Outcome.VOID for cue in given),
+        cues=sum(cue.outcome != e.EpisodeOutcome.VOID for cue in given),
         right=judged["right"],
         wrong=judged["wrong"],
         missed=judged["missed"],

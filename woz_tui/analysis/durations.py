@@ -7,7 +7,7 @@ import statistics
 from array import array
 from collections.abc import Iterable, Sequence
 
-from woz_tui.timeline.session_state import LONGEST
+from woz_tui.timeline.session_state import LATEST_TIME
 
 
 def quantile(ordered: Sequence[float], share: float) -> float:
@@ -46,7 +46,7 @@ class Series:
 
     def add(self, value: int) -> None:
         """Take one more; what no clock can have said is brought to the nearest possible value."""
-        self._values.append(value if 0 <= value <= LONGEST else 0 if value < 0 else LONGEST)
+        self._values.append(value if 0 <= value <= LATEST_TIME else 0 if value < 0 else LATEST_TIME)
         self._ordered = False
 
     def extend(self, other: Series) -> None:

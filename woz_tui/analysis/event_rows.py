@@ -335,15 +335,15 @@ def worded(value: m.Json) -> str:
 
 def moments(timeline: Timeline, kind: type[M]) -> Iterator[tuple[Context, M]]:
     """Messages of a kind that stand for themselves, each with its context."""
-    for each in timeline.of(e.Moment):
+    for each in timeline.of(e.MomentEpisode):
         if isinstance(each.message, kind):
             yield each.context, each.message
 
 
 def trials(timeline: Timeline) -> Iterator[Trial]:
     """All trials, also those that do not count."""
-    actions = Counter(each.context.run for each in timeline.of(e.Action))
-    for each in timeline.of(e.Trial):
+    actions = Counter(each.context.run for each in timeline.of(e.ActionEpisode))
+    for each in timeline.of(e.TrialEpisode):
         yield Trial(
             trial=each.started.trial,
             participant=each.context.participant,
@@ -358,10 +358,10 @@ def trials(timeline: Timeline) -> Iterator[Trial]:
 
 def phases(timeline: Timeline, counted: Counted) -> Iterator[Phase]:
     """All phases, also those in trials that do not count."""
-    found = timeline.of(e.Phase)
+    found = timeline.of(e.PhaseEpisode)
     begins = [(each.begin, each.seq) for each in found]
     actions: Counter[int] = Counter()
-    for act in timeline.of(e.Action) if found else ():
+    for act in timeline.of(e.ActionEpisode) if found else ():
         if act.context.phase:
             actions[bisect.bisect_right(begins, (act.begin, act.seq)) - 1] += 1
     for place, each in enumerate(found):
@@ -378,28 +378,30 @@ def phases(timeline: Timeline, counted: Counted) -> Iterator[Phase]:
 
 def breaks(timeline: Timeline) -> Iterator[Span]:
     """All breaks, inside trials and outside."""
-    for each in timeline.of(e.Break):
+    for each in timeline.of(e.BreakEpisode):
         text = each.ended.text if each.ended is not None else ""
         yield Span(each.begin, each.end, "break", text or each.started.text)
 
 
 def lost_drivers(timeline: Timeline) -> Iterator[Span]:
     """Each time a driver was lost or faulted."""
-    for each in timeline.of(e.LostDriver):
+    for each in timeline.of(e.LostDriverEpisode):
         yield Span(each.begin, None if each.cut else each.end, each.label, each.reason)
 
 
 def drivers(timeline: Timeline) -> dict[str, None]:
     """Names of all drivers that were ever ready or lost, in the order of the first time."""
     kinds = m.DriverConnected | m.DriverFaulted | m.DriverLost
-    lines = [each.message for each in timeline.of(e.Moment) if isinstance(each.message, kinds)]
-    lines += [each.lost for each in timeline.of(e.LostDriver)]
+    lines = [
+        each.message for each in timeline.of(e.MomentEpisode) if isinstance(each.message, kinds)
+    ]
+    lines += [each.lost for each in timeline.of(e.LostDriverEpisode)]
     return dict.fromkeys(line.driver for line in sorted(lines, key=attrgetter("t", "seq")))
 
 
 def stops(timeline: Timeline) -> Iterator[Stop]:
     """Every press of the stop, who confirmed it, and when it was released."""
-    for each in timeline.of(e.Stop):
+    for each in timeline.of(e.StopEpisode):
         for press in each.presses:
             pressed = press.pressed
             row = Stop(
@@ -429,7 +431,7 @@ def _with_parts(names: list[str], parts: Mapping[str, list[str]]) -> tuple[str, 
 
 def marks(timeline: Timeline) -> Iterator[Mark]:
     """Markers but those of the preflight list, notes and mistakes."""
-    for each in timeline.of(e.Moment):
+    for each in timeline.of(e.MomentEpisode):
         match each.message:
             case m.Marker() as marker if marker.source != PREFLIGHT:
                 yield Mark(each.begin, "marker", marker.text, source=marker.source)
@@ -441,14 +443,14 @@ def marks(timeline: Timeline) -> Iterator[Mark]:
 
 def visits(timeline: Timeline) -> list[Visit]:
     """Stays in states and engagements as they were, by when they were over."""
-    found = [_visit(each, each.state) for each in timeline.of(e.ModelState)]
-    found += [_visit(each, ENGAGED_VISIT) for each in timeline.of(e.Engagement)]
+    found = [_visit(each, each.state) for each in timeline.of(e.ModelStateEpisode)]
+    found += [_visit(each, ENGAGED_VISIT) for each in timeline.of(e.EngagementEpisode)]
     return sorted(found, key=lambda visit: visit.end)
 
 
 def stays(timeline: Timeline, counted: Counted) -> Iterator[Visit]:
     """Stays in states, clipped to contexts."""
-    for each in timeline.of(e.ModelState):
+    for each in timeline.of(e.ModelStateEpisode):
         parts = timeline.parts(each)
         for part in parts:
             yield replace(
@@ -462,7 +464,7 @@ def stays(timeline: Timeline, counted: Counted) -> Iterator[Visit]:
             )
 
 
-def _visit(each: e.ModelState | e.Engagement, state: str) -> Visit:
+def _visit(each: e.ModelStateEpisode | e.EngagementEpisode, state: str) -> Visit:
     entered = each.entered
     return Visit(
         **placed(each.context),
@@ -490,7 +492,7 @@ def settings(timeline: Timeline, counted: Counted) -> list[Setting]:
 
 
 def _settings(timeline: Timeline, counted: Counted) -> Iterator[Setting]:
-    for each in timeline.of(e.Setting):
+    for each in timeline.of(e.SettingEpisode):
         parts = timeline.parts(each)
         for part in parts:
             yield Setting(
@@ -556,15 +558,15 @@ def answers(timeline: Timeline) -> Iterator[Answer]:
             )
 
 
-def _numbered(timeline: Timeline) -> Iterator[tuple[e.Questionnaire, int]]:
+def _numbered(timeline: Timeline) -> Iterator[tuple[e.QuestionnaireEpisode, int]]:
     """Questionnaires, and how often each had been put by then."""
     put: Counter[str] = Counter()
-    for each in timeline.of(e.Questionnaire):
+    for each in timeline.of(e.QuestionnaireEpisode):
         put[each.name] += 1
         yield each, put[each.name]
 
 
-def _items(put: e.Questionnaire) -> Mapping[str, Mapping[str, Any]]:
+def _items(put: e.QuestionnaireEpisode) -> Mapping[str, Mapping[str, Any]]:
     listed = put.started.items if put.started is not None else []
     return {str(item.get("name", "")): item for item in listed}
 
@@ -576,7 +578,7 @@ def _number(value: object) -> float | None:
 def restrictions(timeline: Timeline) -> Iterator[Restriction]:
     """Each change of what the wizard could see."""
     lines = [line for _, line in moments(timeline, m.PerceptionChanged)]
-    for each in timeline.of(e.Restriction):
+    for each in timeline.of(e.RestrictionEpisode):
         lines.append(each.changed)
         if each.lifted is not None and not (each.lifted.hidden or each.lifted.blurred):
             lines.append(each.lifted)
@@ -592,7 +594,7 @@ def shapings(timeline: Timeline) -> Iterator[Shaping]:
 
 def consoles(timeline: Timeline) -> Iterator[ConsoleChange]:
     """Each console that came or went."""
-    for each in timeline.of(e.Moment):
+    for each in timeline.of(e.MomentEpisode):
         match each.message:
             case m.ConsoleAttached(console=console, role=role):
                 yield ConsoleChange(each.begin, console, role, lost=False)

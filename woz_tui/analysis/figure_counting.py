@@ -105,7 +105,7 @@ def figures_of(
         unanswered=tuple(event_rows.unanswered(timeline)),
         training=training_of(timeline, trained),
         panels=tuple(_panels(plan)),
-        profiles=tuple(dict.fromkeys(each.label for each in timeline.of(e.Profile))),
+        profiles=tuple(dict.fromkeys(each.label for each in timeline.of(e.ProfileEpisode))),
         consoles=tuple(event_rows.consoles(timeline)),
         lost_drivers=tuple(event_rows.lost_drivers(timeline)),
         settings=tuple(event_rows.settings(timeline, counted)),
@@ -113,7 +113,7 @@ def figures_of(
         restrictions=tuple(event_rows.restrictions(timeline)),
         shaping=tuple(event_rows.shapings(timeline)),
         reloads=sum(1 for _ in event_rows.moments(timeline, m.ExperimentReloaded)),
-        rerun_of=next((each.label for each in reversed(timeline.of(e.Rerun))), ""),
+        rerun_of=next((each.label for each in reversed(timeline.of(e.RerunEpisode))), ""),
         order=tuple(assigned.order) if assigned else (),
         order_method=assigned.method if assigned else "",
         seed=start.seed if start else None,
@@ -157,12 +157,12 @@ class _Counting:
         self._lost_mistakes()
         self._engagement()
         self._settings()
-        for spoken in self._timeline.of(e.Utterance):
+        for spoken in self._timeline.of(e.UtteranceEpisode):
             if spoken.ended is not None:
                 self.at(spoken.context).utterances += 1
                 for tally, us in self._pieces(spoken, self.at):
                     tally.speech.add(us)
-        for stop in self._timeline.of(e.Stop):
+        for stop in self._timeline.of(e.StopEpisode):
             # A lost console stops the drive: nobody pressed that.
             self.at(stop.context).stops += stop.label == "all"
 
@@ -171,7 +171,7 @@ class _Counting:
         stretch = 0
         for act in acts:
             tally = self.at(act.context)
-            direct, started = type(act) is e.Command, act.latency_us
+            direct, started = type(act) is e.CommandEpisode, act.latency_us
             tally.direct += direct
             tally.by_hand += not direct
             tally.mistakes += act.mistake is not None
@@ -184,16 +184,16 @@ class _Counting:
             before, stretch = act, at
 
     def _actions(self) -> None:
-        for action in self._timeline.of(e.Action):
+        for action in self._timeline.of(e.ActionEpisode):
             tally, request, outcome = self.at(action.context), action.request, action.outcome
             tally.counts[request.action, request.panel, request.source, outcome] += 1
-            if outcome == e.Outcome.DONE:
+            if outcome == e.EpisodeOutcome.DONE:
                 tally.took.add(action.duration)
             if action.held is not None:
                 tally.held.add(action.held_us)
 
     def _commands(self) -> None:
-        for command in self._timeline.of(e.Command):
+        for command in self._timeline.of(e.CommandEpisode):
             if not of_robot(command):
                 continue
             verb = self.at(command.context).verb(command.request.verb)
@@ -205,7 +205,7 @@ class _Counting:
                 verb.done.add(duration)
 
     def _moments(self) -> None:
-        for moment in self._timeline.of(e.Moment):
+        for moment in self._timeline.of(e.MomentEpisode):
             match moment.message:
                 case m.Marker(source=source) if source != event_rows.PREFLIGHT:
                     self.at(moment.context).markers += 1
@@ -225,9 +225,9 @@ class _Counting:
             each.run: context
             for context, each in reversed([*event_rows.moments(timeline, m.Mistake)])
         }
-        for each in timeline.of(e.Action) if found else ():
+        for each in timeline.of(e.ActionEpisode) if found else ():
             found.pop(each.request.run, None)
-        for command in timeline.of(e.Command) if found else ():
+        for command in timeline.of(e.CommandEpisode) if found else ():
             found.pop(command.request.command, None)
         for run, context in found.items():
             self.at(context).mistakes += run not in timeline.passed
@@ -249,18 +249,18 @@ class _Counting:
             yield last, us
 
     def _engagement(self) -> None:
-        for state in self._timeline.of(e.ModelState):
+        for state in self._timeline.of(e.ModelStateEpisode):
             if state.entered is not None:
                 self._transition(state.context, state.entered)
             for tally, us in self._pieces(state, self.at):
                 tally.lengths[state.state].add(us)
                 tally.on_us += us
                 tally.state_us[state.state] += us
-        for engaged in self._timeline.of(e.Engagement):
+        for engaged in self._timeline.of(e.EngagementEpisode):
             for tally, us in self._pieces(engaged, self.at):
                 tally.episodes.add(us)
                 tally.engaged_us += us
-        for off in self._timeline.of(e.ModelOff):
+        for off in self._timeline.of(e.ModelOffEpisode):
             for tally, us in self._pieces(off, self.at):
                 tally.off_us += us
 
@@ -275,12 +275,12 @@ class _Counting:
         total = together(tally for tally in self.tallies if every or tally.counted)
         total.episodes = Series(
             us
-            for engaged in self._timeline.of(e.Engagement)
+            for engaged in self._timeline.of(e.EngagementEpisode)
             for counted, us in self._pieces(engaged, counts)
             if counted
         )
         total.lengths.clear()
-        for state in self._timeline.of(e.ModelState):
+        for state in self._timeline.of(e.ModelStateEpisode):
             for counted, us in self._pieces(state, counts):
                 if counted:
                     total.lengths[state.state].add(us)
@@ -294,7 +294,7 @@ class _Counting:
     def _settings(self) -> None:
         """Each moment counts once, however many settings are known, or differ."""
         parts = self._timeline.contexts.parts
-        settings = self._timeline.of(e.Setting)
+        settings = self._timeline.of(e.SettingEpisode)
         for begin, end in _together(each for each in settings if each.differs is not None):
             for piece in parts(begin, end, -1):
                 self.at(piece.context).settings_us += piece.end - piece.begin

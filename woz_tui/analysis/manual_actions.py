@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from woz_tui.config.session_verbs import PERFORMERS
-from woz_tui.timeline.episodes import Action, Command
+from woz_tui.timeline.episodes import ActionEpisode, CommandEpisode
 from woz_tui.timeline.timeline import Timeline
 
 #: Sources that are no human at this session.
 BY_MACHINE = frozenset({"engagement", "program", "replay"})
-Act = Action | Command
+Act = ActionEpisode | CommandEpisode
 
 
-def of_robot(command: Command) -> bool:
+def of_robot(command: CommandEpisode) -> bool:
     """Whether it went to a robot, not to the session itself or the engagement model."""
     return command.request.driver not in PERFORMERS
 
 
-def is_direct(command: Command) -> bool:
+def is_direct(command: CommandEpisode) -> bool:
     """Whether it went to a robot and belonged to no action."""
     return not command.request.run and of_robot(command)
 
@@ -26,11 +26,11 @@ def acts_of(timeline: Timeline) -> list[Act]:
     return [
         each
         for each in timeline.episodes
-        if (type(each) is Action or (type(each) is Command and is_direct(each)))
+        if (type(each) is ActionEpisode or (type(each) is CommandEpisode and is_direct(each)))
         and each.request.source not in BY_MACHINE
     ]
 
 
 def id_of(act: Act) -> str:
     """The id of its run, or of the command."""
-    return act.request.run if isinstance(act, Action) else act.request.command
+    return act.request.run if isinstance(act, ActionEpisode) else act.request.command

@@ -9,7 +9,13 @@ from woz_tui.analysis.event_rows import moments
 from woz_tui.config.session_verbs import ENGAGEMENT
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS
-from woz_tui.timeline.episodes import Action, Command, Episode, Outcome, Rerun
+from woz_tui.timeline.episodes import (
+    ActionEpisode,
+    CommandEpisode,
+    Episode,
+    EpisodeOutcome,
+    RerunEpisode,
+)
 from woz_tui.timeline.timeline import Timeline
 
 #: Sources of commands that the session asked for: a hand, a program, the engagement model, another
@@ -19,7 +25,7 @@ ASKED = HANDS | {ENGAGEMENT, "replay"}
 #: nothing between them, are one act: a joystick, a key that is held down.
 STROKE_US = 500_000
 #: Ends that come to the same: a re-run cuts short by itself what a stop has cut short then.
-_CUT = frozenset({Outcome.STOPPED, Outcome.SUPERSEDED})
+_CUT = frozenset({EpisodeOutcome.STOPPED, EpisodeOutcome.SUPERSEDED})
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +101,7 @@ def _played(name: str, timeline: Timeline) -> Played:
     again = {line.command: line for _, line in moments(timeline, m.RerunSent)}
     of_runs: dict[str, list[Act]] = {}
     found = Played(name, timeline.state.start)
-    for command in timeline.of(Command):
+    for command in timeline.of(CommandEpisode):
         request = command.request
         if request.driver == ENGAGEMENT or request.source not in ASKED:
             continue
@@ -107,21 +113,21 @@ def _played(name: str, timeline: Timeline) -> Played:
             found.streams += 1
         else:
             found.acts.append(act)
-    runs = {each.request.run: each for each in timeline.of(Action)}
+    runs = {each.request.run: each for each in timeline.of(ActionEpisode)}
     found.acts += (_whole(each, of_runs.get(run, ())) for run, each in runs.items())
     found.acts.sort(key=lambda act: act.t)
     whole = len(found.acts)
     found.acts = list(_strokes(found.acts, runs))
     found.streams += whole - len(found.acts)
     found.commands.sort(key=lambda act: act.moment)
-    for rerun in timeline.of(Rerun):
+    for rerun in timeline.of(RerunEpisode):
         found.original = rerun.label
     for _, line in moments(timeline, m.RerunSkipped):
         found.skipped[line.original_command] = line.reason
     return found
 
 
-def _act(command: Command, again: m.RerunSent | None) -> Act:
+def _act(command: CommandEpisode, again: m.RerunSent | None) -> Act:
     request = command.request
     act = Act(
         id=request.command,
@@ -131,7 +137,7 @@ def _act(command: Command, again: m.RerunSent | None) -> Act:
         end=_end(command),
         args=(request.args,),
         sent=({k: v for k, v in command.sent.items() if k in request.args},)
-        if command.outcome == Outcome.DONE
+        if command.outcome == EpisodeOutcome.DONE
         else (),
     )
     if again is None:
@@ -139,7 +145,7 @@ def _act(command: Command, again: m.RerunSent | None) -> Act:
     return replace(act, original=again.original_command, late=act.moment - again.due)
 
 
-def _whole(action: Action, commands: Sequence[Act]) -> Act:
+def _whole(action: ActionEpisode, commands: Sequence[Act]) -> Act:
     return Act(
         id=action.request.run,
         name=action.label,

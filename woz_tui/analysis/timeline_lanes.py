@@ -13,7 +13,7 @@ from woz_tui.analysis.event_rows import PREFLIGHT, moments, worded
 from woz_tui.analysis.manual_actions import is_direct, of_robot
 from woz_tui.protocol import messages as m
 from woz_tui.timeline import episodes as e
-from woz_tui.timeline.session_state import LONGEST
+from woz_tui.timeline.session_state import LATEST_TIME
 from woz_tui.timeline.timeline import Timeline
 
 #: Sorts of lanes, in the order in which they are drawn.
@@ -113,7 +113,7 @@ def drawing_of(timeline: Timeline, curves: Curves | None = None) -> Drawing:
     for each in timeline.episodes:
         lane, make = _DRAWN.get(type(each), (_MARKS, None))
         interval = make(each) if make is not None else None
-        if isinstance(each, e.Action):
+        if isinstance(each, e.ActionEpisode):
             lane = ("panel", each.request.panel or f"({each.source})")
             interval = _action(each, of_runs.get(each.request.run, ()))
         if interval is not None:
@@ -151,28 +151,28 @@ def _interval(each: e.Episode, label: str, sort: str, **more: Any) -> Interval:
 # -- panels ---------------------------------------------------------------------------------------
 
 
-def _commands(timeline: Timeline) -> dict[str, list[e.Command]]:
+def _commands(timeline: Timeline) -> dict[str, list[e.CommandEpisode]]:
     """The commands to robots of each run."""
-    found: dict[str, list[e.Command]] = {}
-    for each in timeline.of(e.Command):
+    found: dict[str, list[e.CommandEpisode]] = {}
+    for each in timeline.of(e.CommandEpisode):
         if each.request.run and of_robot(each):
             found.setdefault(each.request.run, []).append(each)
     return found
 
 
-def _action(action: e.Action, commands: Iterable[e.Command]) -> Interval:
+def _action(action: e.ActionEpisode, commands: Iterable[e.CommandEpisode]) -> Interval:
     own = [each for each in commands if each.request.command in action.commands][:_FACTS]
     facts = [(each.seq, _fact(each)) for each in own]
     return _act(action, facts, run=action.request.run)
 
 
-def _direct(command: e.Command) -> Interval | None:
+def _direct(command: e.CommandEpisode) -> Interval | None:
     """One without an action has a bar of its own."""
     return _act(command, [(command.seq, _fact(command))]) if is_direct(command) else None
 
 
 def _act(
-    act: e.Action | e.Command, facts: list[tuple[int, tuple[str, str]]], run: str = ""
+    act: e.ActionEpisode | e.CommandEpisode, facts: list[tuple[int, tuple[str, str]]], run: str = ""
 ) -> Interval:
     """What its commands were is told in the order of the lines, as is when the first began."""
     if act.dispatched is not None and act.latency_us is not None:
@@ -190,7 +190,7 @@ def _act(
     )
 
 
-def _fact(command: e.Command) -> tuple[str, str]:
+def _fact(command: e.CommandEpisode) -> tuple[str, str]:
     return command.label, in_words(command.request.args)
 
 
@@ -206,26 +206,26 @@ def in_words(args: Mapping[str, m.Json]) -> str:
 # -- other lanes ----------------------------------------------------------------------------------
 
 
-def _trial(trial: e.Trial) -> Interval:
+def _trial(trial: e.TrialEpisode) -> Interval:
     outcome = trial.ended.outcome if trial.ended is not None else ""
     label, detail = f"trial {trial.label}", trial.context.condition
     return _interval(trial, label, "trial", outcome=outcome, detail=detail)
 
 
-def _phase(phase: e.Phase) -> Interval:
+def _phase(phase: e.PhaseEpisode) -> Interval:
     return _interval(phase, phase.label, "phase", source=phase.source)
 
 
-def _break(pause: e.Break) -> Interval:
+def _break(pause: e.BreakEpisode) -> Interval:
     return _interval(pause, "break", "break", detail=pause.started.text)
 
 
-def _state(state: e.ModelState) -> Interval:
+def _state(state: e.ModelStateEpisode) -> Interval:
     why = state.entered.why if state.entered is not None else ""
     return _interval(state, state.label, "state", detail=why)
 
 
-def _speech(spoken: e.Utterance) -> Interval | None:
+def _speech(spoken: e.UtteranceEpisode) -> Interval | None:
     """Without its beginning and its end nobody knows how long it was."""
     if spoken.started is None and spoken.ended is None:
         return None
@@ -233,15 +233,15 @@ def _speech(spoken: e.Utterance) -> Interval | None:
     return _interval(spoken, f"utterance {spoken.label}", "speech", detail=text)
 
 
-def _stop(stop: e.Stop) -> Interval:
+def _stop(stop: e.StopEpisode) -> Interval:
     return _interval(stop, "stop", "stop", source=stop.source, detail=stop.label)
 
 
-def _lost(lost: e.LostDriver) -> Interval:
+def _lost(lost: e.LostDriverEpisode) -> Interval:
     return _interval(lost, lost.label, "lost", detail=lost.reason)
 
 
-def _differing(setting: e.Setting) -> Interval | None:
+def _differing(setting: e.SettingEpisode) -> Interval | None:
     if not setting.differs:
         return None
     facts = (("had", worded(setting.value)), ("wanted", worded(setting.wanted)))
@@ -253,23 +253,23 @@ def _differing(setting: e.Setting) -> Interval | None:
 _MARKS: _Key = ("mark", "marks")
 #: What is drawn as an interval, on which lane, and how; actions have a lane for each panel.
 _DRAWN: Mapping[type[e.Episode], tuple[_Key, Callable[[Any], Interval | None]]] = {
-    e.Command: (("panel", DIRECT), _direct),
-    e.Trial: (("trial", "trials"), _trial),
-    e.Phase: (("phase", "phases"), _phase),
-    e.Break: (("trial", "trials"), _break),
-    e.ModelState: (("engagement", "engagement"), _state),
-    e.Utterance: (("speech", "visitor speaks"), _speech),
-    e.Stop: (("stop", "stop"), _stop),
-    e.LostDriver: (("driver", "drivers lost"), _lost),
-    e.Setting: (("setting", "settings differ"), _differing),
+    e.CommandEpisode: (("panel", DIRECT), _direct),
+    e.TrialEpisode: (("trial", "trials"), _trial),
+    e.PhaseEpisode: (("phase", "phases"), _phase),
+    e.BreakEpisode: (("trial", "trials"), _break),
+    e.ModelStateEpisode: (("engagement", "engagement"), _state),
+    e.UtteranceEpisode: (("speech", "visitor speaks"), _speech),
+    e.StopEpisode: (("stop", "stop"), _stop),
+    e.LostDriverEpisode: (("driver", "drivers lost"), _lost),
+    e.SettingEpisode: (("setting", "settings differ"), _differing),
 }
 
 
 def _instant(each: e.Episode) -> Instant | None:
     """What it is on the lane of marks; None: nothing."""
-    if isinstance(each, e.Questionnaire) and each.started is not None:
+    if isinstance(each, e.QuestionnaireEpisode) and each.started is not None:
         return Instant(each.begin, each.started.title or each.name, "questionnaire")
-    match each.message if isinstance(each, e.Moment) else None:
+    match each.message if isinstance(each, e.MomentEpisode) else None:
         case m.Marker(text=text, source=source) if source != PREFLIGHT:
             return Instant(each.begin, text, "marker", source)
         case m.Note(text=text):
@@ -296,7 +296,7 @@ class Curves:
         """The next sample."""
         if not isinstance(sample, m.Reading) or sample.sensor not in CURVES:
             return
-        if self.t < sample.t < LONGEST:
+        if self.t < sample.t < LATEST_TIME:
             self.t = sample.t
         found = self._sensors.get(sample.sensor)
         if found is None:

@@ -15,7 +15,7 @@ from woz_tui.console.number_text import elapsed, millis
 from woz_tui.console.robot_settings.stop_confirmation import confirmed_words, missing_row
 from woz_tui.console.script_row import script_row, upcoming
 from woz_tui.console.sentence_rows import sentence_rows
-from woz_tui.timeline.episodes import Stop
+from woz_tui.timeline.episodes import StopEpisode
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +105,7 @@ def _undelivered(glyphs: Glyphs, width: int) -> list[Row]:
     return [((fit(first, width), "alarm"),), ((fit(second, width), "alarm-soft"),)]
 
 
-def _stopped(stop: Stop, release: str, glyphs: Glyphs, width: int) -> list[Row]:
+def _stopped(stop: StopEpisode, release: str, glyphs: Glyphs, width: int) -> list[Row]:
     left = f" {glyphs.stop} STOPPED by {clean(stop.source)} at {elapsed(stop.begin)}"
     hint = f"{release} releases it " if release else ""
     if len(left) + len(hint) >= width:
@@ -117,7 +117,7 @@ def _stopped(stop: Stop, release: str, glyphs: Glyphs, width: int) -> list[Row]:
     return [first, _settled(stop, glyphs, width)]
 
 
-def _settled(stop: Stop, glyphs: Glyphs, width: int) -> Row:
+def _settled(stop: StopEpisode, glyphs: Glyphs, width: int) -> Row:
     """Who did not confirm and who did; parts are named where there is room."""
     row = missing_row(stop, glyphs)
     said = " confirmed: "

@@ -35,7 +35,7 @@ from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
 from woz_tui.protocol.robot_outline import RobotOutline
 from woz_tui.protocol.welcome import Settings
 from woz_tui.session.redactor import Perception, Redactor
-from woz_tui.timeline.episodes import Stop, keep
+from woz_tui.timeline.episodes import StopEpisode, keep_latest
 from woz_tui.timeline.session_state import SessionState
 
 #: How long an action that is over still shows how it ended.
@@ -131,7 +131,7 @@ class ConsoleState:
         return (end.reason or "ended") if end is not None else ""
 
     @property
-    def stop(self) -> Stop | None:
+    def stop(self) -> StopEpisode | None:
         """The stop while it is latched."""
         return self.session.stop
 
@@ -386,7 +386,7 @@ class ConsoleState:
         self._follow_up(message)
         match message:
             case m.End():
-                keep(self.ends, message.command, message, ENDS)
+                keep_latest(self.ends, message.command, message, ENDS)
             case m.ActionRequested(run=run, action=name) if self.session.filled is not None:
                 self.runs.expect(run, self.sentence(name))
             case m.Mistake():

@@ -17,7 +17,7 @@ from woz_tui.console.study.study_view import Study
 from woz_tui.console.view_models import DriverView
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView
-from woz_tui.timeline.episodes import OUTCOMES, Stop
+from woz_tui.timeline.episodes import OUTCOMES, StopEpisode
 from woz_tui.timeline.session_state import SessionState
 
 #: Who or what pressed, where it was not a key.
@@ -64,7 +64,7 @@ class Shown(Protocol):
         ...
 
     @property
-    def stop(self) -> Stop | None:
+    def stop(self) -> StopEpisode | None:
         """The stop while it is latched."""
         ...
 

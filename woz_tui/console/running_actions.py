@@ -8,8 +8,15 @@ from dataclasses import dataclass, field
 
 from woz_tui.console.command_text import command_words, spoken_text
 from woz_tui.protocol import messages as m
-from woz_tui.timeline.episodes import OUTCOMES, Action, Command, Episode, Moment, keep
-from woz_tui.timeline.episodes import Outcome as Word
+from woz_tui.timeline.episodes import (
+    OUTCOMES,
+    ActionEpisode,
+    CommandEpisode,
+    Episode,
+    MomentEpisode,
+    keep_latest,
+)
+from woz_tui.timeline.episodes import EpisodeOutcome as Word
 from woz_tui.timeline.session_state import SessionState
 
 FAILURES = 200
@@ -70,8 +77,8 @@ class ActiveRun:
     that was sent on its own.
     """
 
-    press: Action | Command
-    commands: tuple[Command, ...]
+    press: ActionEpisode | CommandEpisode
+    commands: tuple[CommandEpisode, ...]
 
     @property
     def id(self) -> str:
@@ -87,7 +94,7 @@ class ActiveRun:
 
     def held_for(self, now: int) -> tuple[int, float] | None:
         """Microseconds for which it is still held back, and the share (0..1) gone by."""
-        held = self.press.held if isinstance(self.press, Action) else None
+        held = self.press.held if isinstance(self.press, ActionEpisode) else None
         if held is None or self.running or now >= held.until:
             return None
         share = (now - held.t) / max(1, held.until - held.t)
@@ -130,11 +137,11 @@ class RunningActions:
     def active(self) -> list[str]:
         """What is under way, in the order in which it was pressed."""
         alone = (each for each in self.session.commands.values() if not each.request.run)
-        presses: list[Action | Command] = [*self.session.actions.values(), *alone]
+        presses: list[ActionEpisode | CommandEpisode] = [*self.session.actions.values(), *alone]
         return [_id(press) for press in sorted(presses, key=lambda press: press.seq)]
 
     @property
-    def waiting(self) -> list[Command]:
+    def waiting(self) -> list[CommandEpisode]:
         """Commands that wait in a queue, in the order in which they came."""
         commands = self.session.commands.values()
         waiting = (each for each in commands if each.started is None)
@@ -156,15 +163,15 @@ class RunningActions:
                 waiting = waiting or run
         return waiting
 
-    def _run(self, press: Action | Command) -> ActiveRun:
-        if isinstance(press, Command):
+    def _run(self, press: ActionEpisode | CommandEpisode) -> ActiveRun:
+        if isinstance(press, CommandEpisode):
             return ActiveRun(press, (press,))
         known = self.session.commands
         return ActiveRun(press, tuple(known[name] for name in press.commands if name in known))
 
     def expect(self, run: str, words: str) -> None:
         """What a run that has just been asked for is to say, as far as that is known."""
-        keep(self._wanted, run, words)
+        keep_latest(self._wanted, run, words)
 
     def said(self, run: str) -> str:
         """The words of a run under way: those sent to drivers are right where the others differ."""
@@ -198,11 +205,13 @@ class RunningActions:
         found = None
         for episode in episodes:
             match episode:
-                case Command():
+                case CommandEpisode():
                     found = self._command(episode) or found
-                case Action(ended=m.ActionEnd() as ended):
+                case ActionEpisode(ended=m.ActionEnd() as ended):
                     found = self._action(ended, episode.outcome, waits=episode.waits)
-                case Moment(message=m.ActionEnd() as ended):  # of a run that began before the log
+                case MomentEpisode(
+                    message=m.ActionEnd() as ended
+                ):  # of a run that began before the log
                     found = self._action(ended, OUTCOMES[type(ended)])
         return found
 
@@ -219,19 +228,19 @@ class RunningActions:
             self._fail(Failure(ended.run, ended.action, what, ended.reason, remedy, ended.t))
         return found
 
-    def _command(self, command: Command) -> RunOutcome | None:
+    def _command(self, command: CommandEpisode) -> RunOutcome | None:
         request, ended, run = command.request, command.ended, command.request.run
         what = command_words(request)
         if ended is None:
             said, text = self._said.get(run, ""), spoken_text(request)
             if run and text not in said:  # what two robots say together is there once
-                keep(self._said, run, f"{said} {text}".strip())
+                keep_latest(self._said, run, f"{said} {text}".strip())
             return None
         if command.outcome == Word.REFUSED:
             self._refusal = DriverRefusal(request.action, what, ended.reason, ended.remedy)
         if run:
             if ended.remedy:
-                keep(self._remedies, run, ended.remedy)
+                keep_latest(self._remedies, run, ended.remedy)
             return None  # its action's end is still to come
         how = shown_outcome(command.outcome)
         if how == Word.FAILED:
@@ -246,6 +255,6 @@ class RunningActions:
             self.failures.append(failure)
 
 
-def _id(press: Action | Command) -> str:
+def _id(press: ActionEpisode | CommandEpisode) -> str:
     request = press.request
     return request.run if isinstance(request, m.ActionRequested) else request.command

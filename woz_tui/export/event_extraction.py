@@ -22,24 +22,24 @@ from woz_tui.log.coding_file import MARKERS, Codings
 from woz_tui.log.log_reader import Line
 from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import (
-    Action,
-    Break,
-    Command,
-    Conflict,
+    ActionEpisode,
+    BreakEpisode,
+    CommandEpisode,
+    ConflictEpisode,
     Episode,
-    ModelState,
-    Moment,
-    Outcome,
-    Phase,
-    Questionnaire,
-    Setting,
-    Stop,
-    Trial,
-    Utterance,
+    EpisodeOutcome,
+    ModelStateEpisode,
+    MomentEpisode,
+    PhaseEpisode,
+    QuestionnaireEpisode,
+    SettingEpisode,
+    StopEpisode,
+    TrialEpisode,
+    UtteranceEpisode,
 )
-from woz_tui.timeline.session_state import LONGEST
+from woz_tui.timeline.session_state import LATEST_TIME
 from woz_tui.timeline.timeline import Timeline
-from woz_tui.timeline.trial_context import Context, Span
+from woz_tui.timeline.trial_context import Context, ContextSpan
 
 #: Kinds of line that are no events by themselves: about the log, parts of something longer (see
 #: `settings`), or state that is told so often that it belongs to the samples.
@@ -161,7 +161,7 @@ class Extractor:
         if isinstance(message, _PARTS):
             self._lines[line.seq] = line.fields
         elif line.kind not in NO_EVENTS:
-            t = min(max(line.t, state.t), LONGEST)
+            t = min(max(line.t, state.t), LATEST_TIME)
             self.session.duration = max(self.session.duration, t)
             self.session.events.append(moment(line.seq, t, line.kind, line.fields))
 
@@ -201,13 +201,13 @@ class Extractor:
             event.details.pop(name, None)
         return event
 
-    def _action(self, action: Action) -> Event:
+    def _action(self, action: ActionEpisode) -> Event:
         event = self._begun(action, "action")
         event.reason = self._text(action.ended, "reason")
         event.latency, event.mistake = action.latency_us, action.mistake is not None
         return event
 
-    def _command(self, command: Command) -> Event:
+    def _command(self, command: CommandEpisode) -> Event:
         event = self._begun(command, "command")
         event.reason = self._text(command.ended, "reason")
         event.driver = command.driver
@@ -220,21 +220,21 @@ class Extractor:
         event.details |= details(self._fields(command.ended), used)
         return event
 
-    def _trial(self, trial: Trial) -> Event:
+    def _trial(self, trial: TrialEpisode) -> Event:
         event = self._begun(trial, "trial")
         event.text = self._text(trial.ended, "text")
         return event
 
-    def _phase(self, phase: Phase) -> Event:
+    def _phase(self, phase: PhaseEpisode) -> Event:
         return self._begun(phase, "phase", "phase")
 
-    def _break(self, pause: Break) -> Event:
+    def _break(self, pause: BreakEpisode) -> Event:
         event = self._begun(pause, "break", "text")
         texts = self._text(pause.started, "text"), self._text(pause.ended, "text")
         event.text = "; ".join(text for text in texts if text)
         return event
 
-    def _stop(self, stop: Stop) -> Event:
+    def _stop(self, stop: StopEpisode) -> Event:
         event = self._begun(stop, "stop", "scope")
         for press in stop.presses:
             for confirmation in press.confirmations:
@@ -243,7 +243,7 @@ class Extractor:
             event.details["released_by"] = stop.released.source
         return event
 
-    def _questionnaire(self, asked: Questionnaire) -> Event:
+    def _questionnaire(self, asked: QuestionnaireEpisode) -> Event:
         if asked.started is None:  # its first line is an answer
             event = Event(seq=asked.seq, begin=asked.begin, kind="questionnaire", label=asked.label)
         else:
@@ -252,7 +252,7 @@ class Extractor:
         event.outcome = self._text(asked.ended, "reason") or str(asked.outcome)
         return event
 
-    def _state(self, state: ModelState) -> Event:
+    def _state(self, state: ModelStateEpisode) -> Event:
         """A state's outcome is the one that led to it."""
         if state.entered is None:
             event = Event(seq=state.seq, begin=state.begin, kind="engagement", label=state.label)
@@ -261,16 +261,16 @@ class Extractor:
             event.text, event.outcome = self._text(state.entered, "why"), state.entered.outcome
         if state.left is not None:
             event.details["left_by"] = state.reason
-        elif state.outcome == Outcome.OPEN:
+        elif state.outcome == EpisodeOutcome.OPEN:
             event.outcome = event.outcome or OPEN
         event.end = state.end
         return event
 
-    def _speech(self, spoken: Utterance) -> Event:
+    def _speech(self, spoken: UtteranceEpisode) -> Event:
         event = Event(seq=spoken.seq, begin=spoken.begin, kind="speech", driver=spoken.driver)
         if spoken.started is not None or spoken.ended is not None:  # else nobody knows how long
             event.end = spoken.end
-        if spoken.outcome != Outcome.DONE:
+        if spoken.outcome != EpisodeOutcome.DONE:
             event.outcome = str(spoken.outcome)
         event.text = self._text(spoken.text, "text")
         for message in spoken.lines:
@@ -278,7 +278,7 @@ class Extractor:
             event.details |= details(self._fields(message), used)
         return event
 
-    def _stray(self, found: Moment) -> Event | None:
+    def _stray(self, found: MomentEpisode) -> Event | None:
         """A line that belongs to nothing; other moments have been taken already."""
         if not isinstance(found.message, _PARTS):
             return None
@@ -295,7 +295,7 @@ class Extractor:
     # -- what is no event -------------------------------------------------------------------------
 
     def _clips(self) -> Iterator[Clip]:
-        for spoken in self._timeline.of(Utterance):
+        for spoken in self._timeline.of(UtteranceEpisode):
             if spoken.ended is None or not spoken.ended.file or self.session.redacted:
                 continue
             path = self._folder / spoken.ended.file
@@ -305,7 +305,9 @@ class Extractor:
     def _settings(self) -> Iterator[Event]:
         """Settings that differed and conflicts: one for each part of an episode."""
         for each in self._timeline.episodes:
-            if isinstance(each, Conflict) or (isinstance(each, Setting) and each.differs):
+            if isinstance(each, ConflictEpisode) or (
+                isinstance(each, SettingEpisode) and each.differs
+            ):
                 parts = self._timeline.parts(each)
                 for part in parts:
                     event = _setting(each, part, last=part is parts[-1])
@@ -337,16 +339,16 @@ class Extractor:
 
 #: What becomes an event, and how.
 _EVENTS: Mapping[type[Episode], Callable[[Extractor, Any], Event | None]] = {
-    Action: Extractor._action,
-    Command: Extractor._command,
-    Trial: Extractor._trial,
-    Phase: Extractor._phase,
-    Break: Extractor._break,
-    Stop: Extractor._stop,
-    Questionnaire: Extractor._questionnaire,
-    ModelState: Extractor._state,
-    Utterance: Extractor._speech,
-    Moment: Extractor._stray,
+    ActionEpisode: Extractor._action,
+    CommandEpisode: Extractor._command,
+    TrialEpisode: Extractor._trial,
+    PhaseEpisode: Extractor._phase,
+    BreakEpisode: Extractor._break,
+    StopEpisode: Extractor._stop,
+    QuestionnaireEpisode: Extractor._questionnaire,
+    ModelStateEpisode: Extractor._state,
+    UtteranceEpisode: Extractor._speech,
+    MomentEpisode: Extractor._stray,
 }
 
 
@@ -354,14 +356,14 @@ _EVENTS: Mapping[type[Episode], Callable[[Extractor, Any], Event | None]] = {
 LOST = "lost"
 
 
-def _setting(each: Setting | Conflict, part: Span, *, last: bool) -> Event:
+def _setting(each: SettingEpisode | ConflictEpisode, part: ContextSpan, *, last: bool) -> Event:
     event = Event(seq=each.seq, begin=part.begin, end=part.end, kind="conflict", driver=each.driver)
     if last and each.cut:
         event.outcome = OPEN
-    if isinstance(each, Conflict):
+    if isinstance(each, ConflictEpisode):
         event.text = each.sentence
         return event
-    if last and each.outcome == Outcome.LOST:
+    if last and each.outcome == EpisodeOutcome.LOST:
         event.outcome = LOST
     event.kind, event.label = "difference", each.name
     event.text = f"{worded(each.value)}, wanted {worded(each.wanted)}"

@@ -9,7 +9,12 @@ from pathlib import PurePath
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.protocol.welcome import Settings
-from woz_tui.timeline.episodes import Action, Command, LostDriver, Moment
+from woz_tui.timeline.episodes import (
+    ActionEpisode,
+    CommandEpisode,
+    LostDriverEpisode,
+    MomentEpisode,
+)
 from woz_tui.timeline.timeline import Timeline
 
 #: Actions of which the log does not say on which panel they are.
@@ -37,9 +42,9 @@ def plan_from(messages: Iterable[object]) -> m.SessionPlan:
     drivers: dict[str, dict[str, None]] = {}
     for episode in timeline.episodes:
         match episode:
-            case Action(request=request):
+            case ActionEpisode(request=request):
                 _play(played, request.action, request.panel, request.key)
-            case Command(request=request):
+            case CommandEpisode(request=request):
                 if episode.dispatched is not None and episode.dispatched.driver:
                     drivers.setdefault(episode.dispatched.driver, {})[request.verb] = None
                 if request.action and not request.action.startswith("on "):
@@ -48,7 +53,7 @@ def plan_from(messages: Iterable[object]) -> m.SessionPlan:
                     text = request.args.get("text")
                     if isinstance(text, str) and text:
                         shown.words[text] = None
-            case LostDriver(lost=health) | Moment(message=m.DriverHealth() as health):
+            case LostDriverEpisode(lost=health) | MomentEpisode(message=m.DriverHealth() as health):
                 drivers.setdefault(health.driver, {})
     panels: dict[str, list[ActionView]] = {}
     for name, shown in played.items():

@@ -26,7 +26,7 @@ from woz_tui.replay.study_snapshot import revealed
 from woz_tui.session.recent_lines import MOST, Recent
 from woz_tui.session.redactor import CoderRedactor, Perception, Redactor, marked
 from woz_tui.session.study_settings import study_snapshot
-from woz_tui.timeline.episodes import Engagement
+from woz_tui.timeline.episodes import EngagementEpisode
 from woz_tui.timeline.session_state import SessionState
 
 #: A message, or the fields of a line whose kind this version does not know.
@@ -158,7 +158,7 @@ class Reel:
             yield mark_of(line, t)
             if isinstance(line, _OF_MODEL):
                 for episode in state.take(line):
-                    if isinstance(episode, Engagement) and episode.end is None:
+                    if isinstance(episode, EngagementEpisode) and episode.end is None:
                         yield Mark(t, "engagement", state.model.state)
 
     def cuts(self, most_us: int | None) -> Cuts:

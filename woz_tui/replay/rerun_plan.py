@@ -25,7 +25,7 @@ from woz_tui.protocol.messages import SCHEMA
 from woz_tui.replay.bookmarks import steady
 from woz_tui.replay.experiment_origin import Origin, origin_of
 from woz_tui.session.redactor import marked
-from woz_tui.timeline.episodes import Command, Moment
+from woz_tui.timeline.episodes import CommandEpisode, MomentEpisode
 from woz_tui.timeline.timeline import Timeline
 
 #: Whose commands they are, in the log of the re-run.
@@ -174,7 +174,7 @@ def _presses(messages: Iterable[m.AnyMessage]) -> Iterator[int]:
 
 
 def _steps(timeline: Timeline, presses: Sequence[int], last: int) -> Iterator[Step]:
-    commands = timeline.of(Command)
+    commands = timeline.of(CommandEpisode)
     for command in commands:
         step = _step(command)
         yield step if command.ended is not None or step.skip else _left_open(step, presses, last)
@@ -197,7 +197,7 @@ def _left_open(step: Step, presses: Sequence[int], last: int) -> Step:
 def _lost(timeline: Timeline, known: Container[str]) -> Iterator[Step]:
     """Commands whose request is damaged or missing, so that nobody knows what they were."""
     lost: dict[str, m.Command] = {}
-    for moment in timeline.of(Moment):
+    for moment in timeline.of(MomentEpisode):
         ack = moment.message
         if isinstance(ack, m.Dispatched | m.End) and ack.command not in known:
             before = lost.get(ack.command)
@@ -214,7 +214,7 @@ def _lost(timeline: Timeline, known: Container[str]) -> Iterator[Step]:
         yield Step(command, command.t, skip=why)
 
 
-def _step(command: Command) -> Step:
+def _step(command: CommandEpisode) -> Step:
     request, ended, began = command.request, command.ended, command.started
     if began is not None and ended is not None:  # an estimate of the end may be wrong
         began = min(began, ended.t)

@@ -19,7 +19,7 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import Settings
 from woz_tui.session.condition_proposal import Past
 from woz_tui.system.files import open_regular
-from woz_tui.timeline.episodes import Outcome
+from woz_tui.timeline.episodes import EpisodeOutcome
 from woz_tui.timeline.session_state import SessionState
 
 #: Bytes read at once: a thread that looks through more of them keeps others waiting.
@@ -192,6 +192,6 @@ def _attribute(lines: list[m.AnyMessage], people: dict[str, Past]) -> None:
             case m.TrialStarted():
                 past.begun = True
             case m.TrialEnded(trial=trial, outcome=outcome):
-                past.done |= outcome == Outcome.DONE
+                past.done |= outcome == EpisodeOutcome.DONE
                 if outcome in OVER:
                     past.over = max(past.over, trial)

@@ -12,7 +12,7 @@ from woz_tui.sensing.engagement_stream import SPEECH
 from woz_tui.session.action_runner import Origin, Runner
 from woz_tui.session.action_texts import Steps, Wording
 from woz_tui.session.participant_identity import AskError
-from woz_tui.timeline.episodes import Command
+from woz_tui.timeline.episodes import CommandEpisode
 
 _NOWHERE = Place("", 0, 0)
 
@@ -29,7 +29,7 @@ class Repairs:
     """
 
     experiment: Callable[[], Experiment]
-    commands: Callable[[], Mapping[str, Command]]
+    commands: Callable[[], Mapping[str, CommandEpisode]]
     runner: Runner
     wording: Wording
     _last: m.Command | None = None

@@ -12,12 +12,12 @@ from dataclasses import dataclass, field, replace
 from woz_tui.config.experiment import Experiment
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import AskError
-from woz_tui.timeline.episodes import Action, Outcome
+from woz_tui.timeline.episodes import ActionEpisode, EpisodeOutcome
 
 #: How a line ends behind which the script does not go on.
-HALTING = (Outcome.FAILED, Outcome.REFUSED)
+HALTING = (EpisodeOutcome.FAILED, EpisodeOutcome.REFUSED)
 #: How it ends where it was cut: before it began, or by the stop, it does not count as played.
-CUT = (Outcome.STOPPED, Outcome.SUPERSEDED)
+CUT = (EpisodeOutcome.STOPPED, EpisodeOutcome.SUPERSEDED)
 
 
 @dataclass(slots=True)
@@ -157,7 +157,7 @@ class Scripts:
 
     # -- what happens ------------------------------------------------------------------------------
 
-    def take(self, action: Action) -> None:
+    def take(self, action: ActionEpisode) -> None:
         """An action was asked for, or has ended."""
         run = action.request.run
         if action.end is None:
@@ -168,7 +168,7 @@ class Scripts:
             self._ended(action, played)
             self.tell()
 
-    def _began(self, action: Action) -> None:
+    def _began(self, action: ActionEpisode) -> None:
         own = self.name
         names = [own]
         if action.label not in self._scripts[own].lines:  # perhaps one of another phase's
@@ -178,7 +178,7 @@ class Scripts:
             if line is not None:
                 self._runs[action.request.run] = _Played(name, line)
 
-    def _ended(self, action: Action, played: _Played) -> None:
+    def _ended(self, action: ActionEpisode, played: _Played) -> None:
         script = self._scripts[played.script]
         unsaid = action.dispatched is None or self._latched()
         if action.outcome not in HALTING and not (action.outcome in CUT and unsaid):

@@ -397,7 +397,7 @@ class Session:
     def _take(self, message: m.AnyMessage) -> None:
         """A message of this session: scripts follow the actions."""
         for episode in self.state.take(message):
-            if isinstance(episode, e.Action):
+            if isinstance(episode, e.ActionEpisode):
                 self.scripts.take(episode)
         if isinstance(message, m.PhaseChanged):
             self.scripts.phase_began()

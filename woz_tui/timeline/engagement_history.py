@@ -12,7 +12,13 @@ from woz_tui.config.engagement import RUNS, STATES
 from woz_tui.config.session_verbs import ENGAGEMENT
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.state_machine import ENGAGED
-from woz_tui.timeline.episodes import Engagement, Episode, ModelOff, ModelState, Outcome
+from woz_tui.timeline.episodes import (
+    EngagementEpisode,
+    Episode,
+    EpisodeOutcome,
+    ModelOffEpisode,
+    ModelStateEpisode,
+)
 
 _OFF = "off"
 
@@ -40,9 +46,9 @@ class ModelStatus:
     settings: m.EngagementAdopted | None = None
     changed: m.EngagementChanged | None = None
     shown: m.EngagementShown | None = None
-    stay: ModelState | None = None
-    engaged: Engagement | None = None
-    off: ModelOff | None = None
+    stay: ModelStateEpisode | None = None
+    engaged: EngagementEpisode | None = None
+    off: ModelOffEpisode | None = None
     #: With this line it appeared, or the one before it went.
     _appeared: m.Message | None = None
     #: And with this one the model before it went.
@@ -114,9 +120,9 @@ class ModelStatus:
 
     def vanish(self, t: int, message: m.Message) -> Iterator[Episode]:
         """There is no model any more."""
-        yield from self._leave(t, Outcome.OFF)
+        yield from self._leave(t, EpisodeOutcome.OFF)
         if self.off is not None:
-            yield replace(self.off, end=t, outcome=Outcome.OFF)
+            yield replace(self.off, end=t, outcome=EpisodeOutcome.OFF)
         self.present, self.state = False, STATES[0]
         self.off, self._appeared = None, message
         self.changed = self.shown = self._before = self._disengaged = None
@@ -129,10 +135,10 @@ class ModelStatus:
             return
         if run == _OFF and self.on:
             self._switched_off = message
-            yield from self._leave(t, Outcome.OFF)
+            yield from self._leave(t, EpisodeOutcome.OFF)
             yield self._rest(t, message.seq, message)
         elif run != _OFF and self.off is not None:
-            yield replace(self.off, end=t, outcome=Outcome.ON)
+            yield replace(self.off, end=t, outcome=EpisodeOutcome.ON)
             self.off, self._switched_on, self._before = None, message, self.changed
             yield from self._enter(t, message.seq, None)
 
@@ -146,21 +152,21 @@ class ModelStatus:
         self.state, self.changed = message.now, message
         if stay is None:
             return
-        yield replace(stay, end=t, outcome=Outcome.LEFT, left=message)
+        yield replace(stay, end=t, outcome=EpisodeOutcome.LEFT, left=message)
         if message.now not in ENGAGED and self.engaged is not None:
-            yield replace(self.engaged, end=t, outcome=Outcome.LEFT, left=message)
+            yield replace(self.engaged, end=t, outcome=EpisodeOutcome.LEFT, left=message)
             self.engaged, self._disengaged = None, message
         yield from self._enter(t, message.seq, message)
 
     def _enter(self, t: int, seq: int, change: m.EngagementChanged | None) -> Iterator[Episode]:
         """It is on, in its state, from `t` on."""
-        self.stay = ModelState(begin=t, seq=seq, state=self.state, entered=change)
+        self.stay = ModelStateEpisode(begin=t, seq=seq, state=self.state, entered=change)
         yield self.stay
         if self.state not in ENGAGED:
             return
         named = change if change is not None and change.visitor else None
         if self.engaged is None:
-            self.engaged = Engagement(begin=t, seq=seq, entered=change, named=named)
+            self.engaged = EngagementEpisode(begin=t, seq=seq, entered=change, named=named)
             yield self.engaged
         elif named is not None:
             self.engaged = replace(self.engaged, named=named)
@@ -171,6 +177,6 @@ class ModelStatus:
                 yield replace(episode, end=t, outcome=outcome, cut=True)
         self.stay = self.engaged = None
 
-    def _rest(self, t: int, seq: int, message: m.Done | None) -> ModelOff:
-        self.off = ModelOff(begin=t, seq=seq, switched=message)
+    def _rest(self, t: int, seq: int, message: m.Done | None) -> ModelOffEpisode:
+        self.off = ModelOffEpisode(begin=t, seq=seq, switched=message)
         return self.off

@@ -18,20 +18,20 @@ from woz_tui.timeline.trial_context import Context
 
 #: Things of one sort that are remembered at the same time: those whose end never comes, and names
 #: that a damaged log makes up.
-MOST = 4000
+MOST_KEPT = 4000
 
 K = TypeVar("K")
 V = TypeVar("V")
 
 
-def keep(table: dict[K, V], key: K, value: V, most: int = MOST) -> None:
+def keep_latest(table: dict[K, V], key: K, value: V, most: int = MOST_KEPT) -> None:
     """Put a value in; the oldest one makes way where there are too many."""
     if key not in table and len(table) >= most:
         del table[next(iter(table))]
     table[key] = value
 
 
-class Outcome(enum.StrEnum):
+class EpisodeOutcome(enum.StrEnum):
     """How episodes end. Trials, questionnaires and cues end with the word in their message, which
     need not be one of these in the log of another version.
 
@@ -75,30 +75,30 @@ class Outcome(enum.StrEnum):
 
 
 #: How an action or a command ended, by the message that says so.
-OUTCOMES: Mapping[type[m.Message], Outcome] = {
-    m.ActionDone: Outcome.DONE,
-    m.ActionFailed: Outcome.FAILED,
-    m.ActionStopped: Outcome.STOPPED,
-    m.ActionSuperseded: Outcome.SUPERSEDED,
-    m.ActionRefused: Outcome.REFUSED,
-    m.Done: Outcome.DONE,
-    m.Failed: Outcome.FAILED,
-    m.TimedOut: Outcome.TIMED_OUT,
-    m.Refused: Outcome.REFUSED,
-    m.Stopped: Outcome.STOPPED,
-    m.Superseded: Outcome.SUPERSEDED,
+OUTCOMES: Mapping[type[m.Message], EpisodeOutcome] = {
+    m.ActionDone: EpisodeOutcome.DONE,
+    m.ActionFailed: EpisodeOutcome.FAILED,
+    m.ActionStopped: EpisodeOutcome.STOPPED,
+    m.ActionSuperseded: EpisodeOutcome.SUPERSEDED,
+    m.ActionRefused: EpisodeOutcome.REFUSED,
+    m.Done: EpisodeOutcome.DONE,
+    m.Failed: EpisodeOutcome.FAILED,
+    m.TimedOut: EpisodeOutcome.TIMED_OUT,
+    m.Refused: EpisodeOutcome.REFUSED,
+    m.Stopped: EpisodeOutcome.STOPPED,
+    m.Superseded: EpisodeOutcome.SUPERSEDED,
 }
 
 #: Outcomes of trials whose data do not count unless somebody wants all of them.
-NOT_COUNTED = (Outcome.ABORTED, Outcome.EXCLUDED)
+NOT_COUNTED = (EpisodeOutcome.ABORTED, EpisodeOutcome.EXCLUDED)
 
 
 class Episode(msgspec.Struct, frozen=True, kw_only=True):
     """Something that lasted from `begin` up to `end`, in microseconds on the axis of `t`.
 
     `end` is None while it goes on. `seq` is that of its first message. `outcome` is one of
-    `Outcome`, `cut`: it did not end by itself, but the log did, or what followed it shows that it
-    was over. `context` is the one in which it began; a `Timeline` fills it in, and has the
+    `EpisodeOutcome`. `cut`: it did not end by itself, but the log did, or what followed it shows
+    that it was over. `context` is the one in which it began; a `Timeline` fills it in, and has the
     episode's `parts`.
     """
 
@@ -107,7 +107,7 @@ class Episode(msgspec.Struct, frozen=True, kw_only=True):
     begin: int
     seq: int
     end: int | None = None
-    outcome: str = Outcome.OPEN
+    outcome: str = EpisodeOutcome.OPEN
     cut: bool = False
     context: Context = Context()
 
@@ -147,7 +147,7 @@ _OWN = len(Episode.__struct_fields__)
 # -- what a wizard does ---------------------------------------------------------------------------
 
 
-class Action(Episode, frozen=True, kw_only=True):
+class ActionEpisode(Episode, frozen=True, kw_only=True):
     """An action from its request to its end.
 
     `held`: it began later, so as not to answer a cue too soon. `commands` are the ids of those that
@@ -197,7 +197,7 @@ class Action(Episode, frozen=True, kw_only=True):
         return self.dispatched.t - self.begin if self.dispatched else None
 
 
-class Command(Episode, frozen=True, kw_only=True):
+class CommandEpisode(Episode, frozen=True, kw_only=True):
     """A command from its request to its end. `progress` is what the driver expected last."""
 
     kind = "command"
@@ -260,7 +260,7 @@ class Command(Episode, frozen=True, kw_only=True):
         return self.progress.t + max(0, self.progress.expected_us) if self.progress else None
 
 
-class Profile(Episode, frozen=True, kw_only=True):
+class ProfileEpisode(Episode, frozen=True, kw_only=True):
     """A time in which the wizard might use only what a profile names."""
 
     kind = "profile"
@@ -278,7 +278,7 @@ class Profile(Episode, frozen=True, kw_only=True):
         return self.changed.source
 
 
-class Restriction(Episode, frozen=True, kw_only=True):
+class RestrictionEpisode(Episode, frozen=True, kw_only=True):
     """A time in which something was hidden from the wizard or blurred."""
 
     kind = "perception"
@@ -289,7 +289,7 @@ class Restriction(Episode, frozen=True, kw_only=True):
 # -- the study ------------------------------------------------------------------------------------
 
 
-class Trial(Episode, frozen=True, kw_only=True):
+class TrialEpisode(Episode, frozen=True, kw_only=True):
     """A trial that was begun, breaks inside it included: those are parts of their own."""
 
     kind = "trial"
@@ -312,7 +312,7 @@ class Trial(Episode, frozen=True, kw_only=True):
         return self.ended.text if self.ended else ""
 
 
-class Phase(Episode, frozen=True, kw_only=True):
+class PhaseEpisode(Episode, frozen=True, kw_only=True):
     """A phase of the experiment, breaks inside it included. `left` is what ended it: the change to
     the next one, or the beginning or the end of a trial.
     """
@@ -332,7 +332,7 @@ class Phase(Episode, frozen=True, kw_only=True):
         return self.changed.source
 
 
-class Break(Episode, frozen=True, kw_only=True):
+class BreakEpisode(Episode, frozen=True, kw_only=True):
     """A break: it belongs to no trial, also inside one."""
 
     kind = "break"
@@ -340,7 +340,7 @@ class Break(Episode, frozen=True, kw_only=True):
     ended: m.BreakEnded | None = None
 
 
-class Questionnaire(Episode, frozen=True, kw_only=True):
+class QuestionnaireEpisode(Episode, frozen=True, kw_only=True):
     """One round of a questionnaire; `started` is None if that line is lost.
 
     `answers` has the last one to each item, in the order in which items were answered first.
@@ -376,7 +376,7 @@ class Questionnaire(Episode, frozen=True, kw_only=True):
         return (line for line in both if line is not None)
 
 
-class Cue(Episode, frozen=True, kw_only=True):
+class CueEpisode(Episode, frozen=True, kw_only=True):
     """A cue of a training, and what the wizard made of it."""
 
     kind = "cue"
@@ -389,7 +389,7 @@ class Cue(Episode, frozen=True, kw_only=True):
         return self.given.sort
 
 
-class Rerun(Episode, frozen=True, kw_only=True):
+class RerunEpisode(Episode, frozen=True, kw_only=True):
     """A time in which the commands of another log were run again."""
 
     kind = "rerun"
@@ -410,7 +410,7 @@ class Rerun(Episode, frozen=True, kw_only=True):
 # -- the visitor ----------------------------------------------------------------------------------
 
 
-class ModelState(Episode, frozen=True, kw_only=True):
+class ModelStateEpisode(Episode, frozen=True, kw_only=True):
     """A stay of the engagement model in one state while it was on.
 
     `entered` is None where no change led there: the model began with it, or was switched on in it.
@@ -437,7 +437,7 @@ class ModelState(Episode, frozen=True, kw_only=True):
         return self.entered.visitor if self.entered else ""
 
 
-class Engagement(Episode, frozen=True, kw_only=True):
+class EngagementEpisode(Episode, frozen=True, kw_only=True):
     """An unbroken engagement: the model was in states in which somebody talks with the robot.
 
     `named` is the last change during it that knew who that was.
@@ -459,14 +459,14 @@ class Engagement(Episode, frozen=True, kw_only=True):
         return self.named.visitor if self.named else ""
 
 
-class ModelOff(Episode, frozen=True, kw_only=True):
+class ModelOffEpisode(Episode, frozen=True, kw_only=True):
     """A time in which there was an engagement model, and it was switched off."""
 
     kind = "model off"
     switched: m.Done | None = None
 
 
-class Utterance(Episode, frozen=True, kw_only=True):
+class UtteranceEpisode(Episode, frozen=True, kw_only=True):
     """Something that the visitor said, where the driver says that it was said.
 
     Its lines come later than it: the recognised text after its end.
@@ -488,14 +488,14 @@ class Utterance(Episode, frozen=True, kw_only=True):
 # -- the robot ------------------------------------------------------------------------------------
 
 
-class Press(msgspec.Struct, frozen=True):
+class StopPress(msgspec.Struct, frozen=True):
     """A press of the stop, and what confirmed it."""
 
     pressed: m.StopPressed
     confirmations: tuple[m.StopConfirmed, ...] = ()
 
 
-class Stop(Episode, frozen=True, kw_only=True):
+class StopEpisode(Episode, frozen=True, kw_only=True):
     """From the press of the stop to its release. A stop of driving alone latches nothing: it is
     over as soon as it is confirmed.
 
@@ -504,7 +504,7 @@ class Stop(Episode, frozen=True, kw_only=True):
     """
 
     kind = "stop"
-    presses: tuple[Press, ...]
+    presses: tuple[StopPress, ...]
     released: m.StopReleased | None = None
 
     @property
@@ -575,7 +575,7 @@ class Stop(Episode, frozen=True, kw_only=True):
         return {driver: tuple(parts) for driver, parts in found.items()}
 
 
-class LostDriver(Episode, frozen=True, kw_only=True):
+class LostDriverEpisode(Episode, frozen=True, kw_only=True):
     """A driver was lost, or a part of it did not answer (`lost` says which), until it was ready."""
 
     kind = "lost driver"
@@ -593,7 +593,7 @@ class LostDriver(Episode, frozen=True, kw_only=True):
         return self.lost.detail
 
 
-class FaultedLane(Episode, frozen=True, kw_only=True):
+class FaultedLaneEpisode(Episode, frozen=True, kw_only=True):
     """A lane took nothing, since a job had outlived its limit."""
 
     kind = "faulted lane"
@@ -606,7 +606,7 @@ class FaultedLane(Episode, frozen=True, kw_only=True):
         return f"{self.faulted.driver} {self.faulted.lane}"
 
 
-class Setting(Episode, frozen=True, kw_only=True):
+class SettingEpisode(Episode, frozen=True, kw_only=True):
     """A time in which a robot's setting had one value.
 
     `differs`: `wanted` was asked for instead. None: nothing is known of it, because the robot is
@@ -626,7 +626,7 @@ class Setting(Episode, frozen=True, kw_only=True):
         return self.name
 
 
-class Conflict(Episode, frozen=True, kw_only=True):
+class ConflictEpisode(Episode, frozen=True, kw_only=True):
     """A time in which settings of a robot worked against each other; `sentence` says which."""
 
     kind = "conflict"
@@ -642,7 +642,7 @@ class Conflict(Episode, frozen=True, kw_only=True):
 # -- moments --------------------------------------------------------------------------------------
 
 
-class Moment(Episode, frozen=True, kw_only=True):
+class MomentEpisode(Episode, frozen=True, kw_only=True):
     """A message that stands for itself: a marker, a note, a console that came, an end that has no
     beginning in the log. It has no length.
     """

@@ -14,32 +14,32 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.driver_health import DriverHealth
 from woz_tui.timeline.engagement_history import ModelStatus
 from woz_tui.timeline.episodes import (
-    MOST,
+    MOST_KEPT,
     OUTCOMES,
-    Action,
-    Command,
-    Cue,
+    ActionEpisode,
+    CommandEpisode,
+    CueEpisode,
     Episode,
-    FaultedLane,
-    LostDriver,
-    Moment,
-    Outcome,
-    Press,
-    Profile,
-    Rerun,
-    Restriction,
-    Stop,
-    Utterance,
-    keep,
+    EpisodeOutcome,
+    FaultedLaneEpisode,
+    LostDriverEpisode,
+    MomentEpisode,
+    ProfileEpisode,
+    RerunEpisode,
+    RestrictionEpisode,
+    StopEpisode,
+    StopPress,
+    UtteranceEpisode,
+    keep_latest,
 )
 from woz_tui.timeline.setting_history import RobotSettings
 from woz_tui.timeline.study_history import StudyState
 from woz_tui.timeline.trial_context import Context
 
 #: Times beyond this (73,000 years, in microseconds) come from damaged lines only.
-LONGEST = 1 << 61
+LATEST_TIME = 1 << 61
 #: Utterances that are over and may still get a text; presses of a stop that is not released.
-HEARD, PRESSES = 40, 16
+UTTERANCES_KEPT, PRESSES_KEPT = 40, 16
 
 K = TypeVar("K")
 E = TypeVar("E", bound=Episode)
@@ -47,7 +47,7 @@ E = TypeVar("E", bound=Episode)
 _Case = Callable[["SessionState", Any], Iterable[Episode] | None]
 
 
-class Driver(msgspec.Struct, frozen=True):
+class DriverState(msgspec.Struct, frozen=True):
     """A driver's health: its last message, the first one like it, the last one of another kind."""
 
     health: DriverHealth
@@ -102,36 +102,36 @@ class SessionState:
     study: StudyState = field(default_factory=StudyState)
     model: ModelStatus = field(default_factory=ModelStatus)
     robots: RobotSettings = field(default_factory=RobotSettings)
-    actions: dict[str, Action] = field(default_factory=dict)
-    commands: dict[str, Command] = field(default_factory=dict)
-    stops: dict[str, Stop] = field(default_factory=dict)
-    drivers: dict[str, Driver] = field(default_factory=dict)
-    lost: dict[str, LostDriver] = field(default_factory=dict)
-    faulted_lanes: dict[tuple[str, str], FaultedLane] = field(default_factory=dict)
+    actions: dict[str, ActionEpisode] = field(default_factory=dict)
+    commands: dict[str, CommandEpisode] = field(default_factory=dict)
+    stops: dict[str, StopEpisode] = field(default_factory=dict)
+    drivers: dict[str, DriverState] = field(default_factory=dict)
+    lost: dict[str, LostDriverEpisode] = field(default_factory=dict)
+    faulted_lanes: dict[tuple[str, str], FaultedLaneEpisode] = field(default_factory=dict)
     readings: dict[str, m.Reading] = field(default_factory=dict)
     sensors: dict[str, m.SensorChanged] = field(default_factory=dict)
     modes: dict[str, m.ModeChanged] = field(default_factory=dict)
     faces: dict[str, m.FaceShown] = field(default_factory=dict)
     bodies: dict[str, m.BodyChanged] = field(default_factory=dict)
     controls: dict[str, m.ControlsMoved] = field(default_factory=dict)
-    speaking: dict[tuple[str, int], Utterance] = field(default_factory=dict)
+    speaking: dict[tuple[str, int], UtteranceEpisode] = field(default_factory=dict)
     filled: m.ActionsFilled | None = None
     scripts: dict[str, m.ScriptMoved] = field(default_factory=dict)
     locks: dict[str, m.PanelLocked] = field(default_factory=dict)
     profile_changed: m.ProfileChanged | None = None
-    profile: Profile | None = None
+    profile: ProfileEpisode | None = None
     shaping: m.ShapingChanged | None = None
     perception: m.PerceptionChanged | None = None
-    restriction: Restriction | None = None
+    restriction: RestrictionEpisode | None = None
     consoles: dict[str, m.ConsoleAttached] = field(default_factory=dict)
-    cue: Cue | None = None
-    rerun: Rerun | None = None
+    cue: CueEpisode | None = None
+    rerun: RerunEpisode | None = None
     training: m.TrainingChanged | None = None
     all_commands: bool = False
     #: Passing commands so far, and those under way.
     passing: int = 0
     _passing: dict[str, None] = field(default_factory=dict)
-    _heard: dict[tuple[str, int], Utterance] = field(default_factory=dict)
+    _heard: dict[tuple[str, int], UtteranceEpisode] = field(default_factory=dict)
 
     # -- reading ----------------------------------------------------------------------------------
 
@@ -141,7 +141,7 @@ class SessionState:
         return self.study.context
 
     @property
-    def stop(self) -> Stop | None:
+    def stop(self) -> StopEpisode | None:
         """The stop, while it is latched."""
         return self.stops.get("all")
 
@@ -216,7 +216,7 @@ class SessionState:
         if case is None:  # of another version
             return ()
         t = message.t
-        if self.t <= t < LONGEST:
+        if self.t <= t < LATEST_TIME:
             self.t = t
         else:
             message = replace(message, t=self.t)
@@ -233,12 +233,16 @@ class SessionState:
 
     def _moment(self, message: m.Message) -> tuple[Episode]:
         at, seq = self.t, message.seq
-        return (Moment(begin=at, end=at, seq=seq, outcome=Outcome.MOMENT, message=message),)
+        return (
+            MomentEpisode(
+                begin=at, end=at, seq=seq, outcome=EpisodeOutcome.MOMENT, message=message
+            ),
+        )
 
     def _begin(self, table: dict[K, E], key: K, episode: E) -> tuple[Episode, ...]:
         """Keep what begins; what has the same id, or is too much, has ended without a line."""
         before = table.pop(key, None)
-        if before is None and len(table) >= MOST:
+        if before is None and len(table) >= MOST_KEPT:
             before = table.pop(next(iter(table)))
         table[key] = episode
         if before is None:
@@ -278,7 +282,7 @@ class SessionState:
         self.filled = message.after(self.filled)
 
     def _requested(self, message: m.ActionRequested) -> Iterable[Episode]:
-        action = Action(begin=self.t, seq=message.seq, request=message)
+        action = ActionEpisode(begin=self.t, seq=message.seq, request=message)
         return self._begin(self.actions, message.run, action)
 
     def _held(self, message: m.ActionHeld) -> Iterable[Episode]:
@@ -298,13 +302,13 @@ class SessionState:
     def _command(self, message: m.Command) -> Iterable[Episode]:
         self.passing += message.passing
         if message.passing and not self.all_commands:
-            keep(self._passing, message.command, None)
+            keep_latest(self._passing, message.command, None)
             return ()
         action = self.actions.get(message.run)
-        if action is not None and len(action.commands) < MOST:
+        if action is not None and len(action.commands) < MOST_KEPT:
             commands = (*action.commands, message.command)
             self.actions[message.run] = replace(action, commands=commands)
-        command = Command(begin=self.t, seq=message.seq, request=message)
+        command = CommandEpisode(begin=self.t, seq=message.seq, request=message)
         return self._begin(self.commands, message.command, command)
 
     def _dispatched(self, message: m.Dispatched) -> Iterable[Episode]:
@@ -360,12 +364,12 @@ class SessionState:
     # -- the stop ---------------------------------------------------------------------------------
 
     def _pressed(self, message: m.StopPressed) -> Iterable[Episode]:
-        press, stop = Press(message), self.stops.get(message.scope)
+        press, stop = StopPress(message), self.stops.get(message.scope)
         if stop is None:
-            begun = Stop(begin=self.t, seq=message.seq, presses=(press,))
+            begun = StopEpisode(begin=self.t, seq=message.seq, presses=(press,))
             return self._begin(self.stops, message.scope, begun)
         first, *later = stop.presses
-        presses = (first, *later[-(PRESSES - 2) :], press)
+        presses = (first, *later[-(PRESSES_KEPT - 2) :], press)
         self.stops[message.scope] = replace(stop, presses=presses)
         return self._moment(message)
 
@@ -386,17 +390,17 @@ class SessionState:
         if stop is None:
             return self._moment(message)
         press = stop.presses[at]
-        press = replace(press, confirmations=(*press.confirmations[-PRESSES:], message))
+        press = replace(press, confirmations=(*press.confirmations[-PRESSES_KEPT:], message))
         presses = (*stop.presses[:at], press, *stop.presses[at + 1 :])
         stop = self.stops[scope] = replace(stop, presses=presses)
         if scope == "all" or not all(press.confirmations for press in presses):
             return ()
         del self.stops[scope]
-        return (replace(stop, end=self.t, outcome=Outcome.DONE),)
+        return (replace(stop, end=self.t, outcome=EpisodeOutcome.DONE),)
 
     def _released(self, message: m.StopReleased) -> Iterable[Episode]:
         ended = [
-            replace(stop, end=self.t, outcome=Outcome.RELEASED, released=message)
+            replace(stop, end=self.t, outcome=EpisodeOutcome.RELEASED, released=message)
             for stop in self.stops.values()
         ]
         self.stops.clear()
@@ -410,42 +414,42 @@ class SessionState:
         if last is not None and type(last.health) is type(message):
             driver = replace(last, health=message)
         else:
-            driver = Driver(message, message, last.health if last else None)
-        keep(self.drivers, name, driver)
+            driver = DriverState(message, message, last.health if last else None)
+        keep_latest(self.drivers, name, driver)
         if isinstance(message, m.DriverLost | m.DriverFaulted):
             if name not in self.lost:
-                lost = LostDriver(begin=self.t, seq=message.seq, lost=message)
+                lost = LostDriverEpisode(begin=self.t, seq=message.seq, lost=message)
                 yield from self._begin(self.lost, name, lost)
             else:
                 yield from self._moment(message)
             yield from self.robots.lose(message, self.t)
             if isinstance(message, m.DriverLost):  # nobody hears where the speech ends
-                yield from self._cut_speech(name, Outcome.LOST)
+                yield from self._cut_speech(name, EpisodeOutcome.LOST)
             return
         ended = self.lost.pop(name, None) if isinstance(message, m.DriverConnected) else None
         if ended is None:
             yield from self._moment(message)
         else:
-            yield replace(ended, end=self.t, outcome=Outcome.RECOVERED, found=message)
+            yield replace(ended, end=self.t, outcome=EpisodeOutcome.RECOVERED, found=message)
         if isinstance(message, m.DriverConnected):
             yield from self.robots.find(message, self.t)
 
     def _lane_faulted(self, message: m.LaneFaulted) -> Iterable[Episode]:
-        faulted = FaultedLane(begin=self.t, seq=message.seq, faulted=message)
+        faulted = FaultedLaneEpisode(begin=self.t, seq=message.seq, faulted=message)
         return self._begin(self.faulted_lanes, (message.driver, message.lane), faulted)
 
     def _lane_recovered(self, message: m.LaneRecovered) -> Iterable[Episode]:
         faulted = self.faulted_lanes.pop((message.driver, message.lane), None)
         if faulted is None:
             return self._moment(message)
-        return (replace(faulted, end=self.t, outcome=Outcome.RECOVERED, recovered=message),)
+        return (replace(faulted, end=self.t, outcome=EpisodeOutcome.RECOVERED, recovered=message),)
 
     def _controls(self, message: m.ControlsMoved) -> None:
         before = self.controls.get(message.driver)
         if before is not None:
             resting = {name: at for name, at in before.values.items() if name not in message.values}
             message = replace(message, values={**resting, **message.values})
-        keep(self.controls, message.driver, message)
+        keep_latest(self.controls, message.driver, message)
 
     # -- the visitor ------------------------------------------------------------------------------
 
@@ -464,10 +468,10 @@ class SessionState:
         key = (message.driver, message.segment)
         began = self._past(message.began)
         driver, segment = key
-        spoken = Utterance(
+        spoken = UtteranceEpisode(
             begin=began, seq=message.seq, driver=driver, segment=segment, started=message
         )
-        yield from self._cut_speech(driver, Outcome.OPEN)
+        yield from self._cut_speech(driver, EpisodeOutcome.OPEN)
         self._heard.pop(key, None)
         yield from self._begin(self.speaking, key, spoken)
 
@@ -481,7 +485,7 @@ class SessionState:
         end = self._past(message.ended)
         begin = min(self._past(message.began), end)
         spoken = replace(
-            spoken, begin=begin, end=end, outcome=Outcome.DONE, cut=False, ended=message
+            spoken, begin=begin, end=end, outcome=EpisodeOutcome.DONE, cut=False, ended=message
         )
         yield self._keep_heard(spoken)
 
@@ -494,19 +498,19 @@ class SessionState:
         spoken = self._heard.pop(key, None) or self._unheard(message)
         yield self._keep_heard(replace(spoken, text=message))
 
-    def _unheard(self, message: m.SpeechEnded | m.SpeechText) -> Utterance:
+    def _unheard(self, message: m.SpeechEnded | m.SpeechText) -> UtteranceEpisode:
         """One of which the log has only this line."""
-        return Utterance(
+        return UtteranceEpisode(
             begin=self.t,
             end=self.t,
-            outcome=Outcome.DONE,
+            outcome=EpisodeOutcome.DONE,
             seq=message.seq,
             driver=message.driver,
             segment=message.segment,
         )
 
-    def _keep_heard(self, spoken: Utterance) -> Utterance:
-        keep(self._heard, (spoken.driver, spoken.segment), spoken, HEARD)
+    def _keep_heard(self, spoken: UtteranceEpisode) -> UtteranceEpisode:
+        keep_latest(self._heard, (spoken.driver, spoken.segment), spoken, UTTERANCES_KEPT)
         return spoken
 
     def _cut_speech(self, driver: str, outcome: str) -> Iterator[Episode]:
@@ -524,24 +528,26 @@ class SessionState:
     def _profile(self, message: m.ProfileChanged) -> Iterator[Episode]:
         self.profile_changed = message
         if self.profile is not None:
-            yield replace(self.profile, end=self.t, outcome=Outcome.CHANGED, left=message)
+            yield replace(self.profile, end=self.t, outcome=EpisodeOutcome.CHANGED, left=message)
         elif not message.profile:
             yield from self._moment(message)
         self.profile = None
         if message.profile:
-            self.profile = Profile(begin=self.t, seq=message.seq, changed=message)
+            self.profile = ProfileEpisode(begin=self.t, seq=message.seq, changed=message)
             yield self.profile
 
     def _perception(self, message: m.PerceptionChanged) -> Iterator[Episode]:
         self.perception = message
         restricted = bool(message.hidden or message.blurred)
         if self.restriction is not None:
-            yield replace(self.restriction, end=self.t, outcome=Outcome.CHANGED, lifted=message)
+            yield replace(
+                self.restriction, end=self.t, outcome=EpisodeOutcome.CHANGED, lifted=message
+            )
         elif not restricted:
             yield from self._moment(message)
         self.restriction = None
         if restricted:
-            self.restriction = Restriction(begin=self.t, seq=message.seq, changed=message)
+            self.restriction = RestrictionEpisode(begin=self.t, seq=message.seq, changed=message)
             yield self.restriction
 
     def _detached(self, message: m.ConsoleLost) -> Iterable[Episode]:
@@ -564,7 +570,7 @@ class SessionState:
         return self.study.end_break(message, self.t)
 
     def _checked(self, message: m.PreflightChecked) -> Iterable[Episode]:
-        keep(self.study.checks, message.check, message)
+        keep_latest(self.study.checks, message.check, message)
         return self._moment(message)
 
     def _questionnaire_ended(self, message: m.QuestionnaireEnded) -> Iterable[Episode]:
@@ -581,7 +587,7 @@ class SessionState:
     def _cue(self, message: m.CueGiven) -> Iterator[Episode]:
         if self.cue is not None:
             yield replace(self.cue, end=self.t, cut=True)
-        self.cue = Cue(begin=self.t, seq=message.seq, given=message)
+        self.cue = CueEpisode(begin=self.t, seq=message.seq, given=message)
         yield self.cue
 
     def _judged(self, message: m.CueAnswered) -> Iterable[Episode]:
@@ -594,14 +600,14 @@ class SessionState:
     def _rerun_started(self, message: m.RerunStarted) -> Iterator[Episode]:
         if self.rerun is not None:
             yield replace(self.rerun, end=self.t, cut=True)
-        self.rerun = Rerun(begin=self.t, seq=message.seq, started=message)
+        self.rerun = RerunEpisode(begin=self.t, seq=message.seq, started=message)
         yield self.rerun
 
     def _rerun_ended(self, message: m.RerunEnded) -> Iterable[Episode]:
         rerun, self.rerun = self.rerun, None
         if rerun is None:
             return self._moment(message)
-        return (replace(rerun, end=self.t, outcome=Outcome.DONE, ended=message),)
+        return (replace(rerun, end=self.t, outcome=EpisodeOutcome.DONE, ended=message),)
 
 
 def _last(name: str) -> _Case:
@@ -617,7 +623,7 @@ def _last_of(name: str, key: str) -> _Case:
     """The last message for each value of its field `key` is kept in this table."""
 
     def case(state: SessionState, message: m.Message) -> None:
-        keep(getattr(state, name), getattr(message, key), message)
+        keep_latest(getattr(state, name), getattr(message, key), message)
 
     return case
 

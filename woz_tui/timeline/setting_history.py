@@ -12,7 +12,14 @@ from dataclasses import dataclass, field
 from msgspec.structs import replace
 
 from woz_tui.protocol import messages as m
-from woz_tui.timeline.episodes import MOST, Conflict, Episode, Outcome, Setting, keep
+from woz_tui.timeline.episodes import (
+    MOST_KEPT,
+    ConflictEpisode,
+    Episode,
+    EpisodeOutcome,
+    SettingEpisode,
+    keep_latest,
+)
 
 #: A driver's settings by name, its conflicts by sentence.
 _Key = tuple[type[Episode], str]
@@ -32,17 +39,17 @@ class RobotSettings:
     lost: dict[str, m.DriverHealth] = field(default_factory=dict)
     #: What showed that a robot is back, where no line said so.
     _back: dict[str, m.SettingsShown] = field(default_factory=dict)
-    _open: dict[str, dict[_Key, Setting | Conflict]] = field(default_factory=dict)
+    _open: dict[str, dict[_Key, SettingEpisode | ConflictEpisode]] = field(default_factory=dict)
 
     def copy(self) -> RobotSettings:
         """The same, to go on from here without changing this one."""
         held = {driver: dict(episodes) for driver, episodes in self._open.items()}
         return RobotSettings(dict(self.shown), dict(self.lost), dict(self._back), held)
 
-    def of(self, driver: str) -> dict[str, Setting]:
+    def of(self, driver: str) -> dict[str, SettingEpisode]:
         """The driver's settings by name as they are now; those of a lost robot are unknown."""
         found = self._open.get(driver, {})
-        return {name: each for (_, name), each in found.items() if isinstance(each, Setting)}
+        return {name: each for (_, name), each in found.items() if isinstance(each, SettingEpisode)}
 
     @property
     def lines(self) -> Iterator[m.Message]:
@@ -62,16 +69,16 @@ class RobotSettings:
         The line of its coming back may be missing, or later: a robot from which a difference was
         read is there.
         """
-        keep(self.shown, message.driver, message)
+        keep_latest(self.shown, message.driver, message)
         if message.wanted and self.lost.pop(message.driver, None) is not None:
-            keep(self._back, message.driver, message)
+            keep_latest(self._back, message.driver, message)
         if message.driver not in self.lost:
             yield from self._compare(message.driver, t, message.seq)
 
     def lose(self, message: m.DriverHealth, t: int) -> Iterator[Episode]:
         """A driver's robot is lost: nothing is known of its settings any more."""
         if message.driver not in self.lost:
-            keep(self.lost, message.driver, message)
+            keep_latest(self.lost, message.driver, message)
             self._back.pop(message.driver, None)
             yield from self._compare(message.driver, t, message.seq)
 
@@ -83,37 +90,41 @@ class RobotSettings:
     def _compare(self, driver: str, t: int, seq: int) -> Iterator[Episode]:
         """End what is not so any more, begin what is so now."""
         now = {} if driver in self.lost else _found(self.shown.get(driver), t, seq)
-        if driver not in self._open and len(self._open) >= MOST:
+        if driver not in self._open and len(self._open) >= MOST_KEPT:
             return
         before = self._open.setdefault(driver, {})
         for key in dict.fromkeys((*before, *now)):
             old, new = before.get(key), now.get(key)
-            if new is None and key[0] is Setting:  # that it is unknown lasts, too
-                new = Setting(begin=t, seq=seq, driver=driver, name=key[1], differs=None)
+            if new is None and key[0] is SettingEpisode:  # that it is unknown lasts, too
+                new = SettingEpisode(begin=t, seq=seq, driver=driver, name=key[1], differs=None)
             if old is not None and new is not None and _same(old, new):
                 continue
             if old is not None:
                 lost = driver in self.lost
-                yield replace(old, end=t, outcome=Outcome.LOST if lost else Outcome.CHANGED)
+                yield replace(
+                    old, end=t, outcome=EpisodeOutcome.LOST if lost else EpisodeOutcome.CHANGED
+                )
                 del before[key]
-            if new is not None and len(before) < MOST:
+            if new is not None and len(before) < MOST_KEPT:
                 before[key] = new
                 yield new
 
 
-def _same(one: Setting | Conflict, other: Setting | Conflict) -> bool:
-    if isinstance(one, Conflict) or isinstance(other, Conflict):
+def _same(one: SettingEpisode | ConflictEpisode, other: SettingEpisode | ConflictEpisode) -> bool:
+    if isinstance(one, ConflictEpisode) or isinstance(other, ConflictEpisode):
         return True  # its sentence is its key
     return (one.differs, one.value, one.wanted) == (other.differs, other.value, other.wanted)
 
 
-def _found(shown: m.SettingsShown | None, t: int, seq: int) -> dict[_Key, Setting | Conflict]:
+def _found(
+    shown: m.SettingsShown | None, t: int, seq: int
+) -> dict[_Key, SettingEpisode | ConflictEpisode]:
     """All that a line says; nothing without a line."""
     if shown is None:
         return {}
-    driver, found = shown.driver, dict[_Key, Setting | Conflict]()
+    driver, found = shown.driver, dict[_Key, SettingEpisode | ConflictEpisode]()
     for name in dict.fromkeys((*shown.values, *shown.wanted)):
-        found[Setting, name] = Setting(
+        found[SettingEpisode, name] = SettingEpisode(
             begin=t,
             seq=seq,
             driver=driver,
@@ -123,5 +134,7 @@ def _found(shown: m.SettingsShown | None, t: int, seq: int) -> dict[_Key, Settin
             differs=name in shown.wanted,
         )
     for sentence in shown.conflicts:
-        found[Conflict, sentence] = Conflict(begin=t, seq=seq, driver=driver, sentence=sentence)
+        found[ConflictEpisode, sentence] = ConflictEpisode(
+            begin=t, seq=seq, driver=driver, sentence=sentence
+        )
     return found

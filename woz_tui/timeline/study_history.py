@@ -12,15 +12,23 @@ from msgspec.structs import replace
 from woz_tui.config.due_questionnaires import OVER, due_behind
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings
-from woz_tui.timeline.episodes import Break, Episode, Outcome, Phase, Questionnaire, Trial, keep
+from woz_tui.timeline.episodes import (
+    BreakEpisode,
+    Episode,
+    EpisodeOutcome,
+    PhaseEpisode,
+    QuestionnaireEpisode,
+    TrialEpisode,
+    keep_latest,
+)
 from woz_tui.timeline.trial_context import Context
 
 #: Sources of a change with which the phases begin anew.
-ANEW = ("trial", "session")
+RESTARTING_SOURCES = ("trial", "session")
 
 
 @dataclass(frozen=True, slots=True)
-class Due:
+class DueQuestionnaire:
     """A questionnaire that is due, and the trial behind which it is (-1: behind the last)."""
 
     questionnaire: str
@@ -73,11 +81,11 @@ class StudyState:
     context: Context = field(default_factory=Context)
     next_trial: int = 1
     assigned: m.ConditionsAssigned | None = None
-    trial: Trial | None = None
-    phase: Phase | None = None
+    trial: TrialEpisode | None = None
+    phase: PhaseEpisode | None = None
     phases: dict[str, m.PhaseChanged] = field(default_factory=dict)
-    in_break: Break | None = None
-    questionnaire: Questionnaire | None = None
+    in_break: BreakEpisode | None = None
+    questionnaire: QuestionnaireEpisode | None = None
     last_started: m.TrialStarted | None = None
     last_ended: m.TrialEnded | None = None
     checks: dict[str, m.PreflightChecked] = field(default_factory=dict)
@@ -158,7 +166,7 @@ class StudyState:
         return self.trials * max(len(assigned.order), 1)
 
     @property
-    def due(self) -> list[Due]:
+    def due(self) -> list[DueQuestionnaire]:
         """Questionnaires that are due behind the trial that ended last, in the file's order."""
         over = self._over
         if over is None:
@@ -166,13 +174,13 @@ class StudyState:
         planned = self._planned(self._order_then)
         whens = due_behind(over.trial, over.outcome, trials=self.trials, planned=planned)
         return [
-            Due(name, -1 if when == "end" else over.trial)
+            DueQuestionnaire(name, -1 if when == "end" else over.trial)
             for when in whens
             for name in self._questionnaires(when)
             if name not in self._had_since
         ]
 
-    def open_at_end(self) -> tuple[Due, ...]:
+    def open_at_end(self) -> tuple[DueQuestionnaire, ...]:
         """What is due and what is for the end, and was neither answered nor declined; without any
         participant and trial nothing is for the end.
         """
@@ -180,7 +188,7 @@ class StudyState:
         begun = bool(self.participant) or self.last_started is not None
         named = self.had.keys() | {each.questionnaire for each in due}
         at_end = self._questionnaires("end") if begun else ()
-        return (*due, *(Due(name) for name in at_end if name not in named))
+        return (*due, *(DueQuestionnaire(name) for name in at_end if name not in named))
 
     def _questionnaires(self, when: str) -> Iterator[str]:
         for each in self.settings.questionnaires:
@@ -286,7 +294,7 @@ class StudyState:
         if self.trial is not None:
             yield replace(self.trial, end=t, cut=True)
         self._begin_trials()
-        self.trial = Trial(begin=t, seq=message.seq, started=message)
+        self.trial = TrialEpisode(begin=t, seq=message.seq, started=message)
         self.last_started = self._sources["trial"] = message
         self._follow(message.trial, message)
         self._over, self._had_since = None, frozenset()
@@ -314,13 +322,13 @@ class StudyState:
 
     def change_phase(self, message: m.PhaseChanged, t: int) -> Iterator[Episode]:
         """Another phase holds, or none; with a trial or a session all of them begin anew."""
-        begun = {} if message.source in ANEW else self.phases
+        begun = {} if message.source in RESTARTING_SOURCES else self.phases
         yield from self._end_phase(message, t)
         self.phases = begun
         if message.phase:
-            self.phase = Phase(begin=t, seq=message.seq, changed=message)
+            self.phase = PhaseEpisode(begin=t, seq=message.seq, changed=message)
             if message.phase not in begun:
-                keep(begun, message.phase, message)
+                keep_latest(begun, message.phase, message)
             yield self.phase
         self._enter()
 
@@ -328,13 +336,13 @@ class StudyState:
         self, message: m.PhaseChanged | m.TrialStarted | m.TrialEnded, t: int
     ) -> Iterator[Episode]:
         if self.phase is not None:
-            yield replace(self.phase, end=t, outcome=Outcome.DONE, left=message)
+            yield replace(self.phase, end=t, outcome=EpisodeOutcome.DONE, left=message)
         self.phase, self.phases = None, {}
 
     def begin_break(self, message: m.BreakStarted, t: int) -> Iterator[Episode]:
         """What happens now belongs to no trial."""
         yield from self._cut_break(t)
-        self.in_break = Break(begin=t, seq=message.seq, started=message)
+        self.in_break = BreakEpisode(begin=t, seq=message.seq, started=message)
         self._enter()
         yield self.in_break
 
@@ -342,7 +350,7 @@ class StudyState:
         """The trial that was interrupted goes on, if one was."""
         if self.in_break is None:
             return
-        ended = replace(self.in_break, end=t, outcome=Outcome.DONE, ended=message)
+        ended = replace(self.in_break, end=t, outcome=EpisodeOutcome.DONE, ended=message)
         self.in_break = None
         self._enter()
         yield ended
@@ -357,7 +365,7 @@ class StudyState:
     def ask(self, message: m.QuestionnaireStarted, t: int) -> Iterator[Episode]:
         """A questionnaire begins; there is one at a time."""
         yield from self._cut_questionnaire(t)
-        self.questionnaire = Questionnaire(
+        self.questionnaire = QuestionnaireEpisode(
             begin=t, seq=message.seq, name=message.questionnaire, started=message
         )
         yield self.questionnaire
@@ -367,18 +375,18 @@ class StudyState:
         name = message.questionnaire
         if self.questionnaire is None or self.questionnaire.name != name:
             yield from self._cut_questionnaire(t)
-            self.questionnaire = Questionnaire(begin=t, seq=message.seq, name=name)
+            self.questionnaire = QuestionnaireEpisode(begin=t, seq=message.seq, name=name)
             yield self.questionnaire
         answers = dict(self.questionnaire.answers)
-        keep(answers, message.item, message)
+        keep_latest(answers, message.item, message)
         self.questionnaire = replace(self.questionnaire, answers=answers)
 
     def end_questionnaire(self, message: m.QuestionnaireEnded, t: int) -> Iterable[Episode]:
         """It is over; nothing comes of it if its beginning is not in the log."""
         name = message.questionnaire
-        keep(self._rounds, name, message)
-        if message.reason != Outcome.LEFT:
-            keep(self.had, name, message)
+        keep_latest(self._rounds, name, message)
+        if message.reason != EpisodeOutcome.LEFT:
+            keep_latest(self.had, name, message)
             self._had_since = (self._had_since & self.had.keys()) | {name}
         current = self.questionnaire
         if current is None or current.name != name:

@@ -9,10 +9,18 @@ from typing import TypeVar, cast
 from msgspec.structs import force_setattr, replace
 
 from woz_tui.protocol import messages as m
-from woz_tui.timeline.episodes import Action, Command, Episode, Moment, Trial, Utterance, keep
+from woz_tui.timeline.episodes import (
+    ActionEpisode,
+    CommandEpisode,
+    Episode,
+    MomentEpisode,
+    TrialEpisode,
+    UtteranceEpisode,
+    keep_latest,
+)
 from woz_tui.timeline.session_state import SessionState
-from woz_tui.timeline.study_history import Due
-from woz_tui.timeline.trial_context import Context, Contexts, Span
+from woz_tui.timeline.study_history import DueQuestionnaire
+from woz_tui.timeline.trial_context import Context, Contexts, ContextSpan
 
 E = TypeVar("E", bound=Episode)
 
@@ -40,12 +48,12 @@ class Timeline:
         self.contexts = Contexts()
         self.passed: dict[str, None] = {}
         self.episodes: tuple[Episode, ...] = ()
-        self.unanswered: tuple[Due, ...] = ()
+        self.unanswered: tuple[DueQuestionnaire, ...] = ()
         self._ended: list[Episode] = []
         #: Where among those an utterance is: its text comes later.
         self._spoken: dict[tuple[str, int], int] = {}
         self._by_kind: dict[type[Episode], list[Episode]] = {}
-        self._trials: dict[int | None, Trial] = {}
+        self._trials: dict[int | None, TrialEpisode] = {}
         self._begun = self._has_trials = False
 
     @property
@@ -59,16 +67,16 @@ class Timeline:
         return self.state.t
 
     @property
-    def spans(self) -> tuple[Span, ...]:
+    def spans(self) -> tuple[ContextSpan, ...]:
         """The contexts from the first line to the last, without a gap."""
         return self.contexts.spans(self.end)
 
     @property
-    def pieces(self) -> tuple[Span, ...]:
+    def pieces(self) -> tuple[ContextSpan, ...]:
         """The session by participant, condition, trial and break; whatever else of the context
         changes, divides nothing.
         """
-        found: list[Span] = []
+        found: list[ContextSpan] = []
         for span in self.spans:
             if found and _whose(found[-1].context) == _whose(span.context):
                 found[-1] = replace(found[-1], end=span.end)
@@ -80,7 +88,7 @@ class Timeline:
         """All episodes of one kind, in their order."""
         return cast("list[E]", self._by_kind.get(kind, []))
 
-    def parts(self, episode: Episode) -> tuple[Span, ...]:
+    def parts(self, episode: Episode) -> tuple[ContextSpan, ...]:
         """Its pieces by context: in order, gapless, together exactly as long as the episode."""
         return self.contexts.parts(episode.begin, episode.begin + episode.duration, episode.seq)
 
@@ -115,12 +123,12 @@ class Timeline:
         if study.context is not before or (study.begun and not self._begun):
             self._enter(message)
         for episode in changes:
-            if type(episode) is Utterance:
+            if type(episode) is UtteranceEpisode:
                 self._keep(episode)
             elif episode.end is not None:
                 self._ended.append(episode)
         if not changes and type(message) is m.Command:
-            keep(self.passed, message.command, None)
+            keep_latest(self.passed, message.command, None)
 
     def _enter(self, message: m.Message) -> None:
         """Another context holds. Whose the time was before the first line that says so is lost: it
@@ -135,7 +143,7 @@ class Timeline:
                 return
         self.contexts.enter(self.state.t, message.seq, context)
 
-    def _keep(self, spoken: Utterance) -> None:
+    def _keep(self, spoken: UtteranceEpisode) -> None:
         if spoken.end is None:
             return
         key = (spoken.driver, spoken.segment)
@@ -157,7 +165,7 @@ class Timeline:
             force_setattr(episode, "context", at(episode.begin, episode.seq))
             self._by_kind.setdefault(type(episode), []).append(episode)
         self.episodes = tuple(found)
-        self._trials = {trial.seq: trial for trial in self.of(Trial)}
+        self._trials = {trial.seq: trial for trial in self.of(TrialEpisode)}
         self._has_trials = any(span.context.trial is not None for span in self.spans)
 
 
@@ -170,18 +178,18 @@ def _add_mistakes(episodes: list[Episode]) -> None:
     mistakes = [
         each.message
         for each in episodes
-        if type(each) is Moment and type(each.message) is m.Mistake
+        if type(each) is MomentEpisode and type(each.message) is m.Mistake
     ]
     places: dict[str, list[int]] = {mistake.run: [] for mistake in mistakes}
     for at, episode in enumerate(episodes) if mistakes else ():
-        if type(episode) is Action:
+        if type(episode) is ActionEpisode:
             places.get(episode.request.run, []).append(at)
-        elif type(episode) is Command:
+        elif type(episode) is CommandEpisode:
             places.get(episode.request.command, []).append(at)
     for mistake in mistakes:
         for at in reversed(places[mistake.run]):
             episode = episodes[at]
-            if episode.seq < mistake.seq and isinstance(episode, Action | Command):
+            if episode.seq < mistake.seq and isinstance(episode, ActionEpisode | CommandEpisode):
                 if episode.mistake is None:
                     episodes[at] = replace(episode, mistake=mistake)
                 break

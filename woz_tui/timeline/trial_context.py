@@ -30,7 +30,7 @@ class Context(msgspec.Struct, frozen=True, kw_only=True):
     phase: str = ""
 
 
-class Span(msgspec.Struct, frozen=True):
+class ContextSpan(msgspec.Struct, frozen=True):
     """A piece of time, from `begin` up to `end` (microseconds on the axis of `t`), in one context.
 
     `seq` is the line from which on the context holds: at one and the same moment several may follow
@@ -67,11 +67,11 @@ class Contexts:
         """Let `context` hold from the very beginning."""
         self._contexts[0] = context
 
-    def spans(self, until: int) -> tuple[Span, ...]:
+    def spans(self, until: int) -> tuple[ContextSpan, ...]:
         """All of them, the last one up to `until`; some may have no length."""
         ends = [*(t for t, _ in self._begins[1:]), until]
         return tuple(
-            Span(begin, end, context, seq)
+            ContextSpan(begin, end, context, seq)
             for (begin, seq), context, end in zip(self._begins, self._contexts, ends, strict=False)
         )
 
@@ -89,7 +89,7 @@ class Contexts:
         place = bisect.bisect_right(self._begins, (t, seq))
         return self._stretches[max(0, place - 1)] if self._stretches else 0
 
-    def parts(self, begin: int, end: int, seq: int) -> tuple[Span, ...]:
+    def parts(self, begin: int, end: int, seq: int) -> tuple[ContextSpan, ...]:
         """The pieces of the time from `begin` to `end`, each in one context: gapless, in order.
         Several phases are no several pieces: the context is that of the first.
 
@@ -97,13 +97,13 @@ class Contexts:
         are left out, unless all of it has none.
         """
         if end <= begin or not self._contexts:
-            return (Span(begin, end, self.at(begin, seq), seq),)
+            return (ContextSpan(begin, end, self.at(begin, seq), seq),)
         place = max(0, bisect.bisect_right(self._begins, (begin, seq)) - 1)
         if place + 1 == len(self._begins) or end <= self._begins[place + 1][0]:
-            return (Span(begin, end, self._contexts[place], self._begins[place][1]),)
+            return (ContextSpan(begin, end, self._contexts[place], self._begins[place][1]),)
         return tuple(self._pieces(begin, end, place))
 
-    def _pieces(self, begin: int, end: int, place: int) -> Iterator[Span]:
+    def _pieces(self, begin: int, end: int, place: int) -> Iterator[ContextSpan]:
         while begin < end:
             later = place + 1
             while later < len(self._begins) and self._stretches[later] == self._stretches[place]:
@@ -112,6 +112,6 @@ class Contexts:
                 place += 1
             until = min(end, self._begins[later][0]) if later < len(self._begins) else end
             if until > begin:
-                yield Span(begin, until, self._contexts[place], self._begins[place][1])
+                yield ContextSpan(begin, until, self._contexts[place], self._begins[place][1])
                 begin = until
             place = later

@@ -11,7 +11,7 @@ from woz_tui.analysis.html.markup import clean
 from woz_tui.analysis.html.timeline_styles import SORTS
 from woz_tui.analysis.timeline_lanes import Curve, Drawing, Instant, Interval, Lane
 from woz_tui.sensing.state_machine import ENGAGED
-from woz_tui.timeline.episodes import NOT_COUNTED, Outcome
+from woz_tui.timeline.episodes import NOT_COUNTED, EpisodeOutcome
 
 #: Points of a curve on the page; more could not be told apart, and would only make it large.
 POINTS = 1500
@@ -20,7 +20,10 @@ _PAUSE = 1_000_000
 #: What the detail of an interval is called.
 _DETAILS = {"state": "why", "trial": "condition", "stop": "reach"}
 #: Outcomes of commands that look like another one.
-_LOOKS: Mapping[str, str] = {Outcome.TIMED_OUT: "failed", Outcome.SUPERSEDED: "stopped"}
+_LOOKS: Mapping[str, str] = {
+    EpisodeOutcome.TIMED_OUT: "failed",
+    EpisodeOutcome.SUPERSEDED: "stopped",
+}
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from collections import deque
 from dataclasses import dataclass, field
 
 from woz_tui.protocol import messages as m
-from woz_tui.timeline.episodes import Utterance
+from woz_tui.timeline.episodes import UtteranceEpisode
 from woz_tui.timeline.session_state import SessionState
 
 #: Changes and understood utterances that are kept; the log has them all.
@@ -51,7 +51,7 @@ class Engaged:
             return None
         return max(0, now - self.shown.waits_since)
 
-    def speaking(self, now: int) -> Utterance | None:
+    def speaking(self, now: int) -> UtteranceEpisode | None:
         """The utterance that goes on now, if one does."""
         for spoken in reversed(self.session.speaking.values()):
             return spoken if now - spoken.begin < ENDLESS_US else None

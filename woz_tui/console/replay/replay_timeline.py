@@ -16,7 +16,7 @@ from woz_tui.console.replay.replay_state import Place, ReplayPicture, wall_at
 from woz_tui.console.robot_settings.stop_confirmation import missing_row
 from woz_tui.console.script_row import script_row, upcoming
 from woz_tui.console.sentence_rows import sentence_rows
-from woz_tui.timeline.episodes import Stop
+from woz_tui.timeline.episodes import StopEpisode
 
 #: The most important first: they share cells of the line. Sign and look.
 SIGNS: Mapping[str, tuple[str, str]] = {
@@ -63,7 +63,7 @@ def _then(picture: ConsoleState, frame: PaintFrame, bar: BarInfo) -> Row:
     return cut(hint_row(bar.hints, width), width, glyphs.ellipsis)
 
 
-def _stopped(stop: Stop, glyphs: Glyphs, width: int) -> Row:
+def _stopped(stop: StopEpisode, glyphs: Glyphs, width: int) -> Row:
     """The stop of then in one row, and who had confirmed."""
     first = f" {glyphs.stop} STOPPED by {clean(stop.source)} at {elapsed(stop.begin)} "
     row: Row = ((first, "alarm"),)

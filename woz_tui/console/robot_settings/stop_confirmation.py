@@ -8,7 +8,7 @@ from rich.cells import cell_len
 
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.glyphs import Glyphs
-from woz_tui.timeline.episodes import Stop
+from woz_tui.timeline.episodes import StopEpisode
 
 Parts = Mapping[str, Iterable[str]]
 
@@ -29,14 +29,14 @@ def missing_words(missing: Iterable[str], unreached: Collection[str], parts: Par
     return [*found, f"not confirmed: {named}"] if named else found
 
 
-def missing_row(stop: Stop, glyphs: Glyphs) -> Row:
+def missing_row(stop: StopEpisode, glyphs: Glyphs) -> Row:
     """The same as an alarm at the bottom; nothing if all confirmed."""
     words = missing_words(stop.missing, stop.unreached, stop.parts_missing)
     alarms = (each.partition(":") for each in map(clean, words))
     return tuple((f" {glyphs.error} {what.upper()}:{names} ", "alarm") for what, _, names in alarms)
 
 
-def confirmed_words(stop: Stop, room: int) -> str:
+def confirmed_words(stop: StopEpisode, room: int) -> str:
     """`head, pepper (speech, motion)` in at most `room` cells if it can be: parts are named where
     there is room for all of them. Of a driver that is missing, those parts that did confirm.
     """

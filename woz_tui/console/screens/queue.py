@@ -9,7 +9,7 @@ from woz_tui.console.command_text import command_words
 from woz_tui.console.key_caps import key_name
 from woz_tui.console.number_text import seconds
 from woz_tui.console.screens.dialog import ReportDialog
-from woz_tui.timeline.episodes import Command
+from woz_tui.timeline.episodes import CommandEpisode
 
 
 class QueueDialog(ReportDialog):
@@ -27,7 +27,7 @@ class QueueDialog(ReportDialog):
 
     def lines(self) -> list[Row]:
         """A paragraph for each lane in which something waits."""
-        lanes: dict[str, list[Command]] = {}
+        lanes: dict[str, list[CommandEpisode]] = {}
         for command in self.picture.runs.waiting:
             lanes.setdefault(self._lane(command), []).append(command)
         rows: list[Row] = []
@@ -44,17 +44,17 @@ class QueueDialog(ReportDialog):
             if command.started is not None and self._lane(command) == lane:
                 yield ((f"{'runs':>10}  ", "run"), (self._what(command), "run"))
 
-    def _waits(self, command: Command) -> Row:
+    def _waits(self, command: CommandEpisode) -> Row:
         local = self.console_app.clock.now_us()
         waited = seconds(max(0, self.picture.now(local) - command.begin))
         return ((f"{waited:>10}  ", "wait"), (self._what(command), "plain"))
 
-    def _lane(self, command: Command) -> str:
+    def _lane(self, command: CommandEpisode) -> str:
         request = command.request
         lane = self.picture.settings.lanes.get(request.driver, {}).get(request.verb, request.verb)
         return f"{request.driver} {lane}"
 
-    def _what(self, command: Command) -> str:
+    def _what(self, command: CommandEpisode) -> str:
         request = command.request
         return self.picture.label(request.action) if request.action else command_words(request)
 

@@ -20,8 +20,8 @@ from tools import IMAGES
 from tools.sample_session import SAMPLE
 from woz_tui.analysis.html.report_page import write
 from woz_tui.analysis.html.timeline_items import rows
-from woz_tui.analysis.session_reading import Wanted, examine
-from woz_tui.analysis.session_report import Report
+from woz_tui.analysis.session_reading import ReportOptions, read_report
+from woz_tui.analysis.session_report import SessionReport
 
 FILE = IMAGES / "report.png"
 WIDTH, HEIGHT = 1280, 960
@@ -29,7 +29,7 @@ WIDTH, HEIGHT = 1280, 960
 SHOWN = "Welcome"
 
 
-def shot(page: Page, report: Report, folder: Path) -> bytes:
+def shot(page: Page, report: SessionReport, folder: Path) -> bytes:
     """The report's upper part, with the details of one action, as PNG."""
     write([report], folder / "report.html")
     assert report.timeline is not None
@@ -52,7 +52,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "profile").mkdir()
-        report = examine(SAMPLE, wanted=Wanted(timeline=True, curves=True))
+        report = read_report(SAMPLE, wanted=ReportOptions(timeline=True, curves=True))
         with browser(folder / "profile") as page:
             picture = Image.open(io.BytesIO(shot(page, report, folder)))
     file = Path(sys.argv[1]) if len(sys.argv) > 1 else FILE

@@ -7,10 +7,17 @@ from typing import Any
 
 from tools import replaced
 from woz_tui.analysis.measures import MEASURES
-from woz_tui.analysis.tables import CONDITIONS, EVENTS, FIGURES, SAMPLES, Table, answers_wide
+from woz_tui.analysis.tables import (
+    CONDITIONS,
+    EVENTS,
+    FIGURES,
+    SAMPLES,
+    TableDefinition,
+    answers_wide,
+)
 
 #: All of them, in the order of the page.
-TABLES: tuple[Table[Any], ...] = (
+TABLES: tuple[TableDefinition[Any], ...] = (
     *FIGURES,
     answers_wide(["<questionnaire>.<item>"]),
     EVENTS,
@@ -32,7 +39,7 @@ def _figures() -> Iterator[str]:
         yield f"| `{measure.name}` | {measure.unit} | {measure.meaning} |"
 
 
-def _table(table: Table[Any]) -> Iterator[str]:
+def _table(table: TableDefinition[Any]) -> Iterator[str]:
     yield ""
     yield f"## `{table.name}.csv`"
     yield ""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import msgspec
 
 from tests.analysis.told import SECOND, Told, figures_of, in_time, seconds
-from woz_tui.analysis.figures import Outcomes, SessionFigures
+from woz_tui.analysis.figures import ActionOutcomes, SessionFigures
 from woz_tui.protocol import messages as m
 
 
@@ -17,10 +17,10 @@ def test_actions_are_counted_by_how_they_ended() -> None:
     it = Told().act(1, "Hello").act(2, "Hello", end="failed").act(3, "Nod", "Body", end="refused")
     it.act(4, "Nod", "Body", source="script", end="stopped").act(5, "Nod", "Body", took=None)
     whole = told(it.end(10)).whole
-    assert whole.outcomes == Outcomes(done=1, failed=1, stopped=1, refused=1, open=1)
+    assert whole.outcomes == ActionOutcomes(done=1, failed=1, stopped=1, refused=1, open=1)
     assert whole.by("action") == {
-        "Nod": Outcomes(stopped=1, refused=1, open=1),
-        "Hello": Outcomes(done=1, failed=1),
+        "Nod": ActionOutcomes(stopped=1, refused=1, open=1),
+        "Hello": ActionOutcomes(done=1, failed=1),
     }
     assert whole.by("panel")["Body"].total == 3
     assert {source: ends.total for source, ends in whole.by("source").items()} == {

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.analysis.told import SECOND, Told, in_time
-from woz_tui.analysis.coder_agreement import Agreement, agreements, binned, stretches
+from woz_tui.analysis.coder_agreement import Agreement, agreements, binned, coded_spans
 from woz_tui.log.coding_file import Code
 from woz_tui.protocol import messages as m
 from woz_tui.timeline.timeline import timeline_of
@@ -99,14 +99,14 @@ def seconds(found: Sequence[tuple[int, int]]) -> list[tuple[float, float]]:
 
 def test_only_trials_that_count_are_compared() -> None:
     timeline = timeline_of(in_time(trials()))
-    assert seconds(stretches(timeline)) == [(2, 10), (20, 23), (25, 30)]
-    assert (12, 15) in seconds(stretches(timeline, every=True))
+    assert seconds(coded_spans(timeline)) == [(2, 10), (20, 23), (25, 30)]
+    assert (12, 15) in seconds(coded_spans(timeline, every=True))
     codes = coded("K1", (1, "x: before"), (9, "x: a"), (13, "x: aborted"))
-    assert binned(codes, "x", stretches(timeline), SECOND) == [*[""] * 7, "a", *[""] * 8]
+    assert binned(codes, "x", coded_spans(timeline), SECOND) == [*[""] * 7, "a", *[""] * 8]
 
 
 def test_a_session_without_trials_is_compared_as_a_whole() -> None:
-    assert seconds(stretches(timeline_of(in_time(Told().end(9))))) == [(0, 9)]
+    assert seconds(coded_spans(timeline_of(in_time(Told().end(9))))) == [(0, 9)]
 
 
 CODES = st.lists(

@@ -17,12 +17,12 @@ from tests.protocol.examples import messages as examples
 from woz_tui.analysis import figures_json
 from woz_tui.analysis.csv_package import table_files
 from woz_tui.analysis.event_rows import CUE_RESULTS
-from woz_tui.analysis.figure_counting import Options
+from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.html.report_page import render
 from woz_tui.analysis.methods_section import paragraphs
-from woz_tui.analysis.session_reading import NoSessionError, Wanted, examine
-from woz_tui.analysis.session_report import Report
+from woz_tui.analysis.session_reading import NoSessionError, ReportOptions, read_report
+from woz_tui.analysis.session_report import SessionReport
 from woz_tui.analysis.study_figures import Studies
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
@@ -83,7 +83,7 @@ def timed(course: list[tuple[m.AnyMessage, int]]) -> list[m.AnyMessage]:
     return found
 
 
-def used(figures: SessionFigures, report: Report) -> None:
+def used(figures: SessionFigures, report: SessionReport) -> None:
     """All that is made of figures."""
     json.dumps(figures_json.session(figures), allow_nan=False)
     studies = Studies()
@@ -102,12 +102,12 @@ def test_messages_in_any_order_raise_nothing(course: list[tuple[m.AnyMessage, in
         msgspec.structs.replace(message, seq=seq, t=t) for seq, (message, t) in enumerate(course)
     ]
     figures = figures_of(messages)
-    used(figures, Report(figures, drawn(messages)))
+    used(figures, SessionReport(figures, drawn(messages)))
 
 
 @given(COURSE)
 def test_the_parts_add_up_to_the_whole(course: list[tuple[m.AnyMessage, int]]) -> None:
-    figures = figures_of(timed(course), Options(all_trials=True))
+    figures = figures_of(timed(course), FigureOptions(all_trials=True))
     whole, parts = figures.whole, figures.parts
     assert whole.us == sum(part.us for part in parts) == figures.duration_us
     for name in ("actions", "by_hand", "direct", "mistakes", "markers", "stops"):
@@ -129,7 +129,7 @@ def test_the_parts_add_up_to_the_whole(course: list[tuple[m.AnyMessage, int]]) -
 def test_cues_have_one_fate_and_reactions_are_in_the_window(
     course: list[tuple[m.AnyMessage, int]],
 ) -> None:
-    figures = figures_of(timed(course), Options(all_trials=True))
+    figures = figures_of(timed(course), FigureOptions(all_trials=True))
     for cue in figures.cues:
         assert cue.result in CUE_RESULTS
         assert (cue.reaction_us is not None) == (cue.result == "answered")
@@ -141,7 +141,7 @@ def test_cues_have_one_fate_and_reactions_are_in_the_window(
 @given(COURSE)
 def test_leaving_trials_out_only_takes_away(course: list[tuple[m.AnyMessage, int]]) -> None:
     messages = timed(course)
-    some, every = figures_of(messages), figures_of(messages, Options(all_trials=True))
+    some, every = figures_of(messages), figures_of(messages, FigureOptions(all_trials=True))
     assert some.whole.actions <= every.whole.actions
     assert some.whole.us <= every.whole.us
     left_out = [trial for trial in every.trials if not trial.counted]
@@ -187,6 +187,6 @@ def test_a_damaged_log_raises_nothing_and_tells_so(
         path = Path(folder) / f"{STEM}.jsonl"
         path.write_bytes(data)
         with suppress(NoSessionError):
-            report = examine(path, wanted=Wanted(timeline=True), places=[])
+            report = read_report(path, wanted=ReportOptions(timeline=True), places=[])
             assert report.figures.wholeness.sentences  # at least: it has no end
             used(report.figures, report)

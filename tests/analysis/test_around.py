@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tests.analysis.told import SECOND, Told, figures_of, in_time
-from woz_tui.analysis.figure_counting import Options
+from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
@@ -11,7 +11,7 @@ from woz_tui.protocol.welcome import DesignView, Questionnaire, Settings, StudyS
 
 
 def told(it: Told, *, all_trials: bool = False) -> SessionFigures:
-    return figures_of(in_time(it), Options(all_trials=all_trials))
+    return figures_of(in_time(it), FigureOptions(all_trials=all_trials))
 
 
 def trials() -> Told:

@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 
 from tests.analysis.told import SECOND, STEM, Told, figures_of, in_time, seconds
-from woz_tui.analysis.figure_counting import Options
+from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.log_integrity import NO_BEGINNING
-from woz_tui.analysis.session_reading import examine
+from woz_tui.analysis.session_reading import read_report
 from woz_tui.analysis.session_sources import sessions_in
 from woz_tui.protocol import messages as m
 
@@ -20,7 +20,7 @@ SETTINGS = m.EngagementAdopted(settings={"start": "run"})
 
 
 def told(it: Told, *, all_trials: bool = False) -> SessionFigures:
-    return figures_of(in_time(it), Options(all_trials=all_trials))
+    return figures_of(in_time(it), FigureOptions(all_trials=all_trials))
 
 
 def trial(it: Told, begin: float, end: float, outcome: str, number: int = 1) -> Told:
@@ -129,7 +129,7 @@ def test_lines_that_are_gone_are_missed_without_a_checksum(lost: slice, tmp_path
     gone = len(lines[lost])
     del lines[lost]
     path.write_bytes(b"".join(lines))
-    whole = examine(path, places=[]).figures.wholeness
+    whole = read_report(path, places=[]).figures.wholeness
     assert f"{gone} line(s) of actions missing" in whole.sentences
     assert (NO_BEGINNING in whole.sentences) == (lost.start == 0)
     assert whole.missing == gone
@@ -140,7 +140,7 @@ def test_a_damaged_line_is_not_missed_once_more(tmp_path: Path) -> None:
     lines = path.read_bytes().splitlines(keepends=True)
     lines[3] = b"{]\n"
     path.write_bytes(b"".join(lines))
-    whole = examine(path, places=[]).figures.wholeness
+    whole = read_report(path, places=[]).figures.wholeness
     assert (whole.left_out, whole.missing) == (1, 0)
 
 
@@ -152,7 +152,7 @@ def test_links_that_lead_in_a_circle_are_named(tmp_path: Path) -> None:
     assert paths + problems
     for path in paths:
         with pytest.raises(FileNotFoundError):
-            examine(path, places=[])
+            read_report(path, places=[])
 
 
 def test_what_may_not_be_read_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,10 +13,10 @@ import pytest
 from tests.analysis.told import SECOND, Told, figures_of, in_time
 from tests.export.out import exported
 from woz_tui.analysis.csv_package import table_files
-from woz_tui.analysis.figure_counting import Options
+from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.methods_section import paragraphs
-from woz_tui.analysis.participant_groups import Grouped
+from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.analysis.study_figures import Studies
 from woz_tui.protocol import messages as m
 
@@ -45,7 +45,7 @@ def study() -> Told:
 
 
 def told(it: Told, *, all_trials: bool = False) -> SessionFigures:
-    return figures_of(in_time(it), Options(all_trials=all_trials))
+    return figures_of(in_time(it), FigureOptions(all_trials=all_trials))
 
 
 def tables(it: Told, folder: Path) -> dict[str, list[dict[str, str]]]:
@@ -97,7 +97,7 @@ def test_a_session_without_trials_has_no_time_outside() -> None:
 
 
 def means(*, all_trials: bool) -> dict[str, dict[str, float | None]]:
-    grouped = Grouped()
+    grouped = GroupedSessions()
     grouped.add(told(study(), all_trials=all_trials))
     names = ("duration", "wizard_actions", "wizard_actions_per_minute")
     return {
@@ -160,6 +160,6 @@ def test_an_answer_to_a_questionnaire_in_an_aborted_trial_is_in_no_mean() -> Non
     it.add(12, m.QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=2.0))
     it.add(14, m.TrialEnded(trial=1, outcome="aborted")).end(20)
     for all_trials, count in ((False, 0), (True, 1)):
-        grouped = Grouped()
+        grouped = GroupedSessions()
         grouped.add(told(it, all_trials=all_trials))
         assert len(grouped.items("guide.yaml")) == count

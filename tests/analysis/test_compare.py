@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.analysis.alignment import align, rising
-from woz_tui.analysis.played_actions import Act, Played, played
+from woz_tui.analysis.played_actions import PlayedAct, PlayedSession, played_session
 from woz_tui.analysis.session_comparison import (
     BY_COMMANDS,
     BY_NAMES,
-    Pair,
+    ActPair,
     compare,
     facts,
     shifts_of,
@@ -26,15 +26,15 @@ SEQUENCES = st.lists(NAMES, max_size=25)
 SECOND = 1_000_000
 
 
-def session(names: list[str], name: str = "A", every: int = SECOND) -> Played:
+def session(names: list[str], name: str = "A", every: int = SECOND) -> PlayedSession:
     acts = [
-        Act(f"a{n:05d}", word, n * every, n * every, "done", ({"text": word},))
+        PlayedAct(f"a{n:05d}", word, n * every, n * every, "done", ({"text": word},))
         for n, word in enumerate(names)
     ]
-    return Played(name, acts=acts)
+    return PlayedSession(name, acts=acts)
 
 
-def rerun(original: Played, name: str = "B", late: int = 500) -> Played:
+def rerun(original: PlayedSession, name: str = "B", late: int = 500) -> PlayedSession:
     """A re-run of the commands of `original`."""
     again = [
         replace(
@@ -42,12 +42,12 @@ def rerun(original: Played, name: str = "B", late: int = 500) -> Played:
         )
         for act in original.commands
     ]
-    return Played(name, commands=again, original=original.name)
+    return PlayedSession(name, commands=again, original=original.name)
 
 
-def commands(count: int) -> Played:
+def commands(count: int) -> PlayedSession:
     made = session([f"robot.say{n}" for n in range(count)], "2026_S01")
-    return Played(made.name, commands=made.acts)
+    return PlayedSession(made.name, commands=made.acts)
 
 
 # -- aligned by names -----------------------------------------------------------------------------
@@ -144,14 +144,14 @@ def test_a_slower_session_drifts(count: int, slower: int) -> None:
 
 def test_figures_of_nothing_and_of_one() -> None:
     assert shifts_of([]) is None
-    act = Act("a", "Nod", 5)
-    shifts = shifts_of([Pair(act, act, -7)])
+    act = PlayedAct("a", "Nod", 5)
+    shifts = shifts_of([ActPair(act, act, -7)])
     assert shifts is not None
     assert (shifts.median, shifts.p95, shifts.largest, shifts.drift) == (-7, 7, 7, 0.0)
 
 
 def test_the_95th_percentile_is_the_nearest_rank() -> None:
-    pairs = [Pair(Act("a", "Nod", n), Act("b", "Nod", n), n) for n in range(1, 101)]
+    pairs = [ActPair(PlayedAct("a", "Nod", n), PlayedAct("b", "Nod", n), n) for n in range(1, 101)]
     shifts = shifts_of(pairs)
     assert shifts is not None
     assert (shifts.p95, shifts.largest) == (95, 100)
@@ -238,7 +238,7 @@ def command(name: str, t: int, run: str = "", **more: str) -> m.Command:
 
 
 def test_actions_stand_for_their_commands() -> None:
-    log = played(
+    log = played_session(
         "A",
         [
             m.ActionRequested(run="a1", action="Hello", source="key", t=1),
@@ -267,11 +267,13 @@ def test_a_stream_of_setpoints_is_one_act() -> None:
     def gazes(count: int, every: int) -> list[m.AnyMessage]:
         return [command(f"c{n}", n * every, verb="gaze") for n in range(count)]
 
-    log = played("A", [*gazes(50, 40_000), command("d1", 2_100_000), command("d2", 9_000_000)])
+    log = played_session(
+        "A", [*gazes(50, 40_000), command("d1", 2_100_000), command("d2", 9_000_000)]
+    )
     assert [act.name for act in log.acts] == ["robot.gaze", "robot.say", "robot.say"]
     assert (log.streams, len(log.commands)) == (49, 52)
-    assert compare(log, played("B", [*gazes(20, 90_000), *log_end(2)])).same
-    assert len(played("C", gazes(3, SECOND)).acts) == 3
+    assert compare(log, played_session("B", [*gazes(20, 90_000), *log_end(2)])).same
+    assert len(played_session("C", gazes(3, SECOND)).acts) == 3
 
 
 def log_end(count: int) -> list[m.AnyMessage]:
@@ -288,7 +290,7 @@ def test_long_and_unlike_sessions_end_soon() -> None:
 
 
 def test_lateness_of_a_re_run_counts_from_when_it_was_due() -> None:
-    log = played(
+    log = played_session(
         "B",
         [
             m.RerunStarted(original="A", original_session="S01"),

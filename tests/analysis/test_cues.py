@@ -6,14 +6,14 @@ from msgspec.structs import replace
 
 from tests.analysis.told import SECOND, Told, figures_of, in_time, seconds
 from tests.protocol.examples import messages as examples
-from woz_tui.analysis.figure_counting import Options
+from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
 
 
-def told(it: Told, options: Options | None = None) -> SessionFigures:
-    return figures_of(in_time(it), options or Options())
+def told(it: Told, options: FigureOptions | None = None) -> SessionFigures:
+    return figures_of(in_time(it), options or FigureOptions())
 
 
 def fates(figures: SessionFigures) -> list[tuple[str, str, float | None]]:
@@ -76,7 +76,7 @@ def test_an_act_that_was_refused_is_judged_by_what_it_would_have_done() -> None:
 def test_at_the_end_of_the_window_an_answer_still_counts() -> None:
     it = Told().speech(1, 3).act(13).speech(20, 22, 2).act(32.001).end(60)
     assert fates(told(it)) == [("speech", "answered", 10.0), ("speech", "missed", None)]
-    wide = told(it, Options(window_us=11 * SECOND))
+    wide = told(it, FigureOptions(window_us=11 * SECOND))
     assert [fate for _, fate, _ in fates(wide)] == ["answered", "answered"]
 
 
@@ -152,7 +152,7 @@ def test_a_state_that_is_left_wants_no_answer_any_more() -> None:
 def test_which_states_are_cues_can_be_said() -> None:
     it = Told().state(3, "PersonDetected", "EngagedWithUnknown").act(4).end(20)
     assert told(it).cues == ()
-    figures = told(it, Options(waiting=("EngagedWithUnknown",)))
+    figures = told(it, FigureOptions(waiting=("EngagedWithUnknown",)))
     assert fates(figures) == [("engagement", "answered", 1.0)]
     assert figures.cues[0].what == "EngagedWithUnknown"
 

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 from tests.analysis.told import SECOND, Told, drawn, figures_of, in_time
 from woz_tui.analysis.csv_package import table_files
-from woz_tui.analysis.figure_counting import Options
+from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.measures import measured
-from woz_tui.analysis.session_reading import examine
+from woz_tui.analysis.session_reading import read_report
 from woz_tui.analysis.setting_differences import by_trial
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
@@ -32,7 +32,7 @@ def shown(
 
 
 def told(it: Told, *, all_trials: bool = False) -> SessionFigures:
-    return figures_of(in_time(it), Options(all_trials=all_trials))
+    return figures_of(in_time(it), FigureOptions(all_trials=all_trials))
 
 
 def rows(figures: SessionFigures) -> list[tuple[str, int, float, float]]:
@@ -204,7 +204,7 @@ def test_a_log_that_is_torn_counts_up_to_its_last_line(tmp_path: Path) -> None:
     path = it.written(tmp_path)
     lines = path.read_bytes().splitlines(keepends=True)
     path.write_bytes(b"".join(lines[:-2]) + lines[-2][:40])
-    figures = examine(path).figures
+    figures = read_report(path).figures
     assert rows(figures) == [("volume", -1, 1, 5)]
     assert figures.differences[0].cut
     assert figures.wholeness.sentences
@@ -266,7 +266,7 @@ def test_the_times_are_those_of_every_moment_by_itself(
                 expected[each] = expected.get(each, 0) + after
         t += after
         messages.append(msgspec.structs.replace(message, seq=len(messages), t=t * SECOND))
-    figures = figures_of(messages, Options(all_trials=True))
+    figures = figures_of(messages, FigureOptions(all_trials=True))
     found: dict[tuple[str, str], int] = {}
     for row in figures.differences:
         key = (row.driver, row.setting)

@@ -14,19 +14,19 @@ from woz_tui.analysis import figures_json
 from woz_tui.analysis.csv_package import table_files
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.measures import MEASURES
-from woz_tui.analysis.participant_groups import Grouped, Row, totals
-from woz_tui.analysis.session_reading import examine
+from woz_tui.analysis.participant_groups import ConditionRow, GroupedSessions, totals
+from woz_tui.analysis.session_reading import read_report
 from woz_tui.analysis.tables import rounded
 from woz_tui.protocol import messages as m
 from woz_tui.system.text_cleaning import cell
 
 
 def sessions(folder: Path) -> list[SessionFigures]:
-    return [examine(path, places=[]).figures for path in study(folder)]
+    return [read_report(path, places=[]).figures for path in study(folder)]
 
 
-def grouped(folder: Path) -> Grouped:
-    found = Grouped()
+def grouped(folder: Path) -> GroupedSessions:
+    found = GroupedSessions()
     for figures in sessions(folder):
         found.add(figures)
     return found
@@ -57,8 +57,8 @@ def test_totals_are_over_participants(tmp_path: Path) -> None:
 
 
 def test_somebody_with_two_sessions_counts_once() -> None:
-    def row(who: str, value: float | None) -> Row:
-        return Row("x", who, "c", "S", {measure.name: value for measure in MEASURES})
+    def row(who: str, value: float | None) -> ConditionRow:
+        return ConditionRow("x", who, "c", "S", {measure.name: value for measure in MEASURES})
 
     [total] = totals([row("P01", 1.0), row("P01", 3.0), row("P02", 6.0), row("P03", None)])
     acts = total.values["wizard_actions"]
@@ -95,7 +95,7 @@ def test_trainings_and_re_runs_are_no_sessions_of_participants(tmp_path: Path) -
     right = m.CueAnswered(cue="q", judged="right", reaction_us=500_000)
     trained = Told(session="T01").add(1, given, right).end(9)
     again = Told(session="S09").add(1, m.RerunStarted(original="x", original_session="S01")).end(9)
-    found = Grouped()
+    found = GroupedSessions()
     with table_files(tmp_path) as folder:
         for it in (trained, again, Told().act(1).end(9)):
             figures = figures_of(in_time(it))
@@ -112,7 +112,7 @@ def test_trainings_and_re_runs_are_no_sessions_of_participants(tmp_path: Path) -
 
 
 def test_scales_have_means_over_participants() -> None:
-    found = Grouped()
+    found = GroupedSessions()
     found.add(answered("P01", "warm", 4.0, 6.0))
     found.add(answered("P02", "warm", 7.0, None))
     found.add(answered("P03", "cold", None))

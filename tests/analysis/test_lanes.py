@@ -7,11 +7,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.analysis.told import SECOND, Told, drawn, in_time
-from woz_tui.analysis.timeline_lanes import PLACES, Curves, Lane, in_words
+from woz_tui.analysis.timeline_lanes import PLACES, SensorCurves, TimelineLane, in_words
 from woz_tui.protocol import messages as m
 
 
-def lanes(it: Told) -> dict[str, Lane]:
+def lanes(it: Told) -> dict[str, TimelineLane]:
     return {lane.name: lane for lane in drawn(in_time(it)).lanes}
 
 
@@ -64,7 +64,7 @@ def test_arguments_in_a_few_words() -> None:
 
 @given(st.lists(st.integers(0, 3_600), min_size=1, max_size=50))
 def test_a_curve_keeps_its_mean_and_never_grows(times: list[int]) -> None:
-    curves = Curves()
+    curves = SensorCurves()
     for t in sorted(times):
         curves.take(m.Reading(t=t * SECOND, sensor="distance", value=2.5, unit="m"))
     [curve] = curves
@@ -74,7 +74,7 @@ def test_a_curve_keeps_its_mean_and_never_grows(times: list[int]) -> None:
 
 
 def test_a_curve_is_a_mean_of_what_falls_together() -> None:
-    curves = Curves()
+    curves = SensorCurves()
     for t, value in ((0, 1.0), (10_000, 3.0), (60_000, 5.0)):
         curves.take(m.Reading(t=t, sensor="distance", value=value))
     curves.take(m.Reading(t=70_000, sensor="distance", value=None))

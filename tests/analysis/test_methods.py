@@ -9,14 +9,14 @@ from tests.analysis.told import SECOND, Told, figures_of, in_time, study
 from woz_tui.analysis.english_lists import listed, some, times
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.methods_section import paragraphs
-from woz_tui.analysis.session_reading import examine
-from woz_tui.analysis.study_figures import Facts, Studies
+from woz_tui.analysis.session_reading import read_report
+from woz_tui.analysis.study_figures import Studies, StudyFacts
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.protocol.welcome import Settings
 
 
-def facts(*sessions: SessionFigures) -> Facts:
+def facts(*sessions: SessionFigures) -> StudyFacts:
     studies = Studies()
     for figures in sessions:
         studies.add(figures)
@@ -34,7 +34,7 @@ def told(it: Told) -> SessionFigures:
 
 
 def test_a_study_in_sentences(tmp_path: Path) -> None:
-    sessions = [examine(path, places=[]).figures for path in study(tmp_path)]
+    sessions = [read_report(path, places=[]).figures for path in study(tmp_path)]
     assert text(*sessions) == (
         "In all, 2 participants took part in 4 sessions of 1.7 min on average (SD 0.0 min). "
         "The condition cold had 2 participants and the condition warm had 2 participants. "

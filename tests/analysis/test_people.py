@@ -14,10 +14,10 @@ from woz_tui.analysis.csv_package import table_files
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.html.report_page import render
 from woz_tui.analysis.methods_section import paragraphs
-from woz_tui.analysis.participant_groups import Grouped
-from woz_tui.analysis.session_reading import Wanted, examine
-from woz_tui.analysis.study_figures import Facts, Studies
-from woz_tui.cli.report_layout import page
+from woz_tui.analysis.participant_groups import GroupedSessions
+from woz_tui.analysis.session_reading import ReportOptions, read_report
+from woz_tui.analysis.study_figures import Studies, StudyFacts
+from woz_tui.cli.report_layout import report_page
 from woz_tui.cli.report_sessions import show
 from woz_tui.protocol import messages as m
 
@@ -40,14 +40,14 @@ def told(it: Told) -> SessionFigures:
     return figures_of(in_time(it))
 
 
-def grouped(*sessions: SessionFigures) -> Grouped:
-    found = Grouped()
+def grouped(*sessions: SessionFigures) -> GroupedSessions:
+    found = GroupedSessions()
     for figures in sessions:
         found.add(figures)
     return found
 
 
-def facts(*sessions: SessionFigures) -> Facts:
+def facts(*sessions: SessionFigures) -> StudyFacts:
     studies = Studies()
     for figures in sessions:
         studies.add(figures)
@@ -193,14 +193,14 @@ def test_tables_say_what_counts(tmp_path: Path) -> None:
 
 def test_the_terminal_names_what_is_in_no_total() -> None:
     stream = io.StringIO()
-    show(page(stream, 80), grouped(told(late())))
+    show(report_page(stream, 80), grouped(told(late())))
     found = " ".join(stream.getvalue().split())
     assert "1 session, 1 participant" in found
     assert "Excluded: time before a participant was set, P70 (less than 10 s" in found
     assert "warm (n = 1)" in found
     assert "none (n" not in found
     stream = io.StringIO()
-    show(page(stream, 80), grouped(told(Told(participant="P70").end(3))))
+    show(report_page(stream, 80), grouped(told(Told(participant="P70").end(3))))
     assert "By condition" not in stream.getvalue()
 
 
@@ -209,7 +209,9 @@ def test_the_page_names_what_is_in_no_total(tmp_path: Path) -> None:
     it = Told(participant="P09", session="S02").act(1).end(60)
     it.written(tmp_path, STEM.replace("P07_S01", "P09_S02"))
     paths = sorted(tmp_path.glob("*.jsonl"))
-    found = render([examine(path, wanted=Wanted(timeline=True), places=[]) for path in paths])
+    found = render(
+        [read_report(path, wanted=ReportOptions(timeline=True), places=[]) for path in paths]
+    )
     assert ">no participant</bdi></a><small> (excluded)</small>" in found
     assert ">P70</bdi></a><small> (excluded)</small>" in found
     assert ">P09</bdi></a></th>" in found
@@ -221,7 +223,9 @@ def test_a_page_of_sessions_without_anybody_has_no_means(tmp_path: Path) -> None
     for name in ("S01", "S02"):
         Told(session=name).end(3).written(tmp_path, STEM.replace("S01", name))
     paths = sorted(tmp_path.glob("*.jsonl"))
-    found = render([examine(path, wanted=Wanted(timeline=True), places=[]) for path in paths])
+    found = render(
+        [read_report(path, wanted=ReportOptions(timeline=True), places=[]) for path in paths]
+    )
     assert "By participant and condition" in found
     assert "mean ± SD" not in found
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from tools.tables_reference import TABLES
 from woz_tui.analysis.cue_responses import ECHO_US, WAITING, WINDOW_US
 from woz_tui.analysis.event_rows import CUE_RESULTS, CUE_TYPES
-from woz_tui.analysis.figures import Part
+from woz_tui.analysis.figures import PartFigures
 from woz_tui.analysis.manual_actions import BY_MACHINE
 from woz_tui.analysis.measures import MEASURES
 from woz_tui.analysis.tables import CONDITIONS
@@ -64,7 +64,7 @@ def test_every_total_of_a_part_is_a_figure() -> None:
         "differing_us": "settings_differ_s",
         "verbs": "dispatch_median_ms",
     }
-    for field in fields(Part):
+    for field in fields(PartFigures):
         if field.name not in ("participant", "condition"):
             assert f"`{told.get(field.name, field.name)}`" in TABLES_PAGE, field.name
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.analysis.durations import Series, mean_and_sd, quantile
+from woz_tui.analysis.durations import Durations, mean_and_sd, quantile
 from woz_tui.timeline.session_state import LATEST_TIME
 
 TIMES = st.lists(st.integers(0, 10**9), min_size=2, max_size=60)
@@ -17,7 +17,7 @@ TIMES = st.lists(st.integers(0, 10**9), min_size=2, max_size=60)
 @given(TIMES)
 def test_quantiles_are_those_of_the_standard_library(times: list[int]) -> None:
     cuts = statistics.quantiles(times, n=100, method="inclusive")
-    series = Series(times)
+    series = Durations(times)
     assert series.median == pytest.approx(statistics.median(times))
     assert series.p95 == pytest.approx(cuts[94])
     assert series.quantile(0.25) == pytest.approx(cuts[24])
@@ -31,7 +31,7 @@ def test_a_quantile_lies_between_its_neighbours() -> None:
 
 @given(TIMES)
 def test_mean_and_deviation(times: list[int]) -> None:
-    series = Series(times)
+    series = Durations(times)
     assert series.mean == pytest.approx(statistics.fmean(times))
     assert series.sd == pytest.approx(statistics.stdev(times))
     assert (series.least, series.most) == (min(times), max(times))
@@ -39,7 +39,7 @@ def test_mean_and_deviation(times: list[int]) -> None:
 
 
 def test_nothing_has_no_figures() -> None:
-    empty = Series()
+    empty = Durations()
     assert (empty.median, empty.p95, empty.mean, empty.sd, empty.most) == (None,) * 5
     assert (empty.n, empty.total, len(empty)) == (0, 0, 0)
     assert mean_and_sd([]) == (None, None)
@@ -48,12 +48,12 @@ def test_nothing_has_no_figures() -> None:
 
 @given(TIMES, TIMES)
 def test_two_series_together_are_one(first: list[int], second: list[int]) -> None:
-    both = Series(first)
+    both = Durations(first)
     assert both.median is not None  # it has been put in order, and grows all the same
-    both.extend(Series(second))
-    assert both == Series([*second, *first])
+    both.extend(Durations(second))
+    assert both == Durations([*second, *first])
 
 
 def test_what_no_clock_can_say_is_brought_near() -> None:
-    series = Series([-5, 10**30])
+    series = Durations([-5, 10**30])
     assert list(series.values) == [0, LATEST_TIME]

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.analysis.told import SECOND, STEM, Told
-from woz_tui.analysis.session_reading import NoSessionError, Wanted, examine
+from woz_tui.analysis.session_reading import NoSessionError, ReportOptions, read_report
 from woz_tui.analysis.session_sources import sessions_in
 from woz_tui.log.log_files import NO_END
 from woz_tui.protocol import codec
@@ -22,7 +22,7 @@ def short() -> Told:
 
 
 def test_a_whole_log_has_nothing_to_complain_of(tmp_path: Path) -> None:
-    report = examine(short().written(tmp_path), places=[])
+    report = read_report(short().written(tmp_path), places=[])
     assert report.timeline is None
     assert report.figures.wholeness.sentences == ()
     assert report.figures.stem == STEM
@@ -33,11 +33,11 @@ def test_a_torn_log_tells_so_and_has_its_figures(tmp_path: Path) -> None:
     path = short().written(tmp_path)
     data = path.read_bytes()
     path.write_bytes(data[: len(data) - 20])
-    whole = examine(path, places=[]).figures.wholeness
+    whole = read_report(path, places=[]).figures.wholeness
     assert (whole.left_out, whole.ended) == (1, False)
     assert whole.sentences[0] == "1 incomplete last line(s) removed"
     assert whole.sentences[-1] == NO_END
-    assert examine(path, places=[]).figures.whole.actions == 3
+    assert read_report(path, places=[]).figures.whole.actions == 3
 
 
 def test_a_damaged_line_costs_that_line_alone(tmp_path: Path) -> None:
@@ -46,7 +46,7 @@ def test_a_damaged_line_costs_that_line_alone(tmp_path: Path) -> None:
     lines[1] = b"\xff" + lines[1]
     path = told.written(tmp_path)
     path.write_bytes(b"".join(lines))
-    figures = examine(path, places=[]).figures
+    figures = read_report(path, places=[]).figures
     assert figures.whole.actions == 2
     assert figures.wholeness.left_out == 1
     assert figures.wholeness.sentences[0] == "1 damaged line(s) left out"
@@ -64,7 +64,7 @@ def test_a_second_segment_is_part_of_it_and_tells_why(tmp_path: Path) -> None:
     second = tmp_path / f"{STEM}.2.jsonl"
     second.write_bytes(codec.encode(segment) + b"".join(lines[6:]))
     for path in (first, second):
-        figures = examine(path, places=[]).figures
+        figures = read_report(path, places=[]).figures
         assert figures.whole.actions == 3
         whole = figures.wholeness
         assert (whole.segments, whole.dropped, whole.dropped_samples) == (2, 3, 9)
@@ -77,15 +77,17 @@ def test_a_second_segment_is_part_of_it_and_tells_why(tmp_path: Path) -> None:
 
 def test_actions_without_an_end_are_told_of(tmp_path: Path) -> None:
     path = Told().act(1, took=None).end(5).written(tmp_path)
-    assert examine(path, places=[]).figures.wholeness.sentences == ("1 action(s) without an end",)
+    assert read_report(path, places=[]).figures.wholeness.sentences == (
+        "1 action(s) without an end",
+    )
 
 
 def test_checksums_are_checked_if_somebody_wants(tmp_path: Path) -> None:
     told = short()
     told.messages[-1] = m.SessionEnd(seq=len(told.messages) - 1, t=10, reason="x", sha256="00")
     path = told.written(tmp_path)
-    assert examine(path, places=[]).figures.wholeness.left_out == 0
-    checked = examine(path, wanted=Wanted(verified=True), places=[]).figures.wholeness
+    assert read_report(path, places=[]).figures.wholeness.left_out == 0
+    checked = read_report(path, wanted=ReportOptions(verified=True), places=[]).figures.wholeness
     assert checked.verified
     assert any("were changed or lost" in sentence for sentence in checked.sentences)
 
@@ -94,20 +96,20 @@ def test_what_is_no_log_is_named(tmp_path: Path) -> None:
     empty = tmp_path / f"{STEM}.jsonl"
     empty.touch()
     with pytest.raises(NoSessionError, match=f"{STEM}.jsonl: the file has no line of a session"):
-        examine(empty, places=[])
+        read_report(empty, places=[])
     other = tmp_path / "notes.txt"
     other.touch()
     with pytest.raises(ValueError, match=r"must end in \.jsonl"):
-        examine(other, places=[])
+        read_report(other, places=[])
     with pytest.raises(FileNotFoundError, match="there is no such log"):
-        examine(tmp_path / "gone.jsonl", places=[])
+        read_report(tmp_path / "gone.jsonl", places=[])
 
 
 def test_curves_come_from_samples(tmp_path: Path) -> None:
     path = short().written(tmp_path)
     sample = m.Reading(seq=99, t=2_000_000, sensor="loudness", value=0.5)
     (tmp_path / f"{STEM}.samples.jsonl").write_bytes(codec.encode(sample))
-    timeline = examine(path, wanted=Wanted(curves=True), places=[]).timeline
+    timeline = read_report(path, wanted=ReportOptions(curves=True), places=[]).timeline
     assert timeline is not None
     assert [(curve.sensor, curve.values[-1]) for curve in timeline.curves] == [("loudness", 0.5)]
 
@@ -117,7 +119,7 @@ def test_golden_logs_of_every_version_can_be_reported(version: str, tmp_path: Pa
     for path in (GOLDEN / version).rglob("*.jsonl"):
         shutil.copy(path, tmp_path)
     [log], problems = sessions_in([str(tmp_path)])
-    report = examine(log, wanted=Wanted(timeline=True, curves=True), places=[])
+    report = read_report(log, wanted=ReportOptions(timeline=True, curves=True), places=[])
     assert problems == []
     assert report.figures.schema == int(version[1:])
     assert report.figures.whole.actions > 0
@@ -170,7 +172,7 @@ def test_a_sample_behind_the_last_action_is_no_time_of_the_session(tmp_path: Pat
     path = Told().act(1).end(9).written(tmp_path)
     late = m.Reading(seq=99, t=20 * SECOND, sensor="distance", value=1.0)
     path.with_suffix(".samples.jsonl").write_bytes(codec.encode(late))
-    drawn = examine(path, wanted=Wanted(timeline=True, curves=True))
-    assert drawn.figures.duration_us == examine(path).figures.duration_us == 9 * SECOND
+    drawn = read_report(path, wanted=ReportOptions(timeline=True, curves=True))
+    assert drawn.figures.duration_us == read_report(path).figures.duration_us == 9 * SECOND
     assert drawn.timeline is not None
     assert drawn.timeline.duration_us == 20 * SECOND, "the curve is within the picture"

@@ -16,15 +16,15 @@ from hypothesis import given
 from tests.analysis.told import figures_of
 from tests.timeline.courses import SECOND, damaged, recordings, start, timed
 from woz_tui.analysis import tables
-from woz_tui.analysis.figure_counting import Options
-from woz_tui.analysis.figures import ENDS, Part, SessionFigures
+from woz_tui.analysis.figure_counting import FigureOptions
+from woz_tui.analysis.figures import ENDS, PartFigures, SessionFigures
 from woz_tui.analysis.html import timeline_items
-from woz_tui.analysis.participants import condition_in_words
+from woz_tui.analysis.participants import condition_text
 from woz_tui.analysis.timeline_lanes import drawing_of
 from woz_tui.config.session_verbs import PERFORMERS
-from woz_tui.export.event_extraction import Extractor
-from woz_tui.export.event_model import Session
-from woz_tui.export.tiers import Span, tiers_of
+from woz_tui.export.event_extraction import EventExtractor
+from woz_tui.export.event_model import ExportSession
+from woz_tui.export.tiers import TierSpan, tiers_of
 from woz_tui.log.log_reader import Line
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
@@ -48,8 +48,8 @@ class Tables:
     """All that is written of one session, as rows of the tables."""
 
     rows: dict[str, list[Row]]
-    tiers: dict[str, list[Span]]
-    lanes: dict[str, list[timeline_items.Item]]
+    tiers: dict[str, list[TierSpan]]
+    lanes: dict[str, list[timeline_items.TimelineItem]]
     figures: SessionFigures
     end: int
 
@@ -70,7 +70,7 @@ class Tables:
 def tables_of(lines: Sequence[m.AnyMessage]) -> Tables:
     """Each table, with empty cells as empty texts."""
     messages = [line for line in lines if not codec.is_sample(line)]
-    figures = figures_of(messages, Options(all_trials=True))
+    figures = figures_of(messages, FigureOptions(all_trials=True))
     session, timeline = exported(messages), timeline_of(messages)
     return Tables(
         rows={
@@ -103,9 +103,9 @@ def _cell(value: object) -> object:
     return "" if value is None else value
 
 
-def exported(messages: Iterable[m.AnyMessage]) -> Session:
+def exported(messages: Iterable[m.AnyMessage]) -> ExportSession:
     """As exports see it."""
-    extractor = Extractor(Session(name="x", log=Path("x")), Path("nowhere"))
+    extractor = EventExtractor(ExportSession(name="x", log=Path("x")), Path("nowhere"))
     for message in messages:
         raw = codec.encode(message)
         fields = codec.decode_unknown(raw)
@@ -131,11 +131,11 @@ def counted(rows: Iterable[Row], *keys: str) -> Counter[tuple[object, ...]]:
     return Counter(tuple(row[key] for key in keys) for row in rows)
 
 
-def _part(part: Part) -> str:
-    return condition_in_words(part.condition, part.scope)
+def _part(part: PartFigures) -> str:
+    return condition_text(part.condition, part.scope)
 
 
-def by_part(it: Tables, of: Callable[[Part], dict[tuple[object, ...], int]]) -> Counter[Any]:
+def by_part(it: Tables, of: Callable[[PartFigures], dict[tuple[object, ...], int]]) -> Counter[Any]:
     """A figure of the report by participant, condition and what `of` tells apart."""
     found: Counter[Any] = Counter()
     for part in it.figures.parts:

@@ -19,13 +19,14 @@ STEM = "2026-03-01T10-00-00_P07_S01"
 
 
 def figures_of(
-    messages: Iterable[m.AnyMessage], options: figure_counting.Options = figure_counting.DEFAULTS
+    messages: Iterable[m.AnyMessage],
+    options: figure_counting.FigureOptions = figure_counting.DEFAULTS,
 ) -> SessionFigures:
     """The figures of messages in the order of a log."""
     return figure_counting.figures_of(timeline_of(messages), options)
 
 
-def drawn(messages: Iterable[m.AnyMessage]) -> timeline_lanes.Drawing:
+def drawn(messages: Iterable[m.AnyMessage]) -> timeline_lanes.TimelineDrawing:
     """What is drawn of messages in the order of a log."""
     return timeline_lanes.drawing_of(timeline_of(messages))
 

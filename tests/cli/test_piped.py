@@ -13,7 +13,7 @@ import pytest
 
 from tools import EXPERIMENTS
 from woz_tui import cli
-from woz_tui.cli.log_from_stdin import PipedError, kept
+from woz_tui.cli.log_from_stdin import PipedError, stdin_as_log
 
 LOG = EXPERIMENTS.parent / "recordings" / "sample.jsonl"
 SAMPLES = LOG.with_name("sample.samples.jsonl")
@@ -103,7 +103,7 @@ def test_nobody_types_a_log(
 def test_there_is_an_end_to_what_is_kept(shelf: Path) -> None:
     with (
         pytest.raises(PipedError, match="larger than 1 MiB"),
-        kept(io.BytesIO(BOTH * 99), b"", 1 << 20),
+        stdin_as_log(io.BytesIO(BOTH * 99), b"", 1 << 20),
     ):
         pass
     assert not [*shelf.iterdir()]
@@ -127,7 +127,7 @@ def test_no_room_for_it_is_told_with_what_helps(
 @pytest.mark.parametrize("kind", ["sample", "marker"])
 def test_a_line_that_is_longer_than_a_part_stays_whole(kind: str) -> None:
     lines = [f'{{"kind":"{kind}","text":"{"x" * (3 << 20)}"}}\n'.encode(), b'{"kind":"note"}\n']
-    with kept(io.BytesIO(lines[1]), lines[0]) as path:
+    with stdin_as_log(io.BytesIO(lines[1]), lines[0]) as path:
         found = {each.name: each.read_bytes() for each in path.parent.iterdir()}
     samples, actions = "standard-input.samples.jsonl", "standard-input.jsonl"
     where = samples if kind == "sample" else actions

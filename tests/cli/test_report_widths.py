@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 
 from tests.analysis.told import SECOND, Told, figures_of, in_time, study
-from woz_tui.analysis.participant_groups import Grouped
-from woz_tui.analysis.session_reading import examine
-from woz_tui.analysis.session_report import Report
+from woz_tui.analysis.participant_groups import GroupedSessions
+from woz_tui.analysis.session_reading import read_report
+from woz_tui.analysis.session_report import SessionReport
 from woz_tui.cli import report_session, report_sessions
-from woz_tui.cli.report_layout import page
+from woz_tui.cli.report_layout import report_page
 from woz_tui.protocol import messages as m
 
 WORD = re.compile(r"[^\W\d_]{2,}")
@@ -23,7 +23,7 @@ CONDITIONS = ("empathic", "neutral", "matter-of-fact")
 
 
 @cache
-def session() -> Report:
+def session() -> SessionReport:
     """Every table that there is, with long names and every result of a cue."""
     it = Told(condition="").add(0, m.EngagementAdopted(settings={"start": "run"}))
     for number, condition in enumerate(CONDITIONS):
@@ -53,17 +53,17 @@ def session() -> Report:
     wanted: dict[str, m.Json] = {"autonomous blinking": False}
     shown = m.SettingsShown(driver="pepper", values={"autonomous blinking": True}, wanted=wanted)
     it.add(298, shown)
-    return Report(figures_of(in_time(it.speech(299, 300, 99).end(301))))
+    return SessionReport(figures_of(in_time(it.speech(299, 300, 99).end(301))))
 
 
 def words(text: str) -> set[str]:
     return set(WORD.findall(text))
 
 
-def printed(width: int, what: Report | Grouped) -> str:
+def printed(width: int, what: SessionReport | GroupedSessions) -> str:
     stream = io.StringIO()
-    paper = page(stream, width)
-    if isinstance(what, Grouped):
+    paper = report_page(stream, width)
+    if isinstance(what, GroupedSessions):
         report_sessions.show(paper, what)
     else:
         report_session.show(paper, what, 99)
@@ -71,11 +71,11 @@ def printed(width: int, what: Report | Grouped) -> str:
 
 
 @cache
-def sessions() -> Grouped:
-    found = Grouped()
+def sessions() -> GroupedSessions:
+    found = GroupedSessions()
     with tempfile.TemporaryDirectory() as folder:
         for path in study(Path(folder)):
-            found.add(examine(path, places=[]).figures)
+            found.add(read_report(path, places=[]).figures)
     found.add(session().figures)
     return found
 
@@ -87,7 +87,7 @@ def all_words() -> list[set[str]]:
 
 @pytest.mark.parametrize("width", range(80, 161))
 def test_no_word_is_broken(width: int) -> None:
-    whats: list[Report | Grouped] = [session(), sessions()]
+    whats: list[SessionReport | GroupedSessions] = [session(), sessions()]
     for what, whole in zip(whats, all_words(), strict=True):
         narrow = printed(width, what)
         assert words(narrow) <= whole
@@ -102,6 +102,6 @@ def test_nothing_is_left_out_where_it_is_narrow(width: int) -> None:
 def test_a_name_that_is_longer_than_a_line_goes_on_in_the_next(tmp_path: Path) -> None:
     name = "x" * 200
     it = Told(condition=name).act(1, name, name).end(60)
-    report = examine(it.written(tmp_path), places=[])
+    report = read_report(it.written(tmp_path), places=[])
     assert max(map(len, printed(80, report).splitlines())) <= 80
     assert printed(80, report).replace("\n", "").count("x") >= 400

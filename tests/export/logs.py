@@ -11,8 +11,8 @@ from pathlib import Path
 import msgspec
 from hypothesis import strategies as st
 
-from woz_tui.export.event_model import Session
-from woz_tui.export.log_sources import found, read
+from woz_tui.export.event_model import ExportSession
+from woz_tui.export.log_sources import find_sources, read_session
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.system.clock import timestamp
@@ -63,9 +63,9 @@ def write(folder: Path, course: Iterable[Timed], stem: str = STEM, *, ended: boo
     return log
 
 
-def session_of(folder: Path, course: Iterable[Timed], *, redact: bool = False) -> Session:
+def session_of(folder: Path, course: Iterable[Timed], *, redact: bool = False) -> ExportSession:
     """The session that comes out of such a log."""
-    return read(found([write(folder, course)])[0], redact=redact)
+    return read_session(find_sources([write(folder, course)])[0], redact=redact)
 
 
 def speak(folder: Path, name: str, seconds: float, level: int = 1000, rate: int = 8000) -> Path:

@@ -7,15 +7,15 @@ from pathlib import Path
 
 from tests.export.logs import Timed, write
 from woz_tui.export.export_run import export
-from woz_tui.export.exporter import Options, Told
+from woz_tui.export.exporter import ExportOptions, SessionSummary
 
 
 def exported(
     given: Path | list[Path], to: str, out: Path, *, force: bool = False, **options: object
-) -> list[Told]:
+) -> list[SessionSummary]:
     """Export; what was told of each session."""
     paths = given if isinstance(given, list) else [given]
-    return list(export(paths, to, out, Options(**options), force=force))  # type: ignore[arg-type]
+    return list(export(paths, to, out, ExportOptions(**options), force=force))  # type: ignore[arg-type]
 
 
 def course_to(folder: Path, to: str, course: Iterable[Timed], **options: object) -> Path:

@@ -18,7 +18,7 @@ from tests.export.test_textgrid import check_cover
 from tests.export.test_textgrid import read_back as read_grid
 from tests.log.story import GOLDEN
 from woz_tui.export.export_run import FORMATS
-from woz_tui.export.log_sources import ExportError, found, read
+from woz_tui.export.log_sources import ExportError, find_sources, read_session
 from woz_tui.protocol import messages as m
 
 TOLD = "1 damaged line(s) left out"
@@ -65,17 +65,17 @@ def test_a_line_that_is_gone_is_found_by_the_sums(tmp_path: Path) -> None:
     log = write(tmp_path, visit())
     lines = log.read_bytes().splitlines(keepends=True)
     log.write_bytes(b"".join(lines[:5] + lines[6:]))
-    (sentence,) = read(found([log])[0]).damage
+    (sentence,) = read_session(find_sources([log])[0]).damage
     assert sentence == "lines before the first checkpoint were changed or lost"
 
 
 def test_a_good_checkpoint_says_up_to_where_all_is_well(tmp_path: Path) -> None:
     course: list[Timed] = [(0, start()), (1, m.Checkpoint(sha256=SHA, lines=1))]
     log = write(tmp_path, course)
-    assert read(found([log])[0]).damage == [
+    assert read_session(find_sources([log])[0]).damage == [
         "lines before the first checkpoint were changed or lost"
     ]
-    assert read(found([write(tmp_path, visit())])[0]).damage == []
+    assert read_session(find_sources([write(tmp_path, visit())])[0]).damage == []
 
 
 @pytest.mark.parametrize("to", FORMATS)
@@ -149,16 +149,16 @@ def test_segments_are_one_session(tmp_path: Path) -> None:
     segment = m.Segment(log=STEM, session="S01", number=2, previous=log.name, reason="full")
     head = json.dumps({"kind": "segment", "log": segment.log, "session": "S01", "number": 2})
     (tmp_path / f"{STEM}.2.jsonl").write_bytes(head.encode() + b"\n" + b"".join(lines[8:]))
-    sources = found([tmp_path])
+    sources = find_sources([tmp_path])
     assert len(sources) == 1
-    session = read(sources[0])
+    session = read_session(sources[0])
     assert (session.damage, session.lines) == ([], len(lines))
 
 
 def test_a_segment_in_another_folder_is_no_session_of_its_own() -> None:
-    sources = found([GOLDEN / "recordings", GOLDEN / "spill"])
+    sources = find_sources([GOLDEN / "recordings", GOLDEN / "spill"])
     assert len(sources) == 1
-    session = read(sources[0])
+    session = read_session(sources[0])
     assert (session.code, session.end_reason, session.damage) == ("S01", "wizard", [])
 
 
@@ -167,6 +167,6 @@ def test_what_is_no_log_is_refused(tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
     for given_path in (tmp_path / "notes.txt", tmp_path / "empty", tmp_path / "nowhere.jsonl"):
         with pytest.raises(ExportError, match=given_path.name):
-            found([given_path])
+            find_sources([given_path])
     with pytest.raises(ExportError, match="nothing to export"):
-        found([])
+        find_sources([])

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 
 from tests.export.logs import Timed, courses, session_of, start, visit
-from woz_tui.export.event_model import Event, Session
+from woz_tui.export.event_model import ExportEvent, ExportSession
 from woz_tui.protocol import messages as m
 
 
-def only(session: Session, kind: str) -> Event:
+def only(session: ExportSession, kind: str) -> ExportEvent:
     events = [event for event in session.events if event.kind == kind]
     assert len(events) == 1, [event.kind for event in session.events]
     return events[0]
@@ -311,9 +311,9 @@ def test_a_run_that_begins_twice_is_two_events(tmp_path: Path) -> None:
 def test_a_kind_of_tomorrow_is_kept_with_all_it_says(tmp_path: Path) -> None:
     log = tmp_path / "2026-03-01T10-00-00_P07_S01.jsonl"
     log.write_text('{"seq":0,"t":5,"kind":"robot.dreamt","of":["sheep"],"driver":"head"}\n')
-    from woz_tui.export.log_sources import found, read  # noqa: PLC0415
+    from woz_tui.export.log_sources import find_sources, read_session  # noqa: PLC0415
 
-    session = read(found([log])[0])
+    session = read_session(find_sources([log])[0])
     event = only(session, "robot.dreamt")
     assert (event.driver, event.details) == ("head", {"of": ["sheep"]})
     assert any("robot.dreamt" in sentence for sentence in session.damage)

@@ -16,7 +16,7 @@ from tests.export.logs import visit, write
 from tests.export.out import exported
 from woz_tui.export.export_run import FORMATS
 from woz_tui.export.log_sources import ExportError
-from woz_tui.export.whole_folder import README, SIGN, new_folder
+from woz_tui.export.output_folder import README, SIGN, new_folder
 
 
 def test_a_folder_that_is_not_empty_is_left_alone(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ from tests.export.test_csv import Rows, check_dictionary, plain, read_back
 from tests.export.test_eaf import read_back as read_eaf
 from tests.export.test_textgrid import check_cover, filled
 from tests.export.test_textgrid import read_back as read_grid
-from woz_tui.analysis.session_reading import examine
+from woz_tui.analysis.session_reading import read_report
 from woz_tui.export.redaction import PLACEHOLDER, redacted
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
@@ -136,7 +136,7 @@ def test_rows_of_a_setting_follow_one_another_to_the_end(
         (each.begin, each.end or 0, each.label, -1 if each.trial is None else each.trial)
         for each in events
     )
-    assert examine(session.log).figures.settings == session.figures.settings
+    assert read_report(session.log).figures.settings == session.figures.settings
 
 
 def test_a_log_that_is_torn_is_exported_up_to_its_last_line(tmp_path: Path) -> None:

@@ -10,12 +10,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tests.export.logs import Timed, courses, session_of, start, visit
-from woz_tui.export.tiers import Span, Tier, apart, tiers_of, unique_names
+from woz_tui.export.tiers import Tier, TierSpan, tiers_of, unique_names, without_overlaps
 from woz_tui.protocol import messages as m
 
 SPANS = st.lists(
     st.builds(
-        lambda begin, length: Span(begin, begin + length, f"{begin}+{length}"),
+        lambda begin, length: TierSpan(begin, begin + length, f"{begin}+{length}"),
         st.integers(0, 100),
         st.integers(0, 60),
     ),
@@ -24,8 +24,8 @@ SPANS = st.lists(
 
 
 @given(SPANS, st.integers(1, 50))
-def test_spans_find_room_on_as_many_tiers_as_it_takes(spans: list[Span], shortest: int) -> None:
-    tiers = apart(Tier("panel", spans=spans), shortest)
+def test_spans_find_room_on_as_many_tiers_as_it_takes(spans: list[TierSpan], shortest: int) -> None:
+    tiers = without_overlaps(Tier("panel", spans=spans), shortest)
     for tier in tiers:
         for one, other in pairwise(tier.spans):
             assert one.end <= other.begin
@@ -33,20 +33,20 @@ def test_spans_find_room_on_as_many_tiers_as_it_takes(spans: list[Span], shortes
     kept = Counter((span.begin, span.text) for tier in tiers for span in tier.spans)
     assert kept == Counter((span.begin, span.text) for span in spans)
     for span in (span for tier in tiers for span in tier.spans):
-        before = Span(span.begin, int(span.text.split("+")[1]) + span.begin, "")
+        before = TierSpan(span.begin, int(span.text.split("+")[1]) + span.begin, "")
         assert span.end == max(before.end, span.begin + shortest)
 
 
 @given(SPANS)
-def test_only_what_overlaps_spills(spans: list[Span]) -> None:
-    tiers = apart(Tier("panel", spans=spans), 1)
+def test_only_what_overlaps_spills(spans: list[TierSpan]) -> None:
+    tiers = without_overlaps(Tier("panel", spans=spans), 1)
     moments = Counter(t for span in spans for t in range(span.begin, max(span.end, span.begin + 1)))
     assert len(tiers) == max(moments.values(), default=0), "no more tiers than are needed"
 
 
 def test_tiers_that_spill_have_a_number() -> None:
-    spans = [Span(0, 10, "a"), Span(5, 15, "b"), Span(6, 7, "c"), Span(10, 11, "d")]
-    tiers = apart(Tier("panel", spans=spans))
+    spans = [TierSpan(0, 10, "a"), TierSpan(5, 15, "b"), TierSpan(6, 7, "c"), TierSpan(10, 11, "d")]
+    tiers = without_overlaps(Tier("panel", spans=spans))
     assert [(tier.name, [span.text for span in tier.spans]) for tier in tiers] == [
         ("panel", ["a", "d"]),
         ("panel-2", ["b"]),
@@ -55,8 +55,8 @@ def test_tiers_that_spill_have_a_number() -> None:
 
 
 def test_what_is_prolonged_gives_way_to_what_lasts() -> None:
-    spans = [Span(0, 90, "Idle"), Span(90, 91, "Passing"), Span(91, 200, "Engaged")]
-    tiers = apart(Tier("engagement", spans=spans), 40)
+    spans = [TierSpan(0, 90, "Idle"), TierSpan(90, 91, "Passing"), TierSpan(91, 200, "Engaged")]
+    tiers = without_overlaps(Tier("engagement", spans=spans), 40)
     assert [(tier.name, [span.text for span in tier.spans]) for tier in tiers] == [
         ("engagement", ["Idle", "Engaged"]),
         ("engagement-2", ["Passing"]),

@@ -11,7 +11,7 @@ import msgspec
 
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import Stage
-from woz_tui.analysis.played_actions import Played, played
+from woz_tui.analysis.played_actions import PlayedSession, played_session
 from woz_tui.config.experiment import Call, Place
 from woz_tui.log.log_reader import read
 from woz_tui.protocol import codec
@@ -99,10 +99,10 @@ def run_again(folder: Path, log: Path, meanwhile: Scenario | None = None) -> Aga
     return run_virtual(go())
 
 
-def played_in(log: Path, name: str = "") -> Played:
+def played_in(log: Path, name: str = "") -> PlayedSession:
     """What `woz compare` reads of a log."""
     lines = read(log, samples=False)
-    found = played("made", [line.message for line in lines if line.message is not None])
+    found = played_session("made", [line.message for line in lines if line.message is not None])
     found.name = name or found.name
     return found
 

@@ -14,8 +14,8 @@ import pytest
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import Stage
 from tests.session.studied import STUDY, studied
-from woz_tui.analysis.figure_counting import Options
-from woz_tui.analysis.session_reading import examine
+from woz_tui.analysis.figure_counting import FigureOptions
+from woz_tui.analysis.session_reading import read_report
 from woz_tui.config.study import Shaping
 from woz_tui.log.verify import verify
 from woz_tui.protocol import messages as m
@@ -139,7 +139,7 @@ def test_whatever_the_wizard_does_everything_has_its_end(tmp_path: Path, seed: i
     assert verdict.lines == lines[-1].seq + 1
     ended = [each for each in lines if isinstance(each, m.ActionEnd)]
     assert (
-        examine(stage.recorder.path, Options(all_trials=True)).figures.whole.actions
+        read_report(stage.recorder.path, FigureOptions(all_trials=True)).figures.whole.actions
         == len(ended)
         > 300
     )

@@ -60,7 +60,7 @@ class Agreement:
         return found
 
 
-def stretches(timeline: Timeline, *, every: bool = False) -> list[Stretch]:
+def coded_spans(timeline: Timeline, *, every: bool = False) -> list[Stretch]:
     """The trials that count, breaks left out; in a session without trials all of it. `every`: also
     trials that were aborted or excluded.
     """
@@ -73,7 +73,7 @@ def stretches(timeline: Timeline, *, every: bool = False) -> list[Stretch]:
     ]
 
 
-def ends_of(codes: Sequence[Code], timeline: Timeline) -> list[int | None]:
+def code_ends(codes: Sequence[Code], timeline: Timeline) -> list[int | None]:
     """When each of one coder's codes, given by time, is over; None: it is a moment."""
     borders = [piece.end for piece in timeline.pieces]
     found: list[int | None] = []

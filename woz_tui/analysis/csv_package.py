@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 from woz_tui import __version__
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.tables import FIGURES, Cell, Table, answers_wide, rounds_wide
+from woz_tui.analysis.tables import FIGURES, Cell, TableDefinition, answers_wide, rounds_wide
 from woz_tui.system.text_cleaning import cell
 
 if TYPE_CHECKING:
@@ -43,7 +43,9 @@ class TableFiles:
         more: Tables besides `FIGURES`, whose rows are written with `write`.
     """
 
-    def __init__(self, opened: Callable[[str], TextIO], more: Sequence[Table[Any]] = ()) -> None:
+    def __init__(
+        self, opened: Callable[[str], TextIO], more: Sequence[TableDefinition[Any]] = ()
+    ) -> None:
         self._opened = opened
         self._tables = (*more, *FIGURES)
         self._files = ExitStack()
@@ -52,7 +54,7 @@ class TableFiles:
         self._damage: dict[str, Sequence[str]] = {}
         self._writers = {table.name: self._begun(table) for table in self._tables}
 
-    def _begun(self, table: Table[Any]) -> Writer:
+    def _begun(self, table: TableDefinition[Any]) -> Writer:
         file = self._files.enter_context(self._opened(f"{table.name}.csv"))
         writer = csv.writer(file, lineterminator="\r\n")
         writer.writerow([cell(column.name) for column in table.columns])
@@ -66,7 +68,9 @@ class TableFiles:
         if figures.wholeness.sentences:
             self._damage[figures.stem] = figures.wholeness.sentences
 
-    def write(self, table: Table[Any], figures: SessionFigures, rows: Iterable[object]) -> None:
+    def write(
+        self, table: TableDefinition[Any], figures: SessionFigures, rows: Iterable[object]
+    ) -> None:
         """Rows of one session."""
         columns = [(column.cell, column.type == "string") for column in table.columns]
         self._writers[table.name].writerows(
@@ -117,7 +121,9 @@ def table_files(folder: Path) -> Iterator[TableFiles]:
         files.close()
 
 
-def _package(tables: Iterable[Table[Any]], damage: Mapping[str, Sequence[str]]) -> dict[str, Any]:
+def _package(
+    tables: Iterable[TableDefinition[Any]], damage: Mapping[str, Sequence[str]]
+) -> dict[str, Any]:
     """A Frictionless data package, https://specs.frictionlessdata.io/tabular-data-package/."""
     return {
         "name": "woz-sessions",
@@ -129,7 +135,7 @@ def _package(tables: Iterable[Table[Any]], damage: Mapping[str, Sequence[str]]) 
     }
 
 
-def _resource(table: Table[Any]) -> dict[str, Any]:
+def _resource(table: TableDefinition[Any]) -> dict[str, Any]:
     schema: dict[str, Any] = {
         "fields": [
             {

@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 from operator import itemgetter
 from typing import Any
 
-from woz_tui.analysis.durations import Series
-from woz_tui.analysis.event_rows import PREFLIGHT, Cue, moments, placed
-from woz_tui.analysis.figures import Training
-from woz_tui.analysis.manual_actions import Act, id_of
+from woz_tui.analysis.durations import Durations
+from woz_tui.analysis.event_rows import PREFLIGHT, CueRow, context_fields, moments
+from woz_tui.analysis.figures import TrainingFigures
+from woz_tui.analysis.manual_actions import WizardAct, id_of
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_stream import SPEECH
 from woz_tui.timeline import episodes as e
@@ -37,7 +37,7 @@ _KEPT = 16
 #: How the cues of a training are judged that were answered.
 _REACTED = (e.EpisodeOutcome.RIGHT, e.EpisodeOutcome.WRONG)
 #: A cue, and the context of its line.
-Placed = tuple[Context, Cue]
+Placed = tuple[Context, CueRow]
 
 
 class _Answers:
@@ -54,7 +54,7 @@ class _Answers:
             for action in panel.actions
         }
 
-    def by(self, act: Act, cue_type: str) -> bool:
+    def by(self, act: WizardAct, cue_type: str) -> bool:
         """Whether this act is an answer to such a cue. One of which nothing is known is one: an
         action that was refused in a log that does not say what it would have done.
         """
@@ -92,10 +92,10 @@ class _Cues:
         self.t = self.seq = 0
         self._open: dict[str, _Open] = {}
         self._early: _Open | None = None
-        self._acts: deque[Act] = deque(maxlen=_KEPT)
+        self._acts: deque[WizardAct] = deque(maxlen=_KEPT)
         self.found: list[Placed] = []
 
-    def act(self, act: Act) -> None:
+    def act(self, act: WizardAct) -> None:
         """The wizard does something: it may answer what is open."""
         self._acts.append(act)
         for cue_type in [*self._open]:
@@ -151,7 +151,7 @@ class _Cues:
         else:
             self._open[cue_type] = cue
 
-    def _act(self, cue_type: str, begin: int, end: int) -> Act | None:
+    def _act(self, cue_type: str, begin: int, end: int) -> WizardAct | None:
         """The first act in this time, both ends included, that answers such a cue."""
         first = None
         for act in reversed(self._acts):
@@ -169,7 +169,7 @@ class _Cues:
     def _late(self, cue: _Open) -> bool:
         return self.t - cue.t > self._window
 
-    def _answer(self, cue: _Open, act: Act) -> None:
+    def _answer(self, cue: _Open, act: WizardAct) -> None:
         reaction = act.begin - cue.t
         if reaction > self._window:
             self._close(cue, "missed")
@@ -177,8 +177,8 @@ class _Cues:
             self._close(cue, "answered", reaction_us=reaction, action=act.label, run=id_of(act))
 
     def _close(self, cue: _Open, result: str, **answer: Any) -> None:
-        row = Cue(
-            **placed(cue.context),
+        row = CueRow(
+            **context_fields(cue.context),
             **answer,
             cue_type=cue.cue_type,
             t=cue.t,
@@ -190,7 +190,7 @@ class _Cues:
 
 
 def cues_of(
-    timeline: Timeline, acts: Sequence[Act], window_us: int, waiting: Collection[str]
+    timeline: Timeline, acts: Sequence[WizardAct], window_us: int, waiting: Collection[str]
 ) -> list[Placed]:
     """All cues but those of a training, as they were over."""
     cues = _Cues(timeline, window_us)
@@ -226,8 +226,12 @@ def cues_of(
 def trained_cues(timeline: Timeline) -> Iterator[Placed]:
     """The cues of a training, as it judged them."""
     for cue in timeline.of(e.CueEpisode):
-        given = Cue(
-            **placed(cue.context), cue_type="training", t=cue.begin, what=cue.label, result="cut"
+        given = CueRow(
+            **context_fields(cue.context),
+            cue_type="training",
+            t=cue.begin,
+            what=cue.label,
+            result="cut",
         )
         answer = cue.answered
         if (
@@ -248,7 +252,7 @@ def trained_cues(timeline: Timeline) -> Iterator[Placed]:
         )
 
 
-def training_of(timeline: Timeline, cues: Sequence[Placed]) -> Training | None:
+def training_of(timeline: Timeline, cues: Sequence[Placed]) -> TrainingFigures | None:
     """How the `trained_cues` were judged; None if this was no training."""
     given = timeline.of(e.CueEpisode)
     answers = [cue.answered for cue in given if cue.answered is not None]
@@ -257,11 +261,11 @@ def training_of(timeline: Timeline, cues: Sequence[Placed]) -> Training | None:
         return None
     judged = Counter(answer.judged for answer in answers)
     times = (cue.reaction_us for _, cue in cues if cue.result == "answered")
-    return Training(
+    return TrainingFigures(
         cues=sum(cue.outcome != e.EpisodeOutcome.VOID for cue in given),
         right=judged["right"],
         wrong=judged["wrong"],
         missed=judged["missed"],
         uncalled=judged["uncalled"],
-        times=Series(us for us in times if us is not None),
+        times=Durations(us for us in times if us is not None),
     )

@@ -30,7 +30,7 @@ def mean_and_sd(values: Sequence[float]) -> tuple[float | None, float | None]:
     return mean, statistics.stdev(values) if len(values) > 1 else None
 
 
-class Series:
+class Durations:
     """Durations in whole microseconds, none below 0, in rising order once something is asked.
 
     Every figure of an empty one is None.
@@ -49,7 +49,7 @@ class Series:
         self._values.append(value if 0 <= value <= LATEST_TIME else 0 if value < 0 else LATEST_TIME)
         self._ordered = False
 
-    def extend(self, other: Series) -> None:
+    def extend(self, other: Durations) -> None:
         """Take all of another one."""
         self._values.extend(other._values)
         self._ordered = False
@@ -110,7 +110,7 @@ class Series:
         return len(self._values)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Series) and list(self.values) == list(other.values)
+        return isinstance(other, Durations) and list(self.values) == list(other.values)
 
     def __repr__(self) -> str:
         return f"Series({list(self.values)!r})"

@@ -33,7 +33,7 @@ PREFLIGHT = "preflight"
 
 
 @dataclass(frozen=True, slots=True)
-class Cue:
+class CueRow:
     """Something that wants an answer, and what the wizard made of it.
 
     Attributes:
@@ -67,7 +67,7 @@ class Cue:
 
 
 @dataclass(frozen=True, slots=True)
-class Trial:
+class TrialRow:
     """A trial; `end` is None if it never ended, then `outcome` is empty."""
 
     trial: int
@@ -91,7 +91,7 @@ class Trial:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Phase:
+class PhaseRow:
     """A phase, breaks inside it included.
 
     Attributes:
@@ -122,7 +122,7 @@ class Phase:
 
 
 @dataclass(frozen=True, slots=True)
-class Span:
+class SpanRow:
     """Something that lasted: a break, a lost driver. `end` is None if it lasted to the end."""
 
     begin: int
@@ -132,7 +132,7 @@ class Span:
 
 
 @dataclass(frozen=True, slots=True)
-class Stop:
+class StopRow:
     """A stop. `elapsed_us` and the drivers are None and empty if no confirmation is in the log;
     a driver of several parts is followed by those in brackets. `unreached`: those of `missing`
     that were not connected. `released`: when it was over, one of driving alone as soon as it was
@@ -150,7 +150,7 @@ class Stop:
 
 
 @dataclass(frozen=True, slots=True)
-class Mark:
+class MarkRow:
     """A marker, note or mistake (`sort`); of a mistake also which run of which action."""
 
     t: int
@@ -162,7 +162,7 @@ class Mark:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Visit:
+class VisitRow:
     """A stay in a state of the engagement model, or (`state` is `engaged`) an unbroken engagement;
     or the piece of it within one context.
 
@@ -199,7 +199,7 @@ class Visit:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Setting:
+class SettingRow:
     """A robot's setting had one value, within one trial, condition or break.
 
     Attributes:
@@ -238,7 +238,7 @@ class Setting:
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class AnswerRow:
     """The last answer to an item in one round of a questionnaire; `t` is when it was given.
 
     `value` is None for texts and for what was left out; `low` and `high` are None unless the item
@@ -264,7 +264,7 @@ class Answer:
 
 
 @dataclass(frozen=True, slots=True)
-class Round:
+class RoundRow:
     """A questionnaire put to somebody once. `reason`: done, declined, left; empty: no end."""
 
     questionnaire: str
@@ -277,7 +277,7 @@ class Round:
 
 
 @dataclass(frozen=True, slots=True)
-class Restriction:
+class RestrictionRow:
     """From `t` on the wizard did not see what is `hidden`, nor legibly what is `blurred`."""
 
     t: int
@@ -286,7 +286,7 @@ class Restriction:
 
 
 @dataclass(frozen=True, slots=True)
-class Shaping:
+class ShapingRow:
     """From `t` on answers to these cues were held back: `floor_us`, and up to `jitter_us` more."""
 
     t: int
@@ -296,7 +296,7 @@ class Shaping:
 
 
 @dataclass(frozen=True, slots=True)
-class PanelOffer:
+class PanelRow:
     """A panel that the wizard had, as it was at the beginning."""
 
     title: str
@@ -305,7 +305,7 @@ class PanelOffer:
 
 
 @dataclass(frozen=True, slots=True)
-class ConsoleChange:
+class ConsoleRow:
     """A console came (`why` is empty) or went."""
 
     t: int
@@ -318,7 +318,7 @@ class ConsoleChange:
 # -- from the timeline ----------------------------------------------------------------------------
 
 
-def placed(context: Context) -> dict[str, Any]:
+def context_fields(context: Context) -> dict[str, Any]:
     """Participant, condition, trial and phase, as rows have them."""
     return {
         "participant": context.participant,
@@ -328,7 +328,7 @@ def placed(context: Context) -> dict[str, Any]:
     }
 
 
-def worded(value: m.Json) -> str:
+def value_text(value: m.Json) -> str:
     """A setting's or an argument's value: a text as it is, anything else as JSON has it."""
     return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
 
@@ -340,11 +340,11 @@ def moments(timeline: Timeline, kind: type[M]) -> Iterator[tuple[Context, M]]:
             yield each.context, each.message
 
 
-def trials(timeline: Timeline) -> Iterator[Trial]:
+def trials(timeline: Timeline) -> Iterator[TrialRow]:
     """All trials, also those that do not count."""
     actions = Counter(each.context.run for each in timeline.of(e.ActionEpisode))
     for each in timeline.of(e.TrialEpisode):
-        yield Trial(
+        yield TrialRow(
             trial=each.started.trial,
             participant=each.context.participant,
             condition=each.context.condition,
@@ -356,7 +356,7 @@ def trials(timeline: Timeline) -> Iterator[Trial]:
         )
 
 
-def phases(timeline: Timeline, counted: Counted) -> Iterator[Phase]:
+def phases(timeline: Timeline, counted: Counted) -> Iterator[PhaseRow]:
     """All phases, also those in trials that do not count."""
     found = timeline.of(e.PhaseEpisode)
     begins = [(each.begin, each.seq) for each in found]
@@ -365,8 +365,8 @@ def phases(timeline: Timeline, counted: Counted) -> Iterator[Phase]:
         if act.context.phase:
             actions[bisect.bisect_right(begins, (act.begin, act.seq)) - 1] += 1
     for place, each in enumerate(found):
-        yield Phase(
-            **placed(each.context) | {"phase": each.label},
+        yield PhaseRow(
+            **context_fields(each.context) | {"phase": each.label},
             begin=each.begin,
             end=None if each.cut else each.end,
             planned=each.changed.planned_us or None,
@@ -376,17 +376,17 @@ def phases(timeline: Timeline, counted: Counted) -> Iterator[Phase]:
         )
 
 
-def breaks(timeline: Timeline) -> Iterator[Span]:
+def breaks(timeline: Timeline) -> Iterator[SpanRow]:
     """All breaks, inside trials and outside."""
     for each in timeline.of(e.BreakEpisode):
         text = each.ended.text if each.ended is not None else ""
-        yield Span(each.begin, each.end, "break", text or each.started.text)
+        yield SpanRow(each.begin, each.end, "break", text or each.started.text)
 
 
-def lost_drivers(timeline: Timeline) -> Iterator[Span]:
+def lost_drivers(timeline: Timeline) -> Iterator[SpanRow]:
     """Each time a driver was lost or faulted."""
     for each in timeline.of(e.LostDriverEpisode):
-        yield Span(each.begin, None if each.cut else each.end, each.label, each.reason)
+        yield SpanRow(each.begin, None if each.cut else each.end, each.label, each.reason)
 
 
 def drivers(timeline: Timeline) -> dict[str, None]:
@@ -399,19 +399,19 @@ def drivers(timeline: Timeline) -> dict[str, None]:
     return dict.fromkeys(line.driver for line in sorted(lines, key=attrgetter("t", "seq")))
 
 
-def stops(timeline: Timeline) -> Iterator[Stop]:
+def stops(timeline: Timeline) -> Iterator[StopRow]:
     """Every press of the stop, who confirmed it, and when it was released."""
     for each in timeline.of(e.StopEpisode):
         for press in each.presses:
             pressed = press.pressed
-            row = Stop(
+            row = StopRow(
                 *(pressed.t, pressed.source, pressed.scope),
                 released=None if each.cut else each.end,
             )
             yield _confirmed(row, press.confirmations[0]) if press.confirmations else row
 
 
-def _confirmed(row: Stop, message: m.StopConfirmed) -> Stop:
+def _confirmed(row: StopRow, message: m.StopConfirmed) -> StopRow:
     unreached = {name: ["not reached"] for name in message.unreached}
     return replace(
         row,
@@ -429,33 +429,33 @@ def _with_parts(names: list[str], parts: Mapping[str, list[str]]) -> tuple[str, 
     )
 
 
-def marks(timeline: Timeline) -> Iterator[Mark]:
+def marks(timeline: Timeline) -> Iterator[MarkRow]:
     """Markers but those of the preflight list, notes and mistakes."""
     for each in timeline.of(e.MomentEpisode):
         match each.message:
             case m.Marker() as marker if marker.source != PREFLIGHT:
-                yield Mark(each.begin, "marker", marker.text, source=marker.source)
+                yield MarkRow(each.begin, "marker", marker.text, source=marker.source)
             case m.Note() as note:
-                yield Mark(each.begin, "note", note.text)
+                yield MarkRow(each.begin, "note", note.text)
             case m.Mistake() as wrong:
-                yield Mark(each.begin, "mistake", wrong.text, wrong.action, wrong.run)
+                yield MarkRow(each.begin, "mistake", wrong.text, wrong.action, wrong.run)
 
 
-def visits(timeline: Timeline) -> list[Visit]:
+def visits(timeline: Timeline) -> list[VisitRow]:
     """Stays in states and engagements as they were, by when they were over."""
     found = [_visit(each, each.state) for each in timeline.of(e.ModelStateEpisode)]
     found += [_visit(each, ENGAGED_VISIT) for each in timeline.of(e.EngagementEpisode)]
     return sorted(found, key=lambda visit: visit.end)
 
 
-def stays(timeline: Timeline, counted: Counted) -> Iterator[Visit]:
+def stays(timeline: Timeline, counted: Counted) -> Iterator[VisitRow]:
     """Stays in states, clipped to contexts."""
     for each in timeline.of(e.ModelStateEpisode):
         parts = timeline.parts(each)
         for part in parts:
             yield replace(
                 _visit(each, each.state),
-                **placed(part.context),
+                **context_fields(part.context),
                 begin=part.begin,
                 end=part.end,
                 changed=part is parts[0],
@@ -464,10 +464,10 @@ def stays(timeline: Timeline, counted: Counted) -> Iterator[Visit]:
             )
 
 
-def _visit(each: e.ModelStateEpisode | e.EngagementEpisode, state: str) -> Visit:
+def _visit(each: e.ModelStateEpisode | e.EngagementEpisode, state: str) -> VisitRow:
     entered = each.entered
-    return Visit(
-        **placed(each.context),
+    return VisitRow(
+        **context_fields(each.context),
         state=state,
         begin=each.begin,
         end=each.begin + each.duration,
@@ -480,23 +480,23 @@ def _visit(each: e.ModelStateEpisode | e.EngagementEpisode, state: str) -> Visit
     )
 
 
-def settings(timeline: Timeline, counted: Counted) -> list[Setting]:
+def settings(timeline: Timeline, counted: Counted) -> list[SettingRow]:
     """What robots had set, by context and time; of one moment as the driver lists them."""
     shown = timeline.state.robots.shown.values()
     places = {(line.driver, name): at for line in shown for at, name in enumerate(line.values)}
 
-    def order(row: Setting) -> tuple[int, ...]:
+    def order(row: SettingRow) -> tuple[int, ...]:
         return row.begin, row.seq, row.end, places.get((row.driver, row.setting), len(places))
 
     return sorted(_settings(timeline, counted), key=order)
 
 
-def _settings(timeline: Timeline, counted: Counted) -> Iterator[Setting]:
+def _settings(timeline: Timeline, counted: Counted) -> Iterator[SettingRow]:
     for each in timeline.of(e.SettingEpisode):
         parts = timeline.parts(each)
         for part in parts:
-            yield Setting(
-                **placed(part.context),
+            yield SettingRow(
+                **context_fields(part.context),
                 seq=each.seq,
                 driver=each.driver,
                 setting=each.name,
@@ -511,11 +511,11 @@ def _settings(timeline: Timeline, counted: Counted) -> Iterator[Setting]:
             )
 
 
-def rounds(timeline: Timeline) -> Iterator[Round]:
+def rounds(timeline: Timeline) -> Iterator[RoundRow]:
     """Each time a questionnaire was put to somebody."""
     for each, number in _numbered(timeline):
         started = each.started
-        yield Round(
+        yield RoundRow(
             questionnaire=each.name,
             round=number,
             title=started.title if started is not None else "",
@@ -534,14 +534,14 @@ def unanswered(timeline: Timeline) -> Iterator[str]:
         yield f"{titles.get(due.questionnaire, due.questionnaire)} ({after})"
 
 
-def answers(timeline: Timeline) -> Iterator[Answer]:
+def answers(timeline: Timeline) -> Iterator[AnswerRow]:
     """The last answers of each round, in the order in which the items were answered first."""
     for each, number in _numbered(timeline):
         items = _items(each)
-        place = placed(each.context) | {"trial": -1 if each.trial is None else each.trial}
+        place = context_fields(each.context) | {"trial": -1 if each.trial is None else each.trial}
         for answer in each.answers.values():
             item = items.get(answer.item, {})
-            yield Answer(
+            yield AnswerRow(
                 **place,
                 questionnaire=each.name,
                 round=number,
@@ -575,7 +575,7 @@ def _number(value: object) -> float | None:
     return float(value) if isinstance(value, int | float) else None
 
 
-def restrictions(timeline: Timeline) -> Iterator[Restriction]:
+def restrictions(timeline: Timeline) -> Iterator[RestrictionRow]:
     """Each change of what the wizard could see."""
     lines = [line for _, line in moments(timeline, m.PerceptionChanged)]
     for each in timeline.of(e.RestrictionEpisode):
@@ -583,20 +583,20 @@ def restrictions(timeline: Timeline) -> Iterator[Restriction]:
         if each.lifted is not None and not (each.lifted.hidden or each.lifted.blurred):
             lines.append(each.lifted)
     for line in sorted(lines, key=attrgetter("t", "seq")):
-        yield Restriction(line.t, tuple(line.hidden), tuple(line.blurred))
+        yield RestrictionRow(line.t, tuple(line.hidden), tuple(line.blurred))
 
 
-def shapings(timeline: Timeline) -> Iterator[Shaping]:
+def shapings(timeline: Timeline) -> Iterator[ShapingRow]:
     """Each change of how answers were held back."""
     for _, line in moments(timeline, m.ShapingChanged):
-        yield Shaping(line.t, line.floor_us, line.jitter_us, tuple(line.cues))
+        yield ShapingRow(line.t, line.floor_us, line.jitter_us, tuple(line.cues))
 
 
-def consoles(timeline: Timeline) -> Iterator[ConsoleChange]:
+def consoles(timeline: Timeline) -> Iterator[ConsoleRow]:
     """Each console that came or went."""
     for each in timeline.of(e.MomentEpisode):
         match each.message:
             case m.ConsoleAttached(console=console, role=role):
-                yield ConsoleChange(each.begin, console, role, lost=False)
+                yield ConsoleRow(each.begin, console, role, lost=False)
             case m.ConsoleLost(console=console, role=role, why=why):
-                yield ConsoleChange(each.begin, console, role, lost=True, why=why)
+                yield ConsoleRow(each.begin, console, role, lost=True, why=why)

@@ -13,11 +13,18 @@ from typing import TypeVar
 
 from woz_tui.analysis import event_rows
 from woz_tui.analysis.cue_responses import WAITING, WINDOW_US, cues_of, trained_cues, training_of
-from woz_tui.analysis.durations import Series
-from woz_tui.analysis.event_rows import Cue, PanelOffer, Trial
-from woz_tui.analysis.figure_sums import Tally, part, together
-from woz_tui.analysis.figures import OUTSIDE, SESSION, TRIALS, Part, SessionFigures, Wholeness
-from woz_tui.analysis.manual_actions import Act, acts_of, of_robot
+from woz_tui.analysis.durations import Durations
+from woz_tui.analysis.event_rows import CueRow, PanelRow, TrialRow
+from woz_tui.analysis.figure_sums import Tally, part_figures, sum_tallies
+from woz_tui.analysis.figures import (
+    OUTSIDE,
+    SESSION,
+    TRIALS,
+    LogIntegrity,
+    PartFigures,
+    SessionFigures,
+)
+from woz_tui.analysis.manual_actions import WizardAct, acts_of, of_robot
 from woz_tui.analysis.participants import counts_in_means, taking_part
 from woz_tui.protocol import messages as m
 from woz_tui.timeline import episodes as e
@@ -26,7 +33,7 @@ from woz_tui.timeline.trial_context import Context
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class FigureOptions:
     """How figures are computed.
 
     Attributes:
@@ -40,12 +47,12 @@ class Options:
     all_trials: bool = False
 
 
-DEFAULTS = Options()
+DEFAULTS = FigureOptions()
 K = TypeVar("K")
 
 
 def figures_of(
-    timeline: Timeline, options: Options = DEFAULTS, path: str = "", stem: str = ""
+    timeline: Timeline, options: FigureOptions = DEFAULTS, path: str = "", stem: str = ""
 ) -> SessionFigures:
     """All figures of a session whose timeline is finished; of its log see `wholeness`."""
     state = timeline.state
@@ -117,7 +124,7 @@ def figures_of(
         order=tuple(assigned.order) if assigned else (),
         order_method=assigned.method if assigned else "",
         seed=start.seed if start else None,
-        wholeness=Wholeness(ended=ended is not None),
+        wholeness=LogIntegrity(ended=ended is not None),
     )
 
 
@@ -148,7 +155,7 @@ class _Counting:
         found = [tally for tally in self._tallies.values() if not tally.empty]
         return found or [*self._tallies.values()][:1] or [Tally("", "")]
 
-    def count(self, acts: Sequence[Act]) -> None:
+    def count(self, acts: Sequence[WizardAct]) -> None:
         """Everything but cues."""
         self._acts(acts)
         self._actions()
@@ -166,8 +173,8 @@ class _Counting:
             # A lost console stops the drive: nobody pressed that.
             self.at(stop.context).stops += stop.label == "all"
 
-    def _acts(self, acts: Sequence[Act]) -> None:
-        before: Act | None = None
+    def _acts(self, acts: Sequence[WizardAct]) -> None:
+        before: WizardAct | None = None
         stretch = 0
         for act in acts:
             tally = self.at(act.context)
@@ -272,8 +279,8 @@ class _Counting:
         def counts(context: Context) -> bool:
             return every or self._timeline.counts(context)
 
-        total = together(tally for tally in self.tallies if every or tally.counted)
-        total.episodes = Series(
+        total = sum_tallies(tally for tally in self.tallies if every or tally.counted)
+        total.episodes = Durations(
             us
             for engaged in self._timeline.of(e.EngagementEpisode)
             for counted, us in self._pieces(engaged, counts)
@@ -317,22 +324,22 @@ def _together(episodes: Iterable[e.Episode]) -> Iterator[tuple[int, int]]:
 
 
 def _whole(
-    counting: _Counting, trials: Sequence[Trial], people: set[str], options: Options
-) -> Part:
+    counting: _Counting, trials: Sequence[TrialRow], people: set[str], options: FigureOptions
+) -> PartFigures:
     every = options.all_trials
     counted = [tally for tally in counting.tallies if every or tally.counted]
     conditions = ", ".join(_each(tally.condition for tally in counted))
     begun = sum(every or trial.counted for trial in trials)
-    return part(counting.whole(every=every), _named(counted, people), conditions, begun)
+    return part_figures(counting.whole(every=every), _named(counted, people), conditions, begun)
 
 
 def _parts(
     timeline: Timeline,
     tallies: list[Tally],
-    trials: Sequence[Trial],
+    trials: Sequence[TrialRow],
     people: set[str],
-    options: Options,
-) -> Iterator[Part]:
+    options: FigureOptions,
+) -> Iterator[PartFigures]:
     """Each participant's conditions, then the time outside of trials."""
     every = options.all_trials
     begun = Counter(
@@ -345,8 +352,8 @@ def _parts(
             groups.setdefault((tally.participant, condition, tally.inside), []).append(tally)
     scope = TRIALS if timeline.has_trials else SESSION
     for (participant, condition, inside), found in sorted(groups.items(), key=_outside):
-        yield part(
-            together(found),
+        yield part_figures(
+            sum_tallies(found),
             participant,
             condition,
             begun[participant, condition] if inside else 0,
@@ -359,7 +366,9 @@ def _outside(group: tuple[tuple[str, str, bool], object]) -> bool:
     return not group[0][2]
 
 
-def _listed(cues: Iterable[tuple[Context, Cue]], counted: Callable[[Context], bool]) -> list[Cue]:
+def _listed(
+    cues: Iterable[tuple[Context, CueRow]], counted: Callable[[Context], bool]
+) -> list[CueRow]:
     """All cues by time, with whether they count."""
     found = [cue if counted(context) else replace(cue, counted=False) for context, cue in cues]
     return sorted(found, key=lambda cue: cue.t)
@@ -371,9 +380,9 @@ def _first_plan(timeline: Timeline) -> m.SessionPlan | None:
     return next((plan for plan in plans if plan.title), plans[-1] if plans else None)
 
 
-def _panels(plan: m.SessionPlan | None) -> Iterator[PanelOffer]:
+def _panels(plan: m.SessionPlan | None) -> Iterator[PanelRow]:
     for panel in plan.panels if plan else ():
-        yield PanelOffer(panel.title, tuple(each.name for each in panel.actions), panel.locked)
+        yield PanelRow(panel.title, tuple(each.name for each in panel.actions), panel.locked)
 
 
 def _each(names: Iterable[str]) -> dict[str, None]:

@@ -6,16 +6,16 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from woz_tui.analysis.durations import Series
-from woz_tui.analysis.event_rows import CUE_RESULTS, CUE_TYPES, Cue
+from woz_tui.analysis.durations import Durations
+from woz_tui.analysis.event_rows import CUE_RESULTS, CUE_TYPES, CueRow
 from woz_tui.analysis.figures import (
     COMMAND_ENDS,
     ENDS,
     SESSION,
     ActionCount,
-    Engagement,
-    Outcomes,
-    Part,
+    ActionOutcomes,
+    EngagementFigures,
+    PartFigures,
     Reactions,
     StateTimes,
     VerbTimes,
@@ -32,8 +32,8 @@ class VerbTally:
     """The commands of one verb."""
 
     ends: Counter[str] = field(default_factory=Counter)
-    dispatched: Series = field(default_factory=Series)
-    done: Series = field(default_factory=Series)
+    dispatched: Durations = field(default_factory=Durations)
+    done: Durations = field(default_factory=Durations)
 
 
 @dataclass(slots=True)
@@ -54,26 +54,26 @@ class Tally:
     counts: Counter[CountKey] = field(default_factory=Counter)
     by_hand: int = 0
     direct: int = 0
-    press: Series = field(default_factory=Series)
-    took: Series = field(default_factory=Series)
+    press: Durations = field(default_factory=Durations)
+    took: Durations = field(default_factory=Durations)
     verbs: dict[str, VerbTally] = field(default_factory=dict)
-    gaps: Series = field(default_factory=Series)
-    cues: list[Cue] = field(default_factory=list)
+    gaps: Durations = field(default_factory=Durations)
+    cues: list[CueRow] = field(default_factory=list)
     mistakes: int = 0
     markers: int = 0
     notes: int = 0
     stops: int = 0
     utterances: int = 0
-    speech: Series = field(default_factory=Series)
-    held: Series = field(default_factory=Series)
+    speech: Durations = field(default_factory=Durations)
+    held: Durations = field(default_factory=Durations)
     on_us: int = 0
     off_us: int = 0
     engaged_us: int = 0
-    episodes: Series = field(default_factory=Series)
+    episodes: Durations = field(default_factory=Durations)
     settings_us: int = 0
     differing_us: int = 0
     state_us: Counter[str] = field(default_factory=Counter)
-    lengths: defaultdict[str, Series] = field(default_factory=lambda: defaultdict(Series))
+    lengths: defaultdict[str, Durations] = field(default_factory=lambda: defaultdict(Durations))
     transitions: Counter[tuple[str, str]] = field(default_factory=Counter)
     forced: int = 0
 
@@ -115,7 +115,7 @@ _SERIES = ("press", "took", "gaps", "speech", "held", "episodes")
 _COUNTERS = ("counts", "state_us", "transitions")
 
 
-def together(tallies: Iterable[Tally]) -> Tally:
+def sum_tallies(tallies: Iterable[Tally]) -> Tally:
     """All of them in one, which is nobody's."""
     total = Tally("", "")
     for tally in tallies:
@@ -123,7 +123,7 @@ def together(tallies: Iterable[Tally]) -> Tally:
     return total
 
 
-def part(
+def part_figures(
     total: Tally,
     participant: str,
     condition: str,
@@ -131,9 +131,9 @@ def part(
     *,
     counted: bool = True,
     scope: str = SESSION,
-) -> Part:
+) -> PartFigures:
     """It as a part of the figures."""
-    return Part(
+    return PartFigures(
         participant=participant,
         condition=condition,
         counted=counted,
@@ -169,7 +169,7 @@ def _counts(counts: Counter[CountKey]) -> list[ActionCount]:
     for (action, panel, source, end), count in counts.items():
         rows.setdefault((action, panel, source), {})[end] = count
     return [
-        ActionCount(*key, Outcomes(*(ends.get(end, 0) for end in ENDS)))
+        ActionCount(*key, ActionOutcomes(*(ends.get(end, 0) for end in ENDS)))
         for key, ends in sorted(rows.items())
     ]
 
@@ -178,32 +178,32 @@ def _ordered(counts: Counter[str], order: Sequence[str]) -> dict[str, int]:
     return {name: counts[name] for name in order if counts[name]}
 
 
-def _reactions(cues: Sequence[Cue]) -> dict[str, Reactions]:
+def _reactions(cues: Sequence[CueRow]) -> dict[str, Reactions]:
     types = {each: [cue for cue in cues if cue.cue_type == each] for each in CUE_TYPES}
     types[ALL_CUES] = [cue for cue in cues if cue.cue_type != "training" and not cue.echo]
     return {each: _reaction(found) for each, found in types.items() if found}
 
 
-def _reaction(cues: Sequence[Cue]) -> Reactions:
+def _reaction(cues: Sequence[CueRow]) -> Reactions:
     results = Counter(cue.result for cue in cues)
-    times = Series(cue.reaction_us for cue in cues if cue.reaction_us is not None)
+    times = Durations(cue.reaction_us for cue in cues if cue.reaction_us is not None)
     return Reactions(_ordered(results, CUE_RESULTS), times)
 
 
-def _engagement(total: Tally) -> Engagement:
+def _engagement(total: Tally) -> EngagementFigures:
     table: dict[str, dict[str, int]] = {}
     for (was, now), count in sorted(total.transitions.items()):
         table.setdefault(was, {})[now] = count
     names = sorted({*total.state_us, *total.lengths})
     states = {
         name: StateTimes(
-            visits=len(lengths := total.lengths.get(name, Series())),
+            visits=len(lengths := total.lengths.get(name, Durations())),
             us=total.state_us[name],
             lengths=lengths,
         )
         for name in names
     }
-    return Engagement(
+    return EngagementFigures(
         on_us=total.on_us,
         off_us=total.off_us,
         engaged_us=total.engaged_us,

@@ -10,22 +10,22 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from operator import attrgetter
 
-from woz_tui.analysis.durations import Series
+from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.event_rows import (
-    Answer,
-    ConsoleChange,
-    Cue,
-    Mark,
-    PanelOffer,
-    Phase,
-    Restriction,
-    Round,
-    Setting,
-    Shaping,
-    Span,
-    Stop,
-    Trial,
-    Visit,
+    AnswerRow,
+    ConsoleRow,
+    CueRow,
+    MarkRow,
+    PanelRow,
+    PhaseRow,
+    RestrictionRow,
+    RoundRow,
+    SettingRow,
+    ShapingRow,
+    SpanRow,
+    StopRow,
+    TrialRow,
+    VisitRow,
 )
 
 #: How a requested action can end; `open`: its end is not in the log.
@@ -40,7 +40,7 @@ TRIALS, OUTSIDE, SESSION = "trials", "outside", "session"
 
 
 @dataclass(frozen=True, slots=True)
-class Outcomes:
+class ActionOutcomes:
     """How often something was asked for, by how it ended."""
 
     done: int = 0
@@ -63,7 +63,7 @@ class ActionCount:
     action: str
     panel: str
     source: str
-    outcomes: Outcomes
+    outcomes: ActionOutcomes
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,8 +71,8 @@ class VerbTimes:
     """The commands of one verb: how they ended (see `COMMAND_ENDS`), how long they took."""
 
     ends: Mapping[str, int]
-    dispatched: Series
-    done: Series
+    dispatched: Durations
+    done: Durations
 
     @property
     def commands(self) -> int:
@@ -85,7 +85,7 @@ class Reactions:
     """The cues of one type (or of all): `CUE_RESULTS` counted, and the reaction times."""
 
     results: Mapping[str, int]
-    times: Series
+    times: Durations
 
     @property
     def cues(self) -> int:
@@ -109,11 +109,11 @@ class StateTimes:
 
     visits: int
     us: int
-    lengths: Series
+    lengths: Durations
 
 
 @dataclass(frozen=True, slots=True)
-class Engagement:
+class EngagementFigures:
     """What the engagement model did, while it was there and on (running or held).
 
     Attributes:
@@ -129,7 +129,7 @@ class Engagement:
     on_us: int = 0
     off_us: int = 0
     engaged_us: int = 0
-    episodes: Series = field(default_factory=Series)
+    episodes: Durations = field(default_factory=Durations)
     states: Mapping[str, StateTimes] = field(default_factory=dict)
     transitions: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
     forced: int = 0
@@ -141,7 +141,7 @@ class Engagement:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class PartFigures:
     """The figures of one condition of one participant in a session, of the time outside of trials,
     or of all of it (`whole`). What lasts is clipped: its piece in this condition counts.
 
@@ -172,19 +172,19 @@ class Part:
     counts: Sequence[ActionCount]
     by_hand: int
     direct: int
-    press: Series
-    took: Series
+    press: Durations
+    took: Durations
     verbs: Mapping[str, VerbTimes]
-    gaps: Series
+    gaps: Durations
     reactions: Mapping[str, Reactions]
-    engagement: Engagement
+    engagement: EngagementFigures
     mistakes: int
     markers: int
     notes: int
     stops: int
     utterances: int
-    speech: Series
-    held: Series
+    speech: Durations
+    held: Durations
     settings_us: int = 0
     differing_us: int = 0
     counted: bool = True
@@ -201,9 +201,9 @@ class Part:
         return sum(count.outcomes.total for count in self.counts)
 
     @property
-    def outcomes(self) -> Outcomes:
+    def outcomes(self) -> ActionOutcomes:
         """Of all actions."""
-        return summed(self.counts)
+        return sum_outcomes(self.counts)
 
     @property
     def acts(self) -> int:
@@ -225,23 +225,23 @@ class Part:
         """Share of the time in which settings were known; None if they never were."""
         return self.differing_us / self.settings_us if self.settings_us else None
 
-    def by(self, name: str) -> dict[str, Outcomes]:
+    def by(self, name: str) -> dict[str, ActionOutcomes]:
         """Actions by `action`, `panel` or `source`, the most frequent first."""
         groups: dict[str, list[ActionCount]] = {}
         for count in self.counts:
             groups.setdefault(getattr(count, name), []).append(count)
-        found = {key: summed(counts) for key, counts in groups.items()}
+        found = {key: sum_outcomes(counts) for key, counts in groups.items()}
         return dict(sorted(found.items(), key=lambda item: (-item[1].total, item[0])))
 
 
-def summed(counts: Sequence[ActionCount]) -> Outcomes:
+def sum_outcomes(counts: Sequence[ActionCount]) -> ActionOutcomes:
     """All of them together."""
     ends = [[getattr(count.outcomes, end) for end in ENDS] for count in counts]
-    return Outcomes(*map(sum, zip(*ends, strict=True))) if ends else Outcomes()
+    return ActionOutcomes(*map(sum, zip(*ends, strict=True))) if ends else ActionOutcomes()
 
 
 @dataclass(frozen=True, slots=True)
-class Training:
+class TrainingFigures:
     """A wizard's training: how the cues were judged; `score` is the share answered rightly."""
 
     cues: int
@@ -249,7 +249,7 @@ class Training:
     wrong: int
     missed: int
     uncalled: int
-    times: Series
+    times: Durations
 
     @property
     def score(self) -> float | None:
@@ -258,7 +258,7 @@ class Training:
 
 
 @dataclass(frozen=True, slots=True)
-class Wholeness:
+class LogIntegrity:
     """Whether the log is whole. `sentences` tell everything that is wrong; empty: it is whole.
 
     Attributes:
@@ -309,39 +309,39 @@ class SessionFigures:
     ended: str
     window_us: int
     all_trials: bool
-    whole: Part
-    parts: tuple[Part, ...]
-    cues: tuple[Cue, ...]
-    visits: tuple[Visit, ...]
-    stays: tuple[Visit, ...]
-    trials: tuple[Trial, ...]
-    phases: tuple[Phase, ...]
-    breaks: tuple[Span, ...]
-    stops: tuple[Stop, ...]
-    marks: tuple[Mark, ...]
-    answers: tuple[Answer, ...]
-    rounds: tuple[Round, ...]
-    training: Training | None
-    panels: tuple[PanelOffer, ...]
+    whole: PartFigures
+    parts: tuple[PartFigures, ...]
+    cues: tuple[CueRow, ...]
+    visits: tuple[VisitRow, ...]
+    stays: tuple[VisitRow, ...]
+    trials: tuple[TrialRow, ...]
+    phases: tuple[PhaseRow, ...]
+    breaks: tuple[SpanRow, ...]
+    stops: tuple[StopRow, ...]
+    marks: tuple[MarkRow, ...]
+    answers: tuple[AnswerRow, ...]
+    rounds: tuple[RoundRow, ...]
+    training: TrainingFigures | None
+    panels: tuple[PanelRow, ...]
     profiles: tuple[str, ...]
-    consoles: tuple[ConsoleChange, ...]
-    lost_drivers: tuple[Span, ...]
-    settings: tuple[Setting, ...]
+    consoles: tuple[ConsoleRow, ...]
+    lost_drivers: tuple[SpanRow, ...]
+    settings: tuple[SettingRow, ...]
     drivers: tuple[str, ...]
-    restrictions: tuple[Restriction, ...]
-    shaping: tuple[Shaping, ...]
+    restrictions: tuple[RestrictionRow, ...]
+    shaping: tuple[ShapingRow, ...]
     reloads: int
     rerun_of: str
     order: tuple[str, ...]
     order_method: str
-    wholeness: Wholeness
+    wholeness: LogIntegrity
     seed: int | None = None
     lines: int = 0
     redacted: bool = False
     unanswered: tuple[str, ...] = ()
 
     @property
-    def differences(self) -> list[Setting]:
+    def differences(self) -> list[SettingRow]:
         """Times in which a setting was other than asked for, the earliest first."""
         found = [each for each in self.settings if each.differs]
         return sorted(found, key=attrgetter("begin", "driver", "setting"))

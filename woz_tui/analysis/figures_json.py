@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import fields, is_dataclass
 from typing import Any
 
-from woz_tui.analysis.durations import Series
-from woz_tui.analysis.figures import Part, SessionFigures
+from woz_tui.analysis.durations import Durations
+from woz_tui.analysis.figures import PartFigures, SessionFigures
 from woz_tui.analysis.measures import measured
-from woz_tui.analysis.participant_groups import Grouped
+from woz_tui.analysis.participant_groups import GroupedSessions
 
 
 def plain(value: Any) -> Any:
@@ -17,7 +17,7 @@ def plain(value: Any) -> Any:
     Parts have the main figures of docs/reference/report.md besides, under `main`.
     """
     match value:
-        case Series():
+        case Durations():
             return _spread(value)
         case dict():
             return {str(name): plain(item) for name, item in value.items()}
@@ -25,11 +25,11 @@ def plain(value: Any) -> Any:
             return [plain(item) for item in value]
     if is_dataclass(value):
         told = {field.name: plain(getattr(value, field.name)) for field in fields(value)}
-        return {**told, "main": measured(value)} if isinstance(value, Part) else told
+        return {**told, "main": measured(value)} if isinstance(value, PartFigures) else told
     return value
 
 
-def _spread(times: Series) -> dict[str, float | None]:
+def _spread(times: Durations) -> dict[str, float | None]:
     return {
         "n": times.n,
         "median": times.median,
@@ -46,13 +46,13 @@ def session(figures: SessionFigures) -> dict[str, Any]:
     return found
 
 
-def trainings(found: Grouped) -> list[dict[str, Any]]:
+def trainings(found: GroupedSessions) -> list[dict[str, Any]]:
     """Each training of a wizard."""
     told: list[dict[str, Any]] = plain(found.trainings)
     return told
 
 
-def grouped(found: Grouped) -> list[dict[str, Any]]:
+def grouped(found: GroupedSessions) -> list[dict[str, Any]]:
     """Each experiment's conditions and scales."""
     return [
         {

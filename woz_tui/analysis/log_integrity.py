@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from woz_tui.analysis.figures import SessionFigures, Wholeness
+from woz_tui.analysis.figures import LogIntegrity, SessionFigures
 from woz_tui.log.file_names import FileName
 from woz_tui.log.log_reader import Damage, Line, LogFiles
 from woz_tui.log.verify import verify
@@ -20,7 +20,7 @@ NO_BEGINNING = "the first line is missing: all codes are unknown"
 _NO_ACTIONS = frozenset({Segment, Reading, EngagementShown})
 
 
-class Roll:
+class LineCount:
     """Counts the lines of actions: each checkpoint says how many there must be before it."""
 
     def __init__(self) -> None:
@@ -36,7 +36,9 @@ class Roll:
             self._lines += 1
 
 
-def wholeness(figures: SessionFigures, damage: Damage, files: LogFiles, roll: Roll) -> Wholeness:
+def integrity_of(
+    figures: SessionFigures, damage: Damage, files: LogFiles, roll: LineCount
+) -> LogIntegrity:
     """As far as one pass over the actions in `files` can tell."""
     sentences = damage.sentences()
     if not figures.schema:
@@ -51,7 +53,7 @@ def wholeness(figures: SessionFigures, damage: Damage, files: LogFiles, roll: Ro
         sentences.append(f"{still_open} action(s) without an end")
     if not figures.ended:
         sentences.append(files.no_end())
-    return Wholeness(
+    return LogIntegrity(
         sentences=tuple(sentences),
         ended=bool(figures.ended),
         left_out=damage.skipped,
@@ -62,7 +64,9 @@ def wholeness(figures: SessionFigures, damage: Damage, files: LogFiles, roll: Ro
     )
 
 
-def verified(whole: Wholeness, path: Path, places: Iterable[Path] | None) -> Wholeness:
+def with_verification(
+    whole: LogIntegrity, path: Path, places: Iterable[Path] | None
+) -> LogIntegrity:
     """The same after checking every number and checksum, samples too."""
     found = verify(path, places=places).sentences()
     more = [sentence for sentence in found if sentence not in whole.sentences]

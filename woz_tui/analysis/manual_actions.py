@@ -8,7 +8,7 @@ from woz_tui.timeline.timeline import Timeline
 
 #: Sources that are no human at this session.
 BY_MACHINE = frozenset({"engagement", "program", "replay"})
-Act = ActionEpisode | CommandEpisode
+WizardAct = ActionEpisode | CommandEpisode
 
 
 def of_robot(command: CommandEpisode) -> bool:
@@ -21,7 +21,7 @@ def is_direct(command: CommandEpisode) -> bool:
     return not command.request.run and of_robot(command)
 
 
-def acts_of(timeline: Timeline) -> list[Act]:
+def acts_of(timeline: Timeline) -> list[WizardAct]:
     """All wizard actions in the order in which they were asked for."""
     return [
         each
@@ -31,6 +31,6 @@ def acts_of(timeline: Timeline) -> list[Act]:
     ]
 
 
-def id_of(act: Act) -> str:
+def id_of(act: WizardAct) -> str:
     """The id of its run, or of the command."""
     return act.request.run if isinstance(act, ActionEpisode) else act.request.command

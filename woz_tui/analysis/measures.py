@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from woz_tui.analysis.durations import Series
+from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.figure_sums import ALL_CUES
-from woz_tui.analysis.figures import Part, Reactions
+from woz_tui.analysis.figures import PartFigures, Reactions
 
-_NONE = Reactions({}, Series())
+_NONE = Reactions({}, Durations())
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +29,7 @@ class Measure:
     unit: str
     meaning: str
     short: str
-    of: Callable[[Part], float | None]
+    of: Callable[[PartFigures], float | None]
 
 
 def seconds(us: float | None) -> float | None:
@@ -42,7 +42,7 @@ def milliseconds(us: float | None) -> float | None:
     return None if us is None else us / 1e3
 
 
-def reactions(part: Part, sort: str = ALL_CUES) -> Reactions:
+def reactions(part: PartFigures, sort: str = ALL_CUES) -> Reactions:
     """To the cues of a sort; empty ones if there were none."""
     return part.reactions.get(sort, _NONE)
 
@@ -233,6 +233,6 @@ MEASURES: tuple[Measure, ...] = (
 BY_NAME = {measure.name: measure for measure in MEASURES}
 
 
-def measured(part: Part) -> dict[str, float | None]:
+def measured(part: PartFigures) -> dict[str, float | None]:
     """All of them, by name."""
     return {measure.name: measure.of(part) for measure in MEASURES}

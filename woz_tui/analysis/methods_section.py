@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from woz_tui.analysis.durations import Series
+from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.english_lists import Some, capital, listed, neither, some, times, was, were
-from woz_tui.analysis.study_figures import Facts, Practice
+from woz_tui.analysis.study_figures import StudyFacts, WizardTraining
 
 #: What the guidelines ask for and no log can know.
 BY_HAND = (
@@ -65,7 +65,7 @@ class Paragraph:
     sentences: tuple[str, ...]
 
 
-def paragraphs(facts: Facts) -> list[Paragraph]:
+def paragraphs(facts: StudyFacts) -> list[Paragraph]:
     """All that the logs tell; paragraphs without a sentence are left out."""
     found = [
         Paragraph("Participants and sessions", tuple(_sessions(facts))),
@@ -81,14 +81,14 @@ def paragraphs(facts: Facts) -> list[Paragraph]:
 # -- paragraphs -----------------------------------------------------------------------------------
 
 
-def _sessions(facts: Facts) -> Iterator[str]:
+def _sessions(facts: StudyFacts) -> Iterator[str]:
     yield from _attended(facts)
     if facts.deserted:
         left = f"{Some(facts.deserted, 'session')} without a participant"
         yield f"{left} {were(facts.deserted)} left out."
 
 
-def _attended(facts: Facts) -> Iterator[str]:
+def _attended(facts: StudyFacts) -> Iterator[str]:
     if not facts.sessions:
         yield "The logs contain no session with a participant."
         return
@@ -122,7 +122,7 @@ def _attended(facts: Facts) -> Iterator[str]:
         yield f"Participants declined {some(facts.declined, 'questionnaire')}."
 
 
-def _lengths(facts: Facts) -> str:
+def _lengths(facts: StudyFacts) -> str:
     lengths = facts.lengths
     if lengths.mean is None:
         return ""
@@ -132,7 +132,7 @@ def _lengths(facts: Facts) -> str:
     return f" of {_minutes(lengths.mean)} min on average{spread}"
 
 
-def _orders(facts: Facts) -> Iterator[str]:
+def _orders(facts: StudyFacts) -> Iterator[str]:
     told = [
         f"{_ORDERS.get(method, method)} in {some(count, 'session')}"
         for method, count in sorted(facts.orders.items())
@@ -141,7 +141,7 @@ def _orders(facts: Facts) -> Iterator[str]:
         yield f"Conditions were assigned {listed(told)}."
 
 
-def _wizards(facts: Facts) -> Iterator[str]:
+def _wizards(facts: StudyFacts) -> Iterator[str]:
     if not facts.sessions:
         return
     known = {name: count for name, count in sorted(facts.wizards.items()) if name}
@@ -159,7 +159,7 @@ def _wizards(facts: Facts) -> Iterator[str]:
     yield from _training(facts, [*known])
 
 
-def _training(facts: Facts, wizards: Sequence[str]) -> Iterator[str]:
+def _training(facts: StudyFacts, wizards: Sequence[str]) -> Iterator[str]:
     for name in wizards:
         practice = facts.practice.get(name)
         if practice is not None:
@@ -171,7 +171,7 @@ def _training(facts: Facts, wizards: Sequence[str]) -> Iterator[str]:
         yield f"Training of the {'wizard' if len(wizards) == 1 else 'wizards'} was not recorded."
 
 
-def _practised(name: str, practice: Practice) -> str:
+def _practised(name: str, practice: WizardTraining) -> str:
     told = f"{name} practised in {some(practice.sessions, 'training session')}"
     last = practice.last
     if last is None or not last.cues:
@@ -186,7 +186,7 @@ def _practised(name: str, practice: Practice) -> str:
     )
 
 
-def _production(facts: Facts) -> Iterator[str]:
+def _production(facts: StudyFacts) -> Iterator[str]:
     if facts.offered:
         yield (
             f"The wizard chose from {some(len(facts.offered), 'prepared action')} on"
@@ -216,7 +216,7 @@ def _production(facts: Facts) -> Iterator[str]:
         )
 
 
-def _acted(facts: Facts) -> Iterator[str]:
+def _acted(facts: StudyFacts) -> Iterator[str]:
     total = sum(facts.outcomes.values())
     if not total:
         return
@@ -258,7 +258,7 @@ def _jitter(jitter_us: int) -> str:
     return f", plus a random 0 to {_seconds(jitter_us)} s" if jitter_us else ""
 
 
-def _recognition(facts: Facts) -> Iterator[str]:
+def _recognition(facts: StudyFacts) -> Iterator[str]:
     if not facts.sessions:
         return
     for (hidden, blurred), count in sorted(facts.seen.items()):
@@ -273,7 +273,7 @@ def _named(names: Sequence[str]) -> list[str]:
     return [_NAMES.get(name, name) for name in names]
 
 
-def _performance(facts: Facts) -> Iterator[str]:
+def _performance(facts: StudyFacts) -> Iterator[str]:
     if facts.acts:
         marked = f"{facts.mistakes} ({_per_cent(facts.mistakes, facts.acts)})"
         what = "marked as a mistake" if facts.mistakes == 1 else "marked as mistakes"
@@ -303,7 +303,7 @@ _NOT_DUE = {
 }
 
 
-def _reacted(facts: Facts) -> Iterator[str]:
+def _reacted(facts: StudyFacts) -> Iterator[str]:
     cues = sum(facts.results.values())
     if not cues:
         return
@@ -322,7 +322,7 @@ def _reacted(facts: Facts) -> Iterator[str]:
         yield f"The reaction time was {_spread(facts.reactions, _seconds, 's')}."
 
 
-def _data(facts: Facts) -> Iterator[str]:
+def _data(facts: StudyFacts) -> Iterator[str]:
     if not facts.sessions:
         return
     if facts.left_out:
@@ -370,7 +370,7 @@ def _minutes(us: float) -> str:
     return f"{us / 60e6:.1f}"
 
 
-def _spread(series: Series, form: Callable[[float], str], unit: str) -> str:
+def _spread(series: Durations, form: Callable[[float], str], unit: str) -> str:
     """Of a series that is not empty."""
     median, p95, most = (series.quantile(share) or 0.0 for share in (0.5, 0.95, 1.0))
     return (

@@ -7,12 +7,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from woz_tui.analysis.durations import mean_and_sd
-from woz_tui.analysis.figures import OUTSIDE, SESSION, SessionFigures, Training
+from woz_tui.analysis.figures import OUTSIDE, SESSION, SessionFigures, TrainingFigures
 from woz_tui.analysis.measures import MEASURES, measured
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class ConditionRow:
     """One condition of one participant in one session; `counted`: somebody took part."""
 
     experiment: str
@@ -57,22 +57,22 @@ class ItemTotal:
 
 
 @dataclass(frozen=True, slots=True)
-class Trained:
+class TrainingRow:
     """A session in which a wizard was trained."""
 
     wizard: str
     session: str
     started: str
-    training: Training
+    training: TrainingFigures
 
 
 @dataclass(slots=True)
-class Grouped:
+class GroupedSessions:
     """Takes sessions one after the other and keeps their main figures alone."""
 
-    rows: list[Row] = field(default_factory=list)
+    rows: list[ConditionRow] = field(default_factory=list)
     #: Trainings of wizards, and re-runs: no sessions of participants.
-    trainings: list[Trained] = field(default_factory=list)
+    trainings: list[TrainingRow] = field(default_factory=list)
     reruns: list[str] = field(default_factory=list)
     #: Sessions whose log is not whole: who and which, and what is wrong.
     damaged: list[tuple[str, tuple[str, ...]]] = field(default_factory=list)
@@ -88,7 +88,7 @@ class Grouped:
             self.damaged.append((who, figures.wholeness.sentences))
         if figures.training is not None:
             self.trainings.append(
-                Trained(figures.wizard, figures.session, figures.started, figures.training)
+                TrainingRow(figures.wizard, figures.session, figures.started, figures.training)
             )
             return
         if figures.rerun_of:
@@ -98,7 +98,7 @@ class Grouped:
         self._hashes.setdefault(experiment, set()).add(figures.experiment_sha256)
         for part in figures.parts:
             self.rows.append(
-                Row(
+                ConditionRow(
                     experiment=experiment,
                     participant=part.participant,
                     condition=part.condition,
@@ -138,7 +138,7 @@ class Grouped:
         """How many versions of its file there were."""
         return len(self._hashes.get(experiment, ()))
 
-    def of(self, experiment: str) -> list[Row]:
+    def of(self, experiment: str) -> list[ConditionRow]:
         """Its rows, by participant, condition and session; time outside of trials comes last."""
         rows = [row for row in self.rows if row.experiment == experiment]
         return sorted(
@@ -176,7 +176,7 @@ def experiment_of(figures: SessionFigures) -> str:
     return figures.experiment.replace("\\", "/").rsplit("/", 1)[-1]
 
 
-def totals(rows: Sequence[Row]) -> list[ConditionTotal]:
+def totals(rows: Sequence[ConditionRow]) -> list[ConditionTotal]:
     """The rows that means contain by condition, in the order of their names."""
     found = []
     rows = [row for row in rows if row.counted and row.scope != OUTSIDE]
@@ -196,7 +196,7 @@ def totals(rows: Sequence[Row]) -> list[ConditionTotal]:
     return found
 
 
-def _by_participant(rows: Iterable[Row], name: str) -> dict[str, list[float]]:
+def _by_participant(rows: Iterable[ConditionRow], name: str) -> dict[str, list[float]]:
     values: dict[str, list[float]] = {}
     for row in rows:
         value = row.values[name]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 
-from woz_tui.analysis.event_rows import Answer, Trial
+from woz_tui.analysis.event_rows import AnswerRow, TrialRow
 from woz_tui.analysis.figure_sums import Tally
-from woz_tui.analysis.figures import OUTSIDE, Part, SessionFigures
+from woz_tui.analysis.figures import OUTSIDE, PartFigures, SessionFigures
 from woz_tui.timeline.timeline import Timeline
 from woz_tui.timeline.trial_context import Context
 
@@ -17,7 +17,7 @@ NOBODY = "no participant"
 
 
 def taking_part(
-    tallies: Sequence[Tally], trials: Iterable[Trial], answers: Iterable[Answer]
+    tallies: Sequence[Tally], trials: Iterable[TrialRow], answers: Iterable[AnswerRow]
 ) -> set[str]:
     """The participants whose figures count, by code.
 
@@ -44,22 +44,22 @@ def counts_in_means(timeline: Timeline, people: Collection[str], context: Contex
     return context.participant in people and timeline.inside(context) and timeline.counts(context)
 
 
-def people_of(figures: SessionFigures) -> Collection[str]:
+def participants_of(figures: SessionFigures) -> Collection[str]:
     """Who took part, by code; in a session without codes, whose code is empty."""
     return figures.participants if figures.participant else ("",)
 
 
-def called(participant: str, *, counted: bool) -> str:
+def participant_text(participant: str, *, counted: bool) -> str:
     """The code, as a table names it; empty in sessions without codes."""
     return participant or ("" if counted else NOBODY)
 
 
-def condition_in_words(condition: str, scope: str) -> str:
+def condition_text(condition: str, scope: str) -> str:
     """The condition of a part, as a table names it; empty where there is none."""
     return "outside trials" if scope == OUTSIDE else condition
 
 
-def not_counted(rows: Iterable[tuple[str, bool]]) -> str:
+def excluded_sentence(rows: Iterable[tuple[str, bool]]) -> str:
     """A sentence about rows (participant, counted) that no mean contains; empty without any."""
     names = sorted({who for who, counted in rows if not counted})
     told = ["time before a participant was set"] if "" in names else []
@@ -67,6 +67,6 @@ def not_counted(rows: Iterable[tuple[str, bool]]) -> str:
     return f"Excluded: {', '.join(told)}" if told else ""
 
 
-def counted_parts(parts: Iterable[Part]) -> list[Part]:
+def counted_parts(parts: Iterable[PartFigures]) -> list[PartFigures]:
     """Those that means contain: of somebody who took part, and not outside of trials."""
     return [part for part in parts if part.in_means]

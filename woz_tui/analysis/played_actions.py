@@ -29,7 +29,7 @@ _CUT = frozenset({EpisodeOutcome.STOPPED, EpisodeOutcome.SUPERSEDED})
 
 
 @dataclass(frozen=True, slots=True)
-class Act:
+class PlayedAct:
     """Something that was done: an action by its name, or a command that belongs to none.
 
     Attributes:
@@ -62,7 +62,7 @@ class Act:
 
 
 @dataclass
-class Played:
+class PlayedSession:
     """What of a log can be compared.
 
     Attributes:
@@ -78,14 +78,14 @@ class Played:
 
     name: str
     start: m.SessionStart | None = None
-    acts: list[Act] = field(default_factory=list)
-    commands: list[Act] = field(default_factory=list)
+    acts: list[PlayedAct] = field(default_factory=list)
+    commands: list[PlayedAct] = field(default_factory=list)
     original: str = ""
     skipped: dict[str, str] = field(default_factory=dict)
     streams: int = 0
 
 
-def played(name: str, messages: Iterable[m.AnyMessage]) -> Played:
+def played_session(name: str, messages: Iterable[m.AnyMessage]) -> PlayedSession:
     """What was played, out of a log's messages; samples may be left out.
 
     What the engagement model was told is left out, and what it had the robot do is in.
@@ -97,10 +97,10 @@ def played(name: str, messages: Iterable[m.AnyMessage]) -> Played:
     return _played(name, timeline)
 
 
-def _played(name: str, timeline: Timeline) -> Played:
+def _played(name: str, timeline: Timeline) -> PlayedSession:
     again = {line.command: line for _, line in moments(timeline, m.RerunSent)}
-    of_runs: dict[str, list[Act]] = {}
-    found = Played(name, timeline.state.start)
+    of_runs: dict[str, list[PlayedAct]] = {}
+    found = PlayedSession(name, timeline.state.start)
     for command in timeline.of(CommandEpisode):
         request = command.request
         if request.driver == ENGAGEMENT or request.source not in ASKED:
@@ -127,9 +127,9 @@ def _played(name: str, timeline: Timeline) -> Played:
     return found
 
 
-def _act(command: CommandEpisode, again: m.RerunSent | None) -> Act:
+def _act(command: CommandEpisode, again: m.RerunSent | None) -> PlayedAct:
     request = command.request
-    act = Act(
+    act = PlayedAct(
         id=request.command,
         name=f"{request.driver}.{request.verb}",
         t=command.begin,
@@ -145,8 +145,8 @@ def _act(command: CommandEpisode, again: m.RerunSent | None) -> Act:
     return replace(act, original=again.original_command, late=act.moment - again.due)
 
 
-def _whole(action: ActionEpisode, commands: Sequence[Act]) -> Act:
-    return Act(
+def _whole(action: ActionEpisode, commands: Sequence[PlayedAct]) -> PlayedAct:
+    return PlayedAct(
         id=action.request.run,
         name=action.label,
         t=action.begin,
@@ -161,10 +161,10 @@ def _end(episode: Episode) -> str:
     return "" if episode.cut else "cut" if episode.outcome in _CUT else episode.outcome
 
 
-def _strokes(acts: Iterable[Act], runs: Container[str]) -> Iterator[Act]:
+def _strokes(acts: Iterable[PlayedAct], runs: Container[str]) -> Iterator[PlayedAct]:
     """The acts, of each stream of setpoints one."""
-    last: Act | None = None
-    begun: Act | None = None
+    last: PlayedAct | None = None
+    begun: PlayedAct | None = None
     for act in acts:
         goes_on = (
             begun is not None

@@ -14,20 +14,20 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from woz_tui.analysis.alignment import align, rising
-from woz_tui.analysis.played_actions import Act, Played
+from woz_tui.analysis.played_actions import PlayedAct, PlayedSession
 
 #: How two logs were put beside each other.
 BY_COMMANDS, BY_NAMES = "commands", "names"
 
 
 @dataclass(frozen=True, slots=True)
-class Pair:
+class ActPair:
     """The same act in both logs. `shift_us`: how much later it was in B than in A, both counted
     from the first act that they share; in a re-run, from when it was due.
     """
 
-    a: Act
-    b: Act
+    a: PlayedAct
+    b: PlayedAct
     shift_us: int = 0
 
     @property
@@ -71,18 +71,18 @@ class Comparison:
         exact: Whether no alignment could have found more pairs.
     """
 
-    a: Played
-    b: Played
+    a: PlayedSession
+    b: PlayedSession
     by: str
-    pairs: tuple[Pair, ...]
-    missing: tuple[Act, ...]
-    extra: tuple[Act, ...]
-    moved: tuple[Pair, ...] = ()
+    pairs: tuple[ActPair, ...]
+    missing: tuple[PlayedAct, ...]
+    extra: tuple[PlayedAct, ...]
+    moved: tuple[ActPair, ...] = ()
     why_missing: dict[str, str] = field(default_factory=dict)
     exact: bool = True
 
     @property
-    def different(self) -> tuple[Pair, ...]:
+    def different(self) -> tuple[ActPair, ...]:
         """Pairs that differ in what was asked, in what was sent or in how it ended."""
         return tuple(pair for pair in self.pairs if pair.differences)
 
@@ -97,7 +97,7 @@ class Comparison:
         return shifts_of(self.pairs)
 
 
-def compare(a: Played, b: Played) -> Comparison:
+def compare(a: PlayedSession, b: PlayedSession) -> Comparison:
     """Put B beside A."""
     sides = _sides(a, b)
     return _by_commands(*sides) if sides is not None else _by_names(a, b)
@@ -109,10 +109,10 @@ class _Side:
     was run again in its turn is the original.
     """
 
-    log: Played
+    log: PlayedSession
     again: bool
 
-    def acts(self) -> list[Act]:
+    def acts(self) -> list[PlayedAct]:
         """What counts, in its order: in an original that of the beginnings, in a re-run that in
         which they were sent. In an original what had no effect is not expected to be repeated.
         """
@@ -120,11 +120,11 @@ class _Side:
             return sorted(self.log.commands, key=lambda act: act.t)
         return [act for act in self.log.commands if act.began >= 0 and act.end != "refused"]
 
-    def origin(self, act: Act) -> str:
+    def origin(self, act: PlayedAct) -> str:
         """What it is called in the log that both come from; empty: it is not from there."""
         return act.original if self.again else act.id
 
-    def late(self, act: Act) -> int:
+    def late(self, act: PlayedAct) -> int:
         """How much later it was than it should have been; an original is never late."""
         return act.late if self.again else 0
 
@@ -133,7 +133,7 @@ class _Side:
         return self.log.skipped if self.again else {}
 
 
-def _sides(a: Played, b: Played) -> tuple[_Side, _Side] | None:
+def _sides(a: PlayedSession, b: PlayedSession) -> tuple[_Side, _Side] | None:
     """As what they stand to each other; None: neither comes from the other."""
     if b.original and b.original == a.name:
         return _Side(a, again=False), _Side(b, again=True)
@@ -153,7 +153,9 @@ def _by_commands(a: _Side, b: _Side) -> Comparison:
         for place, act in enumerate(acts_a)
         if (origin := a.origin(act)) in places
     ]
-    pairs = [Pair(acts_a[i], acts_b[j], b.late(acts_b[j]) - a.late(acts_a[i])) for i, j in indices]
+    pairs = [
+        ActPair(acts_a[i], acts_b[j], b.late(acts_b[j]) - a.late(acts_a[i])) for i, j in indices
+    ]
     missing = _rest(acts_a, {i for i, _ in indices})
     reasons = {**a.skipped(), **b.skipped()}
     return Comparison(
@@ -170,14 +172,14 @@ def _by_commands(a: _Side, b: _Side) -> Comparison:
     )
 
 
-def _by_names(a: Played, b: Played) -> Comparison:
+def _by_names(a: PlayedSession, b: PlayedSession) -> Comparison:
     indices, exact = align([act.name for act in a.acts], [act.name for act in b.acts])
     pairs = []
     for i, j in indices:
         first_a, first_b = indices[0]
         since_a = a.acts[i].moment - a.acts[first_a].moment
         since_b = b.acts[j].moment - b.acts[first_b].moment
-        pairs.append(Pair(a.acts[i], b.acts[j], since_b - since_a))
+        pairs.append(ActPair(a.acts[i], b.acts[j], since_b - since_a))
     return Comparison(
         a=a,
         b=b,
@@ -189,16 +191,16 @@ def _by_names(a: Played, b: Played) -> Comparison:
     )
 
 
-def _rest(acts: Sequence[Act], taken: set[int]) -> tuple[Act, ...]:
+def _rest(acts: Sequence[PlayedAct], taken: set[int]) -> tuple[PlayedAct, ...]:
     return tuple(act for place, act in enumerate(acts) if place not in taken)
 
 
-def _moved(pairs: Sequence[Pair], indices: Sequence[tuple[int, int]]) -> tuple[Pair, ...]:
+def _moved(pairs: Sequence[ActPair], indices: Sequence[tuple[int, int]]) -> tuple[ActPair, ...]:
     kept = set(rising([j for _, j in indices]))
     return tuple(pair for place, pair in enumerate(pairs) if place not in kept)
 
 
-def shifts_of(pairs: Iterable[Pair]) -> Shifts | None:
+def shifts_of(pairs: Iterable[ActPair]) -> Shifts | None:
     """The figures of the shifts; None without pairs. The percentile is the nearest rank."""
     points = [(pair.a.moment, pair.shift_us) for pair in pairs]
     if not points:
@@ -251,7 +253,7 @@ def facts(comparison: Comparison) -> dict[str, Any]:
     }
 
 
-def _pair_facts(pair: Pair) -> dict[str, Any]:
+def _pair_facts(pair: ActPair) -> dict[str, Any]:
     return {
         "name": pair.a.name,
         "a": pair.a.id,
@@ -263,5 +265,5 @@ def _pair_facts(pair: Pair) -> dict[str, Any]:
     }
 
 
-def _act_facts(act: Act) -> dict[str, Any]:
+def _act_facts(act: PlayedAct) -> dict[str, Any]:
     return {"name": act.name, "id": act.id, "t": act.moment, "end": act.end}

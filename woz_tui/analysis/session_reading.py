@@ -8,10 +8,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from woz_tui.analysis.figure_counting import DEFAULTS, Options, figures_of
-from woz_tui.analysis.log_integrity import Roll, verified, wholeness
-from woz_tui.analysis.session_report import Report
-from woz_tui.analysis.timeline_lanes import Curves, drawing_of
+from woz_tui.analysis.figure_counting import DEFAULTS, FigureOptions, figures_of
+from woz_tui.analysis.log_integrity import LineCount, integrity_of, with_verification
+from woz_tui.analysis.session_report import SessionReport
+from woz_tui.analysis.timeline_lanes import SensorCurves, drawing_of
 from woz_tui.log.log_reader import Damage, Line, files_of
 from woz_tui.log.message_stream import messages
 from woz_tui.protocol.codec import is_sample
@@ -23,7 +23,7 @@ class NoSessionError(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
+class ReportOptions:
     """What is to be found out besides the figures.
 
     Attributes:
@@ -38,16 +38,16 @@ class Wanted:
 
 
 #: Nothing besides.
-FIGURES = Wanted()
+FIGURES = ReportOptions()
 
 
-def examine(
+def read_report(
     path: Path,
-    options: Options = DEFAULTS,
-    wanted: Wanted = FIGURES,
+    options: FigureOptions = DEFAULTS,
+    wanted: ReportOptions = FIGURES,
     *,
     places: Iterable[Path] | None = None,
-) -> Report:
+) -> SessionReport:
     """Read the session to which `path` belongs once; nothing damaged raises.
 
     Raises:
@@ -74,10 +74,10 @@ def _without_collection() -> Iterator[None]:
 
 
 def _examined(
-    path: Path, options: Options, wanted: Wanted, places: Iterable[Path] | None
-) -> Report:
+    path: Path, options: FigureOptions, wanted: ReportOptions, places: Iterable[Path] | None
+) -> SessionReport:
     damage = Damage()
-    timeline, curves, roll = Timeline(), Curves(), Roll()
+    timeline, curves, roll = Timeline(), SensorCurves(), LineCount()
     lines, some = 0, False
     for message in messages(path, damage, places=places, samples=wanted.curves):
         roll.take(message)
@@ -95,8 +95,8 @@ def _examined(
     timeline.finish()
     found = files_of(path, places, samples=False)
     figures = figures_of(timeline, options, str(path), found.stem)
-    whole = wholeness(figures, damage, found, roll)
+    whole = integrity_of(figures, damage, found, roll)
     if wanted.verified:
-        whole = verified(whole, path, places)
+        whole = with_verification(whole, path, places)
     drawing = drawing_of(timeline, curves) if wanted.timeline or wanted.curves else None
-    return Report(replace(figures, wholeness=whole, lines=lines), drawing)
+    return SessionReport(replace(figures, wholeness=whole, lines=lines), drawing)

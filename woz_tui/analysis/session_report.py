@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.timeline_lanes import Drawing
+from woz_tui.analysis.timeline_lanes import TimelineDrawing
 
 
 @dataclass(frozen=True, slots=True)
-class Report:
+class SessionReport:
     """`timeline` is None unless it was asked for."""
 
     figures: SessionFigures
-    timeline: Drawing | None = None
+    timeline: TimelineDrawing | None = None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from woz_tui.analysis.event_rows import Setting, worded
+from woz_tui.analysis.event_rows import SettingRow, value_text
 
 #: Values of one setting that are named in a row of a table; beyond, there were more.
 _VALUES = 3
@@ -29,9 +29,9 @@ class Differed:
     wanted: str
 
 
-def by_trial(rows: Iterable[Setting]) -> list[Differed]:
+def by_trial(rows: Iterable[SettingRow]) -> list[Differed]:
     """In the order in which they began; a setting is named with its driver if there are several."""
-    found: dict[tuple[object, ...], list[Setting]] = {}
+    found: dict[tuple[object, ...], list[SettingRow]] = {}
     for row in rows:
         key = (row.driver, row.setting, row.participant, row.condition, row.trial, row.counted)
         found.setdefault(key, []).append(row)
@@ -39,7 +39,7 @@ def by_trial(rows: Iterable[Setting]) -> list[Differed]:
     return [_differed(same, several=several) for same in found.values()]
 
 
-def _differed(same: list[Setting], *, several: bool) -> Differed:
+def _differed(same: list[SettingRow], *, several: bool) -> Differed:
     first = same[0]
     return Differed(
         name=f"{first.driver} {first.setting}" if several else first.setting,
@@ -49,8 +49,8 @@ def _differed(same: list[Setting], *, several: bool) -> Differed:
         counted=first.counted,
         first=first.begin,
         us=sum(row.end - row.begin for row in same),
-        values=_listed(worded(row.value) for row in same),
-        wanted=_listed(worded(row.wanted) for row in same),
+        values=_listed(value_text(row.value) for row in same),
+        wanted=_listed(value_text(row.wanted) for row in same),
     )
 
 

@@ -5,25 +5,31 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field
 
-from woz_tui.analysis.durations import Series
-from woz_tui.analysis.event_rows import Restriction, Shaping
+from woz_tui.analysis.durations import Durations
+from woz_tui.analysis.event_rows import RestrictionRow, ShapingRow
 from woz_tui.analysis.figure_sums import ALL_CUES
-from woz_tui.analysis.figures import OUTSIDE, Outcomes, Part, SessionFigures, Training
+from woz_tui.analysis.figures import (
+    OUTSIDE,
+    ActionOutcomes,
+    PartFigures,
+    SessionFigures,
+    TrainingFigures,
+)
 from woz_tui.analysis.participant_groups import experiment_of
 from woz_tui.analysis.participants import counted_parts
 
 
 @dataclass(slots=True)
-class Practice:
+class WizardTraining:
     """A wizard's training: how many sessions, and the last one of those."""
 
     sessions: int = 0
     started: str = ""
-    last: Training | None = None
+    last: TrainingFigures | None = None
 
 
 @dataclass(slots=True)
-class Facts:
+class StudyFacts:
     """All of it; grows with each session. Times are microseconds.
 
     Attributes:
@@ -47,12 +53,12 @@ class Facts:
     sessions: int = 0
     deserted: int = 0
     reruns: int = 0
-    lengths: Series = field(default_factory=Series)
+    lengths: Durations = field(default_factory=Durations)
     people: dict[str, set[str]] = field(default_factory=dict)
     unnamed: int = 0
     outside: int = 0
     wizards: Counter[str] = field(default_factory=Counter)
-    practice: dict[str, Practice] = field(default_factory=dict)
+    practice: dict[str, WizardTraining] = field(default_factory=dict)
     software: Counter[str] = field(default_factory=Counter)
     orders: Counter[str] = field(default_factory=Counter)
     panels: dict[str, bool] = field(default_factory=dict)
@@ -63,13 +69,13 @@ class Facts:
     by_hand: int = 0
     direct: int = 0
     mistakes: int = 0
-    press: Series = field(default_factory=Series)
+    press: Durations = field(default_factory=Durations)
     results: Counter[str] = field(default_factory=Counter)
-    reactions: Series = field(default_factory=Series)
+    reactions: Durations = field(default_factory=Durations)
     stops: int = 0
     stopped_sessions: int = 0
     unreached: Counter[str] = field(default_factory=Counter)
-    held: Series = field(default_factory=Series)
+    held: Durations = field(default_factory=Durations)
     seen: Counter[tuple[tuple[str, ...], tuple[str, ...]]] = field(default_factory=Counter)
     shaped: Counter[tuple[int, int, tuple[str, ...]]] = field(default_factory=Counter)
     trials: int = 0
@@ -91,8 +97,8 @@ class Facts:
         else:
             self._session(figures)
 
-    def _practised(self, figures: SessionFigures, training: Training) -> None:
-        practice = self.practice.setdefault(figures.wizard, Practice())
+    def _practised(self, figures: SessionFigures, training: TrainingFigures) -> None:
+        practice = self.practice.setdefault(figures.wizard, WizardTraining())
         practice.sessions += 1
         if figures.started >= practice.started:
             practice.started, practice.last = figures.started, training
@@ -131,11 +137,11 @@ class Facts:
         for shaping in {_shaped(each) for each in figures.shaping} - {(0, 0, ())}:
             self.shaped[shaping] += 1
 
-    def _produced(self, part: Part) -> None:
+    def _produced(self, part: PartFigures) -> None:
         for count in part.counts:
             self.sources[count.source] += count.outcomes.total
-        outcomes: Outcomes = part.outcomes
-        for end in Outcomes.__slots__:
+        outcomes: ActionOutcomes = part.outcomes
+        for end in ActionOutcomes.__slots__:
             self.outcomes[end] += getattr(outcomes, end)
         self.by_hand += part.by_hand
         self.direct += part.direct
@@ -177,11 +183,11 @@ class Facts:
         return self.by_hand + self.direct
 
 
-def _hidden(seen: Restriction) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def _hidden(seen: RestrictionRow) -> tuple[tuple[str, ...], tuple[str, ...]]:
     return tuple(sorted(seen.hidden)), tuple(sorted(seen.blurred))
 
 
-def _shaped(shaping: Shaping) -> tuple[int, int, tuple[str, ...]]:
+def _shaped(shaping: ShapingRow) -> tuple[int, int, tuple[str, ...]]:
     if not shaping.floor_us and not shaping.jitter_us:
         return 0, 0, ()
     return shaping.floor_us, shaping.jitter_us, tuple(sorted(shaping.cues))
@@ -191,9 +197,9 @@ def _shaped(shaping: Shaping) -> tuple[int, int, tuple[str, ...]]:
 class Studies:
     """The facts of each experiment."""
 
-    found: dict[str, Facts] = field(default_factory=dict)
+    found: dict[str, StudyFacts] = field(default_factory=dict)
 
     def add(self, figures: SessionFigures) -> None:
         """One more session."""
         name = experiment_of(figures)
-        self.found.setdefault(name, Facts(name, figures.window_us)).add(figures)
+        self.found.setdefault(name, StudyFacts(name, figures.window_us)).add(figures)

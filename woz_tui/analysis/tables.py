@@ -16,14 +16,22 @@ from typing import Any, Generic, TypeVar
 
 import msgspec
 
-from woz_tui.analysis.event_rows import Answer, Cue, Phase, Setting, Trial, Visit, worded
+from woz_tui.analysis.event_rows import (
+    AnswerRow,
+    CueRow,
+    PhaseRow,
+    SettingRow,
+    TrialRow,
+    VisitRow,
+    value_text,
+)
 from woz_tui.analysis.figures import (
     COMMAND_ENDS,
     ENDS,
     ActionCount,
-    Part,
+    PartFigures,
     SessionFigures,
-    Training,
+    TrainingFigures,
     VerbTimes,
 )
 from woz_tui.analysis.measures import MEASURES, Measure, milliseconds, seconds
@@ -49,7 +57,7 @@ class Column(Generic[Row]):
 
 
 @dataclass(frozen=True, slots=True)
-class Table(Generic[Row]):
+class TableDefinition(Generic[Row]):
     """Columns of one file; `rows` are what it has of a session, `key` the columns that together
     tell rows apart.
     """
@@ -68,7 +76,7 @@ def _nothing(_: SessionFigures) -> tuple[()]:
 
 def _value(value: Json) -> Cell:
     """Numbers stay numbers, so that no guard stands before a negative one."""
-    return value if isinstance(value, int | float) else worded(value)
+    return value if isinstance(value, int | float) else value_text(value)
 
 
 def _json(value: Mapping[str, object]) -> Cell:
@@ -191,7 +199,7 @@ def _named(name: str, meaning: str, of: Callable[[SessionFigures], Cell]) -> Col
     return Column(name, "string", meaning, lambda figures, _: of(figures) or None)
 
 
-SESSIONS: Table[SessionFigures] = Table(
+SESSIONS: TableDefinition[SessionFigures] = TableDefinition(
     "sessions",
     "One row for each session.",
     (
@@ -230,12 +238,12 @@ SESSIONS: Table[SessionFigures] = Table(
 )  # fmt: skip
 
 
-def _main(measure: Measure) -> Column[Part]:
+def _main(measure: Measure) -> Column[PartFigures]:
     kind = "number" if measure.unit else "integer"
     return _figure(measure.name, kind, measure.meaning, measure.of, measure.unit)
 
 
-CONDITIONS: Table[Part] = Table(
+CONDITIONS: TableDefinition[PartFigures] = TableDefinition(
     "conditions",
     "The main figures: one row for each participant and condition of a session, and one for the "
     "time outside of trials.",
@@ -258,7 +266,7 @@ CONDITIONS: Table[Part] = Table(
 # -- what happened --------------------------------------------------------------------------------
 
 
-EVENTS: Table[Any] = Table(
+EVENTS: TableDefinition[Any] = TableDefinition(
     "events",
     "What happened: one row each for an action, a command, a state of the engagement machine, a "
     "sentence of the visitor, a trial, a marker and so on, by time. What lasts is in the condition "
@@ -327,7 +335,7 @@ EVENTS: Table[Any] = Table(
     _nothing,
 )
 
-TRIALS: Table[Trial] = Table(
+TRIALS: TableDefinition[TrialRow] = TableDefinition(
     "trials",
     "One row for each trial that was begun, also those that are not counted.",
     (
@@ -343,7 +351,7 @@ TRIALS: Table[Trial] = Table(
 )
 
 
-PHASES: Table[Phase] = Table(
+PHASES: TableDefinition[PhaseRow] = TableDefinition(
     "phases",
     "One row for each phase of the experiment that was begun; its time goes on through breaks.",
     (
@@ -361,7 +369,7 @@ PHASES: Table[Phase] = Table(
 )  # fmt: skip
 
 
-def _counts(figures: SessionFigures) -> Iterator[tuple[Part, ActionCount]]:
+def _counts(figures: SessionFigures) -> Iterator[tuple[PartFigures, ActionCount]]:
     return ((part, count) for part in figures.parts for count in part.counts)
 
 
@@ -383,7 +391,7 @@ def _ended(end: str) -> Column[Any]:
     )
 
 
-ACTIONS: Table[tuple[Part, ActionCount]] = Table(
+ACTIONS: TableDefinition[tuple[PartFigures, ActionCount]] = TableDefinition(
     "actions",
     "One row for each participant, condition, action, panel and source: how often, and how it "
     "ended.",
@@ -402,7 +410,7 @@ ACTIONS: Table[tuple[Part, ActionCount]] = Table(
 )
 
 
-def _verbs(figures: SessionFigures) -> Iterator[tuple[Part, str, VerbTimes]]:
+def _verbs(figures: SessionFigures) -> Iterator[tuple[PartFigures, str, VerbTimes]]:
     return ((part, *item) for part in figures.parts for item in part.verbs.items())
 
 
@@ -426,7 +434,7 @@ def _spread(name: str, meaning: str, attribute: str, *, fine: bool) -> Iterator[
     yield column("max", "longest", "most")
 
 
-LATENCIES: Table[tuple[Part, str, VerbTimes]] = Table(
+LATENCIES: TableDefinition[tuple[PartFigures, str, VerbTimes]] = TableDefinition(
     "latencies",
     "One row for each participant, condition and verb: a robot's commands and how long they took; "
     "knobs on their way, and what a robot shows of the engagement model by itself, are not "
@@ -442,7 +450,7 @@ LATENCIES: Table[tuple[Part, str, VerbTimes]] = Table(
     _verbs,
 )
 
-CUES: Table[Cue] = Table(
+CUES: TableDefinition[CueRow] = TableDefinition(
     "cues",
     "One row for each cue, and the wizard's answer.",
     (
@@ -464,7 +472,7 @@ CUES: Table[Cue] = Table(
 
 # -- engagement and settings ----------------------------------------------------------------------
 
-_STAY: tuple[Column[Visit], ...] = (
+_STAY: tuple[Column[VisitRow], ...] = (
     *_WHERE,
     _ONSET,
     _DURATION,
@@ -481,7 +489,7 @@ _STAY: tuple[Column[Visit], ...] = (
 )
 _CUT = _plain("boolean", "cut", "the log, or the machine, ended before it")
 
-ENGAGEMENT: Table[Visit] = Table(
+ENGAGEMENT: TableDefinition[VisitRow] = TableDefinition(
     "engagement",
     "States of the engagement machine, clipped to trials: one row for each, from its beginning to "
     "its end, and one more wherever participant, condition or trial change, so that times add up "
@@ -490,7 +498,7 @@ ENGAGEMENT: Table[Visit] = Table(
     lambda figures: figures.stays,
 )
 
-EPISODES: Table[Visit] = Table(
+EPISODES: TableDefinition[VisitRow] = TableDefinition(
     "episodes",
     "Not clipped: one row for each stay in a state of the engagement machine, and for each "
     "unbroken engagement (`engaged`), however many trials it spans; participant, condition, trial "
@@ -499,7 +507,7 @@ EPISODES: Table[Visit] = Table(
     lambda figures: figures.visits,
 )
 
-SETTINGS: Table[Setting] = Table(
+SETTINGS: TableDefinition[SettingRow] = TableDefinition(
     "settings",
     "What robots had set, as it was read back from them: one row for each change of one setting, "
     "and one more wherever participant, condition or trial change, so that times add up by trial. "
@@ -546,7 +554,7 @@ _ROUND: tuple[Column[Any], ...] = (
     _plain("integer", "round", "how often it was given so far in this session, from 1"),
 )
 
-ANSWERS: Table[Answer] = Table(
+ANSWERS: TableDefinition[AnswerRow] = TableDefinition(
     "questionnaires",
     "The last answer to each item in each round of a questionnaire.",
     (
@@ -569,7 +577,7 @@ ANSWERS: Table[Answer] = Table(
 )
 
 
-def answers_wide(items: Iterable[str]) -> Table[Mapping[str, Cell]]:
+def answers_wide(items: Iterable[str]) -> TableDefinition[Mapping[str, Cell]]:
     """A row for each round of a questionnaire, with a column for each of `items`, which are called
     `<questionnaire>.<item>`.
     """
@@ -580,7 +588,7 @@ def answers_wide(items: Iterable[str]) -> Table[Mapping[str, Cell]]:
             lambda _, row: row.get(name),
         )  # fmt: skip
 
-    return Table(
+    return TableDefinition(
         "questionnaires_wide",
         "The answers once more: one row for each round of a questionnaire, and a column for each "
         "item.",
@@ -601,7 +609,7 @@ def rounds_wide(figures: SessionFigures) -> list[dict[str, Cell]]:
     return list(rounds.values())
 
 
-TRAININGS: Table[Training] = Table(
+TRAININGS: TableDefinition[TrainingFigures] = TableDefinition(
     "trainings",
     "One row for each session in which a wizard was trained.",
     (
@@ -622,7 +630,7 @@ TRAININGS: Table[Training] = Table(
     lambda figures: (figures.training,) if figures.training is not None else (),
 )
 
-SAMPLES: Table[Reading] = Table(
+SAMPLES: TableDefinition[Reading] = TableDefinition(
     "samples",
     "Every value of every sensor, by time.",
     (
@@ -640,7 +648,7 @@ SAMPLES: Table[Reading] = Table(
 
 #: What is computed of a session's timeline: `woz report --csv` has these, `woz export` has them and
 #: those of single lines.
-FIGURES: tuple[Table[Any], ...] = (
+FIGURES: tuple[TableDefinition[Any], ...] = (
     *(
         SESSIONS,
         CONDITIONS,

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from woz_tui.analysis.event_rows import PREFLIGHT, moments, worded
+from woz_tui.analysis.event_rows import PREFLIGHT, moments, value_text
 from woz_tui.analysis.manual_actions import is_direct, of_robot
 from woz_tui.protocol import messages as m
 from woz_tui.timeline import episodes as e
@@ -63,7 +63,7 @@ class Instant:
 
 
 @dataclass(frozen=True, slots=True)
-class Lane:
+class TimelineLane:
     """One row of the picture. `name` is the panel's title, or what the lane is about."""
 
     name: str
@@ -73,7 +73,7 @@ class Lane:
 
 
 @dataclass(frozen=True, slots=True)
-class Curve:
+class SensorCurve:
     """A sensor's values, thinned to means over equal steps of time; None where nothing was read."""
 
     sensor: str
@@ -83,12 +83,12 @@ class Curve:
 
 
 @dataclass(frozen=True, slots=True)
-class Drawing:
+class TimelineDrawing:
     """All lanes of a session; a lane without anything in it is left out."""
 
     duration_us: int
-    lanes: tuple[Lane, ...] = ()
-    curves: tuple[Curve, ...] = field(default=())
+    lanes: tuple[TimelineLane, ...] = ()
+    curves: tuple[SensorCurve, ...] = field(default=())
 
 
 #: Sensors whose values are drawn, if samples are read.
@@ -105,7 +105,7 @@ _FACTS, _WORDS = 12, 200
 _Key = tuple[str, str]
 
 
-def drawing_of(timeline: Timeline, curves: Curves | None = None) -> Drawing:
+def drawing_of(timeline: Timeline, curves: SensorCurves | None = None) -> TimelineDrawing:
     """All lanes of a timeline that is finished; what has no end lasts to its last moment."""
     intervals: dict[_Key, list[Interval]] = {}
     instants: dict[_Key, list[Instant]] = {}
@@ -126,11 +126,11 @@ def drawing_of(timeline: Timeline, curves: Curves | None = None) -> Drawing:
         key=lambda key: (LANES.index(key[0]), panels.get(key[1], len(panels))),
     )
     lanes = (
-        Lane(key[1], key[0], _in_time(intervals.get(key, ())), tuple(instants.get(key, ())))
+        TimelineLane(key[1], key[0], _in_time(intervals.get(key, ())), tuple(instants.get(key, ())))
         for key in keys
     )
     end = timeline.end if curves is None else max(timeline.end, curves.t)
-    return Drawing(end, tuple(lanes), tuple(curves or ()))
+    return TimelineDrawing(end, tuple(lanes), tuple(curves or ()))
 
 
 def _panels(timeline: Timeline) -> dict[str, int]:
@@ -197,9 +197,9 @@ def _fact(command: e.CommandEpisode) -> tuple[str, str]:
 def in_words(args: Mapping[str, m.Json]) -> str:
     """Arguments in a few words: a lone one as it is, more of them with their names."""
     if len(args) == 1:
-        words = worded(*args.values())
+        words = value_text(*args.values())
     else:
-        words = ", ".join(f"{name} {worded(value)}" for name, value in args.items())
+        words = ", ".join(f"{name} {value_text(value)}" for name, value in args.items())
     return words if len(words) <= _WORDS else words[: _WORDS - 1] + "…"
 
 
@@ -244,7 +244,7 @@ def _lost(lost: e.LostDriverEpisode) -> Interval:
 def _differing(setting: e.SettingEpisode) -> Interval | None:
     if not setting.differs:
         return None
-    facts = (("had", worded(setting.value)), ("wanted", worded(setting.wanted)))
+    facts = (("had", value_text(setting.value)), ("wanted", value_text(setting.wanted)))
     return _interval(
         setting, setting.label, "differing", facts=(("driver", setting.driver), *facts)
     )
@@ -284,7 +284,7 @@ def _instant(each: e.Episode) -> Instant | None:
 # -- curves ---------------------------------------------------------------------------------------
 
 
-class Curves:
+class SensorCurves:
     """Takes the values of sensors that are drawn."""
 
     def __init__(self) -> None:
@@ -304,7 +304,7 @@ class Curves:
         if sample.value is not None:
             found.add(self.t, sample.value)
 
-    def __iter__(self) -> Iterator[Curve]:
+    def __iter__(self) -> Iterator[SensorCurve]:
         for sensor, each in sorted(self._sensors.items()):
             yield each.curve(sensor)
 
@@ -330,10 +330,10 @@ class _Thinned:
             halved[place // 2] = (before[0] + total, before[1] + count)
         self._sums, self._step = halved, self._step * 2
 
-    def curve(self, sensor: str) -> Curve:
+    def curve(self, sensor: str) -> SensorCurve:
         last = max(self._sums, default=-1)
         values = tuple(
             self._sums[place][0] / self._sums[place][1] if place in self._sums else None
             for place in range(last + 1)
         )
-        return Curve(sensor, self._unit, self._step, values)
+        return SensorCurve(sensor, self._unit, self._step, values)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from woz_tui import __version__
-from woz_tui.cli.error_sentences import of_output
+from woz_tui.cli.error_sentences import is_output_error
 from woz_tui.cli.safe_streams import clean_streams
 
 #: Command -> its module's one-line summary. A module has `add(parser)`, which declares its
@@ -75,7 +75,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             " set LC_ALL=C.UTF-8"
         )
     except OSError as error:
-        if not of_output(error):
+        if not is_output_error(error):
             raise
         return _cut_short(f"standard output: {error.strerror}")
     return code

@@ -7,7 +7,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 from woz_tui.cli import console_start
-from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.shared_options import add_keymap, add_pictures, add_theme, builtins
 from woz_tui.host import socket_place
 
@@ -42,7 +42,7 @@ def run(arguments: Namespace) -> int:
     if refused:
         print(f"woz: {refused}", file=sys.stderr)
         return 2
-    return explained(lambda: _attach(arguments))
+    return with_error_sentences(lambda: _attach(arguments))
 
 
 def _attach(arguments: Namespace) -> int:

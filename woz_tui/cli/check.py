@@ -14,7 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 from woz_tui.cli import study_summary
-from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.config import keys
 from woz_tui.config.engagement import SIGNS, EngagementSettings, Timeouts
 from woz_tui.config.engagement_check import signs_given
@@ -74,7 +74,7 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Print errors to stderr and return 1, or what was asked for and the verdict, and return 0."""
-    return explained(lambda: check(arguments, plugins.installed()), who="woz check")
+    return with_error_sentences(lambda: check(arguments, plugins.installed()), who="woz check")
 
 
 def check(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
@@ -157,7 +157,7 @@ def _print_robot_and_study(console: TextConsole, experiment: Experiment) -> None
         console.print(_table(_engagement_lines(experiment, experiment.engagement)))
         console.print()
         console.print(_verbs_table(engagement_verbs(), ()))
-    study = [*study_summary.lines(experiment)]
+    study = [*study_summary.study_lines(experiment)]
     if study:
         console.print()
         console.print(Text("study", style="bold"))

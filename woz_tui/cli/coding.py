@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from woz_tui.cli.argument_types import number
-from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.safe_streams import json_text
 
 if TYPE_CHECKING:
     from woz_tui.analysis.coder_agreement import Agreement
-    from woz_tui.cli.report_layout import Page
+    from woz_tui.cli.report_layout import ReportPage
     from woz_tui.log.coding_file import Codings
 
 #: What stands for a bin without a code.
@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Print it; 1 if there is nothing to compare."""
     from woz_tui.log.coding_file import CodingError  # noqa: PLC0415
 
-    return explained(lambda: _run(arguments), CodingError, who="woz coding")
+    return with_error_sentences(lambda: _run(arguments), CodingError, who="woz coding")
 
 
 def _run(arguments: argparse.Namespace) -> int:
@@ -72,24 +72,24 @@ def _run(arguments: argparse.Namespace) -> int:
 
 
 def _listed(found: Codings, *, as_json: bool) -> int:
-    from woz_tui.cli.report_layout import page, table  # noqa: PLC0415
+    from woz_tui.cli.report_layout import report_page, text_table  # noqa: PLC0415
     from woz_tui.log.coding_file import tiers_of  # noqa: PLC0415
 
     coders = {coder: found.of(coder) for coder in sorted(found.by_coder)}
     if as_json:
         print(json_text({coder: [code.text for code in mine] for coder, mine in coders.items()}))
         return 0
-    made = table("coder", "tiers", "codes", "notes", left=2)
+    made = text_table("coder", "tiers", "codes", "notes", left=2)
     for coder, mine in coders.items():
         notes = sum(code.note for code in mine)
         made.add_row(coder, ", ".join(tiers_of(mine)), str(len(mine) - notes), str(notes))
-    page().put(made)
+    report_page().put(made)
     return 0
 
 
 def _compared(arguments: argparse.Namespace, found: Codings) -> int:
-    from woz_tui.analysis.coder_agreement import agreements, stretches  # noqa: PLC0415
-    from woz_tui.cli.report_layout import page  # noqa: PLC0415
+    from woz_tui.analysis.coder_agreement import agreements, coded_spans  # noqa: PLC0415
+    from woz_tui.cli.report_layout import report_page  # noqa: PLC0415
     from woz_tui.log.log_reader import Line  # noqa: PLC0415
     from woz_tui.log.message_stream import messages  # noqa: PLC0415
     from woz_tui.timeline.timeline import timeline_of  # noqa: PLC0415
@@ -102,7 +102,7 @@ def _compared(arguments: argparse.Namespace, found: Codings) -> int:
             return 1
     lines = (each for each in messages(arguments.log) if not isinstance(each, Line))
     timeline = timeline_of(lines)
-    within = stretches(timeline, every=arguments.all_trials)
+    within = coded_spans(timeline, every=arguments.all_trials)
     every = agreements(found.of(one), found.of(other), within, round(arguments.bin * 1e6))
     wanted = [each for each in every if arguments.tier in ("", each.tier)]
     if not wanted:
@@ -112,7 +112,7 @@ def _compared(arguments: argparse.Namespace, found: Codings) -> int:
     if arguments.json:
         print(json_text([_plain(each, arguments) for each in wanted]))
         return 0
-    paper = page()
+    paper = report_page()
     seconds = sum(end - begin for begin, end in within) / 1e6
     where = f"{len(within)} trials" if timeline.has_trials else "the whole session"
     paper.say(f"{one} and {other}: bins of {arguments.bin:g} s in {where}, {seconds:.1f} s")
@@ -133,14 +133,14 @@ def _plain(found: Agreement, arguments: argparse.Namespace) -> dict[str, object]
     }
 
 
-def _show(paper: Page, found: Agreement, one: str, other: str) -> None:
-    from woz_tui.cli.report_layout import table  # noqa: PLC0415
+def _show(paper: ReportPage, found: Agreement, one: str, other: str) -> None:
+    from woz_tui.cli.report_layout import text_table  # noqa: PLC0415
 
     agreed = "no bins" if found.agreed is None else f"{found.agreed:.1%} of {found.bins} bins"
     kappa = "not defined (only one code)" if found.kappa is None else f"{found.kappa:.3f}"
     paper.head(f"{found.tier}: agreement {agreed}, Cohen's kappa {kappa}")
     codes = found.codes
-    made = table(f"{one} \\ {other}", *(code or NO_CODE for code in codes), "all")
+    made = text_table(f"{one} \\ {other}", *(code or NO_CODE for code in codes), "all")
     for row in codes:
         counts = [found.table.get((row, column), 0) for column in codes]
         made.add_row(row or NO_CODE, *map(str, counts), str(sum(counts)))

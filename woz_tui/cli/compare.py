@@ -7,9 +7,9 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
 from pathlib import Path
 
-from woz_tui.analysis.played_actions import Act, Played, played
-from woz_tui.analysis.session_comparison import BY_COMMANDS, Comparison, Pair, compare, facts
-from woz_tui.cli.error_sentences import explained
+from woz_tui.analysis.played_actions import PlayedAct, PlayedSession, played_session
+from woz_tui.analysis.session_comparison import BY_COMMANDS, ActPair, Comparison, compare, facts
+from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.rerun_table import clock
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.log.log_reader import Damage, files_of, read
@@ -35,7 +35,7 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Compare; 0 the same, 1 different, 2 not comparable."""
-    return explained(lambda: _run(arguments), code=_TROUBLE)
+    return with_error_sentences(lambda: _run(arguments), code=_TROUBLE)
 
 
 def _run(arguments: Namespace) -> int:
@@ -57,13 +57,13 @@ def _run(arguments: Namespace) -> int:
     return 0 if comparison.same else _DIFFERENT
 
 
-def _read(path: Path) -> Played | None:
+def _read(path: Path) -> PlayedSession | None:
     """A log's acts; None after saying why there are none. Damage is named, and borne."""
     damage = Damage()
     try:
         name = files_of(path).stem
         lines = read(path, damage, samples=False)
-        found = played(name, (line.message for line in lines if line.message is not None))
+        found = played_session(name, (line.message for line in lines if line.message is not None))
     except ValueError as error:
         print(f"woz: {error}", file=sys.stderr)
         return None
@@ -77,7 +77,7 @@ def _read(path: Path) -> Played | None:
     return found
 
 
-def _experiments(a: Played, b: Played) -> tuple[str, bool]:
+def _experiments(a: PlayedSession, b: PlayedSession) -> tuple[str, bool]:
     """How the experiments differ, in words (empty: not at all), and whether they are two."""
     if a.start is None or b.start is None:
         return "the first line of a log is missing: its experiment is unknown", False
@@ -131,7 +131,9 @@ def _figures(comparison: Comparison) -> Iterator[str]:
         )
 
 
-def _acts(title: str, acts: tuple[Act, ...], why: dict[str, str], limit: int) -> Iterator[str]:
+def _acts(
+    title: str, acts: tuple[PlayedAct, ...], why: dict[str, str], limit: int
+) -> Iterator[str]:
     if acts:
         yield ""
         yield f"{title}:"
@@ -141,7 +143,7 @@ def _acts(title: str, acts: tuple[Act, ...], why: dict[str, str], limit: int) ->
     yield from _rest(len(acts), limit)
 
 
-def _pairs(title: str, pairs: tuple[Pair, ...], limit: int) -> Iterator[str]:
+def _pairs(title: str, pairs: tuple[ActPair, ...], limit: int) -> Iterator[str]:
     if pairs:
         yield ""
         yield f"{title}:"

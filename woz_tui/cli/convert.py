@@ -8,7 +8,7 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 
-from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.config import woz4u
 from woz_tui.config.experiment import ExperimentError
 from woz_tui.config.file_text import Source, SourceError, read
@@ -36,7 +36,7 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Write the file, print warnings to stderr and return 0; or errors, and 1."""
-    return explained(
+    return with_error_sentences(
         lambda: convert(arguments, plugins.installed()), ConvertError, who="woz convert"
     )
 

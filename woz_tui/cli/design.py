@@ -12,9 +12,9 @@ from rich.table import Table
 from rich.text import Text
 
 from woz_tui.cli.argument_types import number
-from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.safe_streams import json_text
-from woz_tui.cli.study_summary import spoken, summary
+from woz_tui.cli.study_summary import design_sentence, order_text
 from woz_tui.config.counterbalancing import block_size, planned, rows
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
@@ -54,7 +54,7 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Print the plan and return 0, or say what is wrong and return 1."""
-    return explained(lambda: design(arguments, plugins.installed()), who="woz design")
+    return with_error_sentences(lambda: design(arguments, plugins.installed()), who="woz design")
 
 
 def design(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
@@ -126,7 +126,7 @@ def _print(plan: _Plan, recordings: Path, *, labels: bool) -> None:
     console = TextConsole(page=_PAGE)
     conditions = plan.experiment.conditions
     console.print(Text(plan.experiment.title, style="bold"))
-    console.print(Text(summary(plan.design, len(conditions))), soft_wrap=True)
+    console.print(Text(design_sentence(plan.design, len(conditions))), soft_wrap=True)
     console.print(f"{planned(plan.design, conditions)} trials for each participant")
     console.print()
     logs = plan.found.logs
@@ -181,7 +181,7 @@ def _order(plan: _Plan, order: tuple[str, ...], labels: bool) -> str:
     blind = plan.design.blind
     if labels:
         return ", ".join(blind.get(each, each) for each in order) or "-"
-    return spoken(order, blind if set(order) <= set(blind) else {})
+    return order_text(order, blind if set(order) <= set(blind) else {})
 
 
 # -- for programs ---------------------------------------------------------------------------------

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from woz_tui.cli.argument_types import number
-from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.config.engagement import (
     CONDITION,
@@ -141,7 +141,7 @@ def add_settings(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """Print a line for each line; 0, 1 for a file that cannot be read, 2 for wrong options."""
     try:
-        return explained(lambda: _run(arguments), SamplesFileError, who="woz engagement")
+        return with_error_sentences(lambda: _run(arguments), SamplesFileError, who="woz engagement")
     except OptionsError as error:
         _tell(str(error))
         return 2
@@ -173,9 +173,9 @@ def _log(arguments: Namespace, settings: EngagementSettings, file: BinaryIO, fir
     from woz_tui.cli import log_from_stdin  # noqa: PLC0415
 
     try:
-        if arguments.file != log_from_stdin.NAME:
+        if arguments.file != log_from_stdin.STDIN:
             return _again(arguments, Path(arguments.file), settings)
-        with log_from_stdin.kept(file, first) as path:
+        with log_from_stdin.stdin_as_log(file, first) as path:
             return _again(arguments, path, settings)
     except (ValueError, log_from_stdin.PipedError) as error:  # it may only look like a log
         raise SamplesFileError(str(error)) from error

@@ -16,7 +16,7 @@ _REMEDIES = {
 }
 
 
-def os_sentence(error: OSError) -> str:
+def os_error_text(error: OSError) -> str:
     """`PATH: what is wrong (what to do)`; the error's own words where it names no path."""
     path = error.filename2 or error.filename
     if path is None or not error.strerror:
@@ -25,7 +25,7 @@ def os_sentence(error: OSError) -> str:
     return f"{path}: {error.strerror[:1].lower()}{error.strerror[1:]}" + (remedy and f" ({remedy})")
 
 
-def of_output(error: Exception) -> bool:
+def is_output_error(error: Exception) -> bool:
     """Whether what is printed can go nowhere: that is told at the end, for all commands alike."""
     if not isinstance(error, OSError):
         return False
@@ -33,7 +33,7 @@ def of_output(error: Exception) -> bool:
     return (full and not hasattr(error, "__notes__")) or isinstance(error, BrokenPipeError)
 
 
-def explained(
+def with_error_sentences(
     work: Callable[[], int], *more: type[Exception], who: str = "woz", code: int = 1
 ) -> int:
     """Do `work` and return its exit code, or `code` after saying on standard error as `who` what
@@ -42,7 +42,7 @@ def explained(
     try:
         return work()
     except Exception as error:
-        if of_output(error):
+        if is_output_error(error):
             raise
         told = _told(error, who, more)
         if told is None:
@@ -66,7 +66,7 @@ def _told(error: Exception, who: str, more: tuple[type[Exception], ...]) -> str 
         case AskError():
             what, remedy = error.reason, error.hint
         case OSError():
-            what, remedy = os_sentence(error), ""
+            what, remedy = os_error_text(error), ""
         case _:
             what, remedy = getattr(error, "what", str(error)), getattr(error, "remedy", "")
     return f"{who}: {what}{f' ({remedy})' if remedy and remedy not in what else ''}"

@@ -6,9 +6,9 @@ import sys
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.export.export_run import export
-from woz_tui.export.exporter import Options
+from woz_tui.export.exporter import ExportOptions
 from woz_tui.export.log_sources import ExportError
 
 _MEANINGS = {
@@ -64,7 +64,7 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Write the folder, and say what could not be exported."""
-    return explained(lambda: _run(arguments), ExportError, who="woz export")
+    return with_error_sentences(lambda: _run(arguments), ExportError, who="woz export")
 
 
 def _run(arguments: Namespace) -> int:
@@ -72,7 +72,7 @@ def _run(arguments: Namespace) -> int:
         raise ExportError(
             f"--to {arguments.to} cannot include --samples", "use --to csv or bids for them"
         )
-    options = Options(
+    options = ExportOptions(
         redact=arguments.redact_text,
         samples=arguments.samples,
         sound=not (arguments.no_sound or arguments.redact_text),

@@ -8,7 +8,7 @@ from argparse import SUPPRESS, ArgumentParser, Namespace
 from pathlib import Path
 
 from woz_tui.cli.argument_types import number
-from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.shared_options import add_session, identity
 
 LONGEST_WAIT_S = 3600.0
@@ -91,4 +91,4 @@ def run(arguments: Namespace) -> int:
             )
         )
 
-    return explained(serve)
+    return with_error_sentences(serve)

@@ -12,7 +12,7 @@ import time
 import tty
 from collections.abc import Callable, Iterator, Mapping
 
-from woz_tui.cli.safe_streams import beneath
+from woz_tui.cli.safe_streams import raw_stream
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.motion.body_shape import BodyShape
 from woz_tui.motion.engine_io import Tick
@@ -78,7 +78,7 @@ def _show(text: str) -> None:
     """
     if text.startswith("\r"):
         width = shutil.get_terminal_size().columns - 1
-        beneath(sys.stdout).write(f"\r{clean(text[1:width])}\x1b[K")
+        raw_stream(sys.stdout).write(f"\r{clean(text[1:width])}\x1b[K")
     else:
         sys.stdout.write(text)
     sys.stdout.flush()

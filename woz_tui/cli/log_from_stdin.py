@@ -20,9 +20,9 @@ from woz_tui.log.file_names import FileName
 from woz_tui.protocol import codec
 
 #: What stands for standard input on a command line.
-NAME = "-"
+STDIN = "-"
 #: So much of standard input is kept, in bytes: some days of four sensors at 100 Hz.
-MOST = 8 << 30
+MAX_BYTES = 8 << 30
 #: Bytes that are read at once; lines may be longer.
 _PART = 1 << 20
 _STEM = "standard-input"
@@ -36,7 +36,7 @@ class PipedError(Exception):
 
 
 @contextlib.contextmanager
-def kept(file: BinaryIO, first: bytes = b"", most: int = MOST) -> Iterator[Path]:
+def stdin_as_log(file: BinaryIO, first: bytes = b"", most: int = MAX_BYTES) -> Iterator[Path]:
     """A log with all that comes from `file`, and what was read of it before (`first`).
 
     It is gone behind the block. Raises `PipedError` for more than `most` bytes, or a full disk.
@@ -79,15 +79,15 @@ def with_logs(arguments: Namespace, work: Callable[[Namespace], int], who: str) 
     """`work` with `arguments`, in whose `logs` a file stands for standard input. The exit code: 1
     if it cannot be kept, 2 if it is named twice or nothing can come from it.
     """
-    wrong = _wrong(arguments.logs.count(NAME))
+    wrong = _wrong(arguments.logs.count(STDIN))
     if wrong:
         print(f"{who}: {wrong}", file=sys.stderr)
         return 2
-    if NAME not in arguments.logs:
+    if STDIN not in arguments.logs:
         return work(arguments)
     try:
-        with kept(sys.stdin.buffer) as path:
-            logs = [str(path) if name == NAME else name for name in arguments.logs]
+        with stdin_as_log(sys.stdin.buffer) as path:
+            logs = [str(path) if name == STDIN else name for name in arguments.logs]
             return work(Namespace(**{**vars(arguments), "logs": logs}))
     except PipedError as error:
         print(f"{who}: {error}", file=sys.stderr)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from argparse import ArgumentParser, Namespace
 
-from woz_tui.cli.report import Reading, add_sessions
+from woz_tui.cli.report import SessionReader, add_sessions
 
 
 def add(parser: ArgumentParser) -> None:
@@ -26,7 +26,7 @@ def _run(arguments: Namespace) -> int:
     from woz_tui.analysis.session_reading import FIGURES  # noqa: PLC0415
     from woz_tui.analysis.study_figures import Studies  # noqa: PLC0415
 
-    reading = Reading(arguments)
+    reading = SessionReader(arguments)
     studies = Studies()
     for report in reading.reports(FIGURES):
         studies.add(report.figures)

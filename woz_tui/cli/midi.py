@@ -15,7 +15,7 @@ from typing import Any, Protocol
 
 from rich.table import Table
 
-from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.config.annotated_decoder import settings_of
 from woz_tui.console.text_console import TextConsole
 from woz_tui.drivers import plugins
@@ -80,7 +80,7 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Learn a panel, or show a map."""
-    return explained(lambda: arguments.work(arguments), DriverError)
+    return with_error_sentences(lambda: arguments.work(arguments), DriverError)
 
 
 def _panel(catalogue: Mapping[str, type[Driver]]) -> Any:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from woz_tui.cli import new_templates as templates
 from woz_tui.cli.check import verdict
-from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.config.experiment import Experiment, ExperimentError
 from woz_tui.config.keys import LAYOUTS
 from woz_tui.config.languages import DEFAULT, shipped
@@ -50,7 +50,7 @@ def run(arguments: Namespace) -> int:
     """Ask what no option says, write the file, check it, and say what to run next."""
     asks = sys.stdin is not None and sys.stdin.isatty() and not arguments.yes
     ask = input if asks else None
-    return explained(lambda: new(arguments, plugins.installed(), ask), who="woz new")
+    return with_error_sentences(lambda: new(arguments, plugins.installed(), ask), who="woz new")
 
 
 def new(arguments: Namespace, catalogue: Mapping[str, type[Driver]], ask: Ask | None) -> int:

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from woz_tui.cli import argument_types
-from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.keyboard_take import Live, keyboard
 from woz_tui.cli.render_inputs import lines_of
 from woz_tui.cli.render_target import RenderError, Stage
@@ -89,7 +89,9 @@ def _share(text: str) -> tuple[str, float]:
 def run(arguments: Namespace) -> int:
     """Record and save; 0, or 1 after saying why nothing was saved."""
     errors = (RecordError, RenderError, InputLineError, MoveFileError, WriteError)
-    return explained(lambda: record(arguments, plugins.installed()), *errors, who="woz record-move")
+    return with_error_sentences(
+        lambda: record(arguments, plugins.installed()), *errors, who="woz record-move"
+    )
 
 
 def record(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:

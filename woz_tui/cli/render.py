@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from woz_tui.cli import argument_types
-from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.render_inputs import described, lines_of
 from woz_tui.cli.render_target import RenderError, Stage
 from woz_tui.cli.safe_streams import json_text
@@ -60,7 +60,7 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Print the lines (or the curves) and return 0; 2 if it cannot be rendered."""
-    return explained(
+    return with_error_sentences(
         lambda: render(arguments, plugins.installed()),
         *(RenderError, InputLineError),
         who="woz render",

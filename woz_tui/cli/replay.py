@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.shared_options import add_theme
 
 if TYPE_CHECKING:
@@ -123,7 +123,7 @@ def run(arguments: argparse.Namespace) -> int:
     if refused:
         print(f"woz: {refused}", file=sys.stderr)
         return 2
-    return explained(lambda: _show(arguments))
+    return with_error_sentences(lambda: _show(arguments))
 
 
 def _show(arguments: argparse.Namespace) -> int:

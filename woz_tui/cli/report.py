@@ -10,14 +10,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from woz_tui.cli.argument_types import number
-from woz_tui.cli.error_sentences import os_sentence
+from woz_tui.cli.error_sentences import os_error_text
 from woz_tui.cli.safe_streams import json_text
 
 if TYPE_CHECKING:
-    from woz_tui.analysis.figure_counting import Options
-    from woz_tui.analysis.participant_groups import Grouped
-    from woz_tui.analysis.session_reading import Wanted
-    from woz_tui.analysis.session_report import Report
+    from woz_tui.analysis.figure_counting import FigureOptions
+    from woz_tui.analysis.participant_groups import GroupedSessions
+    from woz_tui.analysis.session_reading import ReportOptions
+    from woz_tui.analysis.session_report import SessionReport
 
 #: Seconds in which an answer to a cue counts as one.
 _WINDOW = 10.0
@@ -77,11 +77,11 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _report(arguments: argparse.Namespace) -> int:
     from woz_tui.analysis.csv_package import table_files  # noqa: PLC0415
-    from woz_tui.analysis.participant_groups import Grouped  # noqa: PLC0415
+    from woz_tui.analysis.participant_groups import GroupedSessions  # noqa: PLC0415
 
-    reading = Reading(arguments)
-    grouped = Grouped()
-    kept: list[Report] = []
+    reading = SessionReader(arguments)
+    grouped = GroupedSessions()
+    kept: list[SessionReport] = []
     sessions: list[object] = []
     try:
         with table_files(arguments.csv) if arguments.csv else nullcontext() as files:
@@ -96,7 +96,7 @@ def _report(arguments: argparse.Namespace) -> int:
         if arguments.html and kept:
             _write_page(kept, arguments.html)
     except OSError as error:
-        print(f"woz report: {os_sentence(error)}", file=sys.stderr)
+        print(f"woz report: {os_error_text(error)}", file=sys.stderr)
         return 1
     if arguments.json:
         _print_json(sessions, grouped, reading.problems)
@@ -117,7 +117,7 @@ def _tell_written(arguments: argparse.Namespace, *, nothing: bool) -> None:
         print(f"woz report: wrote {arguments.html}", file=sys.stderr)
 
 
-class Reading:
+class SessionReader:
     """The sessions that somebody named; what cannot be read is kept as a sentence."""
 
     def __init__(self, arguments: argparse.Namespace) -> None:
@@ -127,22 +127,22 @@ class Reading:
         self.paths, self.problems = sessions_in(arguments.logs)
         self._seen: dict[tuple[str, ...], str] = {}
 
-    def reports(self, wanted: Wanted) -> Iterator[Report]:
+    def reports(self, wanted: ReportOptions) -> Iterator[SessionReport]:
         """One after the other; only one is in memory at a time."""
-        from woz_tui.analysis.session_reading import examine  # noqa: PLC0415
+        from woz_tui.analysis.session_reading import read_report  # noqa: PLC0415
 
         options = options_of(self._arguments)
         for path in self.paths:
             try:
-                report = examine(path, options, wanted)
+                report = read_report(path, options, wanted)
             except (OSError, ValueError) as error:
-                told = os_sentence(error) if isinstance(error, OSError) else str(error)
+                told = os_error_text(error) if isinstance(error, OSError) else str(error)
                 self.problems.append(told)
                 continue
             if self._is_new(report):
                 yield report
 
-    def _is_new(self, report: Report) -> bool:
+    def _is_new(self, report: SessionReport) -> bool:
         """A session counts once, however many copies of its log are named."""
         figures = report.figures
         key = (figures.started, figures.session, figures.participant, figures.experiment_sha256)
@@ -161,33 +161,33 @@ class Reading:
         return 1 if self.problems else 0
 
 
-def options_of(arguments: argparse.Namespace) -> Options:
+def options_of(arguments: argparse.Namespace) -> FigureOptions:
     """How figures are to be computed."""
     from woz_tui.analysis.cue_responses import WAITING  # noqa: PLC0415
-    from woz_tui.analysis.figure_counting import Options  # noqa: PLC0415
+    from woz_tui.analysis.figure_counting import FigureOptions  # noqa: PLC0415
 
-    return Options(
+    return FigureOptions(
         window_us=round(arguments.window * 1e6),
         waiting=tuple(arguments.cue_state) or WAITING,
         all_trials=arguments.all_trials,
     )
 
 
-def _wanted(arguments: argparse.Namespace, sessions: int) -> Wanted:
-    from woz_tui.analysis.session_reading import Wanted  # noqa: PLC0415
+def _wanted(arguments: argparse.Namespace, sessions: int) -> ReportOptions:
+    from woz_tui.analysis.session_reading import ReportOptions  # noqa: PLC0415
 
     page = arguments.html is not None
     alone = sessions == 1 and not arguments.json
-    return Wanted(timeline=page or alone, curves=page, verified=arguments.verify)
+    return ReportOptions(timeline=page or alone, curves=page, verified=arguments.verify)
 
 
-def _plain(report: Report) -> object:
+def _plain(report: SessionReport) -> object:
     from woz_tui.analysis import figures_json  # noqa: PLC0415
 
     return figures_json.session(report.figures)
 
 
-def _print_json(sessions: list[object], grouped: Grouped, problems: list[str]) -> None:
+def _print_json(sessions: list[object], grouped: GroupedSessions, problems: list[str]) -> None:
     from woz_tui.analysis import figures_json  # noqa: PLC0415
 
     told = {
@@ -199,18 +199,21 @@ def _print_json(sessions: list[object], grouped: Grouped, problems: list[str]) -
     print(json_text(told, allow_nan=False))
 
 
-def _write_page(reports: list[Report], path: Path) -> None:
+def _write_page(reports: list[SessionReport], path: Path) -> None:
     from woz_tui.analysis.html.report_page import write  # noqa: PLC0415
 
     write(reports, path)
 
 
 def _print(
-    arguments: argparse.Namespace, grouped: Grouped, kept: list[Report], sessions: int
+    arguments: argparse.Namespace,
+    grouped: GroupedSessions,
+    kept: list[SessionReport],
+    sessions: int,
 ) -> None:
-    from woz_tui.cli.report_layout import page  # noqa: PLC0415
+    from woz_tui.cli.report_layout import report_page  # noqa: PLC0415
 
-    paper = page()
+    paper = report_page()
     if sessions == 1 and kept:
         from woz_tui.cli import report_session  # noqa: PLC0415
 

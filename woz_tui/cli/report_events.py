@@ -4,13 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from woz_tui.analysis.event_rows import Stop
+from woz_tui.analysis.event_rows import StopRow
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.setting_differences import by_trial
-from woz_tui.cli.report_layout import NONE, Page, clock, in_unit, more, ms, s, some, table
+from woz_tui.cli.report_layout import (
+    NONE,
+    ReportPage,
+    clock,
+    in_unit,
+    more,
+    ms,
+    s,
+    some,
+    text_table,
+)
 
 
-def around(page: Page, figures: SessionFigures, top: int) -> None:
+def print_events(page: ReportPage, figures: SessionFigures, top: int) -> None:
     """Print it; what there was none of is left out."""
     _trials(page, figures)
     _phases(page, figures)
@@ -22,11 +32,11 @@ def around(page: Page, figures: SessionFigures, top: int) -> None:
     _setting(page, figures)
 
 
-def _trials(page: Page, figures: SessionFigures) -> None:
+def _trials(page: ReportPage, figures: SessionFigures) -> None:
     if not figures.trials:
         return
     page.head("Trials")
-    made = table("trial", "condition", "outcome", "begin", "length", "actions", "", left=3)
+    made = text_table("trial", "condition", "outcome", "begin", "length", "actions", "", left=3)
     for trial in figures.trials:
         length = None if trial.end is None else trial.end - trial.begin
         made.add_row(
@@ -44,11 +54,13 @@ def _trials(page: Page, figures: SessionFigures) -> None:
         page.say(f"{some(len(figures.breaks), 'break')}, {clock(sum(lengths))} together")
 
 
-def _phases(page: Page, figures: SessionFigures) -> None:
+def _phases(page: ReportPage, figures: SessionFigures) -> None:
     if not figures.phases:
         return
     page.head("Phases")
-    made = table("phase", "trial", "condition", "begin", "length", "planned", "actions", left=3)
+    made = text_table(
+        "phase", "trial", "condition", "begin", "length", "planned", "actions", left=3
+    )
     for phase in figures.phases:
         made.add_row(
             phase.phase,
@@ -62,13 +74,13 @@ def _phases(page: Page, figures: SessionFigures) -> None:
     page.put(made)
 
 
-def _settings(page: Page, figures: SessionFigures, top: int) -> None:
+def _settings(page: ReportPage, figures: SessionFigures, top: int) -> None:
     """Where a robot reported other settings than requested: a threat to what its trial says."""
     found = by_trial(figures.differences)
     if not found:
         return
     page.head("Robot settings that differed from the requested ones")
-    made = table(
+    made = text_table(
         "setting", "robot reported", "requested", "trial", "condition", "from", "for s", left=5
     )
     for each in found[:top]:
@@ -85,11 +97,11 @@ def _settings(page: Page, figures: SessionFigures, top: int) -> None:
         page.say("(in brackets: not counted)")
 
 
-def _stops(page: Page, figures: SessionFigures) -> None:
+def _stops(page: ReportPage, figures: SessionFigures) -> None:
     if not figures.stops:
         return
     page.head("Stops")
-    made = table("at", "by", "reached", "confirmed by", "in ms", "released after s", left=4)
+    made = text_table("at", "by", "reached", "confirmed by", "in ms", "released after s", left=4)
     for stop in figures.stops:
         released = None if stop.released is None else stop.released - stop.t
         made.add_row(
@@ -103,14 +115,14 @@ def _stops(page: Page, figures: SessionFigures) -> None:
     page.put(made)
 
 
-def _confirmed(stop: Stop) -> str:
+def _confirmed(stop: StopRow) -> str:
     if stop.elapsed_us is None:
         return "not recorded"
     words = ", ".join(stop.confirmed) or "nobody"
     return f"{words}; not by {', '.join(stop.missing)}" if stop.missing else words
 
 
-def _training(page: Page, figures: SessionFigures) -> None:
+def _training(page: ReportPage, figures: SessionFigures) -> None:
     training = figures.training
     if training is None:
         return
@@ -123,7 +135,7 @@ def _training(page: Page, figures: SessionFigures) -> None:
     )
 
 
-def _questionnaires(page: Page, figures: SessionFigures) -> None:
+def _questionnaires(page: ReportPage, figures: SessionFigures) -> None:
     if not figures.rounds and not figures.answers and not figures.unanswered:
         return
     page.head("Questionnaires")
@@ -135,7 +147,7 @@ def _questionnaires(page: Page, figures: SessionFigures) -> None:
         page.say(f"{each.title or each.questionnaire}: {each.answered}{items} answered, {ended}")
     if not figures.answers:
         return
-    made = table("item", "question", "answer", "scale", left=3)
+    made = text_table("item", "question", "answer", "scale", left=3)
     for answer in figures.answers:
         told = "left out" if answer.skipped else answer.text
         if answer.value is not None:
@@ -147,11 +159,11 @@ def _questionnaires(page: Page, figures: SessionFigures) -> None:
     page.put(made)
 
 
-def _marks(page: Page, figures: SessionFigures, top: int) -> None:
+def _marks(page: ReportPage, figures: SessionFigures, top: int) -> None:
     if not figures.marks:
         return
     page.head("Markers, notes, mistakes")
-    made = table("at", "what", "", left=3)
+    made = text_table("at", "what", "", left=3)
     for mark in figures.marks[:top]:
         words = f"{mark.action} {mark.text}".strip()
         made.add_row(clock(mark.t), mark.sort, words)
@@ -160,7 +172,7 @@ def _marks(page: Page, figures: SessionFigures, top: int) -> None:
         page.console.print(line)
 
 
-def _setting(page: Page, figures: SessionFigures) -> None:
+def _setting(page: ReportPage, figures: SessionFigures) -> None:
     sentences = list(_sentences(figures))
     if sentences:
         page.head("Around")

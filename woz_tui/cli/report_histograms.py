@@ -7,16 +7,16 @@ from collections.abc import Sequence
 
 from rich.text import Text
 
-from woz_tui.analysis.durations import Series
+from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.figures import Reactions
-from woz_tui.cli.report_layout import Signs
+from woz_tui.cli.report_layout import TextSigns
 
 #: Where classes of short times begin, in microseconds: 1, 2, 5 and so on.
 _EDGES = [int(digit * 10.0**power) for power in range(2, 8) for digit in (1, 2, 5)]
 _WINDOWS = 10
 
 
-def reaction_bars(reactions: Reactions, window_us: int, width: int, signs: Signs) -> list[Text]:
+def reaction_bars(reactions: Reactions, window_us: int, width: int, signs: TextSigns) -> list[Text]:
     """Reaction times in ten classes of the window, and what was missed."""
     step = max(1, window_us // _WINDOWS)
     counts = [0] * _WINDOWS
@@ -29,7 +29,7 @@ def reaction_bars(reactions: Reactions, window_us: int, width: int, signs: Signs
     return bars([*labels, "missed"], [*counts, reactions.missed], width, signs)
 
 
-def latency_bars(times: Series, width: int, signs: Signs) -> list[Text]:
+def latency_bars(times: Durations, width: int, signs: TextSigns) -> list[Text]:
     """Short times in classes that grow by 1, 2, 5, ...; empty ones at both ends are left out."""
     counts = [0] * (len(_EDGES) + 1)
     for value in times.values:
@@ -51,7 +51,7 @@ def _ms(us: int) -> str:
     return f"{us / 1000:g} ms"
 
 
-def bars(labels: Sequence[str], counts: Sequence[int], width: int, signs: Signs) -> list[Text]:
+def bars(labels: Sequence[str], counts: Sequence[int], width: int, signs: TextSigns) -> list[Text]:
     """The longest bar takes all the room that there is."""
     left = max(map(len, labels), default=0)
     most = max(counts, default=0)

@@ -14,7 +14,7 @@ from rich.console import Group, RenderableType
 from rich.table import Column, Table
 from rich.text import Text
 
-from woz_tui.cli.safe_streams import beneath
+from woz_tui.cli.safe_streams import raw_stream
 from woz_tui.console.text_console import TextConsole
 
 #: Columns of a page that goes into a file or a pipe.
@@ -26,7 +26,7 @@ NONE = "-"
 
 
 @dataclass(frozen=True, slots=True)
-class Signs:
+class TextSigns:
     """What is drawn with. `levels` are those of an engagement: nobody, somebody there, engaged,
     somebody speaks, the visitor waits. `bars` rise from an empty to a full cell.
     """
@@ -52,7 +52,7 @@ class Signs:
     over: str = "≥"
 
 
-PLAIN = Signs(
+PLAIN = TextSigns(
     bars=" .:-=+*##",
     rows="        #",
     levels=".-=%#",
@@ -80,11 +80,11 @@ Block = list[RenderableType]
 
 
 @dataclass(frozen=True, slots=True)
-class Page:
+class ReportPage:
     """Where it is printed, and with which signs."""
 
     console: TextConsole
-    signs: Signs
+    signs: TextSigns
 
     @property
     def width(self) -> int:
@@ -135,17 +135,17 @@ class Page:
         self.say(f"{self.signs.warning} {text}", style="yellow")
 
 
-def page(stream: TextIO | None = None, width: int | None = None) -> Page:
+def report_page(stream: TextIO | None = None, width: int | None = None) -> ReportPage:
     """For `stream`, by default standard output; a sign that it cannot show becomes another one."""
-    file = beneath(sys.stdout) if stream is None else stream
+    file = raw_stream(sys.stdout) if stream is None else stream
     if isinstance(file, io.TextIOWrapper):
         file.reconfigure(errors="replace")
     console = TextConsole(file=file, width=width, page=None if width else _PAGE)
-    shown = all(_shows(name, Signs()) for name in (console.encoding, locale.getencoding()))
-    return Page(console, Signs() if shown else PLAIN)
+    shown = all(_shows(name, TextSigns()) for name in (console.encoding, locale.getencoding()))
+    return ReportPage(console, TextSigns() if shown else PLAIN)
 
 
-def _shows(encoding: str, signs: Signs) -> bool:
+def _shows(encoding: str, signs: TextSigns) -> bool:
     try:
         "".join((signs.bars, signs.rows, signs.levels, signs.marker, signs.over)).encode(encoding)
     except (UnicodeEncodeError, LookupError):
@@ -153,7 +153,7 @@ def _shows(encoding: str, signs: Signs) -> bool:
     return True
 
 
-def table(*heads: str, left: int = 1) -> Table:
+def text_table(*heads: str, left: int = 1) -> Table:
     """A table without lines whose first `left` columns are words, the others figures."""
     made = Table(box=None, pad_edge=False, padding=(0, _GAP, 0, 0), header_style="dim")
     for place, head in enumerate(heads):
@@ -204,7 +204,7 @@ def _part(
         free = [at for at, width in enumerate(wanted) if width > least[at]]
         free = free or [at for at, width in enumerate(wanted) if width > 1]
         wanted[max(free, key=wanted.__getitem__)] -= 1
-    part = table()
+    part = text_table()
     for width, place in zip(wanted, places, strict=True):
         column = made.columns[place]
         part.add_column(column.header, justify=column.justify, overflow="fold", width=width)
@@ -222,7 +222,7 @@ def _pieces(block: Block, room: int) -> Block:
     ]
 
 
-def more(page: Page, left: int, one: str) -> Block:
+def more(page: ReportPage, left: int, one: str) -> Block:
     """Says that a table does not show everything."""
     if left <= 0:
         return []

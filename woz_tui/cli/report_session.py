@@ -7,19 +7,19 @@ from collections.abc import Callable, Sequence
 from rich.table import Table
 from rich.text import Text
 
-from woz_tui.analysis.durations import Series
+from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.event_rows import CUE_RESULTS
 from woz_tui.analysis.figure_sums import ALL_CUES
-from woz_tui.analysis.figures import ENDS, Part, SessionFigures
+from woz_tui.analysis.figures import ENDS, PartFigures, SessionFigures
 from woz_tui.analysis.measures import BY_NAME, Measure
 from woz_tui.analysis.participant_groups import experiment_of
-from woz_tui.analysis.participants import called, condition_in_words, not_counted
-from woz_tui.analysis.session_report import Report
-from woz_tui.cli.report_events import around
+from woz_tui.analysis.participants import condition_text, excluded_sentence, participant_text
+from woz_tui.analysis.session_report import SessionReport
+from woz_tui.cli.report_events import print_events
 from woz_tui.cli.report_histograms import latency_bars, reaction_bars
 from woz_tui.cli.report_layout import (
     Block,
-    Page,
+    ReportPage,
     bold,
     clock,
     dim,
@@ -28,7 +28,7 @@ from woz_tui.cli.report_layout import (
     ms,
     s,
     some,
-    table,
+    text_table,
 )
 from woz_tui.cli.report_timeline import picture
 
@@ -72,7 +72,7 @@ _WORDS = {
 }
 
 
-def show(page: Page, report: Report, top: int = TOP) -> None:
+def show(page: ReportPage, report: SessionReport, top: int = TOP) -> None:
     """Print all there is to say about one session."""
     figures = report.figures
     title(page, figures)
@@ -84,10 +84,10 @@ def show(page: Page, report: Report, top: int = TOP) -> None:
     page.beside(_latencies(page, figures.whole, top), _reactions(figures))
     page.beside(_reaction_bars(page, figures), _press_bars(page, figures.whole))
     page.beside(_states(figures.whole), _transitions(page, figures.whole))
-    around(page, figures, top)
+    print_events(page, figures, top)
 
 
-def title(page: Page, figures: SessionFigures) -> None:
+def title(page: ReportPage, figures: SessionFigures) -> None:
     """Who, what, when, with which software; and what is wrong with the log."""
     who = [
         figures.participant or "no participant",
@@ -110,7 +110,7 @@ def title(page: Page, figures: SessionFigures) -> None:
     if left_out and not figures.all_trials:
         outcomes = ", ".join(f"{trial.trial} {trial.outcome}" for trial in left_out)
         page.trouble(f"not counted: {some(len(left_out), 'trial')} ({outcomes})")
-    left = not_counted((part.participant, part.counted) for part in figures.parts)
+    left = excluded_sentence((part.participant, part.counted) for part in figures.parts)
     if left:
         page.trouble(left)
     for sentence in figures.wholeness.sentences:
@@ -125,14 +125,14 @@ def _figures(figures: SessionFigures) -> Block:
     parts = list(figures.parts) if len(figures.parts) > 1 else []
     alike = len({part.participant for part in parts}) == 1
     names = [
-        (condition_in_words(part.condition, part.scope) or "none")
+        (condition_text(part.condition, part.scope) or "none")
         if alike
         else " ".join(
             filter(
                 None,
                 (
-                    called(part.participant, counted=part.counted),
-                    condition_in_words(part.condition, part.scope),
+                    participant_text(part.participant, counted=part.counted),
+                    condition_text(part.condition, part.scope),
                 ),
             )
         )
@@ -142,8 +142,8 @@ def _figures(figures: SessionFigures) -> Block:
     return [bold("Figures"), _main(columns)]
 
 
-def _main(columns: Sequence[tuple[str, Part]]) -> Table:
-    made = table("", *(name for name, _ in columns))
+def _main(columns: Sequence[tuple[str, PartFigures]]) -> Table:
+    made = text_table("", *(name for name, _ in columns))
     for group in _MAIN:
         rows = [(BY_NAME[name], [BY_NAME[name].of(part) for _, part in columns]) for name in group]
         told = [
@@ -170,7 +170,7 @@ def _cell(measure: Measure, value: float | None) -> str:
     return f"{text} {unit}".rstrip()
 
 
-def _actions(page: Page, part: Part, top: int) -> Block:
+def _actions(page: ReportPage, part: PartFigures, top: int) -> Block:
     if not part.counts:
         return []
     rows: dict[tuple[str, str], list[int]] = {}
@@ -179,7 +179,7 @@ def _actions(page: Page, part: Part, top: int) -> Block:
         for place, end in enumerate(ENDS):
             row[place] += getattr(count.outcomes, end)
     ends = [place for place, _ in enumerate(ENDS) if any(row[place] for row in rows.values())]
-    made = table("panel", "action", "asked", *(ENDS[place] for place in ends), left=2)
+    made = text_table("panel", "action", "asked", *(ENDS[place] for place in ends), left=2)
     ordered = sorted(rows.items(), key=lambda item: (-sum(item[1]), item[0]))
     for (panel, action), row in ordered[:top]:
         made.add_row(panel, action, str(sum(row)), *(str(row[place] or "") for place in ends))
@@ -191,10 +191,10 @@ def _actions(page: Page, part: Part, top: int) -> Block:
     return block
 
 
-def _latencies(page: Page, part: Part, top: int) -> Block:
+def _latencies(page: ReportPage, part: PartFigures, top: int) -> Block:
     if not part.verbs:
         return []
-    made = table("verb", "sent", "not done", "median", "p95", "max", "median", "p95", "max")
+    made = text_table("verb", "sent", "not done", "median", "p95", "max", "median", "p95", "max")
     ordered = sorted(part.verbs.items(), key=lambda item: (-item[1].commands, item[0]))
     for verb, times in ordered[:top]:
         made.add_row(
@@ -208,7 +208,7 @@ def _latencies(page: Page, part: Part, top: int) -> Block:
     return [head, made, *more(page, len(ordered) - top, "verb")]
 
 
-def _spread(times: Series, form: Callable[[float | None], str]) -> list[str]:
+def _spread(times: Durations, form: Callable[[float | None], str]) -> list[str]:
     return [form(value) for value in (times.median, times.p95, times.most)]
 
 
@@ -218,7 +218,7 @@ def _reactions(figures: SessionFigures) -> Block:
         return []
     results = [each for each in CUE_RESULTS if any(it.results.get(each) for it in found.values())]
     heads = (each.replace("_", " ") for each in results)
-    made = table("cue", "given", *heads, "median s", "p95", "max")
+    made = text_table("cue", "given", *heads, "median s", "p95", "max")
     for cue_type, each in found.items():
         counts = (str(each.results.get(result, "")) for result in results)
         made.add_row(cue_type, str(each.cues), *counts, *_spread(each.times, s))
@@ -226,7 +226,7 @@ def _reactions(figures: SessionFigures) -> Block:
     return [bold(f"Reactions: cue to the next wizard action (window {window:g} s)"), made]
 
 
-def _reaction_bars(page: Page, figures: SessionFigures) -> Block:
+def _reaction_bars(page: ReportPage, figures: SessionFigures) -> Block:
     found = figures.whole.reactions
     told = found.get(ALL_CUES) or found.get("training")
     if told is None or not (told.times or told.missed):
@@ -235,17 +235,17 @@ def _reaction_bars(page: Page, figures: SessionFigures) -> Block:
     return [bold("Reaction times"), *lines]
 
 
-def _press_bars(page: Page, part: Part) -> Block:
+def _press_bars(page: ReportPage, part: PartFigures) -> Block:
     if not part.press:
         return []
     return [bold("Key to robot, waits included"), *latency_bars(part.press, page.half, page.signs)]
 
 
-def _states(part: Part) -> Block:
+def _states(part: PartFigures) -> Block:
     engagement = part.engagement
     if not engagement.states:
         return []
-    made = table("state", "visits", "time", "share", "median s", "longest s")
+    made = text_table("state", "visits", "time", "share", "median s", "longest s")
     for name, state in sorted(engagement.states.items(), key=lambda item: -item[1].us):
         share = state.us / engagement.on_us if engagement.on_us else None
         made.add_row(
@@ -264,7 +264,7 @@ def _states(part: Part) -> Block:
     return block
 
 
-def _transitions(page: Page, part: Part) -> Block:
+def _transitions(page: ReportPage, part: PartFigures) -> Block:
     rows = part.engagement.transitions
     if not rows:
         return []
@@ -272,7 +272,7 @@ def _transitions(page: Page, part: Part) -> Block:
     signs = [chr(ord("a") + place) for place in range(len(targets))]
     if len(targets) > _LETTERS:
         return []
-    made = table("from", *signs)
+    made = text_table("from", *signs)
     for was, row in rows.items():
         made.add_row(was, *(str(row.get(now, "")) for now in targets))
     key = ", ".join(f"{sign} {now}" for sign, now in zip(signs, targets, strict=True))

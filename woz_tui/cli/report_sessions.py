@@ -5,9 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from woz_tui.analysis.measures import BY_NAME, Measure
-from woz_tui.analysis.participant_groups import ConditionTotal, Grouped, ItemTotal, Row, Total
-from woz_tui.analysis.participants import called, condition_in_words, not_counted
-from woz_tui.cli.report_layout import NONE, Page, clock, digits, in_unit, s, some, table
+from woz_tui.analysis.participant_groups import (
+    ConditionRow,
+    ConditionTotal,
+    GroupedSessions,
+    ItemTotal,
+    Total,
+)
+from woz_tui.analysis.participants import condition_text, excluded_sentence, participant_text
+from woz_tui.cli.report_layout import NONE, ReportPage, clock, digits, in_unit, s, some, text_table
 
 #: Columns, those first that are worth most; as many are shown as there is room for.
 _COLUMNS = (
@@ -27,7 +33,7 @@ _WHO = ("who", "condition", "session")
 _GAP = 2
 
 
-def show(page: Page, grouped: Grouped) -> None:
+def show(page: ReportPage, grouped: GroupedSessions) -> None:
     """Print the tables of all experiments."""
     for experiment in grouped.experiments:
         rows = grouped.of(experiment)
@@ -37,7 +43,7 @@ def show(page: Page, grouped: Grouped) -> None:
         if versions > 1:
             page.trouble(f"the experiment file had {versions} versions in these sessions")
         _rows(page, rows)
-        left = not_counted((row.participant, row.counted) for row in rows)
+        left = excluded_sentence((row.participant, row.counted) for row in rows)
         if left:
             page.trouble(left)
         totals = grouped.totals(experiment)
@@ -58,11 +64,11 @@ def show(page: Page, grouped: Grouped) -> None:
         page.trouble(f"{who}: {'; '.join(sentences)}")
 
 
-def _trainings(page: Page, grouped: Grouped) -> None:
+def _trainings(page: ReportPage, grouped: GroupedSessions) -> None:
     if not grouped.trainings:
         return
     page.head("Trainings")
-    made = table(
+    made = text_table(
         *("wizard", "session", "cues", "right", "wrong", "missed", "uncalled", "score", "react s"),
         left=2,
     )
@@ -77,14 +83,14 @@ def _trainings(page: Page, grouped: Grouped) -> None:
     page.put(made)
 
 
-def _counted(sessions: int, rows: Sequence[Row]) -> str:
+def _counted(sessions: int, rows: Sequence[ConditionRow]) -> str:
     people = len({row.participant for row in rows if row.participant and row.counted})
     return f"{some(sessions, 'session')}, {some(people, 'participant')}"
 
 
-def _rows(page: Page, rows: Sequence[Row]) -> None:
+def _rows(page: ReportPage, rows: Sequence[ConditionRow]) -> None:
     measures = _fitting(page, rows)
-    made = table(*_WHO, *map(_head, measures), left=len(_WHO))
+    made = text_table(*_WHO, *map(_head, measures), left=len(_WHO))
     last = None
     for row in rows:
         who = _called(row)
@@ -98,15 +104,15 @@ def _rows(page: Page, rows: Sequence[Row]) -> None:
     page.put(made)
 
 
-def _called(row: Row) -> str:
-    return called(row.participant, counted=row.counted) or NONE
+def _called(row: ConditionRow) -> str:
+    return participant_text(row.participant, counted=row.counted) or NONE
 
 
-def _condition(row: Row) -> str:
-    return condition_in_words(row.condition, row.scope) or NONE
+def _condition(row: ConditionRow) -> str:
+    return condition_text(row.condition, row.scope) or NONE
 
 
-def _fitting(page: Page, rows: Sequence[Row]) -> list[Measure]:
+def _fitting(page: ReportPage, rows: Sequence[ConditionRow]) -> list[Measure]:
     """As many figures as there is room for, of those of which there is anything."""
     who = [_WHO, *((_called(row), _condition(row), row.session) for row in rows)]
     names = [max(len(each[place]) for each in who) for place in range(len(_WHO))]
@@ -137,12 +143,12 @@ def _cell(measure: Measure, value: float | None) -> str:
     return in_unit(value, measure.unit)
 
 
-def _totals(page: Page, totals: Sequence[ConditionTotal]) -> None:
+def _totals(page: ReportPage, totals: Sequence[ConditionTotal]) -> None:
     """Figures down, conditions across: a mean and its deviation need room."""
     room = max(1, (page.width - 20) // 22)
     for at in range(0, len(totals), room):
         shown = totals[at : at + room]
-        made = table(
+        made = text_table(
             "", *(f"{each.condition or 'none'} (n = {each.participants})" for each in shown)
         )
         for name in _COLUMNS:
@@ -169,9 +175,9 @@ def _total(measure: Measure, total: Total, participants: int) -> str:
     return told + spread + fewer
 
 
-def _items(page: Page, items: Sequence[ItemTotal]) -> None:
+def _items(page: ReportPage, items: Sequence[ItemTotal]) -> None:
     conditions = list(dict.fromkeys(item.condition for item in items))
-    made = table(
+    made = text_table(
         "questionnaire", "item", "scale", *(condition or "none" for condition in conditions), left=3
     )
     for key in dict.fromkeys((item.questionnaire, item.item) for item in items):

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 from rich.text import Text
 
-from woz_tui.analysis.timeline_lanes import Drawing, Interval, Lane
-from woz_tui.cli.report_layout import Signs, clock
+from woz_tui.analysis.timeline_lanes import Interval, TimelineDrawing, TimelineLane
+from woz_tui.cli.report_layout import TextSigns, clock
 
-#: State -> how much goes on, a place in `Signs.levels`.
+#: State -> how much goes on, a place in `TextSigns.levels`.
 LEVELS = {
     "Wait": 0,
     "PersonDetected": 1,
@@ -57,7 +57,7 @@ class _Cells:
 
 
 @dataclass(frozen=True, slots=True)
-class Scale:
+class CellScale:
     """Which cell a moment falls into."""
 
     duration_us: int
@@ -80,10 +80,10 @@ class Scale:
             yield cell, max(0.0, end - begin) / long
 
 
-def picture(timeline: Drawing, width: int, signs: Signs) -> list[Text]:
+def picture(timeline: TimelineDrawing, width: int, signs: TextSigns) -> list[Text]:
     """All lanes with their names, the axis of time, and what the signs mean."""
     names = min(_NAMES_AT_MOST, max((len(lane.name) for lane in timeline.lanes), default=0))
-    scale = Scale(timeline.duration_us, max(10, width - names - 1))
+    scale = CellScale(timeline.duration_us, max(10, width - names - 1))
     lines = [
         Text(f"{_short(lane.name, names, signs):<{names}} ") + _row(lane, scale, signs)
         for lane in timeline.lanes
@@ -91,13 +91,13 @@ def picture(timeline: Drawing, width: int, signs: Signs) -> list[Text]:
     return [*lines, *axis(scale, names + 1, signs), *_legend(timeline, width, signs)]
 
 
-def _short(name: str, width: int, signs: Signs) -> str:
+def _short(name: str, width: int, signs: TextSigns) -> str:
     if len(name) <= width:
         return name
     return name[: width - len(signs.ellipsis)] + signs.ellipsis
 
 
-def _row(lane: Lane, scale: Scale, signs: Signs) -> Text:
+def _row(lane: TimelineLane, scale: CellScale, signs: TextSigns) -> Text:
     cells = _Cells.of(scale.width)
     match lane.sort:
         case "engagement":
@@ -118,7 +118,7 @@ def _row(lane: Lane, scale: Scale, signs: Signs) -> Text:
     return cells.text()
 
 
-def _states(lane: Lane, scale: Scale, signs: Signs, cells: _Cells) -> None:
+def _states(lane: TimelineLane, scale: CellScale, signs: TextSigns, cells: _Cells) -> None:
     """Each cell shows what took most of it."""
     times: list[dict[int, float]] = [{} for _ in range(scale.width)]
     for interval in lane.intervals:
@@ -131,7 +131,7 @@ def _states(lane: Lane, scale: Scale, signs: Signs, cells: _Cells) -> None:
             cells.put(cell, signs.levels[most], _LEVEL_STYLES[most])
 
 
-def _actions(lane: Lane, scale: Scale, signs: Signs, cells: _Cells) -> None:
+def _actions(lane: TimelineLane, scale: CellScale, signs: TextSigns, cells: _Cells) -> None:
     """Bars of how many began; what failed is crossed, what lasts is drawn through."""
     begun: dict[int, int] = {}
     bad: set[int] = set()
@@ -149,7 +149,7 @@ def _actions(lane: Lane, scale: Scale, signs: Signs, cells: _Cells) -> None:
         cells.put(cell, signs.failed, "bold red")
 
 
-def _covered(lane: Lane, scale: Scale, signs: Signs, cells: _Cells) -> None:
+def _covered(lane: TimelineLane, scale: CellScale, signs: TextSigns, cells: _Cells) -> None:
     """Bars of how much of a cell is covered."""
     covered: dict[int, float] = {}
     for interval in lane.intervals:
@@ -160,7 +160,7 @@ def _covered(lane: Lane, scale: Scale, signs: Signs, cells: _Cells) -> None:
         cells.put(cell, signs.bars[height], "magenta")
 
 
-def _trials(lane: Lane, scale: Scale, signs: Signs, cells: _Cells) -> None:
+def _trials(lane: TimelineLane, scale: CellScale, signs: TextSigns, cells: _Cells) -> None:
     for interval in lane.intervals:
         first, last = scale.cell(interval.begin), scale.cell(interval.end)
         pause = interval.sort == "break"
@@ -177,13 +177,13 @@ def _trials(lane: Lane, scale: Scale, signs: Signs, cells: _Cells) -> None:
                 cells.put(last, signs.failed if left_out else signs.closes, style)
 
 
-def _filled(lane: Lane, scale: Scale, cells: _Cells, sign: str, style: str) -> None:
+def _filled(lane: TimelineLane, scale: CellScale, cells: _Cells, sign: str, style: str) -> None:
     for interval in lane.intervals:
         for cell, _ in scale.shares(interval):
             cells.put(cell, sign, style)
 
 
-def _marks(lane: Lane, scale: Scale, signs: Signs, cells: _Cells) -> None:
+def _marks(lane: TimelineLane, scale: CellScale, signs: TextSigns, cells: _Cells) -> None:
     looks = {
         "mistake": (signs.failed, "bold red"),
         "console lost": ("!", "yellow"),
@@ -197,7 +197,7 @@ def _marks(lane: Lane, scale: Scale, signs: Signs, cells: _Cells) -> None:
                 cells.put(scale.cell(instant.t), *looks[sort])
 
 
-def axis(scale: Scale, left: int, signs: Signs) -> list[Text]:
+def axis(scale: CellScale, left: int, signs: TextSigns) -> list[Text]:
     """A line of ticks at round times and a line of these times."""
     seconds = scale.duration_us / 1e6
     most = max(1, scale.width // _APART)
@@ -213,7 +213,7 @@ def axis(scale: Scale, left: int, signs: Signs) -> list[Text]:
     return [Text(blank + "".join(ruler), "dim"), Text(blank + "".join(labels).rstrip(), "dim")]
 
 
-def _legend(timeline: Drawing, width: int, signs: Signs) -> list[Text]:
+def _legend(timeline: TimelineDrawing, width: int, signs: TextSigns) -> list[Text]:
     """What the signs mean that are there, in as many lines as it takes."""
     sorts = {lane.sort for lane in timeline.lanes}
     marks = {instant.sort for lane in timeline.lanes for instant in lane.instants}

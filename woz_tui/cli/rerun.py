@@ -12,7 +12,7 @@ from pathlib import Path
 
 from woz_tui.cli import rerun_table as table
 from woz_tui.cli.console_start import open_both
-from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.experiment_changes import changed, redactor_of, wrong
 from woz_tui.cli.host_start import Launch, host_arguments
 from woz_tui.config.experiment import Experiment, ExperimentError
@@ -51,7 +51,7 @@ def play(arguments: argparse.Namespace) -> int:
         if refused:
             print(f"woz: {refused} (--headless runs it without a console)", file=sys.stderr)
             return 2
-    return explained(lambda: _play(arguments))
+    return with_error_sentences(lambda: _play(arguments))
 
 
 def _play(arguments: argparse.Namespace) -> int:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from woz_tui.cli import console_start
 from woz_tui.cli.console_start import open_both
-from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.host_start import host_arguments
 from woz_tui.cli.shared_options import (
     add_keymap,
@@ -42,7 +42,7 @@ def play(arguments: Namespace, experiment: Path) -> int:
     if refused:
         print(f"woz: {refused}", file=sys.stderr)
         return 2
-    return explained(lambda: _play(arguments, experiment))
+    return with_error_sentences(lambda: _play(arguments, experiment))
 
 
 def _play(arguments: Namespace, experiment: Path) -> int:

@@ -45,7 +45,7 @@ def _cleaned(stream: TextIO | None) -> Any:
     return stream if stream is None or isinstance(stream, _Cleaned) else _Cleaned(stream)
 
 
-def beneath(stream: TextIO) -> TextIO:
+def raw_stream(stream: TextIO) -> TextIO:
     """The stream itself, for who writes a terminal's sequences; texts among them need `clean`."""
     return cast(TextIO, getattr(stream, "rich_proxied_file", stream))
 

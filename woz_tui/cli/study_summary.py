@@ -22,15 +22,15 @@ _WHENS = {
 }
 
 
-def lines(experiment: Experiment) -> Iterator[tuple[str, str]]:
+def study_lines(experiment: Experiment) -> Iterator[tuple[str, str]]:
     """What it is about, and the sentence; nothing without any of these sections."""
     study, conditions = experiment.study, experiment.conditions
     for name, texts in experiment.by_condition.items():
         yield f"{{{name}}}", "; ".join(f'{each}: "{text}"' for each, text in texts.items())
     if study.design is not None:
-        yield "design", summary(study.design, len(conditions))
+        yield "design", design_sentence(study.design, len(conditions))
         for row, order in enumerate(rows(study.design, conditions)[:_LISTED]):
-            yield f"row {row + 1}", spoken(order, study.design.blind)
+            yield f"row {row + 1}", order_text(order, study.design.blind)
         left = len(rows(study.design, conditions)) - _LISTED
         if left > 0:
             yield "", f"and {left} more: woz design"
@@ -83,7 +83,7 @@ def as_json(experiment: Experiment) -> dict[str, Json]:
     return told
 
 
-def summary(design: Design, conditions: int) -> str:
+def design_sentence(design: Design, conditions: int) -> str:
     """The design in one sentence."""
     count = f"{conditions} conditions" if conditions != 1 else "1 condition"
     who = f"everybody gets all {count}" if design.within else f"everybody gets one of {count}"
@@ -99,7 +99,7 @@ def summary(design: Design, conditions: int) -> str:
     return f"{how}: {who}, {trials}{blind}"
 
 
-def spoken(order: Order, blind: Mapping[str, str]) -> str:
+def order_text(order: Order, blind: Mapping[str, str]) -> str:
     """`warm (A), cold (B)`."""
     return ", ".join(f"{each} ({blind[each]})" if blind else each for each in order) or "-"
 

@@ -13,7 +13,7 @@ from rich.table import Table
 from woz_tui.cli import console_start
 from woz_tui.cli.argument_types import number
 from woz_tui.cli.console_start import ScreenOptions, open_both
-from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.host_start import host_arguments
 from woz_tui.cli.shared_options import add_keymap, add_theme, builtins
 from woz_tui.console.text_console import TextConsole
@@ -54,12 +54,12 @@ def add(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """Train, or show the scores."""
     if arguments.history:
-        return explained(lambda: _history(arguments))
+        return with_error_sentences(lambda: _history(arguments))
     wrong = _wrong(arguments)
     if wrong:
         print(f"woz: {wrong}", file=sys.stderr)
         return 2
-    return explained(lambda: _train(arguments))
+    return with_error_sentences(lambda: _train(arguments))
 
 
 def _wrong(arguments: Namespace) -> str:

@@ -12,7 +12,7 @@ from msgspec.structs import asdict
 from rich.table import Table
 from rich.text import Text
 
-from woz_tui.cli.error_sentences import explained
+from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.config.visitor_names import key_of, shown
 from woz_tui.console.text_console import TextConsole
@@ -95,7 +95,7 @@ def _which_store(parser: ArgumentParser, **defaults: object) -> None:
 
 def run(arguments: Namespace) -> int:
     """Do what the command says."""
-    return explained(lambda: _done(arguments))
+    return with_error_sentences(lambda: _done(arguments))
 
 
 def _done(arguments: Namespace) -> int:

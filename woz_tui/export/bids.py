@@ -14,13 +14,13 @@ from pathlib import PurePath
 from typing import Any, get_args
 
 from woz_tui import __version__
-from woz_tui.analysis.event_rows import Answer
-from woz_tui.analysis.tables import ANSWERS, EVENTS, Cell, Column, Table
-from woz_tui.export.event_model import Event, Session
-from woz_tui.export.exporter import Exporter, Options, Told
-from woz_tui.export.log_sources import Source
+from woz_tui.analysis.event_rows import AnswerRow
+from woz_tui.analysis.tables import ANSWERS, EVENTS, Cell, Column, TableDefinition
+from woz_tui.export.event_model import ExportEvent, ExportSession
+from woz_tui.export.exporter import Exporter, ExportOptions, SessionSummary
+from woz_tui.export.log_sources import LogSource
+from woz_tui.export.output_folder import OutputFolder
 from woz_tui.export.safe_names import letters
-from woz_tui.export.whole_folder import Folder
 from woz_tui.log.log_reader import Damage
 from woz_tui.protocol.messages import AnyMessage, Reading
 from woz_tui.system.text_cleaning import cell, one_line
@@ -55,7 +55,7 @@ class BidsExporter(Exporter):
 
     about = _ABOUT
 
-    def __init__(self, folder: Folder, options: Options) -> None:
+    def __init__(self, folder: OutputFolder, options: ExportOptions) -> None:
         super().__init__(folder, options)
         #: A participant's code, or the name of a log without one -> the label of `sub-`.
         self._labels: dict[str, str] = {}
@@ -64,7 +64,7 @@ class BidsExporter(Exporter):
         #: Runs that would be called the same, by what they would be called.
         self._runs: dict[str, list[_Run]] = {}
 
-    def add(self, session: Session, source: Source) -> list[str]:
+    def add(self, session: ExportSession, source: LogSource) -> list[str]:
         """One session: of each participant in it, what happened under their code."""
         codes = session.participants
         if not codes or any(not event.participant for event in session.events):
@@ -81,7 +81,7 @@ class BidsExporter(Exporter):
             notes += write_physio(self._folder, paths[0], source, _common(session))
         return notes
 
-    def _participant(self, session: Session, code: str) -> str:
+    def _participant(self, session: ExportSession, code: str) -> str:
         events = [event for event in session.events if event.participant == code]
         answers = [answer for answer in session.figures.answers if answer.participant == code]
         label = self._label(session, code)
@@ -97,7 +97,7 @@ class BidsExporter(Exporter):
             run.kinds.append("beh")
         return path
 
-    def _label(self, session: Session, code: str) -> str:
+    def _label(self, session: ExportSession, code: str) -> str:
         key = code or f"log {session.name}"
         if key not in self._labels:
             wanted = letters(code, "") if code else ""
@@ -109,7 +109,7 @@ class BidsExporter(Exporter):
             self._labels[key] = label
         return self._labels[key]
 
-    def _run(self, session: Session, label: str) -> _Run:
+    def _run(self, session: ExportSession, label: str) -> _Run:
         place = f"sub-{label}/ses-{letters(session.code, 'unknown')}"
         task = _task(session)
         self._experiments[session.start.experiment if session.start else task] = None
@@ -119,7 +119,7 @@ class BidsExporter(Exporter):
         self._runs.setdefault(run.path(), []).append(run)
         return run
 
-    def finish(self, told: list[Told]) -> None:
+    def finish(self, told: list[SessionSummary]) -> None:
         """What describes the dataset as a whole."""
         scans: dict[str, list[list[str]]] = {}
         for runs in self._runs.values():
@@ -163,12 +163,12 @@ class BidsExporter(Exporter):
         }
 
 
-def _task(session: Session) -> str:
+def _task(session: ExportSession) -> str:
     name = session.start.experiment if session.start else ""
     return letters(PurePath(name).stem, "experiment")
 
 
-def _common(session: Session) -> dict[str, Any]:
+def _common(session: ExportSession) -> dict[str, Any]:
     """What every sidecar of a session says."""
     start = session.start
     software = start.software if start else {}
@@ -232,7 +232,11 @@ _OF_ANSWERS = (
 
 
 def write_events(
-    folder: Folder, stem: str, session: Session, events: Iterable[Event], common: Mapping[str, Any]
+    folder: OutputFolder,
+    stem: str,
+    session: ExportSession,
+    events: Iterable[ExportEvent],
+    common: Mapping[str, Any],
 ) -> None:
     """`<stem>_events.tsv` and its sidecar."""
     events = list(events)
@@ -255,10 +259,10 @@ def write_events(
 
 
 def write_answers(
-    folder: Folder,
+    folder: OutputFolder,
     stem: str,
-    session: Session,
-    answers: Iterable[Answer],
+    session: ExportSession,
+    answers: Iterable[AnswerRow],
     common: Mapping[str, Any],
 ) -> None:
     """`<stem>_beh.tsv` and its sidecar: answers to questionnaires."""
@@ -273,7 +277,7 @@ def write_answers(
 
 
 def write_table(
-    folder: Folder, name: str, columns: Iterable[str], rows: Iterable[Iterable[str]]
+    folder: OutputFolder, name: str, columns: Iterable[str], rows: Iterable[Iterable[str]]
 ) -> None:
     """A file of tab-separated cells with a row of names."""
     with folder.text(name) as file:
@@ -282,12 +286,12 @@ def write_table(
             file.write("\t".join(row) + "\n")
 
 
-def write_json(folder: Folder, name: str, content: Mapping[str, Any]) -> None:
+def write_json(folder: OutputFolder, name: str, content: Mapping[str, Any]) -> None:
     """A JSON file."""
     folder.write(name, json.dumps(content, indent=2, ensure_ascii=False) + "\n")
 
 
-def _columns(table: Table[Any], names: Iterable[str]) -> list[Column[Any]]:
+def _columns(table: TableDefinition[Any], names: Iterable[str]) -> list[Column[Any]]:
     of_table = {column.name: column for column in table.columns}
     return [of_table[name] for name in names]
 
@@ -299,7 +303,7 @@ def _level(kind: str) -> str:
     )
 
 
-def _event_cell(session: Session, event: Event, column: Column[Any]) -> Cell:
+def _event_cell(session: ExportSession, event: ExportEvent, column: Column[Any]) -> Cell:
     if column.name == "duration" and event.end is None:
         return 0  # as BIDS has it of moments
     return column.cell(session.figures, event)
@@ -326,7 +330,9 @@ _LONGEST_GAP_US = 3600 * 1_000_000
 _LONGEST_US = 48 * _LONGEST_GAP_US
 
 
-def write_physio(folder: Folder, stem: str, source: Source, common: Mapping[str, Any]) -> list[str]:
+def write_physio(
+    folder: OutputFolder, stem: str, source: LogSource, common: Mapping[str, Any]
+) -> list[str]:
     """`<stem>_physio.tsv.gz` and its sidecar, read in two passes so that memory stays flat.
 
     Sensors have each their own rate and pauses; BIDS wants one rate and columns without names. So
@@ -357,7 +363,7 @@ def write_physio(folder: Folder, stem: str, source: Source, common: Mapping[str,
     return resampled.notes
 
 
-def _units(source: Source) -> dict[str, str]:
+def _units(source: LogSource) -> dict[str, str]:
     """Unit of each sensor that has numbers."""
     units: dict[str, str] = {}
     for reading in source.samples(Damage()):
@@ -371,7 +377,7 @@ class _Resampled:
         self._latest = dict.fromkeys(sensors, NONE)
         self.notes: list[str] = []
 
-    def rows(self, source: Source) -> Iterator[bytes]:
+    def rows(self, source: LogSource) -> Iterator[bytes]:
         due, last = 0, 0
         for reading in source.samples(Damage()):
             if reading.t - last > _LONGEST_GAP_US:

@@ -8,11 +8,11 @@ import msgspec
 
 from woz_tui.analysis.csv_package import DICTIONARY, GUARDED, TableFiles
 from woz_tui.analysis.tables import EVENTS, SAMPLES
-from woz_tui.export.event_model import Session
-from woz_tui.export.exporter import Exporter, Options, Told
-from woz_tui.export.log_sources import Source, nameless
+from woz_tui.export.event_model import ExportSession
+from woz_tui.export.exporter import Exporter, ExportOptions, SessionSummary
+from woz_tui.export.log_sources import LogSource, nameless
+from woz_tui.export.output_folder import OutputFolder
 from woz_tui.export.redaction import PLACEHOLDER
-from woz_tui.export.whole_folder import Folder
 from woz_tui.log.log_reader import Damage
 from woz_tui.protocol.messages import Reading
 
@@ -38,12 +38,12 @@ class CsvExporter(Exporter):
 
     about = _ABOUT
 
-    def __init__(self, folder: Folder, options: Options) -> None:
+    def __init__(self, folder: OutputFolder, options: ExportOptions) -> None:
         super().__init__(folder, options)
         samples = [SAMPLES] if options.samples else []
         self._tables = TableFiles(folder.text, [EVENTS, *samples])
 
-    def add(self, session: Session, source: Source) -> list[str]:
+    def add(self, session: ExportSession, source: LogSource) -> list[str]:
         """One session."""
         self._tables.add(session.figures)
         self._tables.write(EVENTS, session.figures, session.events)
@@ -53,12 +53,12 @@ class CsvExporter(Exporter):
         self._tables.write(SAMPLES, session.figures, self._samples(source, damage))
         return (nameless(damage) if self._options.redact else damage).sentences()
 
-    def _samples(self, source: Source, damage: Damage) -> Iterable[Reading]:
+    def _samples(self, source: LogSource, damage: Damage) -> Iterable[Reading]:
         for reading in source.samples(damage):
             private = reading.text and self._options.redact
             yield msgspec.structs.replace(reading, text=PLACEHOLDER) if private else reading
 
-    def finish(self, told: list[Told]) -> None:
+    def finish(self, told: list[SessionSummary]) -> None:
         """The data dictionary and the README."""
         self._tables.finish()
         super().finish(told)

@@ -14,10 +14,10 @@ from pathlib import PurePath
 from urllib.parse import quote
 
 from woz_tui import __version__
-from woz_tui.export.event_model import Session
+from woz_tui.export.event_model import ExportSession
 from woz_tui.export.exporter import Exporter
-from woz_tui.export.log_sources import Source
-from woz_tui.export.tiers import Span, Tier, apart, tiers_of, unique_names
+from woz_tui.export.log_sources import LogSource
+from woz_tui.export.tiers import Tier, TierSpan, tiers_of, unique_names, without_overlaps
 from woz_tui.export.visitor_sound import write_sound
 from woz_tui.system.text_cleaning import one_line, seconds, visible
 
@@ -59,7 +59,7 @@ class EafExporter(Exporter):
 
     about = _ABOUT
 
-    def add(self, session: Session, source: Source) -> list[str]:
+    def add(self, session: ExportSession, source: LogSource) -> list[str]:
         """One session, with its sound."""
         notes: list[str] = []
         media = self._media(session, notes)
@@ -76,7 +76,7 @@ class EafExporter(Exporter):
         self._folder.write(f"{session.name}.eaf", f"{_DECLARATION}\n{text}\n")
         return notes
 
-    def _media(self, session: Session, notes: list[str]) -> list[Medium]:
+    def _media(self, session: ExportSession, notes: list[str]) -> list[Medium]:
         media = []
         if self._options.media is not None:
             relative = os.path.relpath(self._options.media, self._folder.final)
@@ -106,19 +106,19 @@ def in_milliseconds(tiers: Iterable[Tier], shift: int = 0) -> list[Tier]:
     result: list[Tier] = []
     for tier in tiers:
         spans = [_in_milliseconds(span, shift) for span in tier.spans if span.end + shift >= 0]
-        result += apart(Tier(tier.name, tier.points, spans), SHORTEST_MS)
+        result += without_overlaps(Tier(tier.name, tier.points, spans), SHORTEST_MS)
     return unique_names(result)
 
 
-def _in_milliseconds(span: Span, shift: int) -> Span:
+def _in_milliseconds(span: TierSpan, shift: int) -> TierSpan:
     def ms(us: int) -> int:
         return min(max(0, (us + shift + 500) // 1000), _LATEST)
 
-    return Span(ms(span.begin), ms(span.end), span.text)
+    return TierSpan(ms(span.begin), ms(span.end), span.text)
 
 
 def document(
-    session: Session, tiers: list[Tier], media: Iterable[Medium], notes: Iterable[str]
+    session: ExportSession, tiers: list[Tier], media: Iterable[Medium], notes: Iterable[str]
 ) -> ET.Element:
     """The whole document."""
     started = session.started
@@ -151,7 +151,11 @@ def document(
 
 
 def _header(
-    root: ET.Element, session: Session, media: Iterable[Medium], notes: Iterable[str], count: int
+    root: ET.Element,
+    session: ExportSession,
+    media: Iterable[Medium],
+    notes: Iterable[str],
+    count: int,
 ) -> None:
     header = ET.SubElement(root, "HEADER", {"MEDIA_FILE": "", "TIME_UNITS": "milliseconds"})
     for medium in media:
@@ -191,7 +195,7 @@ def _time_order(root: ET.Element, tiers: Iterable[Tier]) -> list[str]:
     return slots
 
 
-def _annotation(tier: ET.Element, number: int, span: Span, slots: Sequence[str]) -> None:
+def _annotation(tier: ET.Element, number: int, span: TierSpan, slots: Sequence[str]) -> None:
     attributes = {
         "ANNOTATION_ID": f"a{number}",
         "TIME_SLOT_REF1": slots[0],

@@ -12,11 +12,18 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from woz_tui.analysis.coder_agreement import ends_of
-from woz_tui.analysis.event_rows import worded
+from woz_tui.analysis.coder_agreement import code_ends
+from woz_tui.analysis.event_rows import value_text
 from woz_tui.analysis.figure_counting import figures_of
-from woz_tui.analysis.participants import counts_in_means, people_of
-from woz_tui.export.event_model import NO_LINE, OPEN, Clip, Event, Owned, Session
+from woz_tui.analysis.participants import counts_in_means, participants_of
+from woz_tui.export.event_model import (
+    NO_LINE,
+    OPEN,
+    ExportEvent,
+    ExportSession,
+    InContext,
+    SoundClip,
+)
 from woz_tui.export.redaction import PLACEHOLDER
 from woz_tui.log.coding_file import MARKERS, Codings
 from woz_tui.log.log_reader import Line
@@ -84,10 +91,12 @@ COLUMNS = ("panel", "action", "verb", "driver", "source", "key", "outcome", "rea
 _ENVELOPE = frozenset({"seq", "t", "ts", "kind"})
 
 
-def moment(seq: int, t: int, kind: str, fields: Mapping[str, Any]) -> Event:
+def moment(seq: int, t: int, kind: str, fields: Mapping[str, Any]) -> ExportEvent:
     """A line as an event without a duration. What has no column is among its details."""
     label, text = _LABEL_AND_TEXT.get(kind, ("", ""))
-    event = Event(seq=seq, begin=t, kind=kind, label=_text(fields, label), text=_text(fields, text))
+    event = ExportEvent(
+        seq=seq, begin=t, kind=kind, label=_text(fields, label), text=_text(fields, text)
+    )
     used = {label, text} if label not in COLUMNS else {text}
     for name in (*COLUMNS, "command"):
         if isinstance(fields.get(name), str):
@@ -125,10 +134,10 @@ _PARTS = (
 _COUNTED = (m.Done, m.EngagementAdopted, m.SessionPlan)
 
 
-class Extractor:
+class EventExtractor:
     """Takes the lines of one session in order; `finish` completes `session`."""
 
-    def __init__(self, session: Session, folder: Path) -> None:
+    def __init__(self, session: ExportSession, folder: Path) -> None:
         self.session = session
         #: Where the files lie that the log names.
         self._folder = folder
@@ -188,12 +197,12 @@ class Extractor:
 
     # -- events -----------------------------------------------------------------------------------
 
-    def _event(self, episode: Episode) -> Event | None:
+    def _event(self, episode: Episode) -> ExportEvent | None:
         """The episode as an event; None: its lines are events of their own, or nothing is."""
         make = _EVENTS.get(type(episode))
         return None if make is None else make(self, episode)
 
-    def _begun(self, episode: Episode, kind: str, *used: str) -> Event:
+    def _begun(self, episode: Episode, kind: str, *used: str) -> ExportEvent:
         """An event with what the episode's first line says, without the fields `used` elsewhere."""
         event = moment(episode.seq, episode.begin, kind, self._lines.get(episode.seq, {}))
         event.label, event.end, event.outcome = episode.label, episode.end, str(episode.outcome)
@@ -201,13 +210,13 @@ class Extractor:
             event.details.pop(name, None)
         return event
 
-    def _action(self, action: ActionEpisode) -> Event:
+    def _action(self, action: ActionEpisode) -> ExportEvent:
         event = self._begun(action, "action")
         event.reason = self._text(action.ended, "reason")
         event.latency, event.mistake = action.latency_us, action.mistake is not None
         return event
 
-    def _command(self, command: CommandEpisode) -> Event:
+    def _command(self, command: CommandEpisode) -> ExportEvent:
         event = self._begun(command, "command")
         event.reason = self._text(command.ended, "reason")
         event.driver = command.driver
@@ -220,21 +229,21 @@ class Extractor:
         event.details |= details(self._fields(command.ended), used)
         return event
 
-    def _trial(self, trial: TrialEpisode) -> Event:
+    def _trial(self, trial: TrialEpisode) -> ExportEvent:
         event = self._begun(trial, "trial")
         event.text = self._text(trial.ended, "text")
         return event
 
-    def _phase(self, phase: PhaseEpisode) -> Event:
+    def _phase(self, phase: PhaseEpisode) -> ExportEvent:
         return self._begun(phase, "phase", "phase")
 
-    def _break(self, pause: BreakEpisode) -> Event:
+    def _break(self, pause: BreakEpisode) -> ExportEvent:
         event = self._begun(pause, "break", "text")
         texts = self._text(pause.started, "text"), self._text(pause.ended, "text")
         event.text = "; ".join(text for text in texts if text)
         return event
 
-    def _stop(self, stop: StopEpisode) -> Event:
+    def _stop(self, stop: StopEpisode) -> ExportEvent:
         event = self._begun(stop, "stop", "scope")
         for press in stop.presses:
             for confirmation in press.confirmations:
@@ -243,19 +252,23 @@ class Extractor:
             event.details["released_by"] = stop.released.source
         return event
 
-    def _questionnaire(self, asked: QuestionnaireEpisode) -> Event:
+    def _questionnaire(self, asked: QuestionnaireEpisode) -> ExportEvent:
         if asked.started is None:  # its first line is an answer
-            event = Event(seq=asked.seq, begin=asked.begin, kind="questionnaire", label=asked.label)
+            event = ExportEvent(
+                seq=asked.seq, begin=asked.begin, kind="questionnaire", label=asked.label
+            )
         else:
             event = self._begun(asked, "questionnaire", "questionnaire", "items")
         event.end = asked.end
         event.outcome = self._text(asked.ended, "reason") or str(asked.outcome)
         return event
 
-    def _state(self, state: ModelStateEpisode) -> Event:
+    def _state(self, state: ModelStateEpisode) -> ExportEvent:
         """A state's outcome is the one that led to it."""
         if state.entered is None:
-            event = Event(seq=state.seq, begin=state.begin, kind="engagement", label=state.label)
+            event = ExportEvent(
+                seq=state.seq, begin=state.begin, kind="engagement", label=state.label
+            )
         else:
             event = self._begun(state, "engagement", "now", "why")
             event.text, event.outcome = self._text(state.entered, "why"), state.entered.outcome
@@ -266,8 +279,8 @@ class Extractor:
         event.end = state.end
         return event
 
-    def _speech(self, spoken: UtteranceEpisode) -> Event:
-        event = Event(seq=spoken.seq, begin=spoken.begin, kind="speech", driver=spoken.driver)
+    def _speech(self, spoken: UtteranceEpisode) -> ExportEvent:
+        event = ExportEvent(seq=spoken.seq, begin=spoken.begin, kind="speech", driver=spoken.driver)
         if spoken.started is not None or spoken.ended is not None:  # else nobody knows how long
             event.end = spoken.end
         if spoken.outcome != EpisodeOutcome.DONE:
@@ -278,7 +291,7 @@ class Extractor:
             event.details |= details(self._fields(message), used)
         return event
 
-    def _stray(self, found: MomentEpisode) -> Event | None:
+    def _stray(self, found: MomentEpisode) -> ExportEvent | None:
         """A line that belongs to nothing; other moments have been taken already."""
         if not isinstance(found.message, _PARTS):
             return None
@@ -294,15 +307,15 @@ class Extractor:
 
     # -- what is no event -------------------------------------------------------------------------
 
-    def _clips(self) -> Iterator[Clip]:
+    def _clips(self) -> Iterator[SoundClip]:
         for spoken in self._timeline.of(UtteranceEpisode):
             if spoken.ended is None or not spoken.ended.file or self.session.redacted:
                 continue
             path = self._folder / spoken.ended.file
             if path.is_file():
-                yield Clip(path, spoken.begin)
+                yield SoundClip(path, spoken.begin)
 
-    def _settings(self) -> Iterator[Event]:
+    def _settings(self) -> Iterator[ExportEvent]:
         """Settings that differed and conflicts: one for each part of an episode."""
         for each in self._timeline.episodes:
             if isinstance(each, ConflictEpisode) or (
@@ -314,14 +327,14 @@ class Extractor:
                     self._belongs(event, part.context)
                     yield event
 
-    def _codes(self, codings: Codings) -> Iterator[Event]:
+    def _codes(self, codings: Codings) -> Iterator[ExportEvent]:
         """What coders set in replays; it stands in no line of the log."""
         for coder in sorted(codings.by_coder):
             codes = codings.of(coder)
-            for code, end in zip(codes, ends_of(codes, self._timeline), strict=True):
+            for code, end in zip(codes, code_ends(codes, self._timeline), strict=True):
                 if code.lasts and not code.code and not code.note:
                     continue  # it only ends another
-                event = Event(seq=NO_LINE, begin=code.t, end=end, kind="code", source=coder)
+                event = ExportEvent(seq=NO_LINE, begin=code.t, end=end, kind="code", source=coder)
                 event.label = NOTES if code.note else code.tier
                 event.text = code.text if code.note else code.code
                 if self.session.redacted:
@@ -330,25 +343,25 @@ class Extractor:
                 self._belongs(event, self._timeline.contexts.at(code.t, sys.maxsize))
                 yield event
 
-    def _belongs(self, row: Owned, context: Context) -> None:
+    def _belongs(self, row: InContext, context: Context) -> None:
         row.participant, row.condition = context.participant, context.condition
         row.trial, row.phase = context.trial, context.phase
-        people = people_of(self.session.figures)
+        people = participants_of(self.session.figures)
         row.counted = counts_in_means(self._timeline, people, context)
 
 
 #: What becomes an event, and how.
-_EVENTS: Mapping[type[Episode], Callable[[Extractor, Any], Event | None]] = {
-    ActionEpisode: Extractor._action,
-    CommandEpisode: Extractor._command,
-    TrialEpisode: Extractor._trial,
-    PhaseEpisode: Extractor._phase,
-    BreakEpisode: Extractor._break,
-    StopEpisode: Extractor._stop,
-    QuestionnaireEpisode: Extractor._questionnaire,
-    ModelStateEpisode: Extractor._state,
-    UtteranceEpisode: Extractor._speech,
-    MomentEpisode: Extractor._stray,
+_EVENTS: Mapping[type[Episode], Callable[[EventExtractor, Any], ExportEvent | None]] = {
+    ActionEpisode: EventExtractor._action,
+    CommandEpisode: EventExtractor._command,
+    TrialEpisode: EventExtractor._trial,
+    PhaseEpisode: EventExtractor._phase,
+    BreakEpisode: EventExtractor._break,
+    StopEpisode: EventExtractor._stop,
+    QuestionnaireEpisode: EventExtractor._questionnaire,
+    ModelStateEpisode: EventExtractor._state,
+    UtteranceEpisode: EventExtractor._speech,
+    MomentEpisode: EventExtractor._stray,
 }
 
 
@@ -356,8 +369,12 @@ _EVENTS: Mapping[type[Episode], Callable[[Extractor, Any], Event | None]] = {
 LOST = "lost"
 
 
-def _setting(each: SettingEpisode | ConflictEpisode, part: ContextSpan, *, last: bool) -> Event:
-    event = Event(seq=each.seq, begin=part.begin, end=part.end, kind="conflict", driver=each.driver)
+def _setting(
+    each: SettingEpisode | ConflictEpisode, part: ContextSpan, *, last: bool
+) -> ExportEvent:
+    event = ExportEvent(
+        seq=each.seq, begin=part.begin, end=part.end, kind="conflict", driver=each.driver
+    )
     if last and each.cut:
         event.outcome = OPEN
     if isinstance(each, ConflictEpisode):
@@ -366,6 +383,6 @@ def _setting(each: SettingEpisode | ConflictEpisode, part: ContextSpan, *, last:
     if last and each.outcome == EpisodeOutcome.LOST:
         event.outcome = LOST
     event.kind, event.label = "difference", each.name
-    event.text = f"{worded(each.value)}, wanted {worded(each.wanted)}"
+    event.text = f"{value_text(each.value)}, wanted {value_text(each.wanted)}"
     event.details = {"value": each.value, "wanted": each.wanted}
     return event

@@ -22,7 +22,7 @@ NO_LINE = -1
 
 
 @dataclass(slots=True, kw_only=True)
-class Owned:
+class InContext:
     """Something that belongs to a participant, a condition, a trial and a phase, or to none.
     `counted`: somebody took part, and in no trial that was aborted or excluded.
     """
@@ -35,7 +35,7 @@ class Owned:
 
 
 @dataclass(slots=True, kw_only=True)
-class Event(Owned):
+class ExportEvent(InContext):
     """Something that happened at a moment, or lasted.
 
     Attributes:
@@ -83,7 +83,7 @@ class Event(Owned):
 
 
 @dataclass(frozen=True, slots=True)
-class Clip:
+class SoundClip:
     """Recorded sound of the visitor, and where on the session's axis it begins."""
 
     path: Path
@@ -91,7 +91,7 @@ class Clip:
 
 
 @dataclass(slots=True, kw_only=True)
-class Session:
+class ExportSession:
     """All of a session but its samples.
 
     Attributes:
@@ -111,9 +111,9 @@ class Session:
     name: str
     log: Path
     start: SessionStart | None = None
-    events: list[Event] = field(default_factory=list)
+    events: list[ExportEvent] = field(default_factory=list)
     figures: SessionFigures = NO_FIGURES
-    clips: list[Clip] = field(default_factory=list)
+    clips: list[SoundClip] = field(default_factory=list)
     duration: int = 0
     end_reason: str = ""
     damage: list[str] = field(default_factory=list)

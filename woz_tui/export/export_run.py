@@ -10,14 +10,20 @@ from pathlib import Path
 from woz_tui.export.bids import BidsExporter
 from woz_tui.export.csv_files import CsvExporter
 from woz_tui.export.eaf import EafExporter
-from woz_tui.export.event_model import NO_FIGURES, Session
-from woz_tui.export.exporter import Exporter, Options, Told
+from woz_tui.export.event_model import NO_FIGURES, ExportSession
+from woz_tui.export.exporter import Exporter, ExportOptions, SessionSummary
 from woz_tui.export.jsonl import JsonlExporter
-from woz_tui.export.log_sources import ExportError, Names, Source, found, read
+from woz_tui.export.log_sources import (
+    ExportError,
+    LogSource,
+    UniqueNames,
+    find_sources,
+    read_session,
+)
+from woz_tui.export.output_folder import OutputFolder, new_folder
 from woz_tui.export.textgrid import TextGridExporter
-from woz_tui.export.whole_folder import Folder, new_folder
 
-FORMATS: dict[str, Callable[[Folder, Options], Exporter]] = {
+FORMATS: dict[str, Callable[[OutputFolder, ExportOptions], Exporter]] = {
     "csv": CsvExporter,
     "eaf": EafExporter,
     "bids": BidsExporter,
@@ -27,8 +33,8 @@ FORMATS: dict[str, Callable[[Folder, Options], Exporter]] = {
 
 
 def export(
-    given: Sequence[Path], to: str, out: Path, options: Options, *, force: bool = False
-) -> Iterator[Told]:
+    given: Sequence[Path], to: str, out: Path, options: ExportOptions, *, force: bool = False
+) -> Iterator[SessionSummary]:
     """Export the sessions that `given` names into the new folder `out`, one after the other.
 
     Yields what there is to tell of each. `out` is there when the last was taken.
@@ -37,17 +43,17 @@ def export(
         ExportError: Nothing can be exported so, or `out` is in the way.
         OSError: A disk is full or gone; `out` is then as it was.
     """
-    sources = found(given)
+    sources = find_sources(given)
     _refuse(sources, to, options)
     _keep_sources(sources, out)
-    names = Names()
-    told: list[Told] = []
+    names = UniqueNames()
+    told: list[SessionSummary] = []
     with (
         new_folder(out, force=force) as folder,
         closing(FORMATS[to](folder, options)) as exporter,
     ):
         for source in sources:
-            session = read(source, redact=options.redact)
+            session = read_session(source, redact=options.redact)
             session.name = names.apart(session.name)
             session.figures = replace(session.figures, stem=session.name)
             told.append(_told(session, exporter.add(session, source)))
@@ -55,14 +61,14 @@ def export(
         exporter.finish(told)
 
 
-def _told(session: Session, notes: list[str]) -> Told:
+def _told(session: ExportSession, notes: list[str]) -> SessionSummary:
     """Keeps no events: those of hundreds of sessions would fill the memory."""
-    told = Told(session, notes, session.participants, len(session.events))
+    told = SessionSummary(session, notes, session.participants, len(session.events))
     session.events, session.figures = [], NO_FIGURES
     return told
 
 
-def _keep_sources(sources: Sequence[Source], out: Path) -> None:
+def _keep_sources(sources: Sequence[LogSource], out: Path) -> None:
     """Replacing a folder must not delete the logs from which it is made."""
     for source in sources:
         for path in source.files.paths:
@@ -70,7 +76,7 @@ def _keep_sources(sources: Sequence[Source], out: Path) -> None:
                 raise ExportError(f"{path.name} lies in {out} itself", "name another with --out")
 
 
-def _refuse(sources: Sequence[Source], to: str, options: Options) -> None:
+def _refuse(sources: Sequence[LogSource], to: str, options: ExportOptions) -> None:
     if options.media is None:
         return
     if to != "eaf":

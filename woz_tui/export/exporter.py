@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import ClassVar
 
 from woz_tui import __version__
-from woz_tui.export.event_model import Session
-from woz_tui.export.log_sources import Source
-from woz_tui.export.whole_folder import README, SIGN, Folder
+from woz_tui.export.event_model import ExportSession
+from woz_tui.export.log_sources import LogSource
+from woz_tui.export.output_folder import README, SIGN, OutputFolder
 from woz_tui.system.text_cleaning import one_line, seconds
 
 _TIMES = (
@@ -28,7 +28,7 @@ _UNREDACTED = (
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Options:
+class ExportOptions:
     """How to export.
 
     Attributes:
@@ -47,10 +47,10 @@ class Options:
 
 
 @dataclass(slots=True)
-class Told:
+class SessionSummary:
     """What is worth knowing of the export of one session; `notes` are sentences."""
 
-    session: Session
+    session: ExportSession
     notes: list[str] = field(default_factory=list)
     participants: list[str] = field(default_factory=list)
     events: int = 0
@@ -62,15 +62,15 @@ class Exporter(abc.ABC):
     #: What the README says of the format's own files, in Markdown.
     about: ClassVar[str]
 
-    def __init__(self, folder: Folder, options: Options) -> None:
+    def __init__(self, folder: OutputFolder, options: ExportOptions) -> None:
         self._folder = folder
         self._options = options
 
     @abc.abstractmethod
-    def add(self, session: Session, source: Source) -> list[str]:
+    def add(self, session: ExportSession, source: LogSource) -> list[str]:
         """One session. What could not be exported of it, in sentences."""
 
-    def finish(self, told: list[Told]) -> None:
+    def finish(self, told: list[SessionSummary]) -> None:
         """Whatever comes after the last session: the README."""
         parts = [
             f"{SIGN} {__version__}",
@@ -86,7 +86,7 @@ class Exporter(abc.ABC):
         """Close what is open; also after an error."""
 
 
-def _session(told: Told) -> str:
+def _session(told: SessionSummary) -> str:
     session = told.session
     who = ", ".join(told.participants) or "no participant's code"
     head = f"- {session.name}: {who}, {seconds(session.duration)} s, {session.lines} lines"

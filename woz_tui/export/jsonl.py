@@ -8,9 +8,9 @@ from typing import Any, BinaryIO
 
 import msgspec
 
-from woz_tui.export.event_model import Session
+from woz_tui.export.event_model import ExportSession
 from woz_tui.export.exporter import Exporter
-from woz_tui.export.log_sources import Source, redacted_line
+from woz_tui.export.log_sources import LogSource, redacted_line
 from woz_tui.log.log_reader import Damage, Line
 from woz_tui.protocol.messages import Reading
 
@@ -29,7 +29,7 @@ class JsonlExporter(Exporter):
 
     about = _ABOUT
 
-    def add(self, session: Session, source: Source) -> list[str]:
+    def add(self, session: ExportSession, source: LogSource) -> list[str]:
         """One session. It is read again: what is no event is copied too."""
         actions = self._folder.binary(f"{session.name}.jsonl")
         samples = self._folder.binary(f"{session.name}.samples.jsonl")

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import msgspec
 
-from woz_tui.analysis.figures import Wholeness
-from woz_tui.export.event_extraction import Extractor
-from woz_tui.export.event_model import Session
+from woz_tui.analysis.figures import LogIntegrity
+from woz_tui.export.event_extraction import EventExtractor
+from woz_tui.export.event_model import ExportSession
 from woz_tui.export.redaction import redacted
 from woz_tui.export.safe_names import letters
 from woz_tui.log.coding_file import CodingError, Codings, coding_path, read_codings
@@ -34,7 +34,7 @@ class ExportError(Exception):
 
 
 @dataclass(frozen=True)
-class Source:
+class LogSource:
     """The files of one session's log."""
 
     files: LogFiles
@@ -75,19 +75,19 @@ def redacted_line(line: Line) -> Line:
     return Line(line.seq, line.t, "", line.kind, fields, raw, message)
 
 
-def found(given: Iterable[Path]) -> list[Source]:
+def find_sources(given: Iterable[Path]) -> list[LogSource]:
     """The sessions that `given` names, each once: any file of a log, or a folder of logs.
 
     Raises `ExportError` if there is none.
     """
-    sources: dict[tuple[Path, ...], Source] = {}
+    sources: dict[tuple[Path, ...], LogSource] = {}
     for path in given:
         logs = _logs_in(path) if path.is_dir() else [path]
         if not logs:
             raise ExportError(f"{path}: there is no log in this folder", "name a log, *.jsonl")
         for log in logs:
             files = _files(log)
-            sources.setdefault(files.paths, Source(files))
+            sources.setdefault(files.paths, LogSource(files))
     if not sources:
         raise ExportError("there is nothing to export", "name a log, *.jsonl, or a folder of them")
     # From a later segment the earlier ones are found, from those the later ones not always.
@@ -116,11 +116,11 @@ def _logs_in(folder: Path) -> list[Path]:
     return list(logs.values())
 
 
-def read(source: Source, *, redact: bool = False) -> Session:
-    """All of a session but its samples. Damage never raises: it is told in `Session.damage`."""
+def read_session(source: LogSource, *, redact: bool = False) -> ExportSession:
+    """All of a session but its samples. Damage never raises: `damage` of the session names it."""
     damage = Damage()
-    session = Session(name=source.files.stem, log=source.log, redacted=redact)
-    extractor = Extractor(session, source.log.parent)
+    session = ExportSession(name=source.files.stem, log=source.log, redacted=redact)
+    extractor = EventExtractor(session, source.log.parent)
     sums = _Sums()
     for line in source.lines(damage):
         sums.take(line)
@@ -135,21 +135,21 @@ def read(source: Source, *, redact: bool = False) -> Session:
     if session.lines and session.start is None:
         session.damage.append("the first line is missing: all codes are unknown")
     session.name = _name(session)
-    whole = Wholeness(sentences=tuple(session.damage), ended=bool(session.end_reason))
+    whole = LogIntegrity(sentences=tuple(session.damage), ended=bool(session.end_reason))
     session.figures = replace(session.figures, wholeness=whole)
     return session
 
 
-def _codings(source: Source, damage: list[str]) -> Codings:
+def _codings(source: LogSource, damage: list[str]) -> Codings:
     """What coders set in replays of it."""
     try:
-        found = read_codings(coding_path(source.log))
+        codings = read_codings(coding_path(source.log))
     except CodingError:
         damage.append("the file of codes beside the log could not be read")
         return Codings()
-    if found.unread:
-        damage.append(f"{found.unread} line(s) of the file of codes could not be read")
-    return found
+    if codings.unread:
+        damage.append(f"{codings.unread} line(s) of the file of codes could not be read")
+    return codings
 
 
 def nameless(damage: Damage) -> Damage:
@@ -159,7 +159,7 @@ def nameless(damage: Damage) -> Damage:
     return replace(damage, places=[], kinds=[], unreadable=unreadable, absent=absent)
 
 
-def _name(session: Session) -> str:
+def _name(session: ExportSession) -> str:
     """The log's own name; without its date if dates are taken out."""
     if not session.redacted:
         return session.name
@@ -192,7 +192,7 @@ class _Sums:
         return [f"lines after number {self._sound_to} were changed or lost"]
 
 
-class Names:
+class UniqueNames:
     """Gives each session a name of its own; a number tells apart those that were the same."""
 
     def __init__(self) -> None:

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from woz_tui.export.event_model import Session
+from woz_tui.export.event_model import ExportSession
 from woz_tui.export.exporter import Exporter
-from woz_tui.export.log_sources import Source
-from woz_tui.export.tiers import Span, Tier, apart, tiers_of, unique_names
+from woz_tui.export.log_sources import LogSource
+from woz_tui.export.tiers import Tier, TierSpan, tiers_of, unique_names, without_overlaps
 from woz_tui.export.visitor_sound import write_sound
 from woz_tui.system.text_cleaning import one_line, seconds
 
@@ -36,7 +36,7 @@ class TextGridExporter(Exporter):
 
     about = _ABOUT
 
-    def add(self, session: Session, source: Source) -> list[str]:
+    def add(self, session: ExportSession, source: LogSource) -> list[str]:
         """One session, with its sound."""
         length, notes = 0, list[str]()
         if self._options.sound:
@@ -48,9 +48,11 @@ class TextGridExporter(Exporter):
         return notes
 
 
-def for_praat(session: Session) -> list[Tier]:
+def for_praat(session: ExportSession) -> list[Tier]:
     """The session's tiers in microseconds, without overlaps."""
-    return unique_names(each for tier in tiers_of(session) for each in apart(tier, SHORTEST_US))
+    return unique_names(
+        each for tier in tiers_of(session) for each in without_overlaps(tier, SHORTEST_US)
+    )
 
 
 def _end(tier: Tier) -> int:
@@ -93,16 +95,16 @@ def _intervals(tier: Tier, end: int) -> Iterator[str]:
         yield f"            text = {_quoted(span.text)}"
 
 
-def _covering(tier: Tier, end: int) -> Iterator[Span]:
+def _covering(tier: Tier, end: int) -> Iterator[TierSpan]:
     """The spans with empty ones between them, from 0 to `end`."""
     position = 0
     for span in tier.spans:
         if span.begin > position:
-            yield Span(position, span.begin, "")
+            yield TierSpan(position, span.begin, "")
         yield span
         position = span.end
     if position < end:
-        yield Span(position, end, "")
+        yield TierSpan(position, end, "")
 
 
 def _quoted(text: str) -> str:

@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 
 import msgspec
 
-from woz_tui.export.event_model import Event, Session
+from woz_tui.export.event_model import ExportEvent, ExportSession
 from woz_tui.system.text_cleaning import one_line
 
 
 @dataclass(frozen=True, slots=True)
-class Span:
+class TierSpan:
     """From `begin` to `end`, in the unit and on the axis of its tier; `text` is never empty."""
 
     begin: int
@@ -27,7 +27,7 @@ class Tier:
 
     name: str
     points: bool = False
-    spans: list[Span] = field(default_factory=list)
+    spans: list[TierSpan] = field(default_factory=list)
 
 
 _SETTINGS = frozenset(
@@ -38,15 +38,15 @@ _SETTINGS = frozenset(
 )
 
 
-def _of(*kinds: str) -> Callable[[Event], bool]:
+def _of(*kinds: str) -> Callable[[ExportEvent], bool]:
     return lambda event: event.kind in kinds
 
 
-def _spoken(event: Event) -> bool:
+def _spoken(event: ExportEvent) -> bool:
     return event.kind == "command" and event.verb == "say" and event.acted is not None
 
 
-_Sorts = Sequence[tuple[str, bool, Callable[[Event], bool]]]
+_Sorts = Sequence[tuple[str, bool, Callable[[ExportEvent], bool]]]
 
 #: Tiers in this order, whether they hold points, and what goes onto them. Those of the panels, with
 #: the actions, come after the robot's speech.
@@ -74,9 +74,9 @@ _AFTER: _Sorts = (
 NO_PANEL = "actions"
 
 
-def tiers_of(session: Session) -> list[Tier]:
+def tiers_of(session: ExportSession) -> list[Tier]:
     """Everything of a session that is put on tiers, times in microseconds. Spans of a tier may
-    overlap still: see `apart`. Tiers with nothing on them are left out.
+    overlap still: see `without_overlaps`. Tiers with nothing on them are left out.
     """
     panels: dict[str, Tier] = {}
     #: By coder and tier.
@@ -95,20 +95,20 @@ def tiers_of(session: Session) -> list[Tier]:
     return [tier for tier in tiers if tier.spans]
 
 
-def _filled(session: Session, sorts: _Sorts) -> Iterable[Tier]:
+def _filled(session: ExportSession, sorts: _Sorts) -> Iterable[Tier]:
     for name, points, wanted in sorts:
         spans = [_span(event) for event in session.events if wanted(event)]
         yield Tier(name, points, spans)
 
 
-def _span(event: Event) -> Span:
+def _span(event: ExportEvent) -> TierSpan:
     begin = event.begin if event.acted is None else max(event.begin, event.acted)
     end = begin if event.end is None else max(begin, event.end)
     words = _words(event)
-    return Span(begin, end, words if words.strip() else event.kind)
+    return TierSpan(begin, end, words if words.strip() else event.kind)
 
 
-def _words(event: Event) -> str:
+def _words(event: ExportEvent) -> str:
     """What stands in an annotation."""
     match event.kind:
         case "command" | "speech" | "note" | "marker" | "break" | "code":
@@ -135,27 +135,27 @@ def _words(event: Event) -> str:
     return " ".join(part for part in parts if part)
 
 
-def _marks(event: Event) -> str:
+def _marks(event: ExportEvent) -> str:
     """What is unusual: an outcome, a mistake."""
     marks = [event.outcome] if event.outcome not in ("", "done") else []
     marks += ["mistake"] if event.mistake else []
     return f"[{', '.join(marks)}]" if marks else ""
 
 
-def _plainly(event: Event) -> str:
+def _plainly(event: ExportEvent) -> str:
     return msgspec.json.encode(event.details).decode()
 
 
-def apart(tier: Tier, shortest: int = 0) -> list[Tier]:
+def without_overlaps(tier: Tier, shortest: int = 0) -> list[Tier]:
     """The same spans on tiers on which none overlaps another: what finds no room goes onto
     `<name>-2` and so on. Spans shorter than `shortest` are prolonged to it, and give way to those
     that really last.
     """
-    rows: list[list[Span]] = []
+    rows: list[list[TierSpan]] = []
     by_time = sorted(tier.spans, key=_times)
     lasting = [span for span in by_time if span.end - span.begin >= shortest]
     short = [span for span in by_time if span.end - span.begin < shortest]
-    prolonged = [Span(span.begin, span.begin + shortest, span.text) for span in short]
+    prolonged = [TierSpan(span.begin, span.begin + shortest, span.text) for span in short]
     for span in [*lasting, *prolonged]:
         row = next((row for row in rows if _has_room(row, span)), None)
         if row is None:
@@ -165,15 +165,15 @@ def apart(tier: Tier, shortest: int = 0) -> list[Tier]:
     return [Tier(name, tier.points, row) for name, row in zip(names, rows, strict=False)]
 
 
-def _times(span: Span) -> tuple[int, int]:
+def _times(span: TierSpan) -> tuple[int, int]:
     return span.begin, span.end
 
 
-def _begin(span: Span) -> int:
+def _begin(span: TierSpan) -> int:
     return span.begin
 
 
-def _has_room(row: list[Span], span: Span) -> bool:
+def _has_room(row: list[TierSpan], span: TierSpan) -> bool:
     """Whether nothing on the row overlaps the span, or begins when it does."""
     place = bisect_left(row, span.begin, key=_begin)
     before = row[place - 1] if place else None

@@ -5,8 +5,8 @@ from __future__ import annotations
 import wave
 from collections.abc import Iterator
 
-from woz_tui.export.event_model import Clip, Session
-from woz_tui.export.whole_folder import Folder
+from woz_tui.export.event_model import ExportSession, SoundClip
+from woz_tui.export.output_folder import OutputFolder
 from woz_tui.system.files import open_regular
 
 #: A session's sound above this length in seconds is not written: a WAV file ends at 4 GiB.
@@ -14,7 +14,7 @@ _LONGEST = 12 * 3600
 _BLOCK = 1 << 16
 
 
-def write_sound(session: Session, folder: Folder, name: str) -> tuple[int, list[str]]:
+def write_sound(session: ExportSession, folder: OutputFolder, name: str) -> tuple[int, list[str]]:
     """Write all clips of `session` into the file `name`, each at its time, with silence between.
 
     Returns the file's length in microseconds (0: there was nothing to write) and what had to be
@@ -38,10 +38,10 @@ def write_sound(session: Session, folder: Folder, name: str) -> tuple[int, list[
     return length * 1_000_000 // rate, problems
 
 
-_Clips = list[tuple[Clip, "wave._wave_params"]]
+_Clips = list[tuple[SoundClip, "wave._wave_params"]]
 
 
-def _readable(session: Session) -> tuple[_Clips, list[str]]:
+def _readable(session: ExportSession) -> tuple[_Clips, list[str]]:
     clips: _Clips = []
     problems = []
     folder = session.log.parent.resolve()

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from woz_tui.analysis.figures import Training
-from woz_tui.analysis.session_reading import NoSessionError, examine
+from woz_tui.analysis.figures import TrainingFigures
+from woz_tui.analysis.session_reading import NoSessionError, read_report
 from woz_tui.analysis.session_sources import sessions_in
 
 
@@ -18,13 +18,13 @@ class Score:
     started: str
     session: str
     title: str
-    training: Training
+    training: TrainingFigures
 
 
 def score_of(log: Path) -> Score | None:
     """The training in this log; None if it holds none, or is no log."""
     try:
-        figures = examine(log).figures
+        figures = read_report(log).figures
     except (NoSessionError, OSError):
         return None
     if figures.training is None:

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import msgspec
 
-from woz_tui.analysis.session_reading import Wanted, examine
-from woz_tui.analysis.session_report import Report
+from woz_tui.analysis.session_reading import ReportOptions, read_report
+from woz_tui.analysis.session_report import SessionReport
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 
@@ -108,9 +108,9 @@ class Story:
             (folder / f"{stem}.samples.jsonl").write_bytes(samples)
         return path
 
-    def report(self, folder: Path) -> Report:
+    def report(self, folder: Path) -> SessionReport:
         """What is found out about it."""
-        return examine(self.write(folder), wanted=Wanted(timeline=True, curves=True))
+        return read_report(self.write(folder), wanted=ReportOptions(timeline=True, curves=True))
 
 
 def _start(story: Story) -> m.SessionStart:

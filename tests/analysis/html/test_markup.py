@@ -8,7 +8,7 @@ from html.parser import HTMLParser
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.analysis.html.markup import clean, escaped, joined, json_block, said, short, tag
+from woz_tui.analysis.html.markup import clean, escaped, isolated, joined, json_block, short, tag
 from woz_tui.analysis.html.number_format import digits
 
 #: All of Unicode, halves of pairs too, and what is special in HTML more often than by chance.
@@ -44,7 +44,7 @@ def test_any_text_comes_back_as_text(text: str) -> None:
 
 @given(TEXTS)
 def test_any_text_can_be_written_to_a_file(text: str) -> None:
-    assert joined(said(text), escaped(text)).encode("utf-8")
+    assert joined(isolated(text), escaped(text)).encode("utf-8")
 
 
 @given(st.dictionaries(TEXTS, TEXTS))

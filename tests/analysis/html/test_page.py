@@ -17,7 +17,7 @@ import pytest
 from tests.analysis.html.sessions import Story, hostile, ordinary
 from woz_tui.analysis.html.report_page import render, write
 from woz_tui.analysis.html.timeline_styles import SORTS
-from woz_tui.analysis.session_reading import examine
+from woz_tui.analysis.session_reading import read_report
 from woz_tui.protocol import messages as m
 
 ASSETS = files("woz_tui.analysis.html") / "assets"
@@ -212,7 +212,7 @@ def test_an_hour_of_fast_sensors_stays_small(tmp_path: Path) -> None:
 
 
 def test_a_report_without_a_timeline_is_a_page_too(tmp_path: Path) -> None:
-    page = Structure(render([examine(ordinary().write(tmp_path))]))
+    page = Structure(render([read_report(ordinary().write(tmp_path))]))
     assert page.open == []
     assert len(page.all("section")) == 2
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from woz_tui.analysis.html.figure_tables import table
-from woz_tui.analysis.html.markup import Child, Markup, said, tag
+from woz_tui.analysis.html.markup import Child, Markup, isolated, tag
 from woz_tui.analysis.html.number_format import DASH, counted, digits
 from woz_tui.analysis.measures import BY_NAME, Measure
-from woz_tui.analysis.participant_groups import Grouped, Total
-from woz_tui.analysis.session_report import Report
+from woz_tui.analysis.participant_groups import GroupedSessions, Total
+from woz_tui.analysis.session_report import SessionReport
 
 #: Measures that conditions are compared by on the page; the CSV has all.
 _SHOWN = (
@@ -26,9 +26,9 @@ _SHOWN = (
 )
 
 
-def totals(reports: Sequence[Report]) -> Iterator[Markup | None]:
+def totals(reports: Sequence[SessionReport]) -> Iterator[Markup | None]:
     """A table of measures, and one of questionnaires, for each experiment."""
-    grouped = Grouped()
+    grouped = GroupedSessions()
     for report in reports:
         grouped.add(report.figures)
     several = len(grouped.experiments) > 1
@@ -38,14 +38,14 @@ def totals(reports: Sequence[Report]) -> Iterator[Markup | None]:
         yield _items(grouped, experiment, name)
 
 
-def _measures(grouped: Grouped, experiment: str, name: str) -> Markup | None:
+def _measures(grouped: GroupedSessions, experiment: str, name: str) -> Markup | None:
     found = grouped.totals(experiment)
     if not found:  # nobody took part
         return None
     heads: list[Child] = ["Figure"]
     for each in found:
         who = f" ({counted(each.participants, 'participant')}, {counted(each.rows, 'row')})"
-        heads.append([said(each.condition or "no condition"), tag("small", who)])
+        heads.append([isolated(each.condition or "no condition"), tag("small", who)])
     rows = [
         [_title(BY_NAME[shown]), *(_cell(each.values[shown], BY_NAME[shown]) for each in found)]
         for shown in _SHOWN
@@ -54,7 +54,7 @@ def _measures(grouped: Grouped, experiment: str, name: str) -> Markup | None:
     return table(caption[:1].upper() + caption[1:], heads, rows)
 
 
-def _items(grouped: Grouped, experiment: str, name: str) -> Markup | None:
+def _items(grouped: GroupedSessions, experiment: str, name: str) -> Markup | None:
     found = grouped.items(experiment)
     conditions = sorted({item.condition for item in found})
     by_item: dict[tuple[str, str], dict[str, Total]] = {}
@@ -64,13 +64,13 @@ def _items(grouped: Grouped, experiment: str, name: str) -> Markup | None:
         by_item.setdefault((item.questionnaire, question), {})[item.condition] = item.total
     rows = [
         [
-            said(question),
-            said(questionnaire),
+            isolated(question),
+            isolated(questionnaire),
             *(_cell(each.get(condition, Total(0, None, None))) for condition in conditions),
         ]
         for (questionnaire, question), each in by_item.items()
     ]
-    heads = ["Question", "Questionnaire", *(said(one or "no condition") for one in conditions)]
+    heads = ["Question", "Questionnaire", *(isolated(one or "no condition") for one in conditions)]
     return table(f"{name}Questionnaires by condition: mean ± SD (n participants)", heads, rows)
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from woz_tui.analysis.durations import Series
-from woz_tui.analysis.html.markup import Markup, joined, said, short, tag
+from woz_tui.analysis.durations import Durations
+from woz_tui.analysis.html.markup import Markup, isolated, joined, short, tag
 from woz_tui.analysis.html.number_format import duration
 
 _WIDTH, _HEIGHT, _BINS = 300, 84, 24
@@ -16,7 +16,7 @@ _SHADES = 6
 _NICE = (1, 2, 5, 10)
 
 
-def distribution(series: Series, title: str) -> Markup:
+def distribution(series: Durations, title: str) -> Markup:
     """How often which duration occurred, with median and 95th percentile; the last bin has all
     that is longer than its beginning.
     """
@@ -46,7 +46,7 @@ def distribution(series: Series, title: str) -> Markup:
     )
 
 
-def _bin(series: Series) -> int:
+def _bin(series: Durations) -> int:
     """The width of a bin, a round number: wide enough that few values lie beyond the last one."""
     if not series.p95:
         return 1_000
@@ -114,7 +114,7 @@ def _states(table: Mapping[str, Mapping[str, int]]) -> Sequence[str]:
 
 
 def _head(text: str, scope: str) -> Markup:
-    return tag("th", said(text), scope=scope)
+    return tag("th", isolated(text), scope=scope)
 
 
 def _cell(number: int, most: int) -> Markup:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from woz_tui.analysis.durations import Series
-from woz_tui.analysis.event_rows import CUE_RESULTS, Answer
-from woz_tui.analysis.figures import COMMAND_ENDS, ENDS, Part, SessionFigures
+from woz_tui.analysis.durations import Durations
+from woz_tui.analysis.event_rows import CUE_RESULTS, AnswerRow
+from woz_tui.analysis.figures import COMMAND_ENDS, ENDS, PartFigures, SessionFigures
 from woz_tui.analysis.html.figure_definitions import defined
-from woz_tui.analysis.html.markup import Child, Markup, said, tag
+from woz_tui.analysis.html.markup import Child, Markup, isolated, tag
 from woz_tui.analysis.html.number_format import DASH, clock, duration, percent
-from woz_tui.analysis.participants import called, condition_in_words
+from woz_tui.analysis.participants import condition_text, participant_text
 from woz_tui.analysis.setting_differences import by_trial
 
 
@@ -33,7 +33,7 @@ def _counts(numbers: Iterable[int]) -> list[str]:
     return [str(number) if number else DASH for number in numbers]
 
 
-def _spread(series: Series) -> list[str]:
+def _spread(series: Durations) -> list[str]:
     if not series.n:
         return [DASH] * 3
     return [duration(one) for one in (series.median, series.p95, series.most)]
@@ -52,12 +52,18 @@ def parts(figures: SessionFigures) -> Markup | None:
     return table("By participant and condition", heads, [*rows, _part(figures.whole, "all", "")])
 
 
-def _part(part: Part, participant: str | None = None, condition: str | None = None) -> list[Child]:
+def _part(
+    part: PartFigures, participant: str | None = None, condition: str | None = None
+) -> list[Child]:
     reactions = part.reactions.get("all")
     return [
-        said(called(part.participant, counted=part.counted) if participant is None else participant)
+        isolated(
+            participant_text(part.participant, counted=part.counted)
+            if participant is None
+            else participant
+        )
         or DASH,
-        said(condition_in_words(part.condition, part.scope) if condition is None else condition),
+        isolated(condition_text(part.condition, part.scope) if condition is None else condition),
         clock(part.us),
         str(part.trials),
         str(part.acts),
@@ -78,9 +84,9 @@ def actions(figures: SessionFigures) -> Markup | None:
     heads = ["Action", "Panel", "Source", "All", *ends]
     rows = [
         [
-            said(count.action),
-            said(count.panel),
-            said(count.source),
+            isolated(count.action),
+            isolated(count.panel),
+            isolated(count.source),
             str(count.outcomes.total),
             *_counts(getattr(count.outcomes, end) for end in ends),
         ]
@@ -101,7 +107,7 @@ def verbs(figures: SessionFigures) -> Markup | None:
     ]
     rows = [
         [
-            said(verb),
+            isolated(verb),
             *_counts(times.ends.get(end, 0) for end in ends),
             *_spread(times.dispatched),
             *_spread(times.done),
@@ -143,7 +149,7 @@ def states(figures: SessionFigures) -> Markup | None:
     heads = ["State", "Visits", "Time", "Share", "Median", "Longest"]
     rows = [
         [
-            said(state),
+            isolated(state),
             str(found.visits),
             clock(found.us),
             percent(found.us / engagement.on_us if engagement.on_us else None),
@@ -161,12 +167,12 @@ def trials(figures: SessionFigures) -> Markup | None:
     rows = [
         [
             str(trial.trial),
-            said(trial.condition),
+            isolated(trial.condition),
             clock(trial.begin),
             duration(trial.duration),
             trial.outcome or "no end in the log",
             str(trial.actions),
-            said(trial.text),
+            isolated(trial.text),
         ]
         for trial in figures.trials
     ]
@@ -178,9 +184,9 @@ def phases(figures: SessionFigures) -> Markup | None:
     heads = ["Phase", "Trial", "Condition", "Begin", "Length", "Planned", "Actions"]
     rows = [
         [
-            said(phase.phase),
+            isolated(phase.phase),
             str(phase.trial) if phase.trial >= 0 else "",
-            said(phase.condition),
+            isolated(phase.condition),
             clock(phase.begin),
             duration(phase.duration),
             duration(phase.planned),
@@ -196,11 +202,11 @@ def settings(figures: SessionFigures) -> Markup | None:
     heads = ["Setting", "Robot reported", "Requested", "Participant", "Condition", "Trial"]
     rows = [
         [
-            said(each.name),
-            said(each.values),
-            said(each.wanted),
-            said(called(each.participant, counted=each.counted)),
-            said(each.condition),
+            isolated(each.name),
+            isolated(each.values),
+            isolated(each.wanted),
+            isolated(participant_text(each.participant, counted=each.counted)),
+            isolated(each.condition),
             ("" if each.counted or each.trial < 0 else "not counted: ")
             + (DASH if each.trial < 0 else str(each.trial)),
             clock(each.first, 3),
@@ -218,10 +224,12 @@ def stops(figures: SessionFigures) -> Markup | None:
     rows = [
         [
             clock(stop.t, 3),
-            said(stop.source),
-            said(stop.scope),
-            said(", ".join(stop.confirmed)),
-            tag("strong", said(", ".join(stop.missing)), class_="bad") if stop.missing else DASH,
+            isolated(stop.source),
+            isolated(stop.scope),
+            isolated(", ".join(stop.confirmed)),
+            tag("strong", isolated(", ".join(stop.missing)), class_="bad")
+            if stop.missing
+            else DASH,
             duration(stop.elapsed_us),
             duration(None if stop.released is None else stop.released - stop.t),
         ]
@@ -233,7 +241,7 @@ def stops(figures: SessionFigures) -> Markup | None:
 def marks(figures: SessionFigures) -> Markup | None:
     """Markers, notes and mistakes."""
     rows = [
-        [clock(mark.t, 3), mark.sort, said(mark.text or mark.action), said(mark.source)]
+        [clock(mark.t, 3), mark.sort, isolated(mark.text or mark.action), isolated(mark.source)]
         for mark in figures.marks
     ]
     return table("Markers, notes and mistakes", ["At", "What", "Text", "By"], rows)
@@ -244,25 +252,27 @@ def answers(figures: SessionFigures) -> Markup | None:
     heads = ["Question", "Answer", "Scale", "After", "Questionnaire", "Round", "Condition", "Trial"]
     rows = [
         [
-            said(answer.question),
+            isolated(answer.question),
             _answer(answer),
             DASH if answer.low is None else f"{answer.low:g} to {answer.high:g}",
             duration(answer.answered_us),
-            said(answer.questionnaire),
+            isolated(answer.questionnaire),
             str(answer.round),
-            said(answer.condition),
+            isolated(answer.condition),
             DASH if answer.trial < 0 else str(answer.trial),
         ]
         for answer in figures.answers
     ]
-    rows += [[told, "due and not answered", *[DASH] * 6] for told in map(said, figures.unanswered)]
+    rows += [
+        [told, "due and not answered", *[DASH] * 6] for told in map(isolated, figures.unanswered)
+    ]
     return table("Questionnaires", heads, rows)
 
 
-def _answer(answer: Answer) -> Child:
+def _answer(answer: AnswerRow) -> Child:
     if answer.skipped:
         return "left out"
-    return said(answer.text) if answer.value is None else f"{answer.value:g}"
+    return isolated(answer.text) if answer.value is None else f"{answer.value:g}"
 
 
 def limits(figures: SessionFigures) -> Markup | None:

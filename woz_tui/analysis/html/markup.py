@@ -34,7 +34,7 @@ def clean(text: str) -> str:
     """`text` with U+FFFD for every character that a page cannot hold.
 
     Line and paragraph separators become blanks: a paragraph's end would also end the isolation of
-    `said`, and let a right-to-left mark after it loose on the page.
+    `isolated`, and let a right-to-left mark after it loose on the page.
     """
     return _UNPRINTABLE.sub("\ufffd", _SEPARATORS.sub(" ", text))
 
@@ -81,7 +81,7 @@ def short(number: float) -> str:
     return f"{number:.1f}".removesuffix(".0")
 
 
-def said(text: str) -> Markup:
+def isolated(text: str) -> Markup:
     """Text out of a log, apart from its surroundings: a right-to-left mark in it turns nothing
     around that stands beside it.
     """

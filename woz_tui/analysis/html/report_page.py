@@ -14,10 +14,10 @@ from string import Template
 
 from woz_tui.analysis.html.figure_definitions import glossary
 from woz_tui.analysis.html.markup import Markup, escaped, joined, json_block
-from woz_tui.analysis.html.session_section import Entry, entries, section
+from woz_tui.analysis.html.session_section import SessionEntry, entries, section
 from woz_tui.analysis.html.sessions_overview import overview
 from woz_tui.analysis.html.timeline_styles import SORTS, symbols
-from woz_tui.analysis.session_report import Report
+from woz_tui.analysis.session_report import SessionReport
 from woz_tui.system.file_replacing import replace
 
 #: Up to so many events in all sessions together, the lists of events are whole without a script.
@@ -27,7 +27,7 @@ EVENTS = 20_000
 _ASSETS = files("woz_tui.analysis.html") / "assets"
 
 
-def write(reports: Sequence[Report], path: Path) -> None:
+def write(reports: Sequence[SessionReport], path: Path) -> None:
     """Write the page to `path`, in whole or not at all; for its owner only, as logs are.
 
     Raises:
@@ -41,7 +41,7 @@ def write(reports: Sequence[Report], path: Path) -> None:
         raise
 
 
-def render(reports: Sequence[Report]) -> str:
+def render(reports: Sequence[SessionReport]) -> str:
     """The page; a report without a timeline is shown without events."""
     found = entries(reports)
     script, style = _script(), _style()
@@ -56,13 +56,13 @@ def render(reports: Sequence[Report]) -> str:
     )
 
 
-def _body(found: Sequence[Entry]) -> Markup:
+def _body(found: Sequence[SessionEntry]) -> Markup:
     every = sum(entry.events for entry in found) <= EVENTS
     sections = [section(entry, every_event=every) for entry in found]
     return joined(overview(found), sections, glossary())
 
 
-def _title(found: Sequence[Entry]) -> Markup:
+def _title(found: Sequence[SessionEntry]) -> Markup:
     return escaped(found[0].title if len(found) == 1 else f"{len(found)} sessions")
 
 

@@ -9,13 +9,13 @@ from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.html import figure_tables
 from woz_tui.analysis.html.distribution_plots import distribution, transitions
 from woz_tui.analysis.html.figure_definitions import defined
-from woz_tui.analysis.html.markup import Child, Markup, json_block, said, tag
+from woz_tui.analysis.html.markup import Child, Markup, isolated, json_block, tag
 from woz_tui.analysis.html.number_format import DASH, calendar, clock, counted, duration, percent
-from woz_tui.analysis.html.timeline_items import Item, Row, by_time, page_data, rows
+from woz_tui.analysis.html.timeline_items import TimelineItem, TimelineRow, by_time, page_data, rows
 from woz_tui.analysis.html.timeline_picture import picture
 from woz_tui.analysis.html.timeline_styles import SORTS, swatch
-from woz_tui.analysis.session_report import Report
-from woz_tui.analysis.timeline_lanes import Drawing
+from woz_tui.analysis.session_report import SessionReport
+from woz_tui.analysis.timeline_lanes import TimelineDrawing
 
 #: Sorts that are listed even where there are too many events to list all without a script.
 NOTABLE = frozenset(
@@ -33,13 +33,13 @@ NOTABLE = frozenset(
 
 
 @dataclass(frozen=True)
-class Entry:
+class SessionEntry:
     """A report in its place on the page: `name` is its address, `alone`: it is the only one."""
 
     name: str
-    report: Report
-    timeline: Drawing
-    lanes: list[Row]
+    report: SessionReport
+    timeline: TimelineDrawing
+    lanes: list[TimelineRow]
     alone: bool
 
     @property
@@ -59,24 +59,24 @@ class Entry:
         return sum(len(row.items) for row in self.lanes)
 
 
-def entries(reports: Sequence[Report]) -> list[Entry]:
+def entries(reports: Sequence[SessionReport]) -> list[SessionEntry]:
     """All reports, numbered from 1; a report without a timeline gets an empty one."""
     found = []
     for number, report in enumerate(reports, 1):
-        timeline = report.timeline or Drawing(report.figures.duration_us)
+        timeline = report.timeline or TimelineDrawing(report.figures.duration_us)
         lanes = rows(timeline)
-        found.append(Entry(f"session-{number}", report, timeline, lanes, len(reports) == 1))
+        found.append(SessionEntry(f"session-{number}", report, timeline, lanes, len(reports) == 1))
     return found
 
 
-def section(entry: Entry, *, every_event: bool) -> Markup:
+def section(entry: SessionEntry, *, every_event: bool) -> Markup:
     """The session; `every_event`: the list of events is whole without a script, too."""
     figures = entry.figures
     damage = figures.wholeness.sentences
     brief = f"{clock(figures.duration_us)}, {counted(figures.whole.acts, 'wizard action')}"
     summary = tag(
         "summary",
-        tag("h2", said(entry.title), id=f"{entry.name}-title"),
+        tag("h2", isolated(entry.title), id=f"{entry.name}-title"),
         tag("span", brief, class_="brief"),
         tag("strong", "log damaged", class_="bad") if damage else None,
     )
@@ -90,7 +90,7 @@ def section(entry: Entry, *, every_event: bool) -> Markup:
     )
 
 
-def _content(entry: Entry, every_event: bool) -> Iterator[Child]:
+def _content(entry: SessionEntry, every_event: bool) -> Iterator[Child]:
     figures = entry.figures
     yield _damage(figures)
     yield tag(
@@ -111,26 +111,29 @@ def _damage(figures: SessionFigures) -> Markup | None:
     whole = figures.wholeness
     if not whole.sentences:
         return None
-    sentences = tag("ul", [tag("li", said(sentence)) for sentence in whole.sentences])
+    sentences = tag("ul", [tag("li", isolated(sentence)) for sentence in whole.sentences])
     return tag("div", tag("h3", "This log is incomplete"), sentences, class_="damage", role="note")
 
 
 def _who(figures: SessionFigures) -> Iterator[tuple[str, Child]]:
-    yield "Session", said(figures.session or DASH)
-    yield "Participant", said(figures.participant or DASH)
-    yield "Condition", said(figures.condition or DASH)
+    yield "Session", isolated(figures.session or DASH)
+    yield "Participant", isolated(figures.participant or DASH)
+    yield "Condition", isolated(figures.condition or DASH)
     if figures.order:
-        yield "Order of conditions", said(f"{', '.join(figures.order)} ({figures.order_method})")
-    yield "Wizard", said(figures.wizard or DASH)
-    yield "Experiment", said(" · ".join(filter(None, (figures.title, figures.experiment))))
-    yield "Experiment file", tag("code", said(figures.experiment_sha256[:12] or DASH))
-    yield "Begin", said(calendar(figures.started, 19) + " UTC" if figures.started else DASH)
+        yield (
+            "Order of conditions",
+            isolated(f"{', '.join(figures.order)} ({figures.order_method})"),
+        )
+    yield "Wizard", isolated(figures.wizard or DASH)
+    yield "Experiment", isolated(" · ".join(filter(None, (figures.title, figures.experiment))))
+    yield "Experiment file", tag("code", isolated(figures.experiment_sha256[:12] or DASH))
+    yield "Begin", isolated(calendar(figures.started, 19) + " UTC" if figures.started else DASH)
     yield "Length", clock(figures.duration_us)
-    yield "End", said(figures.ended or "not in the log")
-    yield "Software", said(f"{figures.software}, log format {figures.schema}")
-    yield "Log", said(figures.stem)
+    yield "End", isolated(figures.ended or "not in the log")
+    yield "Software", isolated(f"{figures.software}, log format {figures.schema}")
+    yield "Log", isolated(figures.stem)
     if figures.rerun_of:
-        yield "Runs again", said(figures.rerun_of)
+        yield "Runs again", isolated(figures.rerun_of)
 
 
 def _tiles(figures: SessionFigures) -> Iterator[Markup]:
@@ -172,7 +175,7 @@ def _tile(name: str, value: str, more: str) -> Markup:
     return tag("li", defined(name), tag("b", value), tag("small", more))
 
 
-def _timeline(entry: Entry) -> Markup:
+def _timeline(entry: SessionEntry) -> Markup:
     static = tag("div", picture(entry.timeline, entry.lanes, entry.title), class_="static")
     used = {item.sort for row in entry.lanes for item in row.items}
     legend = tag(
@@ -185,7 +188,7 @@ def _timeline(entry: Entry) -> Markup:
     return tag("figure", caption, inner, class_="timeline", data_title=entry.title)
 
 
-def _events(entry: Entry, every_event: bool) -> Markup:
+def _events(entry: SessionEntry, every_event: bool) -> Markup:
     items = by_time(entry.lanes)
     listed = [item for item in items if every_event or item.sort in NOTABLE]
     heads = ("At", "Lane", "What", "Outcome", "Length", "Details")
@@ -211,7 +214,7 @@ def _events(entry: Entry, every_event: bool) -> Markup:
     return tag("div", tag("h3", f"Events ({len(items)})"), few, scroll, class_="list")
 
 
-def _event(entry: Entry, item: Item) -> Markup:
+def _event(entry: SessionEntry, item: TimelineItem) -> Markup:
     end = item.begin if item.end is None else item.end
     room = max(end - item.begin, 2_000_000)
     place = "" if entry.alone else f"{entry.name}&"
@@ -220,13 +223,13 @@ def _event(entry: Entry, item: Item) -> Markup:
     return tag(
         "tr",
         tag("td", tag("a", clock(item.begin, 3), href=f"#{place}{seen}"), class_="number"),
-        tag("td", said(item.lane), class_="lane-name"),
-        tag("td", swatch(item.sort), said(item.label)),
+        tag("td", isolated(item.lane), class_="lane-name"),
+        tag("td", swatch(item.sort), isolated(item.label)),
         tag("td", SORTS[item.sort].title, class_="lane-name"),
         tag("td", length, class_="number"),
         tag(
             "td",
-            [tag("span", f"{name}: ", said(fact)) for name, fact in item.facts],
+            [tag("span", f"{name}: ", isolated(fact)) for name, fact in item.facts],
             class_="facts",
         ),
         data_number=item.number,

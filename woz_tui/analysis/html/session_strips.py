@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from woz_tui.analysis.html.markup import Markup, joined, short, tag
-from woz_tui.analysis.html.timeline_items import Row
-from woz_tui.analysis.html.timeline_picture import Scale
+from woz_tui.analysis.html.timeline_items import TimelineRow
+from woz_tui.analysis.html.timeline_picture import PictureScale
 from woz_tui.analysis.timeline_lanes import LANES
 
 _WIDTH, _BAND = 1000, 6
@@ -17,9 +17,9 @@ _ABOVE = {"stop", "lost", "failed"}
 assert {lane for band in _BANDS for lane in band} <= set(LANES)
 
 
-def strip(lanes: Sequence[Row], duration_us: int, longest_us: int, title: str) -> Markup:
+def strip(lanes: Sequence[TimelineRow], duration_us: int, longest_us: int, title: str) -> Markup:
     """One session; `longest_us` is how long the longest on the page lasts."""
-    scale = Scale(longest_us, 0, _WIDTH)
+    scale = PictureScale(longest_us, 0, _WIDTH)
     height = len(_BANDS) * _BAND
     back = tag("rect", x=0, y=0, width=scale.x(duration_us), height=height, class_="back")
     bands = [_band(lanes, sorts, place * _BAND, scale) for place, sorts in enumerate(_BANDS)]
@@ -36,7 +36,7 @@ def strip(lanes: Sequence[Row], duration_us: int, longest_us: int, title: str) -
 
 def ruler(longest_us: int) -> Markup:
     """The scale above the strips."""
-    scale = Scale(longest_us, 0, _WIDTH)
+    scale = PictureScale(longest_us, 0, _WIDTH)
     ticks = [
         tag("text", text, x=x, y=8, class_="tick" if x else "tick first")
         for x, text in scale.ticks()
@@ -45,7 +45,9 @@ def ruler(longest_us: int) -> Markup:
     return tag("svg", ticks, class_="strip", viewBox=f"0 0 {_WIDTH} 14", aria_hidden="true")
 
 
-def _band(lanes: Sequence[Row], sorts: Sequence[str], y: float, scale: Scale) -> Markup:
+def _band(
+    lanes: Sequence[TimelineRow], sorts: Sequence[str], y: float, scale: PictureScale
+) -> Markup:
     """One path for each look; a pixel is drawn once, however much happened in it."""
     paths: dict[str, list[str]] = {}
     reached: dict[str, float] = {}

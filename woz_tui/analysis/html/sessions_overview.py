@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from woz_tui.analysis.figures import OUTSIDE, Part
+from woz_tui.analysis.figures import OUTSIDE, PartFigures
 from woz_tui.analysis.html.condition_totals import totals
 from woz_tui.analysis.html.figure_definitions import defined
-from woz_tui.analysis.html.markup import Child, Markup, said, tag
+from woz_tui.analysis.html.markup import Child, Markup, isolated, tag
 from woz_tui.analysis.html.number_format import DASH, calendar, clock, duration, percent, value
-from woz_tui.analysis.html.session_section import Entry
+from woz_tui.analysis.html.session_section import SessionEntry
 from woz_tui.analysis.html.session_strips import ruler, strip
-from woz_tui.analysis.participants import called
+from woz_tui.analysis.participants import participant_text
 
 
-def overview(found: Sequence[Entry]) -> Markup | None:
+def overview(found: Sequence[SessionEntry]) -> Markup | None:
     """What stands above the sessions; None for a single one."""
     if len(found) < 2:
         return None
@@ -31,7 +31,7 @@ def overview(found: Sequence[Entry]) -> Markup | None:
     )
 
 
-def _damage(damaged: Sequence[Entry], number: int) -> Markup | None:
+def _damage(damaged: Sequence[SessionEntry], number: int) -> Markup | None:
     if not damaged:
         return None
     names = [tag("li", _link(entry)) for entry in damaged]
@@ -39,11 +39,11 @@ def _damage(damaged: Sequence[Entry], number: int) -> Markup | None:
     return tag("div", tag("h3", words), tag("ul", names), class_="damage", role="note")
 
 
-def _link(entry: Entry, text: str = "") -> Markup:
-    return tag("a", said(text or entry.title), href=f"#{entry.name}")
+def _link(entry: SessionEntry, text: str = "") -> Markup:
+    return tag("a", isolated(text or entry.title), href=f"#{entry.name}")
 
 
-def _table(found: Sequence[Entry]) -> Markup:
+def _table(found: Sequence[SessionEntry]) -> Markup:
     heads: list[Child] = [
         *("Participant", "Condition", "Session", "Begin", "Length", defined("trials")),
         *(defined("acts"), defined("reaction", "Reaction, median"), defined("missed")),
@@ -59,22 +59,22 @@ def _table(found: Sequence[Entry]) -> Markup:
     )
 
 
-def _parts(entry: Entry) -> Sequence[Part]:
+def _parts(entry: SessionEntry) -> Sequence[PartFigures]:
     """What is to be compared; time outside of trials stands with its session."""
     parts = entry.figures.parts
     return [part for part in parts if part.scope != OUTSIDE] or parts or (entry.figures.whole,)
 
 
-def _cells(entry: Entry, part: Part) -> Iterator[Markup]:
+def _cells(entry: SessionEntry, part: PartFigures) -> Iterator[Markup]:
     figures = entry.figures
     reactions = part.reactions.get("all")
     median = reactions.times.median if reactions else None
-    who = called(part.participant, counted=part.counted) or DASH
+    who = participant_text(part.participant, counted=part.counted) or DASH
     left = None if part.counted else tag("small", " (excluded)")
     yield tag("th", _link(entry, who), left, scope="row")
-    yield tag("td", said(part.condition))
-    yield tag("td", said(figures.session))
-    yield tag("td", said(calendar(figures.started, 16)))
+    yield tag("td", isolated(part.condition))
+    yield tag("td", isolated(figures.session))
+    yield tag("td", isolated(calendar(figures.started, 16)))
     yield _number(clock(part.us), part.us)
     yield _number(str(part.trials), part.trials)
     yield _number(str(part.acts), part.acts)
@@ -94,7 +94,7 @@ def _number(text: str, number: float | None) -> Markup:
     return tag("td", text, class_="number", data_value=value(number))
 
 
-def _strips(found: Sequence[Entry]) -> Markup:
+def _strips(found: Sequence[SessionEntry]) -> Markup:
     """By condition, then participant, so that what is to be compared stands together."""
     longest = max(entry.timeline.duration_us for entry in found)
     ordered = sorted(found, key=lambda entry: (entry.figures.condition, entry.figures.participant))

@@ -9,7 +9,13 @@ from statistics import median
 
 from woz_tui.analysis.html.markup import clean
 from woz_tui.analysis.html.timeline_styles import SORTS
-from woz_tui.analysis.timeline_lanes import Curve, Drawing, Instant, Interval, Lane
+from woz_tui.analysis.timeline_lanes import (
+    Instant,
+    Interval,
+    SensorCurve,
+    TimelineDrawing,
+    TimelineLane,
+)
 from woz_tui.sensing.state_machine import ENGAGED
 from woz_tui.timeline.episodes import NOT_COUNTED, EpisodeOutcome
 
@@ -27,7 +33,7 @@ _LOOKS: Mapping[str, str] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Item:
+class TimelineItem:
     """Something in a lane. `end` is None for a moment; times in microseconds.
 
     `facts` are names and values: what else is known of it.
@@ -43,28 +49,28 @@ class Item:
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class TimelineRow:
     """A lane: its items by their beginning."""
 
     title: str
     sort: str
-    items: tuple[Item, ...]
+    items: tuple[TimelineItem, ...]
 
 
-def rows(timeline: Drawing) -> list[Row]:
+def rows(timeline: TimelineDrawing) -> list[TimelineRow]:
     """All lanes; the items are numbered through, from 0."""
-    found: list[Row] = []
+    found: list[TimelineRow] = []
     number = 0
     for lane in timeline.lanes:
         things: list[Interval | Instant] = [*lane.intervals, *lane.instants]
         things.sort(key=_begin)
         items = tuple(_item(number + place, lane, thing) for place, thing in enumerate(things))
         number += len(items)
-        found.append(Row(clean(lane.name), lane.sort, items))
+        found.append(TimelineRow(clean(lane.name), lane.sort, items))
     return found
 
 
-def by_time(lanes: Sequence[Row]) -> list[Item]:
+def by_time(lanes: Sequence[TimelineRow]) -> list[TimelineItem]:
     """All items, the earliest first."""
     return sorted(
         (item for row in lanes for item in row.items), key=lambda it: (it.begin, it.number)
@@ -75,15 +81,17 @@ def _begin(thing: Interval | Instant) -> int:
     return thing.begin if isinstance(thing, Interval) else thing.t
 
 
-def _item(number: int, lane: Lane, thing: Interval | Instant) -> Item:
+def _item(number: int, lane: TimelineLane, thing: Interval | Instant) -> TimelineItem:
     if isinstance(thing, Instant):
         facts = _stated(detail=thing.detail)
-        return Item(number, lane.name, thing.t, None, clean(thing.label), _known(thing.sort), facts)
+        return TimelineItem(
+            number, lane.name, thing.t, None, clean(thing.label), _known(thing.sort), facts
+        )
     facts = tuple(_facts(thing))
     end = max(thing.end, thing.begin)
     # What was understood says more than the number of the utterance.
     label = thing.detail or thing.label if thing.sort == "speech" else thing.label
-    return Item(number, lane.name, thing.begin, end, clean(label), _sort(thing), facts)
+    return TimelineItem(number, lane.name, thing.begin, end, clean(label), _sort(thing), facts)
 
 
 def _facts(thing: Interval) -> Iterator[tuple[str, str]]:
@@ -117,7 +125,9 @@ def _known(sort: str) -> str:
     return name if name in SORTS else "other"
 
 
-def page_data(timeline: Drawing, lanes: Sequence[Row], zero: str) -> dict[str, object]:
+def page_data(
+    timeline: TimelineDrawing, lanes: Sequence[TimelineRow], zero: str
+) -> dict[str, object]:
     """What the page's script draws from; see assets/04-lanes.js. Times in seconds."""
     return {
         "end": _seconds(timeline.duration_us),
@@ -129,7 +139,7 @@ def page_data(timeline: Drawing, lanes: Sequence[Row], zero: str) -> dict[str, o
     }
 
 
-def _array(item: Item) -> list[object]:
+def _array(item: TimelineItem) -> list[object]:
     end = None if item.end is None else _seconds(item.end)
     return [_seconds(item.begin), end, item.label, item.sort, [list(fact) for fact in item.facts]]
 
@@ -138,7 +148,7 @@ def _seconds(us: int) -> float:
     return round(us / 1e6, 4)
 
 
-def thinned(curve: Curve, limit: int = POINTS) -> list[tuple[int, float | None]]:
+def thinned(curve: SensorCurve, limit: int = POINTS) -> list[tuple[int, float | None]]:
     """Times and values of at most `limit` points; None where the curve is interrupted, because
     nothing was read for much longer than usual.
     """
@@ -170,7 +180,7 @@ def curve_range(points: Sequence[tuple[int, float | None]]) -> tuple[float, floa
     return (min(0.0, *there, 0.0), max(*there, 0.0)) if there else None
 
 
-def _curve(curve: Curve) -> dict[str, object] | None:
+def _curve(curve: SensorCurve) -> dict[str, object] | None:
     points = thinned(curve)
     span = curve_range(points)
     if span is None:

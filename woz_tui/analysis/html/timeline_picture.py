@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 from woz_tui.analysis.html.markup import Markup, joined, short, tag
 from woz_tui.analysis.html.number_format import clock
-from woz_tui.analysis.html.timeline_items import Item, Row, curve_range, thinned
+from woz_tui.analysis.html.timeline_items import TimelineItem, TimelineRow, curve_range, thinned
 from woz_tui.analysis.html.timeline_styles import SORTS
-from woz_tui.analysis.timeline_lanes import Curve, Drawing
+from woz_tui.analysis.timeline_lanes import SensorCurve, TimelineDrawing
 
 WIDTH, GUTTER, RIGHT = 960, 150, 10
 RULER, ROW, GAP, CURVE = 22, 18, 5, 46
@@ -22,7 +22,7 @@ _STEPS = (0.1, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 720
 
 
 @dataclass(frozen=True, slots=True)
-class Scale:
+class PictureScale:
     """From times in microseconds to places in the picture."""
 
     duration_us: int
@@ -47,9 +47,9 @@ class Scale:
             yield self.x(us), clock(us, 1 if step < 1 else 0)
 
 
-def picture(timeline: Drawing, lanes: Sequence[Row], title: str) -> Markup:
+def picture(timeline: TimelineDrawing, lanes: Sequence[TimelineRow], title: str) -> Markup:
     """The whole session as an SVG element."""
-    scale = Scale(timeline.duration_us)
+    scale = PictureScale(timeline.duration_us)
     drawn: list[Markup] = []
     y: float = RULER
     for row in lanes:
@@ -72,9 +72,9 @@ def picture(timeline: Drawing, lanes: Sequence[Row], title: str) -> Markup:
     )
 
 
-def stack(items: Sequence[Item]) -> list[list[Item]]:
+def stack(items: Sequence[TimelineItem]) -> list[list[TimelineItem]]:
     """The items in rows in which none overlap, each in the first that has room."""
-    rows: list[list[Item]] = []
+    rows: list[list[TimelineItem]] = []
     ends: list[int] = []
     for item in items:
         place = next((n for n, end in enumerate(ends) if _free(end, item)), None)
@@ -87,12 +87,12 @@ def stack(items: Sequence[Item]) -> list[list[Item]]:
     return rows
 
 
-def _free(end: int, item: Item) -> bool:
+def _free(end: int, item: TimelineItem) -> bool:
     """Whether a row has room from `end` on; of two moments at the same time each has its own."""
     return end < item.begin or (end == item.begin and item.end is not None)
 
 
-def _ruler(scale: Scale, bottom: float) -> Markup:
+def _ruler(scale: PictureScale, bottom: float) -> Markup:
     return joined(
         (
             tag("line", x1=x, x2=x, y1=RULER - 6, y2=bottom, class_="grid"),
@@ -112,7 +112,7 @@ def cut(text: str, room: float) -> str:
     return text if len(text) <= letters else text[: max(letters - 1, 0)] + "…"
 
 
-def _row(items: Sequence[Item], scale: Scale, y: float) -> Markup:
+def _row(items: Sequence[TimelineItem], scale: PictureScale, y: float) -> Markup:
     """Bars as one path for each look, so that an hour's picture stays small; then what is on them.
 
     Items that fall on the same pixel and look the same are drawn once.
@@ -134,7 +134,7 @@ def _row(items: Sequence[Item], scale: Scale, y: float) -> Markup:
     return joined(bars, above)
 
 
-def _on(item: Item, x0: float, x1: float, y: float) -> Iterator[Markup]:
+def _on(item: TimelineItem, x0: float, x1: float, y: float) -> Iterator[Markup]:
     middle = y + ROW / 2
     room = x1 - x0 - 8
     if SORTS[item.sort].path:
@@ -148,7 +148,7 @@ def _on(item: Item, x0: float, x1: float, y: float) -> Iterator[Markup]:
         yield tag("text", cut(item.label, room), x=x0 + 4, y=middle, class_=f"on s-{item.sort}")
 
 
-def _curve(curve: Curve, scale: Scale, y: float) -> Markup | None:
+def _curve(curve: SensorCurve, scale: PictureScale, y: float) -> Markup | None:
     points = thinned(curve, _POINTS)
     span = curve_range(points)
     if span is None:

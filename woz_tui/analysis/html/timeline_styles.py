@@ -12,7 +12,7 @@ from woz_tui.analysis.html.markup import Markup, joined, tag
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
+class ItemStyle:
     """`title` stands in the legend; `path` is a symbol in a field from -6 to 6, empty: none."""
 
     title: str
@@ -22,30 +22,30 @@ class Look:
 _CROSS = "M-4-5L0-1L4-5L5-4L1 0L5 4L4 5L0 1L-4 5L-5 4L-1 0L-5-4Z"
 
 #: In the order of the legend.
-SORTS: dict[str, Look] = {
-    "done": Look("done"),
-    "failed": Look("failed", _CROSS),
-    "stopped": Look("stopped or replaced", "M-4-4H4V4H-4Z"),
-    "refused": Look("refused", "M0-5A5 5 0 1 0 0 5A5 5 0 1 0 0-5ZM-3.5-1H3.5V1H-3.5Z"),
-    "open": Look(
+SORTS: dict[str, ItemStyle] = {
+    "done": ItemStyle("done"),
+    "failed": ItemStyle("failed", _CROSS),
+    "stopped": ItemStyle("stopped or replaced", "M-4-4H4V4H-4Z"),
+    "refused": ItemStyle("refused", "M0-5A5 5 0 1 0 0 5A5 5 0 1 0 0-5ZM-3.5-1H3.5V1H-3.5Z"),
+    "open": ItemStyle(
         "no end in the log", "M-5-1.2H-2.6V1.2H-5ZM-1.2-1.2H1.2V1.2H-1.2ZM2.6-1.2H5V1.2H2.6Z"
     ),
-    "trial": Look("trial"),
-    "left-out": Look("trial that is not counted", "M-5-1.2H5V1.2H-5Z"),
-    "phase": Look("phase"),
-    "break": Look("break"),
-    "engaged": Look("visitor engaged"),
-    "state": Look("other state"),
-    "speech": Look("visitor speaks"),
-    "stop": Look("stop", "M-2.4-5.6H2.4L5.6-2.4V2.4L2.4 5.6H-2.4L-5.6 2.4V-2.4Z"),
-    "lost": Look("driver lost", "M1-6L-4 1H-0.5L-1 6L4-1.4H0.5Z"),
-    "differing": Look("setting differs", "M-5-3.5H5V-1H-5ZM-5 1H5V3.5H-5Z"),
-    "marker": Look("marker", "M-5-5H5L0 5Z"),
-    "note": Look("note", "M-5-5H5V3H0L-3 6V3H-5Z"),
-    "mistake": Look("mistake", f"M-6-6H6V6H-6Z{_CROSS}"),
-    "questionnaire": Look("questionnaire", "M0-5.5L5.5 0L0 5.5L-5.5 0Z"),
-    "console-lost": Look("console lost", "M-6-5H6V4H1.5V6H-1.5V4H-6ZM-4-3V2H4V-3Z"),
-    "other": Look("other", "M-3-3H3V3H-3Z"),
+    "trial": ItemStyle("trial"),
+    "left-out": ItemStyle("trial that is not counted", "M-5-1.2H5V1.2H-5Z"),
+    "phase": ItemStyle("phase"),
+    "break": ItemStyle("break"),
+    "engaged": ItemStyle("visitor engaged"),
+    "state": ItemStyle("other state"),
+    "speech": ItemStyle("visitor speaks"),
+    "stop": ItemStyle("stop", "M-2.4-5.6H2.4L5.6-2.4V2.4L2.4 5.6H-2.4L-5.6 2.4V-2.4Z"),
+    "lost": ItemStyle("driver lost", "M1-6L-4 1H-0.5L-1 6L4-1.4H0.5Z"),
+    "differing": ItemStyle("setting differs", "M-5-3.5H5V-1H-5ZM-5 1H5V3.5H-5Z"),
+    "marker": ItemStyle("marker", "M-5-5H5L0 5Z"),
+    "note": ItemStyle("note", "M-5-5H5V3H0L-3 6V3H-5Z"),
+    "mistake": ItemStyle("mistake", f"M-6-6H6V6H-6Z{_CROSS}"),
+    "questionnaire": ItemStyle("questionnaire", "M0-5.5L5.5 0L0 5.5L-5.5 0Z"),
+    "console-lost": ItemStyle("console lost", "M-6-5H6V4H1.5V6H-1.5V4H-6ZM-4-3V2H4V-3Z"),
+    "other": ItemStyle("other", "M-3-3H3V3H-3Z"),
 }
 
 

@@ -18,7 +18,7 @@ SIGN = "# Sessions exported by woz-tui"
 _FLAGS = os.O_CREAT | os.O_EXCL | os.O_WRONLY | os.O_CLOEXEC
 
 
-class Folder:
+class OutputFolder:
     """A folder being written at `path`, which will be `final`; files are for their owner only, as
     logs are.
     """
@@ -49,7 +49,7 @@ class Folder:
 
 
 @contextmanager
-def new_folder(path: Path, *, force: bool = False) -> Iterator[Folder]:
+def new_folder(path: Path, *, force: bool = False) -> Iterator[OutputFolder]:
     """Write into a folder that becomes `path` at the end, if nothing failed.
 
     Raises:
@@ -61,7 +61,7 @@ def new_folder(path: Path, *, force: bool = False) -> Iterator[Folder]:
     path.parent.mkdir(parents=True, exist_ok=True)
     draft = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent))
     try:
-        yield Folder(draft, path)
+        yield OutputFolder(draft, path)
         _replace(draft, path)
     except OSError as error:
         error.add_note(f"nothing was exported; {path} is unchanged")

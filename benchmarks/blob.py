@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable
 
 import numpy as np
-from woz_drivers.camera.blob import Finder
+from woz_drivers.camera.blob import BlobFinder
 from woz_drivers.camera.settings import CameraSettings
 
 from benchmarks.figures import Spread, machine, table, verdict
@@ -56,7 +56,7 @@ def noise(settings: CameraSettings) -> bytes:
 
 def looked(settings: CameraSettings, data: bytes, pictures: int) -> list[float]:
     """Microseconds a picture."""
-    finder, layout = Finder(settings.rule), settings.layout
+    finder, layout = BlobFinder(settings.rule), settings.layout
     took = []
     for _ in range(max(1, pictures // _BATCH)):
         begun = time.thread_time_ns()

@@ -30,7 +30,7 @@ from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Driver, DriverContext, PassiveDriver
 from woz_tui.drivers.plugins import installed
 from woz_tui.log.recorder import Recorder
-from woz_tui.motion.setpoints import SETPOINTS, Setpoints
+from woz_tui.motion.body_feeds import SETPOINTS, Setpoints
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import Identity
 from woz_tui.session.session import Session

@@ -12,7 +12,7 @@ from tools import IMAGES
 from woz_tui.motion.body_shape import FaceShape
 from woz_tui.motion.body_verbs import EMOTIONS
 from woz_tui.motion.face_drawing import FaceState, draw
-from woz_tui.motion.light_frames import Frame
+from woz_tui.motion.light_frames import LightFrame
 
 SHEET = IMAGES / "faces.svg"
 SHAPE = FaceShape()
@@ -50,7 +50,7 @@ text {{ font: 2.4px sans-serif; fill: #c9d1d9 }}
 .dark {{ stroke: #1f262e }}
 .lit {{ stroke: #ff5a3c }}
 </style>
-<defs><path id="dark" class="dark" d="{_dots(Frame(SHAPE.width, _full()))}"/></defs>
+<defs><path id="dark" class="dark" d="{_dots(LightFrame(SHAPE.width, _full()))}"/></defs>
 <rect width="100%" height="100%" fill="#161b22"/>
 {body}
 </svg>
@@ -84,7 +84,7 @@ def _left(column: int) -> int:
     return LABEL + column * (SHAPE.width + GAP)
 
 
-def _face(frame: Frame, left: int, top: int) -> str:
+def _face(frame: LightFrame, left: int, top: int) -> str:
     return (
         f'<g transform="translate({left} {top})">'
         f'<rect class="board" x="-0.5" y="-0.5" width="{frame.width + 1}"'
@@ -93,7 +93,7 @@ def _face(frame: Frame, left: int, top: int) -> str:
     )
 
 
-def _dots(frame: Frame) -> str:
+def _dots(frame: LightFrame) -> str:
     """Each light as a line of no length with round ends."""
     return "".join(
         f"M{column + 0.5:g} {row + 0.5:g}h0"

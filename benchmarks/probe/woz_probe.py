@@ -26,7 +26,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Doc
-from woz_tui.motion.setpoints import SEEN, Seen
+from woz_tui.motion.body_feeds import SEEN, Sighting
 from woz_tui.protocol.messages import Json
 
 READINGS_HZ = 30
@@ -127,7 +127,7 @@ class Eye(Probe):
         while True:
             frame += 1
             x = 0.6 * math.sin(frame / FRAMES_HZ)
-            feed.put(Seen(time.monotonic_ns() // 1000, frame, x, 0.0, 0.05))
+            feed.put(Sighting(time.monotonic_ns() // 1000, frame, x, 0.0, 0.05))
             due += 1 / FRAMES_HZ
             await asyncio.sleep(max(0.0, due - loop.time()))
 

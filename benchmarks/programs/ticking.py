@@ -16,7 +16,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from woz_drivers.body.settings import Settings
+from woz_drivers.body.settings import BodySettings
 from woz_drivers.body.ticker import Lateness, ThreadTicker
 
 RATE = 50.0
@@ -57,7 +57,7 @@ def engine_step(experiment: Path) -> Callable[[float], object]:
     from woz_tui.motion.engine import Engine  # noqa: PLC0415
 
     drivers = load(experiment, installed()).drivers
-    settings = next(spec.settings for spec in drivers if isinstance(spec.settings, Settings))
+    settings = next(spec.settings for spec in drivers if isinstance(spec.settings, BodySettings))
     engine = Engine(settings, settings.repertoire.moves)
 
     def step(now: float) -> None:

@@ -26,7 +26,7 @@ _LOOK_S = 0.1
 
 
 @dataclass(frozen=True, slots=True)
-class Command:
+class StreamCommand:
     """What is run in `folder`, and how it is talked about.
 
     Attributes:
@@ -43,7 +43,7 @@ class Command:
 
 
 @dataclass(frozen=True, slots=True)
-class Listener:
+class StreamListener:
     """Who is told, in the event loop: a new run begins, output, silence, and why a run ended."""
 
     begun: Callable[[], None]
@@ -55,7 +55,7 @@ class Listener:
 class ByteStream:
     """Keeps one command running between `start` and `close`."""
 
-    def __init__(self, command: Command, clock: Clock, listener: Listener) -> None:
+    def __init__(self, command: StreamCommand, clock: Clock, listener: StreamListener) -> None:
         self._command = command
         self._clock = clock
         self._listener = listener

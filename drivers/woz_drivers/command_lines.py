@@ -45,7 +45,7 @@ PACKAGES: Mapping[str, str] = {
 _PLACEHOLDER = re.compile(r"\{([a-z_]+)\}")
 
 
-class ProgramMissing(DriverError):  # noqa: N818 - as `DeviceLostError` and `RejectedError` in the core
+class ProgramMissingError(DriverError):
     """A command's program is not on this machine; `remedy` names the package if it is known."""
 
 
@@ -106,18 +106,18 @@ def fill(words: Sequence[str], values: Mapping[str, str]) -> tuple[str, ...]:
 
 def find(program: str, folder: Path) -> str:
     """The program's path. A name with a slash is relative to `folder`, others are searched in
-    PATH. Raises `ProgramMissing`.
+    PATH. Raises `ProgramMissingError`.
     """
     if "/" in program:
         path = folder / program
         if shutil.which(path) is not None:
             return str(path.absolute())
         if path.exists():
-            raise ProgramMissing(f"{path} is not executable", f"chmod +x {path}")
-        raise ProgramMissing(f"{path} does not exist", "check the path in the robot file")
+            raise ProgramMissingError(f"{path} is not executable", f"chmod +x {path}")
+        raise ProgramMissingError(f"{path} does not exist", "check the path in the robot file")
     found = shutil.which(program)
     if found is None:
-        raise ProgramMissing(f"{program} is not installed on this machine", _remedy(program))
+        raise ProgramMissingError(f"{program} is not installed on this machine", _remedy(program))
     return found
 
 

@@ -19,7 +19,7 @@ CLIPPED = 0.999
 
 
 @dataclass(frozen=True, slots=True)
-class Format:
+class SampleFormat:
     """A sample format: `width` in bytes, whether it is a float, byte order, sign, used bits."""
 
     width: int
@@ -31,15 +31,15 @@ class Format:
 
 #: Sample formats under ALSA's names. 24 bits come packed (S24_3LE) or in the low three bytes of
 #: four (S24_LE).
-FORMATS: Mapping[str, Format] = {
-    "U8": Format(1, "<u1", 8, unsigned=True),
-    "S8": Format(1, "<i1", 8),
-    "S16_LE": Format(2, "<i2", 16),
-    "S16_BE": Format(2, ">i2", 16),
-    "S24_3LE": Format(3, "<u1", 24),
-    "S24_LE": Format(4, "<i4", 24),
-    "S32_LE": Format(4, "<i4", 32),
-    "FLOAT_LE": Format(4, "<f4", 32, floating=True),
+FORMATS: Mapping[str, SampleFormat] = {
+    "U8": SampleFormat(1, "<u1", 8, unsigned=True),
+    "S8": SampleFormat(1, "<i1", 8),
+    "S16_LE": SampleFormat(2, "<i2", 16),
+    "S16_BE": SampleFormat(2, ">i2", 16),
+    "S24_3LE": SampleFormat(3, "<u1", 24),
+    "S24_LE": SampleFormat(4, "<i4", 24),
+    "S32_LE": SampleFormat(4, "<i4", 32),
+    "FLOAT_LE": SampleFormat(4, "<f4", 32, floating=True),
 }
 
 

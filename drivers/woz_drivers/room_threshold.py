@@ -36,7 +36,7 @@ def seconds(args: Mapping[str, Json]) -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class Room:
+class RoomNoise:
     """What a room sounds like while nobody speaks: levels are RMS, 0 to 1 of full scale."""
 
     mean: float
@@ -55,21 +55,21 @@ class Room:
         return min(max(self.mean + k * self.sd, LEAST_THRESHOLD), _MOST_THRESHOLD)
 
 
-def learn(levels: Sequence[float]) -> Room:
+def room_noise(levels: Sequence[float]) -> RoomNoise:
     """The room behind a series of block levels; at least one."""
     mean = math.fsum(levels) / len(levels)
     variance = math.fsum((level - mean) ** 2 for level in levels) / len(levels)
-    return Room(mean, math.sqrt(variance), max(levels), len(levels), statistics.median(levels))
+    return RoomNoise(mean, math.sqrt(variance), max(levels), len(levels), statistics.median(levels))
 
 
 @dataclass(frozen=True, slots=True)
-class Lesson:
+class LearntThreshold:
     """What was learnt by whom: `k` standard deviations above the mean, in blocks of `block_s`
     seconds. `keeping`: what to do so that the next session knows it too.
     """
 
     driver: str
-    room: Room
+    room: RoomNoise
     k: float
     block_s: float
     keeping: str

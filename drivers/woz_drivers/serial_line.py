@@ -33,7 +33,7 @@ LOSSES = (OSError, serial.SerialException, termios.error)
 
 
 @dataclass(frozen=True, slots=True)
-class Trouble:
+class PortTrouble:
     """Why a port is not open, and what to do about it."""
 
     what: str
@@ -55,7 +55,7 @@ class SerialLine:
         *,
         on_open: Callable[[], None],
         on_bytes: Callable[[bytes], None],
-        on_trouble: Callable[[Trouble], None],
+        on_trouble: Callable[[PortTrouble], None],
         poll_s: float = POLL_S,
     ) -> None:
         self.port = port
@@ -65,7 +65,7 @@ class SerialLine:
         self._on_trouble = on_trouble
         self._poll_s = poll_s
         self._serial: serial.Serial | None = None
-        self._trouble: Trouble | None = None
+        self._trouble: PortTrouble | None = None
         self._unsent = bytearray()
         self._gone = asyncio.Event()
         self._task: asyncio.Task[None] | None = None
@@ -115,7 +115,9 @@ class SerialLine:
             try:
                 opened = open_port(self.port, self._baud)
             except (*LOSSES, ValueError) as error:
-                self._tell(await asyncio.to_thread(explain, self.port, self._baud, error))
+                self._tell(
+                    await asyncio.to_thread(explain_port_error, self.port, self._baud, error)
+                )
             else:
                 self._attach(opened)
                 await self._gone.wait()
@@ -131,7 +133,7 @@ class SerialLine:
     def _lose(self, reason: str) -> None:
         self._detach()
         self._tell(
-            Trouble(
+            PortTrouble(
                 f"{self.port} was lost: {reason}",
                 "plug it in again; it is connected again by itself",
             )
@@ -150,7 +152,7 @@ class SerialLine:
         with contextlib.suppress(*LOSSES):
             port.close()
 
-    def _tell(self, trouble: Trouble) -> None:
+    def _tell(self, trouble: PortTrouble) -> None:
         if trouble != self._trouble:
             self._trouble = trouble
             self._on_trouble(trouble)
@@ -198,30 +200,32 @@ def open_port(port: str, baud: int) -> serial.Serial:
     return serial.Serial(port, baud, timeout=0, exclusive=True)
 
 
-def explain(port: str, baud: int, error: Exception, by_id: Path = BY_ID) -> Trouble:
+def explain_port_error(port: str, baud: int, error: Exception, by_id: Path = BY_ID) -> PortTrouble:
     """Why `port` could not be opened, and what to do; `by_id` is where the system lists ports."""
     match getattr(error, "errno", None):
         case errno.ENOENT | errno.ENXIO | errno.ENODEV:
-            return Trouble(f"{port} is not there", f"plug the adapter in; {_present(by_id)}")
+            return PortTrouble(f"{port} is not there", f"plug the adapter in; {_present(by_id)}")
         case errno.EACCES | errno.EPERM:
-            return Trouble(
+            return PortTrouble(
                 f"no permission to open {port}",
                 f"sudo usermod -aG {_group(port)} $USER, then log out and in again",
             )
         case errno.EBUSY | errno.EAGAIN:
             return _occupied(port)
     if isinstance(error, ValueError):
-        return Trouble(f"{port} cannot run at {baud} baud", "set the rate the device is built for")
+        return PortTrouble(
+            f"{port} cannot run at {baud} baud", "set the rate the device is built for"
+        )
     if _is_no_terminal(port):
-        return Trouble(f"{port} is not a serial port", _present(by_id))
-    return Trouble(f"{port} cannot be opened: {reason_of(error)}", _present(by_id))
+        return PortTrouble(f"{port} is not a serial port", _present(by_id))
+    return PortTrouble(f"{port} cannot be opened: {reason_of(error)}", _present(by_id))
 
 
-def _occupied(port: str) -> Trouble:
+def _occupied(port: str) -> PortTrouble:
     others = holders(port)
     if others:
-        return Trouble(f"{port} is in use by {', '.join(others)}", "end the other program")
-    return Trouble(
+        return PortTrouble(f"{port} is in use by {', '.join(others)}", "end the other program")
+    return PortTrouble(
         f"{port} is in use by another program",
         f"end it; see which one with: sudo fuser -v {port} (ModemManager is a frequent one:"
         " sudo systemctl disable --now ModemManager)",

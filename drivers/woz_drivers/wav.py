@@ -24,7 +24,7 @@ _NAMES: Mapping[tuple[int, int], str] = {
 }
 
 
-class NoWav(ValueError):  # noqa: N818 - says what the file is
+class NotWavError(ValueError):
     """Bytes that are no WAV file of a known kind; the text says why."""
 
 
@@ -63,9 +63,9 @@ class Wav:
 
 
 def parse(content: bytes) -> Wav:
-    """A WAV file's content; its sound may end earlier than the header says. Raises `NoWav`."""
+    """Read a WAV file; its sound may end earlier than the header says. Raises `NotWavError`."""
     if content[:4] != b"RIFF" or content[8:12] != b"WAVE":
-        raise NoWav("it is no WAV file")
+        raise NotWavError("it is no WAV file")
     shape: tuple[str, int, int] | None = None
     position = 12
     while position + 8 <= len(content):
@@ -75,21 +75,21 @@ def parse(content: bytes) -> Wav:
             shape = _shape(body)
         elif name == b"data":
             if shape is None:
-                raise NoWav("its sound comes before its format")
+                raise NotWavError("its sound comes before its format")
             format_, rate, channels = shape
             frame = pcm_audio.FORMATS[format_].width * channels
             return Wav(format_, rate, channels, body[: len(body) // frame * frame])
         position += 8 + size + size % 2
-    raise NoWav("it holds no sound")
+    raise NotWavError("it holds no sound")
 
 
 def _shape(body: bytes) -> tuple[str, int, int]:
     if len(body) < 16:
-        raise NoWav("its format is cut off")
+        raise NotWavError("its format is cut off")
     tag, channels, rate, _, _, bits = struct.unpack_from("<HHIIHH", body)
     if tag == _EXTENSIBLE and len(body) >= 26:
         (tag,) = struct.unpack_from("<H", body, 24)
     name = _NAMES.get((tag, bits))
     if name is None or not channels or not rate:
-        raise NoWav(f"its sound is compressed or unusual (format {tag}, {bits} bits)")
+        raise NotWavError(f"its sound is compressed or unusual (format {tag}, {bits} bits)")
     return name, rate, channels

@@ -14,7 +14,7 @@ from tests.motion.heads import EYEPI, FIVE
 from woz_tui.cli import main
 from woz_tui.cli.keyboard_take import Keys, Live, split
 from woz_tui.motion.body_shape import BodyShape
-from woz_tui.motion.keyframes import KeyframeMove, Layer
+from woz_tui.motion.keyframes import KeyframeMove, MoveLayer
 from woz_tui.motion.move_files import read_move
 from woz_tui.motion.puppeteer import Puppeteer
 
@@ -177,7 +177,7 @@ class Hand:
         return found
 
 
-def performed(hand: Hand, shape: object = EYEPI, seconds: float = 10.0) -> tuple[bool, Layer]:
+def performed(hand: Hand, shape: object = EYEPI, seconds: float = 10.0) -> tuple[bool, MoveLayer]:
     assert shape in (EYEPI, FIVE)
     body = FIVE if shape is FIVE else EYEPI
     puppeteer = Puppeteer(body, KeyframeMove("act", "", ()), "hand", 25)

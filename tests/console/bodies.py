@@ -5,7 +5,7 @@ from __future__ import annotations
 import msgspec
 
 from tests.console import scenes
-from woz_tui.motion.light_frames import Frame
+from woz_tui.motion.light_frames import LightFrame
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 
@@ -60,7 +60,7 @@ def panel() -> dict[str, m.Json]:
     return {"kind": "panel", "name": "Oosterkamp's appendix A", "controls": controls}
 
 
-def discs(x: int = 0, *, height: int = 16) -> Frame:
+def discs(x: int = 0, *, height: int = 16) -> LightFrame:
     """Two round eyes, `x` lights beside their middle."""
     rows = []
     for y in range(height):
@@ -69,10 +69,12 @@ def discs(x: int = 0, *, height: int = 16) -> Frame:
             near = min((column - x - middle) ** 2 + (y - 7) ** 2 for middle in (6, 17))
             lights += "1" if near <= 9 else "0"
         rows.append(int(lights, 2))
-    return Frame(24, tuple(rows))
+    return LightFrame(24, tuple(rows))
 
 
-def face(frame: Frame | None = None, driver: str = "body", brightness: float = 1.0) -> m.FaceShown:
+def face(
+    frame: LightFrame | None = None, driver: str = "body", brightness: float = 1.0
+) -> m.FaceShown:
     """A face with eyes."""
     frame = frame or discs()
     return m.FaceShown(

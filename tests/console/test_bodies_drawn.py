@@ -14,8 +14,8 @@ from woz_tui.console.bodies.face_lights import brightness_look, frame_of, light_
 from woz_tui.console.bodies.link_views import ABOVE, LAYERS, SIDE, Pose, draw, sights
 from woz_tui.console.cells import Row, length
 from woz_tui.console.glyphs import ASCII, UNICODE
-from woz_tui.motion.kinematics import Chain
-from woz_tui.motion.light_frames import Frame as Lights
+from woz_tui.motion.kinematics import KinematicChain
+from woz_tui.motion.light_frames import LightFrame as Lights
 from woz_tui.motion.light_frames import blank
 from woz_tui.protocol.messages import Json
 
@@ -115,7 +115,7 @@ ANGLES = st.fixed_dictionaries(
 @given(ANGLES)
 def test_links_are_where_forward_kinematics_puts_them(angles: dict[str, float]) -> None:
     body = outline()
-    points = Chain.of_outline(bodies.EYEPI).points(angles)
+    points = KinematicChain.of_outline(bodies.EYEPI).points(angles)
     for view, sight in sights(body, SIZES).items():
         drawn = draw(body, Pose(angles, angles), sight, SIZES[view]).dots("links", "joints")
         ends = [FLAT[view](point) for point in points]

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from woz_drivers.dynamixel import DynamixelServos, Joint, Settings
+from woz_drivers.dynamixel import DynamixelServos, JointSettings, ServoSettings
 from woz_drivers.dynamixel.port import ServoPort
 
 from tests.drivers.heard import Heard, Ordered, until
@@ -24,15 +24,15 @@ SILENT_MS = 500.0
 #: And a tick may come so late that servos would stop by themselves.
 PATIENT_WATCHDOG_MS = 2540
 HEAD = {
-    "pan": Joint(id=11, min=-90, max=90, speed=300, rest=0.0),
-    "tilt": Joint(id=12, min=-40, max=30, speed=300, home=5.0, rest=20.0),
-    "roll": Joint(id=13, min=-45, max=45, speed=300, direction=-1),
+    "pan": JointSettings(id=11, min=-90, max=90, speed=300, rest=0.0),
+    "tilt": JointSettings(id=12, min=-40, max=30, speed=300, home=5.0, rest=20.0),
+    "roll": JointSettings(id=13, min=-45, max=45, speed=300, direction=-1),
 }
 
 
-def head(link: Path, **changes: Any) -> Settings:
+def head(link: Path, **changes: Any) -> ServoSettings:
     """Settings of a head of three joints behind `link`."""
-    settings = Settings(
+    settings = ServoSettings(
         port=str(link),
         joints=dict(HEAD),
         reply_timeout=PATIENT_MS,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from woz_drivers.byte_stream import ByteStream, Command, Listener
+from woz_drivers.byte_stream import ByteStream, StreamCommand, StreamListener
 
 from tests.drivers.heard import until
 from tests.fakes.piped_command import PipedCommand
@@ -40,9 +40,9 @@ class Stand:
 @pytest.fixture
 async def stand(tmp_path: Path) -> AsyncIterator[Stand]:
     pipe, clock = PipedCommand(tmp_path / "pipe"), ManualClock()
-    command = Command(pipe.command, tmp_path, "no milk", "feed the cow", LEAST)
+    command = StreamCommand(pipe.command, tmp_path, "no milk", "feed the cow", LEAST)
     output, silences, ends = bytearray(), list[str](), list[DriverError]()
-    listener = Listener(lambda: None, output.extend, silences.append, ends.append)
+    listener = StreamListener(lambda: None, output.extend, silences.append, ends.append)
     made = Stand(ByteStream(command, clock, listener), pipe, clock, output, silences, ends)
     made.stream.start()
     yield made

@@ -10,7 +10,7 @@ from pathlib import Path
 import psutil
 import pytest
 from woz_drivers import child_process, command_lines
-from woz_drivers.command_lines import ProgramMissing
+from woz_drivers.command_lines import ProgramMissingError
 
 from tests.drivers.heard import PATIENCE_S, until
 from tests.fakes.offspring import offspring
@@ -101,7 +101,7 @@ async def test_nothing_outlives_a_killed_robot_process(tmp_path: Path, command: 
 async def test_it_runs_in_the_folder_of_the_experiment(tmp_path: Path) -> None:
     script = tmp_path / "say.sh"
     script.write_text("#!/bin/sh\npwd\n")
-    with pytest.raises(ProgramMissing, match="not executable") as raised:
+    with pytest.raises(ProgramMissingError, match="not executable") as raised:
         await child_process.start(("./say.sh",), tmp_path)
     assert raised.value.remedy.startswith("chmod +x")
     script.chmod(0o700)
@@ -157,13 +157,13 @@ def test_missing_programs_name_their_package(
     program: str, remedy: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(ProgramMissing, match=f"{program} is not installed") as raised:
+    with pytest.raises(ProgramMissingError, match=f"{program} is not installed") as raised:
         command_lines.find(program, tmp_path)
     assert raised.value.remedy == remedy
 
 
 def test_a_missing_path_is_named(tmp_path: Path) -> None:
-    with pytest.raises(ProgramMissing, match="does not exist"):
+    with pytest.raises(ProgramMissingError, match="does not exist"):
         command_lines.find("bin/say", tmp_path)
 
 

@@ -16,11 +16,11 @@ from pathlib import Path
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from woz_drivers.dynamixel import Joint
-from woz_drivers.dynamixel.chain import Chain, Move
+from woz_drivers.dynamixel import JointSettings
+from woz_drivers.dynamixel.chain import PlannedMove, ServoChain
 from woz_drivers.dynamixel.port import ServoPort
 from woz_drivers.dynamixel.setpoint_planning import Keyframe
-from woz_drivers.dynamixel.wire import Wire
+from woz_drivers.dynamixel.wire import ServoWire
 
 from tests.drivers.heard import PATIENCE_S, Heard, until
 from tests.drivers.servo_stand import PATIENT_MS, head, stand
@@ -35,8 +35,8 @@ ROUNDING = 1.4 + 0.3 / 0.02
 TICK = 0.02
 MODELS = {1: {1: "MX-28", 2: "AX-12A"}, 2: {1: "XL330-M288", 2: "XM430-W350"}}
 JOINTS = {
-    "pan": Joint(id=1, min=-90, max=90, speed=SPEED),
-    "tilt": Joint(id=2, min=-90, max=90, speed=SPEED),
+    "pan": JointSettings(id=1, min=-90, max=90, speed=SPEED),
+    "tilt": JointSettings(id=2, min=-90, max=90, speed=SPEED),
 }
 
 
@@ -129,7 +129,7 @@ class Moving:
 
     bus: ServoBus
     port: CountingPort
-    chain: Chain
+    chain: ServoChain
     now: float = 0.0
 
     async def tick(self) -> None:
@@ -146,7 +146,7 @@ async def moving(folder: Path, protocol: int) -> AsyncIterator[Moving]:
     """Servos that are switched on and on their way to 60 and -50 degrees."""
     values = head(folder / "servos", joints=JOINTS, protocol=protocol)
     port = CountingPort(values.port, values.baud, values.reply_timeout)
-    chain = Chain(Wire(port, protocol), values, Heard(folder).context)
+    chain = ServoChain(ServoWire(port, protocol), values, Heard(folder).context)
     bus = ServoBus(MODELS[protocol], folder / "servos")
     it = Moving(bus, port, chain)
     bus.clock = lambda: it.now
@@ -155,7 +155,7 @@ async def moving(folder: Path, protocol: int) -> AsyncIterator[Moving]:
         try:
             chain.connect()
             assert chain.set_torque(JOINTS, on=True) == {}
-            chain.begin(Move(), [Keyframe({"pan": 60.0, "tilt": -50.0}, 1.2)], 0.0)
+            chain.begin(PlannedMove(), [Keyframe({"pan": 60.0, "tilt": -50.0}, 1.2)], 0.0)
             yield it
         finally:
             chain.wire.close()

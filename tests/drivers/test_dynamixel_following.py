@@ -12,13 +12,13 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from woz_drivers.dynamixel import DynamixelServos, Joint, Settings
+from woz_drivers.dynamixel import DynamixelServos, JointSettings, ServoSettings
 
 from tests.drivers.heard import Ordered, until
 from tests.drivers.servo_stand import Stand, head, stand
 from tests.fakes.servos import ServoBus
 from woz_tui.drivers.contract import DeviceLostError, RejectedError, Scope
-from woz_tui.motion.setpoints import PRESENT, SETPOINTS, Present, Setpoints
+from woz_tui.motion.body_feeds import PRESENT, SETPOINTS, JointPositions, Setpoints
 from woz_tui.protocol.messages import DriverConnected, DriverLost
 
 pytestmark = pytest.mark.real_clock
@@ -43,9 +43,9 @@ def say(it: Stand, joints: Mapping[str, object], age: float = -LATER_S) -> None:
     it.heard.context.feed(SETPOINTS, of="body").put(Setpoints(t_us, joints))  # type: ignore[arg-type]
 
 
-def present(it: Stand) -> Present | None:
+def present(it: Stand) -> JointPositions | None:
     value = it.heard.context.feed(PRESENT).latest().value
-    return value if isinstance(value, Present) else None
+    return value if isinstance(value, JointPositions) else None
 
 
 def steps(goals: Sequence[int]) -> float:
@@ -62,7 +62,7 @@ def raw(degrees: float, direction: int = 1) -> int:
     return 2048 + direction * round(degrees / COUNT)
 
 
-def following(folder: Path) -> Settings:
+def following(folder: Path) -> ServoSettings:
     return head(folder, follows="body", rest_speed=SLOW)
 
 
@@ -221,7 +221,7 @@ def test_settings_that_a_follower_does_not_use_are_told(tmp_path: Path) -> None:
 
 
 async def test_the_torque_stays_until_the_body_is_at_rest(tmp_path: Path) -> None:
-    joints = {"pan": Joint(id=11, min=-90, max=90, speed=SPEED)}
+    joints = {"pan": JointSettings(id=11, min=-90, max=90, speed=SPEED)}
     async with stand(
         tmp_path, ids=(11,), joints=joints, follows="body", torque=True, rest_speed=SPEED
     ) as it:
@@ -239,7 +239,7 @@ async def test_the_torque_stays_until_the_body_is_at_rest(tmp_path: Path) -> Non
 
 
 async def test_the_torque_stays_while_the_body_is_on_a_slow_way_to_rest(tmp_path: Path) -> None:
-    joints = {"pan": Joint(id=11, min=-90, max=90, speed=SPEED)}
+    joints = {"pan": JointSettings(id=11, min=-90, max=90, speed=SPEED)}
     async with stand(tmp_path, ids=(11,), joints=joints, follows="body", torque=True) as it:
         body = it.heard.context.feed(SETPOINTS, of="body")
         later = round((time.monotonic() + LATER_S) * 1e6)
@@ -266,10 +266,13 @@ async def test_without_a_line_a_follower_is_lost_like_any_servo(tmp_path: Path) 
 
 
 @contextmanager
-def five(folder: Path) -> Iterator[tuple[dict[str, Joint], Sequence[int]]]:
+def five(folder: Path) -> Iterator[tuple[dict[str, JointSettings], Sequence[int]]]:
     names = ("base", "lean", "neck", "nod", "roll")
     yield (
-        {name: Joint(id=21 + i, min=-60, max=60, speed=SPEED) for i, name in enumerate(names)},
+        {
+            name: JointSettings(id=21 + i, min=-60, max=60, speed=SPEED)
+            for i, name in enumerate(names)
+        },
         tuple(range(21, 26)),
     )
 

@@ -10,10 +10,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from woz_drivers.dynamixel import control_tables
 from woz_drivers.dynamixel.servo import calibrate
-from woz_drivers.dynamixel.setpoint_planning import Follow, Keyframe, plan, segment, shortest
-from woz_drivers.dynamixel.settings import Joint
+from woz_drivers.dynamixel.setpoint_planning import (
+    Keyframe,
+    TargetFollower,
+    plan_motion,
+    plan_segment,
+    shortest_duration,
+)
+from woz_drivers.dynamixel.settings import JointSettings
 
-from woz_tui.motion.safety import Limits, guard
+from woz_tui.motion.safety import Limits, limited_setpoint
 
 DT = 0.02
 #: How long an example takes says something about the machine only.
@@ -36,7 +42,7 @@ def test_guard_holds_against_anything(
 ) -> None:
     last = limits.low + where * (limits.high - limits.low)
     for wanted, elapsed in hostile:
-        new = guard(limits, last, wanted, elapsed)
+        new = limited_setpoint(limits, last, wanted, elapsed)
         allowed = limits.speed * elapsed if math.isfinite(elapsed) and elapsed > 0 else 0.0
         assert math.isfinite(new)
         assert limits.low <= new <= limits.high
@@ -51,11 +57,11 @@ def test_guard_never_drives_a_joint_further_out(
 ) -> None:
     last = outside
     for wanted, elapsed in hostile:
-        new = guard(limits, last, wanted, elapsed)
+        new = limited_setpoint(limits, last, wanted, elapsed)
         assert min(limits.low, last) <= new <= max(limits.high, last)
         last = new
     # Left alone, it is not dragged back in either.
-    assert guard(limits, outside, outside, DT) == outside
+    assert limited_setpoint(limits, outside, outside, DT) == outside
 
 
 @patient
@@ -70,8 +76,8 @@ def test_a_segment_keeps_the_limits(
     limits: Limits, a: float, b: float, seconds: float, profile: str
 ) -> None:
     start, goal = (limits.low + share * (limits.high - limits.low) for share in (a, b))
-    duration = max(seconds, shortest(goal - start, limits))
-    part = segment(start, goal, duration, limits, profile)
+    duration = max(seconds, shortest_duration(goal - start, limits))
+    part = plan_segment(start, goal, duration, limits, profile)
     assert part.at(0) == part.at(-1) == pytest.approx(start, abs=2e-6)
     assert part.at(duration) == goal
     assert part.at(duration + 5) == goal
@@ -87,14 +93,14 @@ def test_a_segment_keeps_the_limits(
 
 
 def test_minimum_jerk_is_the_published_curve() -> None:
-    part = segment(0.0, 10.0, 2.0, Limits(-90, 90, 300), "minimum-jerk")
+    part = plan_segment(0.0, 10.0, 2.0, Limits(-90, 90, 300), "minimum-jerk")
     assert part.at(1.0) == pytest.approx(5.0)
     assert part.at(0.5) == pytest.approx(10 * (10 / 64 - 15 / 256 + 6 / 1024))
 
 
 def test_too_short_for_a_gentle_curve_still_arrives_in_time() -> None:
     # 90 degrees in 0.4 s: minimum jerk would peak at 422 deg/s, a flat top at 300 is enough.
-    part = segment(0.0, 90.0, 0.4, Limits(-90, 90, 300), "minimum-jerk")
+    part = plan_segment(0.0, 90.0, 0.4, Limits(-90, 90, 300), "minimum-jerk")
     assert part.ramp == pytest.approx(0.1)
     assert part.at(0.4) == 90.0
 
@@ -105,7 +111,7 @@ def test_a_plan_waits_for_the_slowest_joint_and_says_how_late() -> None:
         Keyframe({"pan": 50.0, "tilt": 20.0}, 1.0),
         Keyframe({"pan": 0.0, "tilt": 99.0}, 3.0),
     ]
-    made = plan({"pan": 0.0, "tilt": 0.0}, frames, limits, "minimum-jerk")
+    made = plan_motion({"pan": 0.0, "tilt": 0.0}, frames, limits, "minimum-jerk")
     assert made.duration == pytest.approx(2.0 + 3.0)
     assert made.late == pytest.approx(1.0)
     assert made.clamped == {"tilt": 99.0}
@@ -125,7 +131,7 @@ def test_any_plan_stays_in_range_and_under_speed(
 ) -> None:
     frames = [Keyframe(angles, seconds) for angles, seconds in raw if not seconds > 1e3]
     start = {name: bound.low for name, bound in limits.items()}
-    made = plan(start, frames, limits, "minimum-jerk")
+    made = plan_motion(start, frames, limits, "minimum-jerk")
     assert math.isfinite(made.duration)
     assert set(made.tracks) <= set(limits)
     for name, track in made.tracks.items():
@@ -145,17 +151,17 @@ def test_following_keeps_the_limits_and_arrives(
 ) -> None:
     width = limits.high - limits.low
     position = limits.low
-    follow = Follow(limits, position)
+    follow = TargetFollower(limits, position)
     for share, ticks in targets:
         follow.target = limits.low + share * width
         for _ in range(ticks):
-            moved = guard(limits, position, follow.step(position, DT), DT)
+            moved = limited_setpoint(limits, position, follow.step(position, DT), DT)
             assert limits.low <= moved <= limits.high
             position = moved
     for _ in range(round(width / (limits.speed * DT)) + 4000):
         if follow.arrived(position):
             break
-        position = guard(limits, position, follow.step(position, DT), DT)
+        position = limited_setpoint(limits, position, follow.step(position, DT), DT)
     assert position == pytest.approx(follow.target, abs=1e-3)
 
 
@@ -167,9 +173,9 @@ def test_following_keeps_the_limits_and_arrives(
     st.floats(0.25, 8),
 )
 def test_what_is_written_lies_within_the_servo(
-    model: control_tables.Model, degrees: float, direction: int, gear: float
+    model: control_tables.ServoModel, degrees: float, direction: int, gear: float
 ) -> None:
-    joint = Joint(id=1, min=-90, max=90, direction=direction, gear=gear)
+    joint = JointSettings(id=1, min=-90, max=90, direction=direction, gear=gear)
     calibration = calibrate(joint, model, (10, model.steps - 20))
     raw = calibration.raw(degrees)
     assert 10 <= raw <= model.steps - 20
@@ -179,7 +185,7 @@ def test_what_is_written_lies_within_the_servo(
 
 
 def test_calibration_refuses_what_is_no_number() -> None:
-    calibration = calibrate(Joint(id=1, min=-9, max=9), control_tables.MODELS[0], (0, 4095))
+    calibration = calibrate(JointSettings(id=1, min=-9, max=9), control_tables.MODELS[0], (0, 4095))
     with pytest.raises(ValueError, match="nan"):
         calibration.raw(math.nan)
 
@@ -187,7 +193,7 @@ def test_calibration_refuses_what_is_no_number() -> None:
 def test_gear_and_direction() -> None:
     model = control_tables.by_name("XL330-M288")
     assert model is not None
-    joint = Joint(id=1, min=-40, max=40, zero=1000, direction=-1, gear=2.0)
+    joint = JointSettings(id=1, min=-40, max=40, zero=1000, direction=-1, gear=2.0)
     calibration = calibrate(joint, model, (0, 4095))
     # Ten degrees of the joint are twenty of the servo, the other way round.
     assert calibration.raw(10.0) == 1000 - round(20 / (360 / 4096))

@@ -6,7 +6,7 @@ import asyncio
 from pathlib import Path
 
 import pytest
-from woz_drivers.dynamixel.chain import Move
+from woz_drivers.dynamixel.chain import PlannedMove
 from woz_drivers.dynamixel.setpoint_planning import Keyframe
 
 from tests.drivers.heard import until
@@ -92,7 +92,7 @@ async def test_close_lets_go_of_a_servo_that_holds_unbeknown(tmp_path: Path) -> 
 async def test_cancelling_a_move_that_has_ended_leaves_the_next_one_alone(tmp_path: Path) -> None:
     async with stand(tmp_path, torque=True, pan="pan") as it:
         await until(lambda: it.bus.servo(11).torque)
-        move = Move()
+        move = PlannedMove()
         loop = it.driver.loop
         frames = [Keyframe({"pan": 10.0}, 0.1)]
         await asyncio.wrap_future(loop.ask(lambda chain, now: chain.begin(move, frames, now)))

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.dynamixel import DynamixelServos, Joint, Settings, verbs
+from woz_drivers.dynamixel import DynamixelServos, JointSettings, ServoSettings, verbs
 
 from tests.drivers.servo_stand import HEAD
 from woz_tui.config.experiment import Experiment, ExperimentError, Together
@@ -17,7 +17,7 @@ from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import KINDS
 from woz_tui.protocol.messages import Json
 
-GOOD = Settings(port="/dev/ttyUSB0", joints=dict(HEAD))
+GOOD = ServoSettings(port="/dev/ttyUSB0", joints=dict(HEAD))
 
 
 def test_a_good_file_has_no_problems() -> None:
@@ -40,14 +40,34 @@ def test_a_good_file_has_no_problems() -> None:
         ({"watchdog": 10}, "watchdog", "one unit"),
         ({"watchdog": 40, "rate": 50.0}, "watchdog", "three ticks"),
         ({"voltage_low": 12.0, "voltage_high": 5.0}, "voltage_low", "not below"),
-        ({"joints": {"pan": Joint(1, 10, -10)}}, "joints.pan.min", "not below max"),
-        ({"joints": {"pan": Joint(1, 10, 20)}}, "joints.pan.home", "0 lies outside 10 to 20"),
-        ({"joints": {"pan": Joint(1, -9, 9, rest=10)}}, "joints.pan.rest", "outside"),
-        ({"joints": {"pan": Joint(1, -9, 9, direction=0)}}, "joints.pan.direction", "1 or -1"),
-        ({"joints": {"pan": Joint(1, -9, 9, model="XL-99")}}, "joints.pan.model", "known: XL330"),
-        ({"joints": {"pan": Joint(1, -9, 9, model="MX-28")}}, "joints.pan.model", "protocol 1"),
-        ({"joints": {"a": Joint(1, -9, 9), "b": Joint(1, -9, 9)}}, "joints.b.id", "of 'a' already"),
-        ({"joints": {"seconds": Joint(1, -9, 9)}}, "joints.seconds", "cannot be called"),
+        ({"joints": {"pan": JointSettings(1, 10, -10)}}, "joints.pan.min", "not below max"),
+        (
+            {"joints": {"pan": JointSettings(1, 10, 20)}},
+            "joints.pan.home",
+            "0 lies outside 10 to 20",
+        ),
+        ({"joints": {"pan": JointSettings(1, -9, 9, rest=10)}}, "joints.pan.rest", "outside"),
+        (
+            {"joints": {"pan": JointSettings(1, -9, 9, direction=0)}},
+            "joints.pan.direction",
+            "1 or -1",
+        ),
+        (
+            {"joints": {"pan": JointSettings(1, -9, 9, model="XL-99")}},
+            "joints.pan.model",
+            "known: XL330",
+        ),
+        (
+            {"joints": {"pan": JointSettings(1, -9, 9, model="MX-28")}},
+            "joints.pan.model",
+            "protocol 1",
+        ),
+        (
+            {"joints": {"a": JointSettings(1, -9, 9), "b": JointSettings(1, -9, 9)}},
+            "joints.b.id",
+            "of 'a' already",
+        ),
+        ({"joints": {"seconds": JointSettings(1, -9, 9)}}, "joints.seconds", "cannot be called"),
         ({"pan": "neck"}, "pan", "no joint is called 'neck'; there are pan, roll, tilt"),
         ({"pan": "pan", "tilt": "pan"}, "tilt", "pan joint already"),
         ({"poses": {"up": {"nose": 1.0}}}, "poses.up.nose", "no joint is called 'nose'"),
@@ -69,7 +89,7 @@ def test_problems_have_a_path_and_a_reason(changes: dict[str, Any], path: str, t
 
 
 def test_verbs_fit_the_settings() -> None:
-    def names(settings: Settings) -> set[str]:
+    def names(settings: ServoSettings) -> set[str]:
         return {verb.name for verb in DynamixelServos.verbs(settings)}
 
     always = {"pose", "poses", "home", "torque"}
@@ -91,7 +111,7 @@ def test_play_scales_time_and_way_from_home() -> None:
         ({"tilt": 15.0}, 0.1),
         ({"tilt": 5.0}, 0.2),
     ]
-    play = next(verb for verb in verbs.offered(settings) if verb.name == "play")
+    play = next(verb for verb in verbs.servo_verbs(settings) if verb.name == "play")
     (pose,) = verbs.keyframes(settings, "play", checked(play, {"move": "up"}))
     assert dict(pose.joints) == {"tilt": -15.0}
     wrongs: list[dict[str, Json]] = [
@@ -146,8 +166,8 @@ def test_a_robot_file_is_decoded_by_the_annotations(tmp_path: Path) -> None:
     spec = loaded(tmp_path, EXPERIMENT).driver("head")
     assert spec is not None
     made = spec.settings
-    assert isinstance(made, Settings)
-    assert made.joints["pan"] == Joint(
+    assert isinstance(made, ServoSettings)
+    assert made.joints["pan"] == JointSettings(
         id=11, min=-90, max=90, model="XL330-M288", zero=2100, direction=-1, speed=200
     )
     assert made.torque is True

@@ -7,7 +7,7 @@ import itertools
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.rangefinder.protocols import FRAMINGS, MAX_LINE, Decoder, Measurement
+from woz_drivers.rangefinder.wire import FRAMINGS, MAX_LINE, DistanceDecoder, Measurement
 
 from tests.fakes.rangefinder import a02, maxbotix, tfmini
 
@@ -33,7 +33,7 @@ STREAMS = st.one_of(
 )
 
 
-def decoder(name: str, unit: str = "", min_strength: int = 100) -> Decoder:
+def decoder(name: str, unit: str = "", min_strength: int = 100) -> DistanceDecoder:
     framing = FRAMINGS[name]
     return framing.decoder(unit or framing.unit, min_strength)
 

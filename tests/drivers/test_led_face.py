@@ -12,16 +12,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.led_face import LedFace, LedFaceSettings, doctor
-from woz_drivers.led_face.light_pictures import PATTERNS, asleep, mounted
+from woz_drivers.led_face.light_pictures import PATTERNS, as_mounted, sleeping_face
 from woz_drivers.led_face.wire import HERE, Packet
 
 from tests.drivers.heard import Heard, Ordered, until
 from tests.fakes.led_face import Board, PluggedFace
 from woz_tui.drivers.contract import DeviceLostError, Driver, Finding, Probe, RejectedError, Scope
+from woz_tui.motion.body_feeds import FACE, FacePicture
 from woz_tui.motion.body_shape import FaceShape
 from woz_tui.motion.face_drawing import FaceState, draw
-from woz_tui.motion.light_frames import Frame
-from woz_tui.motion.setpoints import FACE, Lit
+from woz_tui.motion.light_frames import LightFrame
 from woz_tui.protocol.messages import DriverConnected, DriverFaulted, DriverLost, Notice
 from woz_tui.system.clock import ManualClock
 
@@ -40,9 +40,9 @@ class Stand:
     heard: Heard
     clock: ManualClock
 
-    def show(self, frame: Frame, brightness: float = 1.0) -> None:
+    def show(self, frame: LightFrame, brightness: float = 1.0) -> None:
         """The body draws a face."""
-        self.heard.context.feed(FACE, of="body").put(Lit(frame, brightness))
+        self.heard.context.feed(FACE, of="body").put(FacePicture(frame, brightness))
 
     async def until(self, holds: Callable[[], bool]) -> None:
         """Let time pass until it holds; the driver has a turn for each bit of it."""
@@ -53,7 +53,7 @@ class Stand:
 
         await until(later)
 
-    async def shown(self, frame: Frame) -> None:
+    async def shown(self, frame: LightFrame) -> None:
         """Return when the lights show this frame."""
         await self.until(lambda: self.face.board.frame == frame)
 
@@ -90,7 +90,7 @@ async def test_the_lights_show_the_bodys_face_bit_for_bit(begin: Begin) -> None:
         stand.show(frame, brightness)
         await stand.shown(frame)
         await stand.until(lambda: stand.face.board.brightness == round(255 * brightness))  # noqa: B023
-    assert stand.face.board.frame == Frame.of_hex(24, HAPPY.hex)
+    assert stand.face.board.frame == LightFrame.of_hex(24, HAPPY.hex)
 
 
 async def test_the_settings_bound_the_brightness(begin: Begin) -> None:
@@ -172,7 +172,7 @@ async def test_a_bodys_face_of_another_size_is_said_once(begin: Begin) -> None:
     stand = await begin()
     await stand.heard.first(DriverConnected)
     for row in (1, 2, 3):
-        stand.show(Frame(32, (row,) * 8))
+        stand.show(LightFrame(32, (row,) * 8))
     notice = await stand.heard.first(Notice)
     assert "'body' is 32 x 8 lights, and these are 24 x 16" in notice.text
     assert notice.remedy
@@ -220,8 +220,8 @@ async def test_what_stays_when_the_session_has_ended(begin: Begin, afterwards: s
     passing = asyncio.create_task(time_passes())
     await stand.driver.close()
     passing.cancel()
-    asleep_face = asleep(LedFaceSettings("x"))
-    expected = {"dark": Frame(24, (0,) * 16), "asleep": asleep_face, "last": HAPPY}[afterwards]
+    asleep_face = sleeping_face(LedFaceSettings("x"))
+    expected = {"dark": LightFrame(24, (0,) * 16), "asleep": asleep_face, "last": HAPPY}[afterwards]
     await stand.shown(expected)
     await stand.driver.close()  # a second time is no harm
 
@@ -230,12 +230,12 @@ async def test_what_stays_when_the_session_has_ended(begin: Begin, afterwards: s
 @given(data=st.data(), mirror=st.booleans())
 def test_a_mounted_picture_is_seen_upright(rotate: str, data: st.DataObject, mirror: bool) -> None:
     rows = data.draw(st.lists(st.integers(0, (1 << 12) - 1), min_size=9, max_size=9))
-    frame = Frame(12, tuple(rows))
+    frame = LightFrame(12, tuple(rows))
     settings = LedFaceSettings("x", width=12, height=9, rotate=rotate, mirror=mirror)
-    seen = mounted(frame, settings)
+    seen = as_mounted(frame, settings)
     assert (seen.width, seen.height) == settings.wired
     for _ in range(int(rotate) // 90):  # turn the matrix as it was mounted: clockwise
-        seen = Frame(
+        seen = LightFrame(
             seen.height,
             tuple(
                 sum(
@@ -253,7 +253,7 @@ def test_a_mounted_picture_is_seen_upright(rotate: str, data: st.DataObject, mir
 def test_patterns_tell_every_way_of_mounting_apart() -> None:
     arrow = PATTERNS["arrow"](24, 16)
     ways = {
-        mounted(arrow, LedFaceSettings("x", rotate=rotate, mirror=mirror))
+        as_mounted(arrow, LedFaceSettings("x", rotate=rotate, mirror=mirror))
         for rotate in ("0", "90", "180", "270")
         for mirror in (False, True)
     }

@@ -16,10 +16,10 @@ from woz_drivers.led_face.wire import (
     SHOWN,
     VERSION,
     WRONG,
-    Damaged,
-    Device,
+    DamagedPacketError,
+    FaceDevice,
     Packet,
-    Reader,
+    PacketReader,
     crc16,
     frame_payload,
     stuff,
@@ -32,22 +32,22 @@ from tests.fakes.led_face import Board
 from woz_tui.motion.body_shape import FaceShape
 from woz_tui.motion.body_verbs import EMOTIONS
 from woz_tui.motion.face_drawing import FaceState, draw
-from woz_tui.motion.light_frames import Frame
+from woz_tui.motion.light_frames import LightFrame
 
 pytestmark = pytest.mark.cpp
 
 zeros = st.binary(max_size=600) | st.lists(st.sampled_from([0, 1, 255]), max_size=600).map(bytes)
 frames = st.lists(st.integers(0, (1 << 24) - 1), min_size=16, max_size=16).map(
-    lambda rows: Frame(24, tuple(rows))
+    lambda rows: LightFrame(24, tuple(rows))
 )
 
 
-def frame_packet(frame: Frame, number: int = 7, brightness: float = 1.0) -> bytes:
+def frame_packet(frame: LightFrame, number: int = 7, brightness: float = 1.0) -> bytes:
     return Packet(FRAME, number, frame_payload(frame, brightness)).encoded()
 
 
 def answers(data: bytes) -> list[Packet]:
-    reader = Reader()
+    reader = PacketReader()
     packets = reader.feed(data)
     assert reader.damaged == 0
     return packets
@@ -73,7 +73,7 @@ def test_both_sides_count_and_stuff_alike(data: bytes) -> None:
 def test_both_sides_refuse_the_same(data: bytes) -> None:
     try:
         plain = unstuff(data)
-    except Damaged:
+    except DamagedPacketError:
         assert led_face.unstuffed(data) is None
     else:
         assert led_face.unstuffed(data) == plain
@@ -83,14 +83,14 @@ def test_a_face_says_what_it_is() -> None:
     board = Board()
     (here,) = answers(board.take(Packet(HELLO, 9, bytes((VERSION,))).encoded()))
     assert (here.type, here.number) == (HERE, 9)
-    assert Device.of_payload(here.payload) == Device(VERSION, 24, 16, "memory")
+    assert FaceDevice.of_payload(here.payload) == FaceDevice(VERSION, 24, 16, "memory")
     (started,) = answers(board.introduce())
     assert (started.type, started.number) == (HERE, 0)
 
 
 @pytest.mark.toolkit("F1", "V1")
 @given(frames, st.integers(0, 255), st.floats(0, 1))
-def test_a_frame_arrives_bit_for_bit(frame: Frame, number: int, brightness: float) -> None:
+def test_a_frame_arrives_bit_for_bit(frame: LightFrame, number: int, brightness: float) -> None:
     board = Board()
     (shown,) = answers(board.take(frame_packet(frame, number, brightness)))
     assert shown == Packet(SHOWN, number, b"\0")
@@ -105,13 +105,13 @@ def test_the_device_shows_what_the_console_shows(emotion: str) -> None:
     board = Board()
     frame = draw(FaceState(0.4, -0.3, emotion, 0.8, 0.9), FaceShape())
     board.take(frame_packet(frame))
-    assert board.frame == Frame.of_hex(24, frame.hex)  # `rows` of the message to the console
+    assert board.frame == LightFrame.of_hex(24, frame.hex)  # `rows` of the message to the console
     assert board.picture == frame.packed()
 
 
 def test_rows_that_fill_no_whole_bytes() -> None:
     board = Board(10, 9)
-    frame = Frame(10, tuple(range(1000, 1009)))
+    frame = LightFrame(10, tuple(range(1000, 1009)))
     (shown,) = answers(board.take(frame_packet(frame)))
     assert shown.type == SHOWN
     assert board.frame == frame
@@ -119,7 +119,7 @@ def test_rows_that_fill_no_whole_bytes() -> None:
 
 @given(frames, st.binary(max_size=200), st.binary(max_size=3000))
 def test_noise_before_a_frame_costs_nothing_but_the_noise(
-    frame: Frame, noise: bytes, more: bytes
+    frame: LightFrame, noise: bytes, more: bytes
 ) -> None:
     board = Board()
     board.take(noise + b"\0" + more)
@@ -131,7 +131,7 @@ def test_noise_before_a_frame_costs_nothing_but_the_noise(
 
 @given(frames, st.data())
 @settings(derandomize=True)  # one in 65536 damages is no damage to a CRC of 16 bits
-def test_a_damaged_frame_is_not_shown(frame: Frame, data: st.DataObject) -> None:
+def test_a_damaged_frame_is_not_shown(frame: LightFrame, data: st.DataObject) -> None:
     packet = frame_packet(frame)
     place = data.draw(st.integers(0, len(packet) - 2))
     byte = data.draw(st.integers(1, 255).filter(lambda value: value != packet[place]))
@@ -144,7 +144,7 @@ def test_a_damaged_frame_is_not_shown(frame: Frame, data: st.DataObject) -> None
 
 @given(frames, st.data())
 @settings(derandomize=True)  # one in 65536 damages is no damage to a CRC of 16 bits
-def test_a_frame_cut_short_is_not_shown(frame: Frame, data: st.DataObject) -> None:
+def test_a_frame_cut_short_is_not_shown(frame: LightFrame, data: st.DataObject) -> None:
     packet = frame_packet(frame)
     board = Board()
     board.take(packet[: data.draw(st.integers(0, len(packet) - 2))] + b"\0")
@@ -178,7 +178,9 @@ def test_nothing_but_frames_is_shown(pieces: list[bytes]) -> None:
 
 
 @given(frames, st.integers(1, 255), st.booleans())
-def test_an_ht1632_lights_the_right_lights(frame: Frame, brightness: int, blocks: bool) -> None:
+def test_an_ht1632_lights_the_right_lights(
+    frame: LightFrame, brightness: int, blocks: bool
+) -> None:
     chip = Ht1632()
     chip.play(led_face.ht1632_tape(frame.packed(), brightness, blocks=blocks))
     for x in range(24):
@@ -201,7 +203,7 @@ def test_chips_can_be_dark() -> None:
 
 @given(frames, st.integers(1, 255), st.booleans(), st.booleans(), st.booleans())
 def test_a_chain_of_max7219_lights_the_right_lights(
-    frame: Frame, brightness: int, from_right: bool, winding: bool, mirrored: bool
+    frame: LightFrame, brightness: int, from_right: bool, winding: bool, mirrored: bool
 ) -> None:
     chain = Max7219Chain.of(6)
     chain.play(

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from woz_drivers.body import Body
-from woz_drivers.body.settings import Settings as BodySettings
+from woz_drivers.body.settings import BodySettings
 from woz_drivers.led_face import LedFace, LedFaceSettings
 
 from tests.drivers.heard import Ordered, until

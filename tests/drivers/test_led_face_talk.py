@@ -13,14 +13,14 @@ from woz_drivers.led_face.conversation import (
     MISSES,
     REFRESH_US,
     SILENCE_US,
-    State,
-    Talk,
+    FaceLink,
+    LinkState,
     Wanted,
 )
-from woz_drivers.led_face.wire import FRAME, HELLO, HERE, SHOWN, WRONG, Packet, Reader
+from woz_drivers.led_face.wire import FRAME, HELLO, HERE, SHOWN, WRONG, Packet, PacketReader
 
 from tests.fakes.led_face import Board
-from woz_tui.motion.light_frames import Frame, blank
+from woz_tui.motion.light_frames import LightFrame, blank
 
 pytestmark = pytest.mark.cpp
 
@@ -28,7 +28,7 @@ INTERVAL_US = 33_000
 
 
 def wanted(number: int, brightness: float = 1.0) -> Wanted:
-    return Wanted(Frame(24, (number, *[0] * 15)), brightness)
+    return Wanted(LightFrame(24, (number, *[0] * 15)), brightness)
 
 
 class Stand:
@@ -38,11 +38,11 @@ class Stand:
         self.board = Board()
         self.now = 1_000_000
         self.sent: list[Packet] = []
-        self.states: list[State] = []
+        self.states: list[LinkState] = []
         self.deaf = self.mute = False
-        self._reader = Reader()
+        self._reader = PacketReader()
         self._answers = b""
-        self.talk = Talk(
+        self.talk = FaceLink(
             (24, 16),
             self._take,
             lambda: self.states.append(self.talk.state),
@@ -67,7 +67,7 @@ class Stand:
         self.step(wanted(0))
         self.step(wanted(0))  # its answer
 
-    def state(self) -> State:
+    def state(self) -> LinkState:
         return self.talk.state
 
     def count(self, kind: int) -> int:
@@ -82,9 +82,9 @@ def stand() -> Stand:
 def test_hello_first_then_the_picture(stand: Stand) -> None:
     stand.talk.begin(stand.now)
     assert [packet.type for packet in stand.sent] == [HELLO]
-    assert stand.state() is State.ASKING
+    assert stand.state() is LinkState.ASKING
     stand.step(wanted(5))
-    assert stand.state() is State.TALKING
+    assert stand.state() is LinkState.TALKING
     assert stand.talk.detail == "memory, 24 x 16"
     assert stand.board.frame == wanted(5).frame
 
@@ -151,7 +151,7 @@ def test_it_is_silent_after_many_misses_and_found_again(stand: Stand) -> None:
     stand.deaf = True
     for _ in range(MISSES + 1):
         stand.step(wanted(1), ANSWER_US)
-    assert stand.state() is State.SILENT
+    assert stand.state() is LinkState.SILENT
     assert stand.talk.detail == "the face does not answer any more"
     assert stand.talk.remedy
     hellos = stand.count(HELLO)
@@ -161,9 +161,9 @@ def test_it_is_silent_after_many_misses_and_found_again(stand: Stand) -> None:
     stand.deaf = False
     for _ in range(3):
         stand.step(wanted(1), HELLO_US)
-    assert stand.state() is State.TALKING
+    assert stand.state() is LinkState.TALKING
     assert stand.board.frame == wanted(1).frame
-    assert stand.states[-2:] == [State.SILENT, State.TALKING]
+    assert stand.states[-2:] == [LinkState.SILENT, LinkState.TALKING]
 
 
 def test_a_face_that_started_anew_gets_its_picture_at_once(stand: Stand) -> None:
@@ -174,7 +174,7 @@ def test_a_face_that_started_anew_gets_its_picture_at_once(stand: Stand) -> None
     stand.talk.received(stand.board.introduce(), stand.now)
     stand.step(wanted(1), INTERVAL_US)
     assert stand.board.frame == wanted(1).frame
-    assert stand.states.count(State.TALKING) == 1  # nobody needs to hear of it
+    assert stand.states.count(LinkState.TALKING) == 1  # nobody needs to hear of it
 
 
 @pytest.mark.parametrize(
@@ -190,7 +190,7 @@ def test_nobody_there(stand: Stand, said: bytes, why: str) -> None:
     stand.talk.received(said, stand.now)
     for _ in range(SILENCE_US // HELLO_US + 1):
         stand.step(wanted(1), HELLO_US)
-    assert (stand.talk.state, stand.talk.detail) == (State.SILENT, f"no face answers: {why}")
+    assert (stand.talk.state, stand.talk.detail) == (LinkState.SILENT, f"no face answers: {why}")
     assert "led_face" in stand.talk.remedy
     assert stand.count(FRAME) == 0
 
@@ -208,7 +208,7 @@ def test_another_face_gets_no_pictures(stand: Stand, here: bytes, what: str) -> 
     for _ in range(5):
         stand.talk.received(Packet(HERE, 1, here).encoded(), stand.now)
         stand.step(wanted(1), HELLO_US)
-    assert stand.state() is State.STRANGE
+    assert stand.state() is LinkState.STRANGE
     assert what in stand.talk.detail
     assert stand.talk.remedy
     assert stand.count(FRAME) == 0
@@ -220,9 +220,9 @@ def test_a_refused_packet_is_said_once(stand: Stand) -> None:
     stand.talk.received(Packet(WRONG, 2, b"\2").encoded(), stand.now)
     for _ in range(5):
         stand.step(wanted(1), HELLO_US)
-    assert stand.state() is State.STRANGE
+    assert stand.state() is LinkState.STRANGE
     assert stand.talk.detail == "the face refused a packet: the frame has another size"
-    assert stand.states == [State.ASKING, State.TALKING, State.STRANGE]
+    assert stand.states == [LinkState.ASKING, LinkState.TALKING, LinkState.STRANGE]
     stand.begin()
     assert stand.talk.detail == "memory, 24 x 16"
 
@@ -235,7 +235,7 @@ def test_noise_is_no_answer(pieces: list[bytes]) -> None:
     for piece in pieces:
         stand.talk.received(piece, stand.now)
         stand.step(wanted(1), 1000)
-    assert stand.state() is State.ASKING
+    assert stand.state() is LinkState.ASKING
 
 
 @given(st.lists(st.tuples(st.integers(0, 9), st.booleans(), st.booleans()), max_size=60))
@@ -250,7 +250,7 @@ def test_in_the_end_the_face_shows_what_is_wanted(
     stand.deaf = stand.mute = False
     for _ in range(40):
         stand.step(wanted(77), ANSWER_US)
-    assert stand.state() is State.TALKING
+    assert stand.state() is LinkState.TALKING
     assert stand.board.frame == wanted(77).frame
     assert stand.talk.shown == wanted(77)
 
@@ -266,5 +266,5 @@ def test_half_a_packet_of_a_program_before_does_not_spoil_the_hello() -> None:
     it.board.take(Packet(HELLO, 9, bytes(40)).encoded()[:20])
     it.talk.begin(it.now)
     it.step(wanted(1), after_us=20_000)
-    assert it.talk.state is State.TALKING
+    assert it.talk.state is LinkState.TALKING
     assert [packet.type for packet in it.sent] == [HELLO, FRAME]

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.rangefinder import Rangefinder, RangefinderSettings
-from woz_drivers.rangefinder.distance_filter import DistanceFilter, Gates
+from woz_drivers.rangefinder.distance_filter import DistanceFilter, FilterLimits
 
 from tests.drivers.heard import Heard, Ordered, until
 from tests.fakes.rangefinder import PluggedSensor, a02, maxbotix, tfmini
@@ -20,7 +20,9 @@ from woz_tui.drivers.contract import Driver, Probe, RejectedError, Scope
 from woz_tui.protocol.messages import DriverConnected, DriverLost, Reading
 from woz_tui.system.clock import ManualClock
 
-GATES = Gates(nearest=0.02, farthest=10.0, floor=None, ceiling=None, jump=0.5, confirm=3, median=3)
+GATES = FilterLimits(
+    nearest=0.02, farthest=10.0, floor=None, ceiling=None, jump=0.5, confirm=3, median=3
+)
 
 
 @pytest.fixture
@@ -195,7 +197,7 @@ def test_limits_in_the_wrong_order(wrong: dict[str, float]) -> None:
 # -- the filter --------------------------------------------------------------------------------
 
 
-def taken(gates: Gates, values: list[float]) -> list[float | None]:
+def taken(gates: FilterLimits, values: list[float]) -> list[float | None]:
     one = DistanceFilter(gates)
     return [one.take(value).metres for value in values]
 
@@ -209,17 +211,17 @@ def test_somebody_who_steps_in_is_believed_at_the_third_value() -> None:
 
 
 def test_after_a_confirmed_step_the_median_follows_at_once() -> None:
-    gates = Gates(0.02, 10.0, None, None, 0.5, 2, 5)
+    gates = FilterLimits(0.02, 10.0, None, None, 0.5, 2, 5)
     assert taken(gates, [3.0] * 5 + [1.0, 1.0, 1.1])[-2:] == [1.0, 1.0]
 
 
 def test_without_a_jump_limit_only_the_median_stands() -> None:
-    gates = Gates(0.02, 10.0, None, None, 0.0, 3, 3)
+    gates = FilterLimits(0.02, 10.0, None, None, 0.0, 3, 3)
     assert taken(gates, [3.0, 1.0, 3.0]) == [3.0, 1.0, 3.0]
 
 
 def test_floor_and_ceiling() -> None:
-    gates = Gates(0.02, 10.0, 0.3, 5.0, 0.0, 1, 1)
+    gates = FilterLimits(0.02, 10.0, 0.3, 5.0, 0.0, 1, 1)
     assert taken(gates, [0.1, 0.3, 4.0, 5.0, 9.0, 10.1]) == [0.3, 0.3, 4.0, 5.0, 5.0, None]
 
 
@@ -232,7 +234,7 @@ def test_floor_and_ceiling() -> None:
 def test_whatever_comes_only_plausible_distances_leave(
     values: list[float], jump: float, confirm: int, median: int
 ) -> None:
-    gates = Gates(0.1, 8.0, 0.3, 6.0, jump, confirm, median)
+    gates = FilterLimits(0.1, 8.0, 0.3, 6.0, jump, confirm, median)
     plausible = {min(max(value, 0.3), 6.0) for value in values if 0.1 <= value <= 8.0}
     for distance in taken(gates, values):
         assert distance is None or distance in plausible
@@ -242,5 +244,5 @@ def test_whatever_comes_only_plausible_distances_leave(
 def test_a_lasting_change_always_comes_through(
     before: float, after: float, confirm: int, median: int
 ) -> None:
-    gates = Gates(0.02, 10.0, None, None, 0.5, confirm, median)
+    gates = FilterLimits(0.02, 10.0, None, None, 0.5, confirm, median)
     assert taken(gates, [before] * 9 + [after] * (confirm + median))[-1] == after

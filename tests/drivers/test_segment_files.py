@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from woz_drivers.microphone.segment_files import SegmentFiles
-from woz_drivers.microphone.transcriber import Heard, Transcriber
+from woz_drivers.microphone.transcriber import SpeechToTranscribe, Transcriber
 
 from tests.drivers.heard import until
 from woz_tui.protocol.messages import SpeechText
@@ -53,7 +53,7 @@ async def test_a_segment_that_cannot_be_read_costs_only_its_own_text(tmp_path: P
             file.set_result(tmp_path / "a.wav")
         else:
             file.set_exception(trouble)
-        transcriber.add(Heard(number, file, 0))
+        transcriber.add(SpeechToTranscribe(number, file, 0))
     await until(lambda: len(context.told) == 2)
     await transcriber.close()
     texts = [told for told in context.told if isinstance(told, SpeechText)]

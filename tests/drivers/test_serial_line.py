@@ -12,7 +12,13 @@ from pathlib import Path
 
 import pytest
 import serial
-from woz_drivers.serial_line import SerialLine, Trouble, explain, present_ports, reason_of
+from woz_drivers.serial_line import (
+    PortTrouble,
+    SerialLine,
+    explain_port_error,
+    present_ports,
+    reason_of,
+)
 
 from tests.drivers.heard import PATIENCE_S, until
 from tests.fakes.rangefinder import PluggedSensor
@@ -23,7 +29,7 @@ class Watched:
     """A line and what it told, as a list of words, bytes and troubles."""
 
     def __init__(self, port: Path) -> None:
-        self.told: asyncio.Queue[str | bytes | Trouble] = asyncio.Queue()
+        self.told: asyncio.Queue[str | bytes | PortTrouble] = asyncio.Queue()
         self.line = SerialLine(
             str(port),
             115200,
@@ -33,12 +39,12 @@ class Watched:
             poll_s=0.01,
         )
 
-    async def next(self) -> str | bytes | Trouble:
+    async def next(self) -> str | bytes | PortTrouble:
         return await asyncio.wait_for(self.told.get(), PATIENCE_S)
 
-    async def trouble(self) -> Trouble:
+    async def trouble(self) -> PortTrouble:
         told = await self.next()
-        assert isinstance(told, Trouble)
+        assert isinstance(told, PortTrouble)
         return told
 
 
@@ -176,26 +182,34 @@ async def test_closing_lets_go_of_the_port(watched: Watched, tmp_path: Path) -> 
     ],
 )
 def test_every_refusal_has_a_remedy(code: int, what: str, remedy: str) -> None:
-    trouble = explain("/dev/ttyUSB9", 9600, OSError(code, os.strerror(code)))
+    trouble = explain_port_error("/dev/ttyUSB9", 9600, OSError(code, os.strerror(code)))
     assert what in trouble.what and "/dev/ttyUSB9" in trouble.what
     assert remedy in trouble.remedy
 
 
 def test_no_permission_names_the_group() -> None:
-    trouble = explain("/dev/ttyUSB9", 9600, PermissionError(errno.EACCES, "Permission denied"))
+    trouble = explain_port_error(
+        "/dev/ttyUSB9", 9600, PermissionError(errno.EACCES, "Permission denied")
+    )
     assert trouble.what == "no permission to open /dev/ttyUSB9"
     assert trouble.remedy.startswith("sudo usermod -aG dialout $USER")
 
 
 def test_a_missing_port_lists_what_is_there(tmp_path: Path) -> None:
     missing = FileNotFoundError(errno.ENOENT, "No such file or directory")
-    assert "no serial device is plugged in" in explain("/dev/x", 9600, missing, tmp_path).remedy
+    assert (
+        "no serial device is plugged in"
+        in explain_port_error("/dev/x", 9600, missing, tmp_path).remedy
+    )
     (tmp_path / "usb-Arduino-if00").touch()
-    assert str(tmp_path / "usb-Arduino-if00") in explain("/dev/x", 9600, missing, tmp_path).remedy
+    assert (
+        str(tmp_path / "usb-Arduino-if00")
+        in explain_port_error("/dev/x", 9600, missing, tmp_path).remedy
+    )
     assert present_ports(tmp_path / "nowhere") == []
 
 
 def test_other_errors_keep_their_own_words() -> None:
-    assert "300 baud" in explain("/dev/x", 300, ValueError("Invalid baud rate")).what
-    assert "boom" in explain("/dev/null", 300, serial.SerialException("boom")).what
+    assert "300 baud" in explain_port_error("/dev/x", 300, ValueError("Invalid baud rate")).what
+    assert "boom" in explain_port_error("/dev/null", 300, serial.SerialException("boom")).what
     assert reason_of(termios.error(5, "Input/output error")) == "Input/output error"

@@ -13,10 +13,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from woz_drivers import pcm_audio
-from woz_drivers.microphone.speech_detection import BLOCK_S, Ear, Speaking
+from woz_drivers.microphone.speech_detection import BLOCK_S, SpeechCriteria, SpeechDetector
 from woz_drivers.pcm_audio import FORMATS, Samples
-from woz_drivers.room_threshold import learn
-from woz_drivers.wav import NoWav, Wav, parse
+from woz_drivers.room_threshold import room_noise
+from woz_drivers.wav import NotWavError, Wav, parse
 
 NAMES = st.sampled_from(sorted(FORMATS))
 SAMPLES = arrays.arrays(
@@ -89,12 +89,14 @@ def test_blocks_do_not_depend_on_how_the_stream_is_split(
 
 # -- speaking ----------------------------------------------------------------------------------
 
-EAR = Ear(threshold=0.1, onset=2 * BLOCK_S, hang_over=3 * BLOCK_S, silent_after=4 * BLOCK_S)
+EAR = SpeechCriteria(
+    threshold=0.1, onset=2 * BLOCK_S, hang_over=3 * BLOCK_S, silent_after=4 * BLOCK_S
+)
 
 
-def states(levels: list[float], ear: Ear = EAR) -> str:
+def states(levels: list[float], ear: SpeechCriteria = EAR) -> str:
     """The first letter of the state after each block: quiet, speaking, clipping, mute (silent)."""
-    one = Speaking(ear)
+    one = SpeechDetector(ear)
     found = ""
     for level in levels:
         one.take(np.full(320, level, np.float32))
@@ -108,7 +110,7 @@ def test_speech_begins_after_the_onset_and_ends_after_the_hang_over() -> None:
 
 
 def test_exactly_the_threshold_is_quiet() -> None:
-    assert states([0.125] * 3, Ear(0.125, 0, 0, 1)) == "qqq"
+    assert states([0.125] * 3, SpeechCriteria(0.125, 0, 0, 1)) == "qqq"
 
 
 def test_only_zeros_are_a_silent_microphone_and_any_noise_is_not() -> None:
@@ -121,11 +123,11 @@ def test_clipping_is_shown_for_a_second_of_speech() -> None:
 
 
 def test_a_room_is_learned() -> None:
-    room = learn([0.01, 0.03])
+    room = room_noise([0.01, 0.03])
     assert (room.mean, room.sd, room.loudest, room.blocks) == pytest.approx((0.02, 0.01, 0.03, 2))
     assert room.threshold(4) == pytest.approx(0.06)
-    assert learn([0.0]).threshold(4) == 0.001
-    assert learn([1.0, 0.0]).threshold(4) == 0.9
+    assert room_noise([0.0]).threshold(4) == 0.001
+    assert room_noise([1.0, 0.0]).threshold(4) == 0.9
 
 
 # -- WAV files ---------------------------------------------------------------------------------
@@ -162,5 +164,5 @@ def test_broken_files_are_no_wav_and_nothing_worse(noise: bytes, at: int, patch:
     for content in (noise, whole[:at] + patch + whole[at + len(patch) :]):
         try:
             assert parse(content).seconds >= 0
-        except NoWav as error:
+        except NotWavError as error:
             assert str(error)

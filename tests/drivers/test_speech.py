@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.pcm_audio import decode, rms
 from woz_drivers.speech.driver import Speech
-from woz_drivers.speech.synthesis import file_names, spoken
+from woz_drivers.speech.synthesis import file_names, spoken_text
 from woz_drivers.wav import parse
 
 from tests.drivers.heard import Ordered, until
@@ -117,13 +117,13 @@ async def test_texts_that_would_break_a_line_or_a_program(desk: Desk) -> None:
 @given(st.text(max_size=60))
 def test_what_is_spoken_is_one_line_that_can_be_encoded(text: str) -> None:
     try:
-        clean = spoken(text)
+        clean = spoken_text(text)
     except RejectedError:
         return
     assert clean.encode()
     assert clean.isprintable() or all(ord(c) >= 32 and ord(c) not in range(127, 160) for c in clean)
     assert clean.splitlines() == [clean]
-    assert spoken(clean) == clean
+    assert spoken_text(clean) == clean
 
 
 async def test_sound_files(desk: Desk) -> None:

@@ -70,7 +70,9 @@ NUMBERS = {
 @pytest.mark.parametrize(
     ("table", "published"), [(control_tables.X_SERIES, X), (control_tables.PROTOCOL_1, OLD)]
 )
-def test_addresses(table: control_tables.Table, published: dict[str, tuple[int, int]]) -> None:
+def test_addresses(
+    table: control_tables.ControlTable, published: dict[str, tuple[int, int]]
+) -> None:
     for name, (address, size) in published.items():
         register = getattr(table, name)
         assert (register.address, register.size) == (address, size), name

@@ -10,7 +10,7 @@ import tempfile
 from pathlib import Path
 
 from tests.fakes.rangefinder import PluggedSensor
-from woz_tui.motion.light_frames import Frame
+from woz_tui.motion.light_frames import LightFrame
 
 ROOT = Path(__file__).parents[2]
 SKETCH = ROOT / "drivers" / "firmware" / "led_face"
@@ -103,14 +103,16 @@ class Board:
         return out.raw[:size]
 
     @property
-    def frame(self) -> Frame | None:
+    def frame(self) -> LightFrame | None:
         """The picture it shows, light by light."""
         width, height = self.size
         picture, size = self.picture, (width + 7) // 8
         if not picture:
             return None
         rows = (picture[row * size : (row + 1) * size] for row in range(height))
-        return Frame(width, tuple(int.from_bytes(row, "big") >> (size * 8 - width) for row in rows))
+        return LightFrame(
+            width, tuple(int.from_bytes(row, "big") >> (size * 8 - width) for row in rows)
+        )
 
     @property
     def brightness(self) -> int:

@@ -9,8 +9,8 @@ from dataclasses import replace
 from woz_tui.motion.body_shape import BodyShape, FaceShape, JointShape, Personality
 from woz_tui.motion.builtin_moves import BUILT_IN
 from woz_tui.motion.engine import Engine
-from woz_tui.motion.engine_io import Answer, Tick
-from woz_tui.motion.modes import Hand
+from woz_tui.motion.engine_io import InputResult, Tick
+from woz_tui.motion.modes import Operator
 from woz_tui.motion.move import Move
 from woz_tui.motion.personality import RANGES
 from woz_tui.protocol.messages import Json
@@ -88,7 +88,7 @@ class Rig:
         self.count = 0
         self.last = self.engine.tick(0.0)
 
-    def do(self, verb: str, hand: Hand = Hand.WIZARD, /, **args: Json) -> Answer:
+    def do(self, verb: str, hand: Operator = Operator.WIZARD, /, **args: Json) -> InputResult:
         """An input between two ticks."""
         return self.engine.apply(verb, args, hand)
 
@@ -110,7 +110,7 @@ class Rig:
             ticks.append(self.tick())
         return ticks
 
-    def wait(self, answer: Answer, limit: float = 120.0) -> list[Tick]:
+    def wait(self, answer: InputResult, limit: float = 120.0) -> list[Tick]:
         """Ticks until the input of `answer` has ended."""
         return self.until(lambda tick: any(e.token == answer.token for e in tick.ended), limit)
 

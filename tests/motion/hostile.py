@@ -8,12 +8,12 @@ from collections.abc import Callable
 from typing import Any
 
 from tests.motion.bodies import reach
+from woz_tui.motion.body_feeds import Sighting
 from woz_tui.motion.body_shape import BodyShape
 from woz_tui.motion.body_verbs import CONTROLS, EMOTIONS, KINDS
 from woz_tui.motion.builtin_moves import BUILT_IN
-from woz_tui.motion.modes import Hand, Mode
+from woz_tui.motion.modes import Mode, Operator
 from woz_tui.motion.personality import NAMES
-from woz_tui.motion.setpoints import Seen
 
 ABSURD: list[Any] = [
     *(math.nan, math.inf, -math.inf, 1e300, -1e300, 10**400, -1, 0, 5e-324, 1e-9),
@@ -36,10 +36,10 @@ class Hostile:
         self._shape = shape
         self._chance = random.Random(f"hostile {seed}")
 
-    def input(self) -> tuple[Any, Any, Hand]:
+    def input(self) -> tuple[Any, Any, Operator]:
         """Verb, arguments and hand; one in four is absurd in some way."""
         chance = self._chance
-        hand = chance.choice((Hand.WIZARD, Hand.WIZARD, Hand.PROGRAM))
+        hand = chance.choice((Operator.WIZARD, Operator.WIZARD, Operator.PROGRAM))
         verb = chance.choice(VERBS)
         if chance.random() < 0.02:
             verb = "mode"
@@ -70,7 +70,9 @@ class Hostile:
         """What the camera sees."""
         chance = self._chance
         x, y = (chance.choice([None, chance.uniform(-1, 1), math.nan, 1e300]) for _ in range(2))
-        return chance.choice([None, Seen(chance.randint(0, 10**12), chance.randint(0, 99), x, y)])
+        return chance.choice(
+            [None, Sighting(chance.randint(0, 10**12), chance.randint(0, 99), x, y)]
+        )
 
     def often(self, share: float) -> bool:
         """True in that share of all cases."""

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.motion.body_verbs import EMOTIONS
-from woz_tui.motion.emotions import DIRECTIONS, SECTORS, emotion_at, of_affect, to_affect
+from woz_tui.motion.emotions import DIRECTIONS, SECTORS, affect_emotion, emotion_affect, emotion_at
 
 UNIT = st.floats(-1, 1)
 #: A share that does not take a mood below what a float can hold.
@@ -37,7 +37,7 @@ def at(degrees: float, length: float = 1.0) -> tuple[float, float]:
     ],
 )
 def test_emotions_stand_around_the_circle(degrees: float, emotions: set[str]) -> None:
-    emotion, intensity = of_affect(*at(degrees, 0.5))
+    emotion, intensity = affect_emotion(*at(degrees, 0.5))
     assert emotion in emotions
     assert intensity == pytest.approx(0.5)
 
@@ -49,8 +49,8 @@ def test_emotions_stand_around_the_circle(degrees: float, emotions: set[str]) ->
 def test_a_fading_mood_stays_the_same_emotion(valence: float, arousal: float, share: float) -> None:
     if math.hypot(valence, arousal) < 1e-6:
         valence = 0.25
-    emotion, intensity = of_affect(valence, arousal)
-    faded, weaker = of_affect(share * valence, share * arousal)
+    emotion, intensity = affect_emotion(valence, arousal)
+    faded, weaker = affect_emotion(share * valence, share * arousal)
     assert faded == emotion
     assert weaker == pytest.approx(min(1.0, share * math.hypot(valence, arousal)))
     assert 0 < weaker <= intensity <= 1
@@ -58,10 +58,10 @@ def test_a_fading_mood_stays_the_same_emotion(valence: float, arousal: float, sh
 
 @pytest.mark.toolkit("F4")
 def test_the_middle_is_neutral_and_the_first_step_out_of_it_is_not_another_emotion() -> None:
-    assert of_affect(0, 0) == of_affect(-0.0, -0.0) == ("neutral", 0)
+    assert affect_emotion(0, 0) == affect_emotion(-0.0, -0.0) == ("neutral", 0)
     for degrees in range(-180, 180, 3):
-        full, _ = of_affect(*at(degrees))
-        first, intensity = of_affect(*at(degrees, 1 / 64))
+        full, _ = affect_emotion(*at(degrees))
+        first, intensity = affect_emotion(*at(degrees, 1 / 64))
         assert first == full
         assert intensity == pytest.approx(1 / 64)
 
@@ -71,7 +71,7 @@ def test_the_middle_is_neutral_and_the_first_step_out_of_it_is_not_another_emoti
 def test_every_mood_has_one_emotion_and_at_most_full_intensity(
     valence: float, arousal: float
 ) -> None:
-    emotion, intensity = of_affect(valence, arousal)
+    emotion, intensity = affect_emotion(valence, arousal)
     assert emotion in EMOTIONS
     assert 0 <= intensity <= 1
     assert (emotion == "neutral") == (intensity == 0)
@@ -79,18 +79,18 @@ def test_every_mood_has_one_emotion_and_at_most_full_intensity(
 
 @pytest.mark.toolkit("F4")
 def test_corners_are_no_stronger_than_the_edge() -> None:
-    assert [of_affect(v, a) for v, a in [(1, 1), (-1, 1), (-1, -1), (1, -1)]] == [
+    assert [affect_emotion(v, a) for v, a in [(1, 1), (-1, 1), (-1, -1), (1, -1)]] == [
         ("happy", 1),
         ("angry", 1),
         ("sad", 1),
         ("sleepy", 1),
     ]
-    assert of_affect(7, 0) == ("happy", 1)
+    assert affect_emotion(7, 0) == ("happy", 1)
 
 
 def test_both_names_of_one_direction_are_one_emotion() -> None:
     assert emotion_at(180) == emotion_at(-180) == emotion_at(540) == "sad"
-    assert of_affect(-1, 0.0) == of_affect(-1, -0.0)
+    assert affect_emotion(-1, 0.0) == affect_emotion(-1, -0.0)
 
 
 def test_a_border_belongs_to_what_begins_there() -> None:
@@ -106,18 +106,18 @@ def test_a_border_belongs_to_what_begins_there() -> None:
 def test_what_is_no_number_is_refused(wrong: float) -> None:
     for mood in ((wrong, 0.0), (0.0, wrong)):
         with pytest.raises(RejectedError, match="no place on the circle"):
-            of_affect(*mood)
+            affect_emotion(*mood)
 
 
 @pytest.mark.toolkit("F5")
 @given(st.sampled_from(sorted(set(DIRECTIONS) - {"friendly"})), st.floats(0.001, 1))
 def test_knobs_stand_where_the_emotion_is(emotion: str, intensity: float) -> None:
-    seen, strength = of_affect(*to_affect(emotion, intensity))
+    seen, strength = affect_emotion(*emotion_affect(emotion, intensity))
     assert seen == emotion
     assert strength == pytest.approx(intensity)
 
 
 @given(st.sampled_from((*EMOTIONS, "no such")), st.floats(allow_nan=True))
 def test_knobs_always_stand_somewhere(emotion: str, intensity: float) -> None:
-    assert math.hypot(*to_affect(emotion, intensity)) <= 1 + 1e-9
-    assert to_affect(emotion, 0) == (0, 0)
+    assert math.hypot(*emotion_affect(emotion, intensity)) <= 1 + 1e-9
+    assert emotion_affect(emotion, 0) == (0, 0)

@@ -11,8 +11,8 @@ import pytest
 
 from tests.motion.bodies import DT, EYEPI, STILL, Rig, column, moves_safely
 from woz_tui.motion.engine_io import Tick
+from woz_tui.motion.face_control import Blinks
 from woz_tui.motion.face_drawing import FaceState, draw
-from woz_tui.motion.face_state import Blinks
 
 
 def peak(angles: Sequence[float]) -> float:

@@ -9,7 +9,7 @@ import pytest
 from tests.motion.bodies import NODDER, STILL, Rig
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.motion.body_verbs import EMOTIONS
-from woz_tui.motion.emotions import to_affect
+from woz_tui.motion.emotions import emotion_affect
 from woz_tui.motion.face_drawing import CRASH_S
 
 
@@ -19,7 +19,7 @@ def test_the_last_one_to_write_an_emotion_counts_and_the_others_follow() -> None
     rig.do("emotion", emotion="happy", intensity=0.8)
     assert (rig.tick().emotion, rig.last.intensity) == ("happy", 0.8)
     values = rig.engine.values()
-    assert (values["valence"], values["arousal"]) == to_affect("happy", 0.8)
+    assert (values["valence"], values["arousal"]) == emotion_affect("happy", 0.8)
 
     rig.do("affect", valence=-0.5, arousal=0.5)
     assert rig.tick().emotion == "angry"
@@ -31,7 +31,7 @@ def test_the_last_one_to_write_an_emotion_counts_and_the_others_follow() -> None
 
     rig.do("control", control="intensity", value=0.3)
     assert (rig.tick().emotion, rig.last.intensity) == ("angry", 0.3)
-    assert rig.engine.values()["valence"] == to_affect("angry", 0.3)[0]
+    assert rig.engine.values()["valence"] == emotion_affect("angry", 0.3)[0]
 
     rig.do("emotion", emotion="sleepy")  # a button: the intensity is kept
     assert (rig.tick().emotion, rig.last.intensity) == ("sleepy", 0.3)

@@ -17,13 +17,13 @@ from tests.motion.watch import Watch
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.motion.builtin_moves import BUILT_IN
 from woz_tui.motion.engine import Engine
-from woz_tui.motion.modes import Hand, Mode
+from woz_tui.motion.modes import Mode, Operator
 
 #: Inputs of each run.
 INPUTS = many(5_000, 30_000)
 
 
-def applied(engine: Engine, verb: Any, args: Any, hand: Hand, *, look: bool = True) -> bool:
+def applied(engine: Engine, verb: Any, args: Any, hand: Operator, *, look: bool = True) -> bool:
     """Whether the input was taken; a refused one has left everything as it was (if we `look`)."""
     before = (engine.values(), engine.state()) if look else None
     try:
@@ -104,8 +104,10 @@ _ARGS = st.dictionaries(
 
 
 @pytest.mark.toolkit("R4")
-@given(st.lists(st.tuples(st.sampled_from(VERBS), _ARGS, st.sampled_from(Hand)), max_size=12))
-def test_any_json_is_taken_or_refused(inputs: list[tuple[str, Mapping[str, Any], Hand]]) -> None:
+@given(st.lists(st.tuples(st.sampled_from(VERBS), _ARGS, st.sampled_from(Operator)), max_size=12))
+def test_any_json_is_taken_or_refused(
+    inputs: list[tuple[str, Mapping[str, Any], Operator]],
+) -> None:
     engine = Engine(EYEPI, BUILT_IN)
     tick = engine.tick(0.0)
     watch = Watch(EYEPI, tick)

@@ -12,7 +12,7 @@ import pytest
 from tests.motion.bodies import CALM, DT, EYEPI, FIVE, STILL, Rig, moves_safely
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.motion.body_shape import BodyShape
-from woz_tui.motion.kinematics import Chain
+from woz_tui.motion.kinematics import KinematicChain
 from woz_tui.protocol.messages import Json
 
 RAD = math.degrees(1e-6)
@@ -116,7 +116,7 @@ def test_a_gaze_nobody_can_reach_is_flagged() -> None:
 @pytest.mark.toolkit("L5")
 @pytest.mark.parametrize("shape", [STILL, replace(FIVE, personality=CALM)], ids=["three", "five"])
 def test_the_line_of_sight_passes_the_target(shape: BodyShape) -> None:
-    chance, chain, reached = random.Random(5), Chain(shape), 0
+    chance, chain, reached = random.Random(5), KinematicChain(shape), 0
     rig = Rig(shape)
     for _ in range(20):
         target = (chance.uniform(0.5, 3), chance.uniform(-1.5, 1.5), chance.uniform(-0.5, 1))
@@ -135,7 +135,7 @@ def test_the_line_of_sight_passes_the_target(shape: BodyShape) -> None:
 @pytest.mark.toolkit("L5")
 def test_a_gaze_at_the_head_itself_is_refused() -> None:
     rig = Rig()
-    x, y, z = Chain(STILL).ray(rig.last.joints)[0]
+    x, y, z = KinematicChain(STILL).ray(rig.last.joints)[0]
     with pytest.raises(RejectedError, match=r"^gaze: \(.*\) m is at the head itself"):
         rig.do("gaze", x=x, y=y, z=z)
     rig.run(0.1)

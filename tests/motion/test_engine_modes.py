@@ -14,7 +14,7 @@ from woz_tui.drivers.contract import RejectedError
 from woz_tui.motion.body_verbs import CONTROL_KINDS, CONTROLS, EMOTIONS, KINDS
 from woz_tui.motion.builtin_moves import BUILT_IN
 from woz_tui.motion.engine_io import Tick
-from woz_tui.motion.modes import TABLE, Hand, Kind, Mode, counts
+from woz_tui.motion.modes import MODE_RULES, InputKind, Mode, Operator, is_accepted
 from woz_tui.motion.personality import NAMES
 from woz_tui.protocol.messages import Json
 
@@ -27,43 +27,43 @@ def enter(rig: Rig, mode: Mode) -> None:
         rig.do("mode", mode=mode.value)
 
 
-def any_input(kind: Kind, chance: random.Random) -> Input:
+def any_input(kind: InputKind, chance: random.Random) -> Input:
     """A random input of a row of the table, sensible in itself."""
     u = chance.uniform
     joints: Json = {n: u(j.min, j.max) for n, j in STILL.joints.items()}
     controls = [name for name, of in CONTROL_KINDS.items() if of is kind]
     by_control: list[Input] = [("control", {"control": c, "value": u(0, 1)}) for c in controls]
     trait = chance.choice(NAMES)
-    rows: dict[Kind, list[Input]] = {
-        Kind.JOINTS: [
+    rows: dict[InputKind, list[Input]] = {
+        InputKind.JOINTS: [
             ("joints", {"joints": joints}),
             ("control", {"control": chance.choice(list(STILL.joints)), "value": u(0, 1)}),
         ],
-        Kind.POSE: [
+        InputKind.POSE: [
             ("pose", {"joints": joints, "seconds": u(0, 2)}),
             ("home", {}),
             ("gaze", {"yaw": u(-80, 80), "pitch": u(-30, 30)}),
             ("nudge", {"yaw": u(-10, 10)}),
             ("poses", {"poses": [{"joints": joints}]}),
         ],
-        Kind.EMOTION: [
+        InputKind.EMOTION: [
             ("emotion", {"emotion": chance.choice(EMOTIONS), "intensity": u(0, 1)}),
             ("affect", {"valence": u(-1, 1), "arousal": u(-1, 1)}),
         ],
-        Kind.EYES: [("look", {"x": u(-1, 1), "y": u(-1, 1)})],
-        Kind.FACE: [
+        InputKind.EYES: [("look", {"x": u(-1, 1), "y": u(-1, 1)})],
+        InputKind.FACE: [
             ("brightness", {"level": u(0, 1)}),
             ("blink", {}),
             ("blinking", {"on": chance.random() < 0.5}),
         ],
-        Kind.ANIMATION: [("play", {"move": chance.choice(list(BUILT_IN))})],
-        Kind.PERSONALITY: [
+        InputKind.ANIMATION: [("play", {"move": chance.choice(list(BUILT_IN))})],
+        InputKind.PERSONALITY: [
             ("personality", {trait: u(*reach(trait))}),
             ("personality", {"name": chance.choice(["upbeat", "grumpy"])}),
             ("breathing", {"on": chance.random() < 0.5}),
         ],
-        Kind.MODE: [("mode", {"mode": chance.choice(OTHERS).value})],
-        Kind.STOP: [("mode", {"mode": "normal"})],
+        InputKind.MODE: [("mode", {"mode": chance.choice(OTHERS).value})],
+        InputKind.STOP: [("mode", {"mode": "normal"})],
     }
     return chance.choice(rows[kind] + by_control)
 
@@ -82,13 +82,13 @@ def shown(tick: Tick) -> tuple[object, ...]:
 
 NO = [
     (kind, mode, hand)
-    for kind, mode, hand in itertools.product(Kind, Mode, Hand)
-    if not counts(kind, mode, hand)
+    for kind, mode, hand in itertools.product(InputKind, Mode, Operator)
+    if not is_accepted(kind, mode, hand)
 ]
 YES = [
     (kind, mode, hand)
-    for kind, mode, hand in itertools.product(Kind, Mode, Hand)
-    if counts(kind, mode, hand)
+    for kind, mode, hand in itertools.product(InputKind, Mode, Operator)
+    if is_accepted(kind, mode, hand)
 ]
 
 
@@ -101,7 +101,7 @@ def test_it_begins_in_normal() -> None:
 
 @pytest.mark.toolkit("M2", "O6")
 @pytest.mark.parametrize(("kind", "mode", "hand"), NO)
-def test_what_does_not_count_changes_nothing(kind: Kind, mode: Mode, hand: Hand) -> None:
+def test_what_does_not_count_changes_nothing(kind: InputKind, mode: Mode, hand: Operator) -> None:
     """1000 random inputs against a twin that gets none: joints, face and mode are the same."""
     chance = random.Random(f"{kind} {mode} {hand}")
     rig, twin = Rig(EYEPI), Rig(EYEPI)
@@ -121,29 +121,29 @@ def test_what_does_not_count_changes_nothing(kind: Kind, mode: Mode, hand: Hand)
             else:
                 assert answer.sent["waits"] == "normal"
         assert shown(rig.tick()) == shown(twin.tick())
-    assert refused == 1000 or kind is Kind.JOINTS
+    assert refused == 1000 or kind is InputKind.JOINTS
     assert [shown(tick) for tick in rig.run(1.0)] == [shown(tick) for tick in twin.run(1.0)]
 
 
 @pytest.mark.toolkit("M2")
 @pytest.mark.parametrize(("kind", "mode", "hand"), YES)
-def test_what_counts_shows_within_two_ticks(kind: Kind, mode: Mode, hand: Hand) -> None:
-    tell: dict[Kind, Input] = {
-        Kind.JOINTS: ("control", {"control": "pitch", "value": 0.7}),
-        Kind.POSE: ("gaze", {"yaw": 50.0}),
-        Kind.EMOTION: ("emotion", {"emotion": "angry", "intensity": 1.0}),
-        Kind.EYES: ("look", {"x": 1.0}),
-        Kind.FACE: ("brightness", {"level": 0.3}),
-        Kind.ANIMATION: ("play", {"move": "dance"}),
-        Kind.PERSONALITY: ("personality", {"compression": 0.5}),
-        Kind.MODE: ("mode", {"mode": "demo"}),
-        Kind.STOP: ("mode", {"mode": "normal"}),
+def test_what_counts_shows_within_two_ticks(kind: InputKind, mode: Mode, hand: Operator) -> None:
+    tell: dict[InputKind, Input] = {
+        InputKind.JOINTS: ("control", {"control": "pitch", "value": 0.7}),
+        InputKind.POSE: ("gaze", {"yaw": 50.0}),
+        InputKind.EMOTION: ("emotion", {"emotion": "angry", "intensity": 1.0}),
+        InputKind.EYES: ("look", {"x": 1.0}),
+        InputKind.FACE: ("brightness", {"level": 0.3}),
+        InputKind.ANIMATION: ("play", {"move": "dance"}),
+        InputKind.PERSONALITY: ("personality", {"compression": 0.5}),
+        InputKind.MODE: ("mode", {"mode": "demo"}),
+        InputKind.STOP: ("mode", {"mode": "normal"}),
     }
     rig, twin = Rig(STILL), Rig(STILL)
     for one in (rig, twin):
         enter(one, mode)
         one.run(2.0)
-    if kind is Kind.STOP and mode is Mode.NORMAL:
+    if kind is InputKind.STOP and mode is Mode.NORMAL:
         for one in (rig, twin):
             one.do("play", move="dance")
             one.run(1.0)
@@ -155,8 +155,8 @@ def test_what_counts_shows_within_two_ticks(kind: Kind, mode: Mode, hand: Hand) 
 @pytest.mark.toolkit("M2")
 def test_every_verb_and_control_has_its_row() -> None:
     rig = Rig()
-    rows = set(KINDS.values()) | set(CONTROL_KINDS.values()) | {Kind.STOP}
-    assert rows == set(TABLE)
+    rows = set(KINDS.values()) | set(CONTROL_KINDS.values()) | {InputKind.STOP}
+    assert rows == set(MODE_RULES)
     assert set(CONTROL_KINDS) == set(CONTROLS)
     for verb in KINDS:
         with contextlib.suppress(RejectedError):
@@ -269,22 +269,22 @@ def test_no_change_of_mode_jumps_or_loses_the_stop(first: Mode, second: Mode, fl
 @pytest.mark.toolkit("E2", "E4", "L3")
 def test_the_later_hand_wins_and_the_stop_ends_what_a_program_began() -> None:
     rig = Rig(STILL)
-    first = rig.do("gaze", Hand.PROGRAM, yaw=60.0, seconds=2.0)
+    first = rig.do("gaze", Operator.PROGRAM, yaw=60.0, seconds=2.0)
     rig.run(0.5)
-    second = rig.do("gaze", Hand.WIZARD, yaw=-30.0, seconds=0.5)
+    second = rig.do("gaze", Operator.WIZARD, yaw=-30.0, seconds=0.5)
     assert [e.token for e in rig.tick().ended] == [first.token]
     rig.wait(second)
     assert rig.last.joints["pitch"] == pytest.approx(-30.0, abs=0.5)
-    rig.do("joints", Hand.PROGRAM, joints={"pitch": 12.0})
+    rig.do("joints", Operator.PROGRAM, joints={"pitch": 12.0})
     rig.run(1.0)
     assert rig.last.joints["pitch"] == 12.0
-    third = rig.do("play", Hand.PROGRAM, move="dance")
+    third = rig.do("play", Operator.PROGRAM, move="dance")
     rig.run(0.5)
-    rig.do("mode", Hand.WIZARD, mode="normal")
+    rig.do("mode", Operator.WIZARD, mode="normal")
     assert [(e.token, e.why) for e in rig.tick().ended] == [(third.token, "stopped")]
-    rig.do("mode", Hand.WIZARD, mode="demo")
+    rig.do("mode", Operator.WIZARD, mode="demo")
     rig.run(0.2)
     with pytest.raises(RejectedError, match="demo"):
-        rig.do("play", Hand.PROGRAM, move="nod")
+        rig.do("play", Operator.PROGRAM, move="nod")
     with pytest.raises(RejectedError, match="demo"):
-        rig.do("control", Hand.PROGRAM, control="pitch", value=0.9)
+        rig.do("control", Operator.PROGRAM, control="pitch", value=0.9)

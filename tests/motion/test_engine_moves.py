@@ -13,7 +13,7 @@ from woz_tui.motion.body_shape import BodyShape
 from woz_tui.motion.builtin_moves import BUILT_IN
 from woz_tui.motion.engine_io import Tick
 from woz_tui.motion.modes import Mode
-from woz_tui.motion.move import Cue, FaceWish, Posture
+from woz_tui.motion.move import FaceChange, Posture, SoundCue
 from woz_tui.protocol.messages import Json
 
 
@@ -24,7 +24,7 @@ class Lifted:
     summary = "for tests"
     length = 1.0
     beats = False
-    cues = (Cue(0.0, "a.wav"), Cue(0.5, "b.wav"), Cue(1.0, "c.wav"))
+    cues = (SoundCue(0.0, "a.wav"), SoundCue(0.5, "b.wav"), SoundCue(1.0, "c.wav"))
 
     def __init__(self, stays: bool = False, fails_at: float = 9.0) -> None:
         self.stays = stays
@@ -36,7 +36,7 @@ class Lifted:
         return Posture(
             joints={"pitch": 10 * place},
             places={"top": 80.0},
-            face=FaceWish(emotion="happy", intensity=0.5, lid=0.5),
+            face=FaceChange(emotion="happy", intensity=0.5, lid=0.5),
         )
 
 

@@ -12,9 +12,9 @@ from tests.motion.bodies import DT, EYEPI, STILL, Rig, column, moves_safely, rea
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.motion.body_verbs import CONTROLS
 from woz_tui.motion.builtin_moves import BUILT_IN
-from woz_tui.motion.easing import followed
+from woz_tui.motion.control_scales import TRAITS
+from woz_tui.motion.easing import low_pass
 from woz_tui.motion.engine import Engine
-from woz_tui.motion.knobs import TRAITS
 from woz_tui.motion.personality import GLIDES, NAMES
 from woz_tui.protocol.messages import Json
 
@@ -95,7 +95,7 @@ def test_the_smoother_the_slower_never_beyond_and_always_there_in_the_end() -> N
 def test_smoothing_does_not_depend_on_the_rate(ticks: int) -> None:
     value = 0.0
     for _ in range(ticks):
-        value = followed(value, 1.0, 0.3, 0.6 / ticks)
+        value = low_pass(value, 1.0, 0.3, 0.6 / ticks)
     assert value == pytest.approx(1 - math.exp(-2))
 
 

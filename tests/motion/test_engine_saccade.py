@@ -10,17 +10,17 @@ import pytest
 from tests.motion.bodies import CALM, DT, EYEPI, FIVE, STILL, Rig, moves_safely
 from woz_tui.motion.body_shape import BodyShape
 from woz_tui.motion.engine_io import Tick
-from woz_tui.motion.kinematics import Chain
-from woz_tui.motion.light_frames import Frame
+from woz_tui.motion.kinematics import KinematicChain
+from woz_tui.motion.light_frames import LightFrame
 from woz_tui.motion.modes import Mode
-from woz_tui.motion.pose_sources import SPAN, direction
+from woz_tui.motion.pose_sources import SPAN, gaze_direction
 from woz_tui.protocol.messages import Json
 
 #: Degrees that the eyes turn for one light sideways: they go three lights for 15 degrees.
 DEGREES_A_LIGHT = 5.0
 
 
-def eyes(frame: Frame | None) -> float:
+def eyes(frame: LightFrame | None) -> float:
     """By how many lights the eyes are beside their middle, to the robot's left."""
     assert frame is not None
     columns = [x for x in range(frame.width) for y in range(frame.height) if frame.lit(x, y)]
@@ -63,13 +63,13 @@ def test_head_and_eyes_together_look_at_the_target_all_the_way(
 ) -> None:
     shape = EYEPI if alive else STILL
     rig = started(shape)
-    chain = Chain(shape)
-    ahead = direction(chain, {n: (j.start or 0.0) for n, j in shape.joints.items()})
+    chain = KinematicChain(shape)
+    ahead = gaze_direction(chain, {n: (j.start or 0.0) for n, j in shape.joints.items()})
     rig.do("look", x=yaw / SPAN[0], y=pitch / SPAN[1])
     for _ in range(150):
         tick = rig.tick()
         lead = rig.engine.eyes
-        head = direction(chain, tick.joints)
+        head = gaze_direction(chain, tick.joints)
         assert head[0] + lead[0] * shape.saccade[0] - ahead[0] == pytest.approx(yaw, abs=2.0)
         assert head[1] + lead[1] * shape.saccade[1] - ahead[1] == pytest.approx(pitch, abs=2.0)
 

@@ -19,12 +19,12 @@ from woz_tui.motion.face_drawing import (
     STEPS,
     FaceState,
     draw,
-    eye,
-    layout,
+    draw_eyes,
+    eye_layout,
     prepare,
     squeezed,
 )
-from woz_tui.motion.light_frames import Frame, blank
+from woz_tui.motion.light_frames import LightFrame, blank
 
 USUAL = FaceShape()
 MOODS = tuple(emotion for emotion in EMOTIONS if emotion not in ("neutral", "crash"))
@@ -54,24 +54,26 @@ states = st.builds(
 )
 
 
-def columns(frame: Frame) -> list[int]:
+def columns(frame: LightFrame) -> list[int]:
     """Columns in which a light is on."""
     return [x for x in range(frame.width) if any(frame.lit(x, y) for y in range(frame.height))]
 
 
-def lights(frame: Frame) -> int:
+def lights(frame: LightFrame) -> int:
     return sum(row.bit_count() for row in frame.rows)
 
 
-def middle(frame: Frame) -> float:
+def middle(frame: LightFrame) -> float:
     """Half-way between the leftmost and the rightmost light."""
     lit = columns(frame)
     return (lit[0] + lit[-1]) / 2
 
 
-def drawn(*rows: str) -> Frame:
+def drawn(*rows: str) -> LightFrame:
     """A frame of 24 columns as a text shows it."""
-    return Frame(24, tuple(int(row.replace(".", "0").replace("#", "1") or "0", 2) for row in rows))
+    return LightFrame(
+        24, tuple(int(row.replace(".", "0").replace("#", "1") or "0", 2) for row in rows)
+    )
 
 
 # -- the usual matrix -----------------------------------------------------------------------------
@@ -178,8 +180,8 @@ def test_a_blink_changes_the_height_only(emotion: str, x: float) -> None:
 @pytest.mark.toolkit("L9")
 @pytest.mark.parametrize("emotion", MOODS)
 def test_lids_close_to_a_line_and_never_beyond_the_open_eye(emotion: str) -> None:
-    place = layout(USUAL)
-    eyes = eye(place, OPEN)
+    place = eye_layout(USUAL)
+    eyes = draw_eyes(place, OPEN)
     heights = [len({y for _, y in squeezed(eyes, lid)}) for lid in GRID]
     assert heights == sorted(heights)
     assert heights[0] == 1
@@ -206,7 +208,7 @@ def test_a_breakdown_is_a_film_that_ends_with_the_former_face() -> None:
 
 @pytest.mark.toolkit("F7")
 def test_the_film_tells_its_story_in_order() -> None:
-    def still(seconds: float) -> Frame:
+    def still(seconds: float) -> LightFrame:
         return draw(FaceState(crash=seconds), USUAL)
 
     noise = {still(tick / 12 + 0.01) for tick in range(12)}

@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.motion.easing import EASINGS, ease, followed, swell
-from woz_tui.motion.keyframes import KeyFrame, KeyframeMove, Layer, Samples
-from woz_tui.motion.move import Cue, FaceWish
+from woz_tui.motion.easing import EASINGS, ease, low_pass, swell
+from woz_tui.motion.keyframes import KeyFrame, KeyframeMove, LayerSamples, MoveLayer
+from woz_tui.motion.move import FaceChange, SoundCue
 
-HEAD = Layer(
+HEAD = MoveLayer(
     "head",
     (
         KeyFrame(1, {"nod": 10}, easing="linear"),
@@ -22,10 +22,10 @@ HEAD = Layer(
         KeyFrame(4, {"nod": 0, "pan": 0}, easing="linear"),
     ),
 )
-RECORDED = Layer("recorded", samples=Samples(2, roles={"nod": (0, 4, 4, 0)}))
+RECORDED = MoveLayer("recorded", samples=LayerSamples(2, roles={"nod": (0, 4, 4, 0)}))
 
 
-def move(*layers: Layer, beats: bool = False) -> KeyframeMove:
+def move(*layers: MoveLayer, beats: bool = False) -> KeyframeMove:
     return KeyframeMove("test", "a test", layers, beats=beats)
 
 
@@ -54,9 +54,9 @@ def test_a_swell_has_no_edge_even_if_its_ramps_are_longer_than_itself() -> None:
 def test_a_filter_does_not_depend_on_its_steps() -> None:
     value = 0.0
     for _ in range(10):
-        value = followed(value, 1, 0.3, 0.02)
-    assert value == pytest.approx(followed(0, 1, 0.3, 0.2))
-    assert followed(0, 1, 0, 0.02) == 1
+        value = low_pass(value, 1, 0.3, 0.02)
+    assert value == pytest.approx(low_pass(0, 1, 0.3, 0.2))
+    assert low_pass(0, 1, 0, 0.02) == 1
 
 
 def test_a_frame_moves_what_it_names_and_the_rest_stays() -> None:
@@ -73,18 +73,18 @@ def test_before_and_after_it_is_at_its_ends() -> None:
 
 
 def test_a_hold_jumps_at_its_frame() -> None:
-    made = move(Layer("a", (KeyFrame(1, {"nod": 10}, easing="hold"), KeyFrame(2))))
+    made = move(MoveLayer("a", (KeyFrame(1, {"nod": 10}, easing="hold"), KeyFrame(2))))
     assert [nod(made, place) for place in (0, 0.999, 1, 2)] == [0, 0, 10, 10]
 
 
 def test_a_first_frame_at_the_beginning_counts_at_once() -> None:
-    made = move(Layer("a", (KeyFrame(0, {"nod": 6}), KeyFrame(1, {"nod": 8}, easing="linear"))))
+    made = move(MoveLayer("a", (KeyFrame(0, {"nod": 6}), KeyFrame(1, {"nod": 8}, easing="linear"))))
     assert [nod(made, place) for place in (0, 0.5, 1)] == [6, 7, 8]
 
 
 def test_absolute_joints_take_places_and_begin_with_the_first_they_name() -> None:
     frames = (KeyFrame(1, joints={"top": 40}), KeyFrame(2, joints={"top": 60, "neck": 5}))
-    made = move(Layer("a", frames, relative=False))
+    made = move(MoveLayer("a", frames, relative=False))
     assert made.at(0).places == {"top": 40, "neck": 5}
     assert made.at(2).places == {"top": 60, "neck": 5}
     assert made.at(1.5).joints == {}
@@ -100,7 +100,7 @@ def test_layers_play_in_sync_and_are_added() -> None:
 
 @pytest.mark.toolkit("X2")
 def test_a_muted_layer_changes_neither_timing_nor_anything_else() -> None:
-    long = replace(RECORDED, samples=Samples(1, roles={"nod": (5,) * 10}), muted=True)
+    long = replace(RECORDED, samples=LayerSamples(1, roles={"nod": (5,) * 10}), muted=True)
     made = move(HEAD, long)
     assert made.length == 9
     assert [nod(made, place) for place in (0.5, 1, 3)] == [5, 10, 5]
@@ -116,15 +116,17 @@ def test_a_layer_is_blended_by_its_share() -> None:
 
 @pytest.mark.toolkit("X2")
 def test_absolute_layers_are_blended_between_each_other() -> None:
-    low = Layer("low", samples=Samples(1, joints={"top": (10, 10)}), relative=False)
-    high = Layer("high", samples=Samples(1, joints={"top": (50, 50)}), relative=False, share=0.25)
+    low = MoveLayer("low", samples=LayerSamples(1, joints={"top": (10, 10)}), relative=False)
+    high = MoveLayer(
+        "high", samples=LayerSamples(1, joints={"top": (50, 50)}), relative=False, share=0.25
+    )
     assert move(low, high).at(0.5).places == {"top": 20}
     assert move(high).at(0.5).places == {"top": 50}, "there is nothing below to blend with"
 
 
 def moods(*frames: KeyFrame, places: tuple[float, ...]) -> list[tuple[str | None, float | None]]:
-    made = move(Layer("a", frames))
-    faces = [made.at(place).face or FaceWish() for place in places]
+    made = move(MoveLayer("a", frames))
+    faces = [made.at(place).face or FaceChange() for place in places]
     return [(face.emotion, face.intensity) for face in faces]
 
 
@@ -153,23 +155,23 @@ def test_one_emotion_goes_before_the_next_comes() -> None:
 
 def test_eyes_and_lids_come_from_where_they_are_when_nobody_says() -> None:
     frames = (KeyFrame(1), KeyFrame(2, x=0.5, lid=0, easing="linear"))
-    made = move(Layer("a", frames))
+    made = move(MoveLayer("a", frames))
     assert made.at(0.5).face is None
-    assert made.at(1.5).face == FaceWish(x=0.25, lid=0.5)
+    assert made.at(1.5).face == FaceChange(x=0.25, lid=0.5)
 
 
 def test_the_upper_layer_s_face_wins() -> None:
-    low = Layer("low", (KeyFrame(1, emotion="sad", intensity=1, lid=0.2),))
-    high = Layer("high", (KeyFrame(1, emotion="happy", intensity=0.5),))
-    assert move(low, high).at(1).face == FaceWish("happy", 0.5, lid=0.2)
-    assert move(low, replace(high, muted=True)).at(1).face == FaceWish("sad", 1, lid=0.2)
+    low = MoveLayer("low", (KeyFrame(1, emotion="sad", intensity=1, lid=0.2),))
+    high = MoveLayer("high", (KeyFrame(1, emotion="happy", intensity=0.5),))
+    assert move(low, high).at(1).face == FaceChange("happy", 0.5, lid=0.2)
+    assert move(low, replace(high, muted=True)).at(1).face == FaceChange("sad", 1, lid=0.2)
 
 
 def test_sounds_are_cues_in_order_but_for_muted_layers() -> None:
-    one = Layer("one", (KeyFrame(2, sound="/b.wav"), KeyFrame(3)))
-    two = Layer("two", (KeyFrame(1, sound="/a.wav", volume=0.5),), share=0.5)
-    assert move(one, two).cues == (Cue(1, "/a.wav", 0.25), Cue(2, "/b.wav", 1))
-    assert move(one, replace(two, muted=True)).cues == (Cue(2, "/b.wav", 1),)
+    one = MoveLayer("one", (KeyFrame(2, sound="/b.wav"), KeyFrame(3)))
+    two = MoveLayer("two", (KeyFrame(1, sound="/a.wav", volume=0.5),), share=0.5)
+    assert move(one, two).cues == (SoundCue(1, "/a.wav", 0.25), SoundCue(2, "/b.wav", 1))
+    assert move(one, replace(two, muted=True)).cues == (SoundCue(2, "/b.wav", 1),)
 
 
 values = st.lists(st.floats(-90, 90), min_size=1, max_size=20).map(tuple)
@@ -179,7 +181,7 @@ values = st.lists(st.floats(-90, 90), min_size=1, max_size=20).map(tuple)
 def test_samples_stay_between_their_neighbours(
     given_values: tuple[float, ...], rate: float, place: float
 ) -> None:
-    made = move(HEAD, Layer("r", samples=Samples(rate, joints={"top": given_values})))
+    made = move(HEAD, MoveLayer("r", samples=LayerSamples(rate, joints={"top": given_values})))
     value = made.at(place).joints["top"]
     assert min(given_values) - 1e-9 <= value <= max(given_values) + 1e-9
 
@@ -198,7 +200,7 @@ def test_frames_reach_what_they_say_and_do_not_overshoot(
     for seconds, angle, easing in legs:
         at += seconds
         frames.append(KeyFrame(at, {"nod": angle}, easing=easing))
-    made = move(Layer("a", tuple(frames)))
+    made = move(MoveLayer("a", tuple(frames)))
     angles = [0.0, *(angle for _, angle, _ in legs)]
     for frame in frames:
         assert nod(made, frame.at) == pytest.approx(frame.roles["nod"])

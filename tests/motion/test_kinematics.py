@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 
 from tests.motion.chains import bodies, by_matrices, eyepi, missed_deg
 from woz_tui.motion.body_shape import BodyShape, FaceShape
-from woz_tui.motion.kinematics import Chain, outline
+from woz_tui.motion.kinematics import KinematicChain, body_outline
 
 SHAPE = eyepi()
-CHAIN = Chain(SHAPE)
+CHAIN = KinematicChain(SHAPE)
 HOME = {name: joint.home for name, joint in SHAPE.joints.items()}
 # Base to pitch (0.02, 0, 0.04), pitch to middle (0.02, 0, 0.03), middle to top 0.08 forward.
 REFERENCE = {
@@ -62,10 +62,10 @@ def test_reference_poses(pose: str) -> None:
 def test_links_stand_where_matrices_put_them(shape: BodyShape, shares: list[float]) -> None:
     angles = inside(shape, shares)
     places, gaze = by_matrices(shape, angles)
-    points = Chain(shape).points(angles)
+    points = KinematicChain(shape).points(angles)
     assert len(points) == len(shape.joints) + 2
     assert np.abs(np.array(points) - np.array(places)).max() < 1e-9  # metres
-    assert np.abs(np.array(Chain(shape).ray(angles)[1]) - gaze).max() < 1e-9
+    assert np.abs(np.array(KinematicChain(shape).ray(angles)[1]) - gaze).max() < 1e-9
 
 
 @pytest.mark.toolkit("L5")
@@ -87,7 +87,7 @@ def test_what_a_pose_looks_at_is_found_from_any_other(
 def test_five_joints_find_what_they_can_see(
     shape: BodyShape, shares: list[float], far: float
 ) -> None:
-    chain = Chain(shape)
+    chain = KinematicChain(shape)
     eyes, gaze = chain.ray(inside(shape, shares))
     target = tuple(e + far * g for e, g in zip(eyes, gaze, strict=True))
     aim = chain.aim_at((target[0], target[1], target[2]), {})
@@ -100,7 +100,7 @@ def test_five_joints_find_what_they_can_see(
 def test_wherever_the_target_is_the_pose_is_in_range_and_its_error_true(
     shape: BodyShape, target: tuple[float, float, float], begin: list[float]
 ) -> None:
-    chain = Chain(shape)
+    chain = KinematicChain(shape)
     start = inside(shape, begin)
     if math.dist(chain.ray(start)[0], target) < 0.05:
         return
@@ -172,18 +172,18 @@ def test_a_start_out_of_range_or_without_numbers_is_put_in_range() -> None:
 @settings(max_examples=20)
 def test_an_outline_carries_the_whole_chain(shape: BodyShape, shares: list[float]) -> None:
     angles = inside(shape, shares)
-    copy = Chain.of_outline(msgspec.json.decode(msgspec.json.encode(outline(shape))))
-    assert copy.points(angles) == Chain(shape).points(angles)
-    assert copy.ray(angles) == Chain(shape).ray(angles)
+    copy = KinematicChain.of_outline(msgspec.json.decode(msgspec.json.encode(body_outline(shape))))
+    assert copy.points(angles) == KinematicChain(shape).points(angles)
+    assert copy.ray(angles) == KinematicChain(shape).ray(angles)
     assert [(link.name, link.low, link.high, link.home) for link in copy.links] == [
         (name, joint.min, joint.max, joint.home) for name, joint in shape.joints.items()
     ]
 
 
 def test_an_outline_says_how_large_the_face_is() -> None:
-    assert outline(SHAPE)["face"] is None
+    assert body_outline(SHAPE)["face"] is None
     faced = BodyShape(joints=SHAPE.joints, face=FaceShape())
-    assert outline(faced)["face"] == {"width": 24, "height": 16}
+    assert body_outline(faced)["face"] == {"width": 24, "height": 16}
 
 
 @pytest.mark.parametrize(
@@ -199,4 +199,4 @@ def test_an_outline_says_how_large_the_face_is() -> None:
 )
 def test_what_is_no_outline(wrong: Any) -> None:
     with pytest.raises(ValueError, match=r"outline|values to unpack"):
-        Chain.of_outline(wrong)
+        KinematicChain.of_outline(wrong)

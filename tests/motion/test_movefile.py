@@ -10,8 +10,8 @@ import pytest
 import yaml
 
 from tests.motion.heads import EYEPI, FIVE, HEADS
-from woz_tui.motion.keyframes import KeyFrame, KeyframeMove, Layer, Samples
-from woz_tui.motion.move import Cue
+from woz_tui.motion.keyframes import KeyFrame, KeyframeMove, LayerSamples, MoveLayer
+from woz_tui.motion.move import SoundCue
 from woz_tui.motion.move_files import MAIN, MoveFileError, read_folder, read_move, read_moves
 from woz_tui.motion.move_schema import move_schema
 
@@ -60,7 +60,7 @@ layers:
         "greet",
         "hello: nods",
         (
-            Layer(
+            MoveLayer(
                 MAIN,
                 (
                     KeyFrame(0, joints={"top": 60}),
@@ -72,12 +72,12 @@ layers:
                 ),
                 relative=False,
             ),
-            Layer(
+            MoveLayer(
                 "twitch", (KeyFrame(1, joints={"top": -3}),), share=0.5, mix="replace", muted=True
             ),
-            Layer(
+            MoveLayer(
                 "recorded",
-                samples=Samples(
+                samples=LayerSamples(
                     2, joints={"pitch": (0, 1.5, -2), "top": (60, 61, 62)}, face={"lid": (1, 0, 1)}
                 ),
                 relative=False,
@@ -108,7 +108,7 @@ def test_a_name_that_is_both_is_a_role_but_an_angle_of_a_joint_if_absolute(tmp_p
 
 def test_sounds_are_cues(tmp_path: Path) -> None:
     path = written(tmp_path, "frames: [{seconds: 1}, {seconds: 1, sound: /x/a.wav}]")
-    assert read_move(path, EYEPI).cues == (Cue(2, "/x/a.wav"),)
+    assert read_move(path, EYEPI).cues == (SoundCue(2, "/x/a.wav"),)
 
 
 @pytest.mark.parametrize(

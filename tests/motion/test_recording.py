@@ -16,19 +16,19 @@ from tests.motion.heads import EYEPI, FIVE
 from woz_tui.motion.body_shape import Personality
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.engine_io import Tick
-from woz_tui.motion.keyframes import KeyFrame, KeyframeMove, Layer, Samples
+from woz_tui.motion.keyframes import KeyFrame, KeyframeMove, LayerSamples, MoveLayer
 from woz_tui.motion.move_files import MAIN, read_move
-from woz_tui.motion.move_writer import WriteError, save, written
+from woz_tui.motion.move_writer import WriteError, move_text, save
 from woz_tui.motion.puppeteer import (
-    Looks,
+    FaceTarget,
     Puppeteer,
-    Take,
-    blended,
-    laid,
-    muted,
-    rest,
-    trimmed,
-    without,
+    RecordedTake,
+    active_span,
+    trim_layer,
+    with_layer,
+    with_muted,
+    with_share,
+    without_layer,
 )
 from woz_tui.protocol.messages import Json
 
@@ -37,7 +37,7 @@ DT = 0.02
 NODS = KeyframeMove(
     "act",
     "nods slowly",
-    (Layer(MAIN, (KeyFrame(0.5, {"nod": 10}), KeyFrame(1, {"nod": 0}), KeyFrame(2))),),
+    (MoveLayer(MAIN, (KeyFrame(0.5, {"nod": 10}), KeyFrame(1, {"nod": 0}), KeyFrame(2))),),
 )
 EMPTY = KeyframeMove("act", "", ())
 Inputs = list[tuple[float, str, dict[str, Json]]]
@@ -96,13 +96,15 @@ def test_a_second_pass_lies_on_the_first_in_sync() -> None:
     again = played(both, 1.8)
     assert angles(again, "top")[24] == angles(live, "top")[24] == pytest.approx(28.65 + 10)
     assert angles(again, "pitch")[15] == angles(live, "pitch")[15] == 10
-    assert "top" not in (both.layers[1].samples or Samples(1)).joints, "what plays is not the hand"
+    assert "top" not in (both.layers[1].samples or LayerSamples(1)).joints, (
+        "what plays is not the hand"
+    )
 
 
 @pytest.mark.toolkit("X2")
 def test_a_layer_is_redone_without_the_others_being_touched() -> None:
     first = performed(NODS, HAND, 1.8)[0].recorded()
-    quieter = blended(first, "hand", 0.5)
+    quieter = with_share(first, "hand", 0.5)
     again: Inputs = [(0.4, "joints", {"joints": {"pitch": -30}})]
     puppeteer, live = performed(quieter, again, 1.0)
     assert angles(live, "pitch")[10] == 0, "the layer that is redone does not play"
@@ -114,7 +116,7 @@ def test_a_layer_is_redone_without_the_others_being_touched() -> None:
 
 
 def test_what_the_layers_show_is_not_the_hand_s_but_what_the_hand_shows_is() -> None:
-    sad = laid(NODS, Layer("face", (KeyFrame(0.5, emotion="sad", intensity=0.9),)))
+    sad = with_layer(NODS, MoveLayer("face", (KeyFrame(0.5, emotion="sad", intensity=0.9),)))
     layer = performed(sad, [], 1.5)[0].recorded().layers[-1]
     assert layer.frames == () and layer.samples is None
     layer = performed(sad, [(1, "emotion", {"emotion": "angry"})], 1.5)[0].recorded().layers[-1]
@@ -162,12 +164,12 @@ def test_beats_are_recorded_in_beats() -> None:
 
 @given(st.lists(st.floats(0.001, 0.2), min_size=1, max_size=30), st.floats(1, 100))
 def test_samples_do_not_depend_on_when_the_ticks_came(steps: list[float], rate: float) -> None:
-    take, place = Take(rate), 0.0
-    take.moment(0, {"a": 0.0}, Looks())
+    take, place = RecordedTake(rate), 0.0
+    take.moment(0, {"a": 0.0}, FaceTarget())
     for step in steps:
         place += step
-        take.moment(place, {"a": 7 * place}, Looks())
-    values = (take.layer("x").samples or Samples(rate, joints={"a": ()})).joints["a"]
+        take.moment(place, {"a": 7 * place}, FaceTarget())
+    values = (take.layer("x").samples or LayerSamples(rate, joints={"a": ()})).joints["a"]
     for index, value in enumerate(values):
         assert value == pytest.approx(7 * index / rate, abs=0.006)
     assert take.length <= place + 1e-9 < take.length + 1 / rate + 1e-6
@@ -175,25 +177,27 @@ def test_samples_do_not_depend_on_when_the_ticks_came(steps: list[float], rate: 
 
 def test_rest_at_both_ends_is_trimmed() -> None:
     values = (0.0,) * 10 + (1.0, 2.0, 3.0) + (3.0,) * 10
-    layer = Layer("x", (KeyFrame(0.52, emotion="sad"),), Samples(25, joints={"top": values}))
-    start, end = rest(layer)
+    layer = MoveLayer(
+        "x", (KeyFrame(0.52, emotion="sad"),), LayerSamples(25, joints={"top": values})
+    )
+    start, end = active_span(layer)
     assert (start, end) == (8 / 25, 13 / 25)
-    cut = trimmed(layer, start, end)
-    assert cut.samples == Samples(25, joints={"top": (0, 0, 1, 2, 3, 3)})
+    cut = trim_layer(layer, start, end)
+    assert cut.samples == LayerSamples(25, joints={"top": (0, 0, 1, 2, 3, 3)})
     assert cut.frames == (KeyFrame(0.2, emotion="sad"),)
 
 
 def test_what_was_shown_before_a_cut_is_shown_from_the_beginning() -> None:
     frames = (KeyFrame(1, emotion="sad"), KeyFrame(3, emotion="happy"), KeyFrame(9))
-    cut = trimmed(Layer("x", frames), 2, 4)
+    cut = trim_layer(MoveLayer("x", frames), 2, 4)
     assert cut.frames == (KeyFrame(0, emotion="sad"), KeyFrame(1, emotion="happy"))
 
 
 def test_muting_and_leaving_out() -> None:
-    move = laid(NODS, Layer("b", (KeyFrame(1, {"pan": 5}),)))
-    assert muted(move, "b").at(1).roles.get("pan") is None
-    assert muted(muted(move, "b"), "b", False) == move
-    assert without(move, "b") == NODS
+    move = with_layer(NODS, MoveLayer("b", (KeyFrame(1, {"pan": 5}),)))
+    assert with_muted(move, "b").at(1).roles.get("pan") is None
+    assert with_muted(with_muted(move, "b"), "b", False) == move
+    assert without_layer(move, "b") == NODS
 
 
 # -- files --------------------------------------------------------------------------------------
@@ -228,11 +232,15 @@ layers:
 """
     )
     move = read_move(path, FIVE)
-    more = laid(move, Layer("new", samples=Samples(12.5, {"pan": (0.1, -1e-5, 1 / 3)})))
+    more = with_layer(
+        move, MoveLayer("new", samples=LayerSamples(12.5, {"pan": (0.1, -1e-5, 1 / 3)}))
+    )
     save(more, path, FIVE)
     assert read_move(path, FIVE) == more
     text = path.read_text()
-    assert written(read_move(path, FIVE), tmp_path) == text, "writing it once more changes nothing"
+    assert move_text(read_move(path, FIVE), tmp_path) == text, (
+        "writing it once more changes nothing"
+    )
     assert 'sound: "sub/../gong.wav"' in text
 
 
@@ -261,7 +269,7 @@ def test_any_move_is_read_as_it_was_written(
     for (roles, joints, lid), seconds in zip(rows, times, strict=False):
         at = round(at + seconds, 6)
         frames.append(KeyFrame(at, roles, joints, lid=lid))
-    move = KeyframeMove("any", about, (Layer(MAIN, tuple(frames)),))
+    move = KeyframeMove("any", about, (MoveLayer(MAIN, tuple(frames)),))
     path = tmp_path_factory.mktemp("moves") / "any.yaml"
     save(move, path, FIVE)
     assert read_move(path, FIVE) == move
@@ -287,7 +295,9 @@ def test_a_folder_that_is_not_there_is_told(tmp_path: Path) -> None:
 
 def test_a_move_that_is_too_long_for_a_file_is_told(tmp_path: Path) -> None:
     values = tuple(index / 8 for index in range(-720, 720)) * 200
-    move = KeyframeMove("long", "", (Layer("x", samples=Samples(100, joints={"top": values})),))
+    move = KeyframeMove(
+        "long", "", (MoveLayer("x", samples=LayerSamples(100, joints={"top": values})),)
+    )
     with pytest.raises(WriteError, match="more than 1 MiB"):
         save(move, tmp_path / "long.yaml", EYEPI)
     assert list(tmp_path.iterdir()) == []
@@ -295,5 +305,5 @@ def test_a_move_that_is_too_long_for_a_file_is_told(tmp_path: Path) -> None:
 
 def test_layers_of_all_kinds_are_mappings_that_yaml_reads_too(tmp_path: Path) -> None:
     move = performed(NODS, HAND, 1.8)[0].recorded()
-    read: Mapping[str, object] = yaml.safe_load(written(move, tmp_path))
+    read: Mapping[str, object] = yaml.safe_load(move_text(move, tmp_path))
     assert list(read) == ["name", "about", "frames", "layers"]

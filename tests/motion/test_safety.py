@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from tests.motion.chains import bodies, eyepi
 from woz_tui.motion.body_shape import BodyShape, JointShape
-from woz_tui.motion.safety import LONGEST_S, Limits, Safety, guard
+from woz_tui.motion.safety import LONGEST_S, Limits, Safety, limited_setpoint
 
 #: Rounding of a double, as an angle.
 EPS = 1e-6
@@ -233,7 +233,7 @@ def test_what_left_cannot_be_changed_from_outside() -> None:
 
 @given(st.floats(), st.floats(-300, 300), st.floats())
 def test_guard_alone(wanted: float, last: float, elapsed: float) -> None:
-    moved = guard(Limits(-90, 90, 100), last, wanted, elapsed)
+    moved = limited_setpoint(Limits(-90, 90, 100), last, wanted, elapsed)
     assert min(-90, last) <= moved <= max(90, last)
     if math.isfinite(elapsed):
         assert abs(moved - last) <= 100 * max(elapsed, 0.0) + EPS

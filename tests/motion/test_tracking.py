@@ -12,11 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.motion.chains import eyepi, only
+from woz_tui.motion.body_feeds import Sighting
 from woz_tui.motion.body_shape import BodyShape, JointShape, Tracking
-from woz_tui.motion.kinematics import Chain
-from woz_tui.motion.pose_sources import Tracked, Tracker
+from woz_tui.motion.kinematics import KinematicChain
+from woz_tui.motion.pose_sources import ObjectTracker, TrackingResult
 from woz_tui.motion.safety import Safety
-from woz_tui.motion.setpoints import Seen
 
 DT = 0.02
 WIDTH, HEIGHT = 20, 15
@@ -40,15 +40,15 @@ class Scene:
     blob: Callable[[float], tuple[float, float] | None]
     age: float = 0.06
     t: float = 0.0
-    seen: Seen | None = None
-    pending: list[tuple[float, Seen]] = field(default_factory=list)
+    seen: Sighting | None = None
+    pending: list[tuple[float, Sighting]] = field(default_factory=list)
     taken: int = 0
 
     def __post_init__(self) -> None:
-        self.chain = Chain(self.shape)
+        self.chain = KinematicChain(self.shape)
         self.home = {name: joint.home for name, joint in self.shape.joints.items()}
         self.safety = Safety(self.shape.joints, self.home)
-        self.tracker = Tracker(self.shape, self.chain)
+        self.tracker = ObjectTracker(self.shape, self.chain)
         self.tracker.begin(0.0, self.home)
 
     def off(self) -> tuple[float, float] | None:
@@ -71,7 +71,7 @@ class Scene:
         visible = ahead > 0 and abs(x) <= WIDTH / 2 and abs(y) <= HEIGHT / 2
         return (x, y) if visible else None
 
-    def tick(self) -> Tracked:
+    def tick(self) -> TrackingResult:
         self.t += DT
         if self.taken < int(self.t * 32):
             self.taken += 1
@@ -79,14 +79,14 @@ class Scene:
             # Whole pixels, as a blob of one pixel has them.
             x = None if off is None else round(off[0]) / (WIDTH / 2)
             y = None if off is None else round(off[1]) / (HEIGHT / 2)
-            self.pending.append((self.t + self.age, Seen(0, self.taken, x, y, 0.01)))
+            self.pending.append((self.t + self.age, Sighting(0, self.taken, x, y, 0.01)))
         while self.pending and self.pending[0][0] <= self.t:
             self.seen = self.pending.pop(0)[1]
         tracked = self.tracker.step(self.t, self.seen, self.safety.last)
         self.safety.step(tracked.joints, DT)
         return tracked
 
-    def run(self, seconds: float) -> list[Tracked]:
+    def run(self, seconds: float) -> list[TrackingResult]:
         return [self.tick() for _ in range(round(seconds / DT))]
 
 
@@ -210,7 +210,7 @@ def test_moods_by_the_second() -> None:
         lambda t: None if 4 < t < 12 else (20.0, 9.0),
         age=0.0,
     )
-    at: dict[int, Tracked] = {}
+    at: dict[int, TrackingResult] = {}
     sad: list[float] = []
     for tick in range(1, round(15 / DT)):
         tracked = scene.tick()
@@ -265,7 +265,7 @@ def test_who_never_sees_anything_gets_sad_and_goes_home() -> None:
 
 def test_a_camera_that_stands_still_shows_nothing_new() -> None:
     scene = Scene(tracking(eyepi()), hidden)
-    frozen = Seen(0, 7, 0.5, 0.0, 0.1)
+    frozen = Sighting(0, 7, 0.5, 0.0, 0.1)
     moods = [scene.tracker.step(t / 50, frozen, scene.home).emotion for t in range(200)]
     assert moods[0] == "happy"
     assert moods[-1] == "sad"
@@ -286,10 +286,10 @@ def test_whatever_comes_the_pose_is_in_range(
     steps: list[tuple[float, float | None, float | None, float]],
 ) -> None:
     shape = tracking(eyepi())
-    tracker = Tracker(shape, Chain(shape))
+    tracker = ObjectTracker(shape, KinematicChain(shape))
     tracker.begin(0.0, {"pitch": math.nan})
     for frame, (t, x, y, angle) in enumerate(steps):
-        tracked = tracker.step(t, Seen(0, frame, x, y), {"pitch": angle, "top": angle})
+        tracked = tracker.step(t, Sighting(0, frame, x, y), {"pitch": angle, "top": angle})
         assert set(tracked.joints) == set(shape.joints)
         for name, joint in shape.joints.items():
             assert joint.min <= tracked.joints[name] <= joint.max

@@ -8,7 +8,7 @@ from rich.table import Table
 
 from woz_tui.console.text_console import TextConsole
 from woz_tui.motion.body_verbs import CONTROL_KINDS, KINDS
-from woz_tui.motion.modes import BLINKS, BREATHES, TABLE, Kind, Mode, Row
+from woz_tui.motion.modes import BLINKS, BREATHES, MODE_RULES, InputKind, Mode, ModeRule
 
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 120
@@ -63,7 +63,7 @@ def rows() -> list[tuple[str, ...]]:
     """The table's rows: an input, one cell for each mode, the verbs that belong to it, a note."""
     inputs = [
         (kind.value, *(_cell(row, mode) for mode in Mode), _verbs(kind), row.note)
-        for kind, row in TABLE.items()
+        for kind, row in MODE_RULES.items()
     ]
     itself = [
         (name, *("on" if mode in modes else "off" for mode in Mode), "", "by itself")
@@ -76,18 +76,18 @@ def _heads() -> tuple[str, ...]:
     return ("input", *(mode.value for mode in Mode), "verbs and controls", "note")
 
 
-def _cell(row: Row, mode: Mode) -> str:
+def _cell(row: ModeRule, mode: Mode) -> str:
     wizard, program = mode in row.wizard, mode in row.program
     if wizard == program:
         return "yes" if wizard else "no"
     return "wizard" if wizard else "program"
 
 
-def _verbs(kind: Kind) -> str:
-    if kind is Kind.STOP:
+def _verbs(kind: InputKind) -> str:
+    if kind is InputKind.STOP:
         return "mode: normal, stop"
     names = [verb for verb, row in KINDS.items() if row is kind]
     controls = [name for name, row in CONTROL_KINDS.items() if row is kind]
-    joints = ["of each joint"] if kind is Kind.JOINTS else []
+    joints = ["of each joint"] if kind is InputKind.JOINTS else []
     knobs = [*joints, *controls]
     return ", ".join([*names, *([f"control {', '.join(knobs)}"] if knobs else [])])

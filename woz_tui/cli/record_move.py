@@ -25,7 +25,7 @@ from woz_tui.motion.input_script import InputLineError, read_inputs
 from woz_tui.motion.keyframes import KeyframeMove
 from woz_tui.motion.move_files import NAME, NAME_RULE, MoveFileError, read_move
 from woz_tui.motion.move_writer import WriteError, save
-from woz_tui.motion.puppeteer import Puppeteer, blended, muted, without
+from woz_tui.motion.puppeteer import Puppeteer, with_muted, with_share, without_layer
 
 #: Seconds a script's take goes on after the last input.
 AFTER_S = 1.0
@@ -143,13 +143,13 @@ def _changed(move: KeyframeMove, arguments: Namespace) -> KeyframeMove:
             there = f"; there are {', '.join(known)}" if known else ""
             raise RecordError(f"{move.name} has no layer {name!r}{hint(name, known) or there}")
     for name in arguments.mute:
-        move = muted(move, name)
+        move = with_muted(move, name)
     for name in arguments.unmute:
-        move = muted(move, name, False)
+        move = with_muted(move, name, False)
     for name, share in arguments.share:
-        move = blended(move, name, share)
+        move = with_share(move, name, share)
     for name in arguments.drop:
-        move = without(move, name)
+        move = without_layer(move, name)
     return move
 
 

@@ -12,7 +12,7 @@ from typing import BinaryIO
 from woz_tui.drivers.contract import Argument
 from woz_tui.log.log_files import files_of
 from woz_tui.motion.body_shape import BodyShape, FaceShape
-from woz_tui.motion.body_verbs import offered
+from woz_tui.motion.body_verbs import body_verbs
 from woz_tui.protocol import codec
 from woz_tui.system.files import open_regular
 
@@ -62,7 +62,7 @@ def described() -> str:
     shape = BodyShape(joints={}, face=FaceShape())
     rows = [
         (verb.name, ", ".join(map(_argument, verb.arguments)), verb.summary)
-        for verb in offered(shape, ())
+        for verb in body_verbs(shape, ())
     ]
     head = ["| input | arguments | what it does |", "|---|---|---|"]
     return "\n".join(

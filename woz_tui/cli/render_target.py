@@ -15,7 +15,15 @@ from woz_tui.drivers.contract import Driver, RejectedError
 from woz_tui.motion.body_verbs import BRIEF
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.modes import Mode
-from woz_tui.motion.rendering import CUT_OFF, LONGEST_S, Input, RenderedDriver, Score, Step, Tell
+from woz_tui.motion.rendering import (
+    CUT_OFF,
+    LONGEST_S,
+    Input,
+    RenderedDriver,
+    RenderScript,
+    Step,
+    Tell,
+)
 
 IDLE = "idle"
 #: Seconds of `idle` and of the modes that do not end by themselves.
@@ -88,7 +96,9 @@ class Stage:
             return one  # the engine will say what is wrong with it, at its time
         return replace(one, verb=verb, args=args)
 
-    def score(self, name: str, inputs: list[Input], tell: Tell) -> tuple[Score, float | None]:
+    def score(
+        self, name: str, inputs: list[Input], tell: Tell
+    ) -> tuple[RenderScript, float | None]:
         """What `name` stands for, and how long it lasts if it does not end by itself.
 
         A mode, `idle`, something to play or an action, in this order. Raises `RenderError` with
@@ -113,7 +123,7 @@ class Stage:
         else:
             raise self._unknown(name)
         awaited = frozenset(v.name for v in self.spec.verbs if not v.stream) - BRIEF
-        return Score(steps, inputs, awaited), seconds
+        return RenderScript(steps, inputs, awaited), seconds
 
     @property
     def playable(self) -> tuple[str, ...]:

@@ -172,7 +172,7 @@ class Tracking:
     ] = 10.0
 
 
-def by_default() -> dict[str, dict[str, float]]:
+def no_roles() -> dict[str, dict[str, float]]:
     """Without `roles` in the file: none; moves then do what they can without joints."""
     return {}
 
@@ -185,7 +185,7 @@ class BodyShape(Section):
     roles: Annotated[
         dict[str, dict[str, float]],
         Doc("shares of pan, nod, lean and roll by joint: {pan: {neck: 0.5, head: 0.5}}"),
-    ] = field(default_factory=by_default)
+    ] = field(default_factory=no_roles)
     breathing: Annotated[
         dict[str, float], Doc("share of each joint in breathing; 1 is the whole amplitude")
     ] = field(default_factory=dict)

@@ -10,8 +10,8 @@ from collections.abc import Iterable, Mapping
 from woz_tui.drivers.contract import Argument, Verb
 from woz_tui.drivers.fields import Range
 from woz_tui.motion.body_shape import EASINGS, BodyShape
-from woz_tui.motion.knobs import TRAITS
-from woz_tui.motion.modes import Kind, Mode
+from woz_tui.motion.control_scales import TRAITS
+from woz_tui.motion.modes import InputKind, Mode
 from woz_tui.motion.personality import RANGES, SUMMARIES
 
 #: Emotions that a face knows; the first has no intensity. The first six are Oosterkamp's.
@@ -20,36 +20,36 @@ EMOTIONS = ("neutral", "sleepy", "angry", "sad", "happy", "amazed", "friendly", 
 #: of a crash to end.
 BRIEF = frozenset({"emotion"})
 #: Verb -> its row of the table. `mode: normal` is the stop, whatever this says of `mode`.
-KINDS: Mapping[str, Kind] = {
-    "play": Kind.ANIMATION,
-    "pose": Kind.POSE,
-    "poses": Kind.POSE,
-    "home": Kind.POSE,
-    "gaze": Kind.POSE,
-    "nudge": Kind.POSE,
-    "joints": Kind.JOINTS,
-    "emotion": Kind.EMOTION,
-    "affect": Kind.EMOTION,
-    "look": Kind.EYES,
-    "brightness": Kind.FACE,
-    "blink": Kind.FACE,
-    "blinking": Kind.FACE,
-    "breathing": Kind.PERSONALITY,
-    "personality": Kind.PERSONALITY,
-    "mode": Kind.MODE,
+KINDS: Mapping[str, InputKind] = {
+    "play": InputKind.ANIMATION,
+    "pose": InputKind.POSE,
+    "poses": InputKind.POSE,
+    "home": InputKind.POSE,
+    "gaze": InputKind.POSE,
+    "nudge": InputKind.POSE,
+    "joints": InputKind.JOINTS,
+    "emotion": InputKind.EMOTION,
+    "affect": InputKind.EMOTION,
+    "look": InputKind.EYES,
+    "brightness": InputKind.FACE,
+    "blink": InputKind.FACE,
+    "blinking": InputKind.FACE,
+    "breathing": InputKind.PERSONALITY,
+    "personality": InputKind.PERSONALITY,
+    "mode": InputKind.MODE,
 }
 
 #: Controls that every body has, and the row of each; a joint's own control, called as the joint, is
 #: among the joint controls.
-CONTROL_KINDS: Mapping[str, Kind] = {
-    "zoom": Kind.JOINTS,
-    "eye-x": Kind.EYES,
-    "eye-y": Kind.EYES,
-    "intensity": Kind.EMOTION,
-    "valence": Kind.EMOTION,
-    "arousal": Kind.EMOTION,
-    "brightness": Kind.FACE,
-    **dict.fromkeys(TRAITS, Kind.PERSONALITY),
+CONTROL_KINDS: Mapping[str, InputKind] = {
+    "zoom": InputKind.JOINTS,
+    "eye-x": InputKind.EYES,
+    "eye-y": InputKind.EYES,
+    "intensity": InputKind.EMOTION,
+    "valence": InputKind.EMOTION,
+    "arousal": InputKind.EMOTION,
+    "brightness": InputKind.FACE,
+    **dict.fromkeys(TRAITS, InputKind.PERSONALITY),
 }
 
 CONTROLS = tuple(CONTROL_KINDS)
@@ -63,7 +63,7 @@ _SECONDS = Argument("seconds", "seconds", "in how long; empty: as fast as it may
 _EASING = Argument("easing", "choice", "how it gets there", choices=EASINGS)
 
 
-def offered(shape: BodyShape, moves: Iterable[str]) -> tuple[Verb, ...]:
+def body_verbs(shape: BodyShape, moves: Iterable[str]) -> tuple[Verb, ...]:
     """The verbs of a body with these moves."""
     joints = Argument("joints", "joints", "degrees by joint", required=True)
     body = (

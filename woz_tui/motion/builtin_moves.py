@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from woz_tui.motion.easing import Path, along, swell
-from woz_tui.motion.move import Cue, FaceWish, Move, Posture
+from woz_tui.motion.move import FaceChange, Move, Posture, SoundCue
 
 # -- demo -----------------------------------------------------------------------------------------
 # The demo: in 66 seconds everything the robot can show, by itself.
@@ -53,7 +53,7 @@ class Swing:
 
 
 @dataclass(frozen=True, slots=True)
-class Scene:
+class DemoScene:
     """A part of the demo, until the next one begins."""
 
     start: float
@@ -69,7 +69,7 @@ class Scene:
 #: Every role is at rest where one ends.
 DEMO_SCENES = (
     # It nods off, starts up once more, and sinks down.
-    Scene(
+    DemoScene(
         0,
         "falls asleep",
         "sleepy",
@@ -81,7 +81,7 @@ DEMO_SCENES = (
         },
         face={"lid": ((0, 1), (1.8, 0.3), (2.2, 0.9), (3, 0.7), (5, 0))},
     ),
-    Scene(
+    DemoScene(
         5,
         "sleeps",
         "sleepy",
@@ -92,7 +92,7 @@ DEMO_SCENES = (
             Swing("nod", 5, 10, (-2, -2), (0.4, 0.4)),
         ),
     ),
-    Scene(
+    DemoScene(
         10,
         "wakes",
         "sleepy",
@@ -104,7 +104,7 @@ DEMO_SCENES = (
         },
         face={"lid": ((10, 0), (11, 0.5), (11.3, 0.2), (12, 0.8), (12.3, 0.4), (13, 1))},
     ),
-    Scene(
+    DemoScene(
         13,
         "looks round",
         "neutral",
@@ -129,7 +129,7 @@ DEMO_SCENES = (
         },
     ),
     # Tempo and size rise together; no role gets faster than 220 degrees a second.
-    Scene(
+    DemoScene(
         19,
         "dances",
         "happy",
@@ -140,8 +140,8 @@ DEMO_SCENES = (
             Swing("nod", 19, 26, (8, 19), (1.3, 2.1), turn=0.25),
         ),
     ),
-    Scene(26, "calms down", "happy", intensity=((26, 1), (27, 0))),
-    Scene(
+    DemoScene(26, "calms down", "happy", intensity=((26, 1), (27, 0))),
+    DemoScene(
         27,
         "shakes its head and drops it",
         "sad",
@@ -154,7 +154,7 @@ DEMO_SCENES = (
         face={"y": ((27, 0), (33, -0.7)), "lid": ((27, 1), (33, 0.8))},
         swings=(Swing("pan", 27, 32, (16, 9), (0.75, 0.45)),),
     ),
-    Scene(
+    DemoScene(
         33,
         "looks round sadly",
         "sad",
@@ -179,7 +179,7 @@ DEMO_SCENES = (
         },
     ),
     # From sad to angry: it draws itself up first.
-    Scene(
+    DemoScene(
         47,
         "gathers itself",
         "sad",
@@ -191,21 +191,21 @@ DEMO_SCENES = (
         },
         face={"y": ((47, -0.7), (50, 0)), "lid": ((47, 0.8), (48.2, 0.3), (49, 0.8), (50.5, 1))},
     ),
-    Scene(
+    DemoScene(
         51,
         "leans forward angrily",
         "angry",
         intensity=((51, 0), (52.5, 0.8), (54, 1)),
         roles={"lean": ((51, 4), (54, -30)), "nod": ((51, 0), (54, -8))},
     ),
-    Scene(
+    DemoScene(
         54,
         "shakes its head angrily",
         "angry",
         roles={"lean": ((54, -30), (58, -36)), "nod": ((54, -8),)},
         swings=(Swing("pan", 54, 58, (14, 20), (1.6, 2)),),
     ),
-    Scene(
+    DemoScene(
         58,
         "looks round angrily",
         "angry",
@@ -217,7 +217,7 @@ DEMO_SCENES = (
         },
         face={"x": ((58, 0), (58.3, 0.7), (58.8, 0), (59.8, 0), (60.2, -0.7), (60.9, 0))},
     ),
-    Scene(
+    DemoScene(
         64,
         "starts back, comes forward, amazed",
         "amazed",
@@ -236,7 +236,7 @@ def _demo(place: float) -> Posture:
     for swing in scene.swings:
         roles[swing.role] = roles.get(swing.role, 0.0) + swing.at(place)
     features = {name: along(path, place) for name, path in scene.face.items()}
-    face = FaceWish(
+    face = FaceChange(
         emotion=scene.emotion,
         intensity=along(scene.intensity, place),
         x=features.get("x", 0.0),
@@ -265,7 +265,7 @@ class Formula:
     form: Callable[[float], Posture]
     beats: bool = True
     stays: bool = False
-    cues: tuple[Cue, ...] = ()
+    cues: tuple[SoundCue, ...] = ()
 
     def at(self, place: float) -> Posture:
         """What it wants at `place`; before the beginning and after the end as there."""

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 # Values that may be changed at any moment, again and again, without a jump.
 
 
-class Gliding:
+class GlidingValue:
     """Follows its goal as a critically damped spring does: gently off, gently there, not beyond.
 
     A goal that keeps moving (a knob being turned) is followed on the way; a change is done by 95 %
@@ -114,7 +114,7 @@ def swell(place: float, length: float, ramp: float) -> float:
     return smooth(min(1.0, max(0.0, min(place, length - place) / ramp)))
 
 
-def followed(value: float, goal: float, time_constant: float, dt: float) -> float:
+def low_pass(value: float, goal: float, time_constant: float, dt: float) -> float:
     """`value` after it followed `goal` for `dt` seconds as a first-order filter does.
 
     The result does not depend on how `dt` is cut into steps; without a time constant it is there.

@@ -38,7 +38,7 @@ DIRECTIONS: Mapping[str, float] = {
 _DECIMALS = 6
 
 
-def of_affect(valence: float, arousal: float) -> tuple[str, float]:
+def affect_emotion(valence: float, arousal: float) -> tuple[str, float]:
     """The emotion (never friendly or crash) and its intensity, 0..1, of a mood.
 
     Both are clamped to -1..1; the corners of that square have intensity 1 as the circle has.
@@ -62,10 +62,10 @@ def emotion_at(degrees: float) -> str:
     return next(emotion for start, emotion in reversed(SECTORS) if angle >= start)
 
 
-def to_affect(emotion: str, intensity: float) -> tuple[float, float]:
+def emotion_affect(emotion: str, intensity: float) -> tuple[float, float]:
     """Valence and arousal, -1..1, at which knobs stand for an emotion.
 
-    `of_affect` leads back to the same emotion and intensity, but for those that have no sector:
+    `affect_emotion` leads back to the same emotion and intensity, but for those without a sector:
     friendly stands at "pleasant, neither calm nor excited", neutral and crash in the middle.
     """
     direction = DIRECTIONS.get(emotion)

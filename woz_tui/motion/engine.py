@@ -11,19 +11,19 @@ from dataclasses import replace
 
 from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import RejectedError
+from woz_tui.motion.body_feeds import BodyState, Sighting
 from woz_tui.motion.body_shape import BodyShape
-from woz_tui.motion.body_verbs import CONTROL_KINDS, KINDS, offered
-from woz_tui.motion.engine_io import Answer, Ended, Tick
+from woz_tui.motion.body_verbs import CONTROL_KINDS, KINDS, body_verbs
+from woz_tui.motion.engine_io import EndedInput, InputResult, Tick
 from woz_tui.motion.face_drawing import FaceState, draw, prepare
 from woz_tui.motion.joint_control import ARRIVED
-from woz_tui.motion.light_frames import Frame, blank
-from woz_tui.motion.modes import BLINKS, BREATHES, Hand, Kind, Mode, counts
+from woz_tui.motion.light_frames import LightFrame, blank
+from woz_tui.motion.modes import BLINKS, BREATHES, InputKind, Mode, Operator, is_accepted
 from woz_tui.motion.move import Move
-from woz_tui.motion.pose_blending import Breath
-from woz_tui.motion.pose_sources import Line, Moment, Saccade
-from woz_tui.motion.safety import number
-from woz_tui.motion.setpoints import Seen, State
-from woz_tui.motion.verb_handlers import Args, Orders
+from woz_tui.motion.pose_blending import Breathing
+from woz_tui.motion.pose_sources import LinearMotion, SaccadeFollowing, SourceContext
+from woz_tui.motion.safety import finite_number
+from woz_tui.motion.verb_handlers import Args, VerbHandlers
 from woz_tui.protocol.messages import Json
 
 #: Time that counts between two ticks at most, in seconds; whoever slept longer goes on from there.
@@ -35,7 +35,7 @@ EXACT = frozenset({Mode.TRACKING, Mode.SACCADE})
 SACCADE_BREATH = 0.3
 
 
-class Engine(Orders):
+class Engine(VerbHandlers):
     """One body.
 
     Args:
@@ -54,9 +54,9 @@ class Engine(Orders):
         present: Mapping[str, float] | None = None,
     ) -> None:
         super().__init__(shape, moves, seed, present)
-        self._verbs = {verb.name: verb for verb in offered(shape, moves)}
-        self._breath = Breath(shape)
-        self._seen: Seen | None = None
+        self._verbs = {verb.name: verb for verb in body_verbs(shape, moves)}
+        self._breath = Breathing(shape)
+        self._seen: Sighting | None = None
         self._frozen = ""
         self._t: float | None = None
         self._notices: list[str] = []
@@ -64,14 +64,16 @@ class Engine(Orders):
         self._rejected: frozenset[str] = frozenset()
         self._wanted: Mapping[str, float] = dict(self._safety.last)
         self._drawn: FaceState | None = None
-        self._frame: Frame | None = None
+        self._frame: LightFrame | None = None
         if shape.face is not None:
             prepare(shape.face)
             self._frame = blank(shape.face.width, shape.face.height)
 
     # -- inputs ---------------------------------------------------------------------------------
 
-    def apply(self, verb: str, args: Mapping[str, Json], hand: Hand = Hand.WIZARD) -> Answer:
+    def apply(
+        self, verb: str, args: Mapping[str, Json], hand: Operator = Operator.WIZARD
+    ) -> InputResult:
         """Do what somebody wants, from the next tick on.
 
         Raises `RejectedError`, and nothing else, if that makes no sense or does not count now; then
@@ -86,31 +88,31 @@ class Engine(Orders):
 
     def learn(self, moves: Mapping[str, Move]) -> None:
         """Play these moves from now on; one under way goes on as it began."""
-        self._verbs = {verb.name: verb for verb in offered(self._shape, moves)}
+        self._verbs = {verb.name: verb for verb in body_verbs(self._shape, moves)}
         self._moves = moves
 
-    def _apply(self, verb: str, args: Mapping[str, Json], hand: Hand) -> Answer:
+    def _apply(self, verb: str, args: Mapping[str, Json], hand: Operator) -> InputResult:
         read = self._checked(verb, args)
         if verb == "control":
-            kind = CONTROL_KINDS.get(read["control"], Kind.JOINTS)
+            kind = CONTROL_KINDS.get(read["control"], InputKind.JOINTS)
         else:
-            kind = Kind.STOP if read.get("mode") == Mode.NORMAL.value else KINDS[verb]
+            kind = InputKind.STOP if read.get("mode") == Mode.NORMAL.value else KINDS[verb]
         if self._frozen:
             raise RejectedError(
                 f"the robot stands still ({self._frozen})", "release the stop first"
             )
         mode = self._steering.mode
-        if counts(kind, mode, hand):
+        if is_accepted(kind, mode, hand):
             return self._acts[verb](read)
-        if verb == "control" and kind is Kind.JOINTS and hand is Hand.WIZARD:
+        if verb == "control" and kind is InputKind.JOINTS and hand is Operator.WIZARD:
             answer = self._acts[verb](read)
-            return Answer({**answer.sent, "waits": Mode.NORMAL.value})
-        what = "a change of mode" if kind is Kind.MODE else kind.value
+            return InputResult({**answer.sent, "waits": Mode.NORMAL.value})
+        what = "a change of mode" if kind is InputKind.MODE else kind.value
         raise RejectedError(f"the mode {mode.value} ignores {what}", "mode: normal ends it")
 
     def _checked(self, verb: object, args: object) -> Args:
         """The arguments as the verb has them. Of angles, those that make no sense are left out by
-        `Orders` and named, so that the other joints move.
+        `VerbHandlers` and named, so that the other joints move.
         """
         found = self._verbs.get(verb) if isinstance(verb, str) else None
         if found is None:
@@ -129,7 +131,7 @@ class Engine(Orders):
         except ArgumentError as error:
             raise RejectedError(str(error)) from None
 
-    def see(self, seen: Seen | None) -> None:
+    def see(self, seen: Sighting | None) -> None:
         """What the camera saw last."""
         self._seen = seen
 
@@ -196,7 +198,7 @@ class Engine(Orders):
         )
 
     def _advance(self, t: float) -> float:
-        time = number(t)
+        time = finite_number(t)
         if time is None:
             return 0.0
         before, self._t = self._t, time
@@ -207,7 +209,7 @@ class Engine(Orders):
     def _move(self, dt: float) -> None:
         steering, character = self._steering, self._character
         character.step(dt, steering.mode in EXACT)
-        moment = Moment(
+        moment = SourceContext(
             dt,
             self._now,
             steering.base,
@@ -250,7 +252,11 @@ class Engine(Orders):
             if not self._frozen:
                 face.lead(steering.primary.wish)
                 primary = steering.primary
-                face.led = primary.eyes(self._safety.last) if isinstance(primary, Saccade) else None
+                face.led = (
+                    primary.eyes(self._safety.last)
+                    if isinstance(primary, SaccadeFollowing)
+                    else None
+                )
                 face.step(dt, self._character, steering.mode in BLINKS)
             if shape is None:
                 return
@@ -282,7 +288,7 @@ class Engine(Orders):
             self._rejected = frozenset(rejected)
             self._notices += [f"{name} stays where it is: {why}" for name, why in new.items()]
 
-    def _ended(self) -> tuple[Ended, ...]:
+    def _ended(self) -> tuple[EndedInput, ...]:
         return (*self._steering.ended(), *self._face.ended())
 
     def _told(self) -> tuple[str, ...]:
@@ -308,11 +314,11 @@ class Engine(Orders):
         or where a gaze or a pose has led so far.
         """
         steering = self._steering
-        return dict(steering.here if isinstance(steering.primary, Line) else steering.base)
+        return dict(steering.here if isinstance(steering.primary, LinearMotion) else steering.base)
 
-    def state(self) -> State:
+    def state(self) -> BodyState:
         """What a control panel must know to agree with the body."""
-        return State(
+        return BodyState(
             controls=self._places(),
             mode=self._steering.mode.value,
             emotion=self._face.shown[0],

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from woz_tui.motion.light_frames import Frame
+from woz_tui.motion.light_frames import LightFrame
 from woz_tui.motion.modes import Mode
-from woz_tui.motion.move import Cue
+from woz_tui.motion.move import SoundCue
 from woz_tui.protocol.messages import Json
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class InputResult:
     """What became of an input.
 
     `sent` is what was really taken, after clamping. An input that takes time has a `token`, which
@@ -25,7 +25,7 @@ class Answer:
 
 
 @dataclass(frozen=True, slots=True)
-class Ended:
+class EndedInput:
     """An input that took time is over; `why` is empty if it came to its own end."""
 
     token: int
@@ -46,10 +46,10 @@ class Tick:
     mode: Mode
     emotion: str
     intensity: float
-    face: Frame | None = None
+    face: LightFrame | None = None
     brightness: float = 1.0
     move: str = ""
-    ended: tuple[Ended, ...] = ()
-    cues: tuple[Cue, ...] = ()
+    ended: tuple[EndedInput, ...] = ()
+    cues: tuple[SoundCue, ...] = ()
     #: Sentences for the wizard: why a mode ended, what a value was replaced by.
     notices: tuple[str, ...] = ()

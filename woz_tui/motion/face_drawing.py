@@ -14,7 +14,7 @@ from functools import lru_cache
 from woz_tui.motion.body_shape import FaceShape
 from woz_tui.motion.body_verbs import EMOTIONS
 from woz_tui.motion.emotions import NEUTRAL
-from woz_tui.motion.light_frames import Frame
+from woz_tui.motion.light_frames import LightFrame
 
 # -- glyphs ---------------------------------------------------------------------------------------
 # Letters of five rows for faces that have something to say.
@@ -37,7 +37,7 @@ GLYPHS: Mapping[str, str] = {
 }
 
 
-def written(text: str, *, scale: int = 1) -> frozenset[tuple[int, int]]:
+def text_lights(text: str, *, scale: int = 1) -> frozenset[tuple[int, int]]:
     """The lights of a text, from (0, 0); letters that are not in `GLYPHS` are left blank."""
     lights: set[tuple[int, int]] = set()
     left = 0
@@ -59,7 +59,7 @@ def written(text: str, *, scale: int = 1) -> frozenset[tuple[int, int]]:
 
 
 def width_of(text: str, *, scale: int = 1) -> int:
-    """How many columns `written` takes, with the blank one after the last letter."""
+    """How many columns `text_lights` takes, with the blank one after the last letter."""
     columns = (len(GLYPHS.get(letter, GLYPHS[" "]).split()[0]) + 1 for letter in text)
     return sum(columns) * scale
 
@@ -85,7 +85,7 @@ _SHORTEST_BROW = 0.33
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
+class EyeShape:
     """How an emotion at its strongest shapes an eye; lengths in radii of the open eye.
 
     Attributes:
@@ -119,30 +119,30 @@ class Look:
     brow_slant: float = 0.0
     smile: float = 0.0
 
-    def towards(self, other: Look, share: float) -> Look:
+    def towards(self, other: EyeShape, share: float) -> EyeShape:
         """The look `share` (0..1) of the way to `other`; brows grow where they will be."""
         mine = {field.name: getattr(self, field.name) for field in fields(self)}
-        between = Look(
+        between = EyeShape(
             **{name: value + (getattr(other, name) - value) * share for name, value in mine.items()}
         )
         return replace(between, brow_height=other.brow_height, brow_slant=other.brow_slant)
 
 
-OPEN = Look()
+OPEN = EyeShape()
 
-LOOKS: Mapping[str, Look] = {
+EYE_SHAPES: Mapping[str, EyeShape] = {
     "neutral": OPEN,
-    "sleepy": Look(lid=0.6, bulge=0.75, wide=1.25, drop=0.33),
-    "angry": Look(lid=-0.2, slant=-0.75, brow=1.0, brow_height=-1.1, brow_slant=-0.75),
-    "sad": Look(lid=-0.3, slant=0.6, drop=0.33, brow=1.0, brow_height=-1.2, brow_slant=0.5),
-    "happy": Look(cheek=-0.35, tall=1.1, wide=1.25),
-    "amazed": Look(wide=1.4, tall=1.4, hole=0.55, brow=0.7, brow_height=-2.0),
-    "friendly": Look(wide=1.1, tall=1.35, spark=0.45, smile=0.9),
+    "sleepy": EyeShape(lid=0.6, bulge=0.75, wide=1.25, drop=0.33),
+    "angry": EyeShape(lid=-0.2, slant=-0.75, brow=1.0, brow_height=-1.1, brow_slant=-0.75),
+    "sad": EyeShape(lid=-0.3, slant=0.6, drop=0.33, brow=1.0, brow_height=-1.2, brow_slant=0.5),
+    "happy": EyeShape(cheek=-0.35, tall=1.1, wide=1.25),
+    "amazed": EyeShape(wide=1.4, tall=1.4, hole=0.55, brow=0.7, brow_height=-2.0),
+    "friendly": EyeShape(wide=1.1, tall=1.35, spark=0.45, smile=0.9),
 }
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class EyeLayout:
     """Where the eyes are: columns of their middles (left one first, as seen from the front), row
     of both, radius. Whatever a file says, an open eye lies inside the matrix and beside the other.
     """
@@ -155,7 +155,7 @@ class Layout:
 
 
 @lru_cache(maxsize=32)
-def layout(shape: FaceShape) -> Layout:
+def eye_layout(shape: FaceShape) -> EyeLayout:
     """The eyes' places on this matrix."""
     right_edge, lower_edge = shape.width - 1.0, shape.height - 1.0
     quarter = shape.width / 4
@@ -166,7 +166,7 @@ def layout(shape: FaceShape) -> Layout:
     half = (shape.height - 2) / 2
     row = _within(half if shape.eye_row is None else shape.eye_row, 1.0, lower_edge - 1.0)
     room = min(left, right_edge - right, (right - left - 1) / 2, row, lower_edge - row)
-    return Layout(shape.width, shape.height, (left, right), row, min(shape.eye_radius, room))
+    return EyeLayout(shape.width, shape.height, (left, right), row, min(shape.eye_radius, room))
 
 
 # -- drawing ------------------------------------------------------------------------------------
@@ -175,13 +175,13 @@ def layout(shape: FaceShape) -> Layout:
 Test = Callable[[float, float], bool]
 
 
-def pair(place: Layout, test: Test) -> Lights:
+def pair(place: EyeLayout, test: Test) -> Lights:
     """Both eyes' lights: the same on both sides of the nose."""
     left, right = place.columns
     return _lights(place, left, -1, test) | _lights(place, right, 1, test)
 
 
-def _lights(place: Layout, column: float, out: int, test: Test) -> Lights:
+def _lights(place: EyeLayout, column: float, out: int, test: Test) -> Lights:
     """One eye's; `out` is the direction away from the nose. Nothing beyond the nose or matrix."""
     nose = sum(place.columns) / 2
     return frozenset(
@@ -193,7 +193,7 @@ def _lights(place: Layout, column: float, out: int, test: Test) -> Lights:
 
 
 @lru_cache(maxsize=64)
-def _around(place: Layout, column: float) -> tuple[Light, ...]:
+def _around(place: EyeLayout, column: float) -> tuple[Light, ...]:
     """The matrix's lights to which an eye in this column may reach with its brow."""
     reach = math.ceil(_FARTHEST * place.radius)
     across = range(max(0, int(column) - reach), min(place.width, int(column) + reach + 2))
@@ -201,7 +201,7 @@ def _around(place: Layout, column: float) -> tuple[Light, ...]:
     return tuple((x, y) for x in across for y in down)
 
 
-def eye(place: Layout, look: Look) -> Lights:
+def draw_eyes(place: EyeLayout, look: EyeShape) -> Lights:
     """Both eyes without brows."""
     rim = 1 + _ROUND / place.radius
     wide, tall = look.wide - 1 + rim, look.tall - 1 + rim
@@ -218,7 +218,7 @@ def eye(place: Layout, look: Look) -> Lights:
     return pair(place, lit) - _sparks(place, look)
 
 
-def _sparks(place: Layout, look: Look) -> Lights:
+def _sparks(place: EyeLayout, look: EyeShape) -> Lights:
     """Reflected light falls from one side, so it is not mirrored."""
     if look.spark <= 0:
         return frozenset()
@@ -231,7 +231,7 @@ def _sparks(place: Layout, look: Look) -> Lights:
     )
 
 
-def brows(place: Layout, look: Look) -> Lights:
+def draw_brows(place: EyeLayout, look: EyeShape) -> Lights:
     """Both brows; a brow is one light thick for each three of the eye's radius, at least one."""
     if look.brow < _SHORTEST_BROW:
         return frozenset()
@@ -244,7 +244,7 @@ def brows(place: Layout, look: Look) -> Lights:
     return pair(place, lit)
 
 
-def mouth(place: Layout, look: Look) -> Lights:
+def draw_mouth(place: EyeLayout, look: EyeShape) -> Lights:
     """A smile: an arc whose ends are higher than its middle."""
     if look.smile <= 0:
         return frozenset()
@@ -257,13 +257,13 @@ def mouth(place: Layout, look: Look) -> Lights:
     )
 
 
-def frame_of(place: Layout, lights: Iterable[Light]) -> Frame:
+def frame_of(place: EyeLayout, lights: Iterable[Light]) -> LightFrame:
     """The picture of these lights; those outside the matrix are left out."""
     rows = [0] * place.height
     for x, y in lights:
         if 0 <= x < place.width and 0 <= y < place.height:
             rows[y] |= 1 << (place.width - 1 - x)
-    return Frame(place.width, tuple(rows))
+    return LightFrame(place.width, tuple(rows))
 
 
 # -- crash ----------------------------------------------------------------------------------------
@@ -284,7 +284,7 @@ _SCROLL_HZ = 24
 _ERROR, _RESETTING = "ERROR!", "RESETTING...."
 
 
-def cross(place: Layout) -> Lights:
+def cross(place: EyeLayout) -> Lights:
     """Two crosses where the eyes are, as large as they."""
     half = max(1.0, place.radius / 3) / place.radius / 2
 
@@ -295,7 +295,7 @@ def cross(place: Layout) -> Lights:
     return pair(place, lit)
 
 
-def film(place: Layout, seconds: float) -> Lights:
+def crash_film(place: EyeLayout, seconds: float) -> Lights:
     """The lights at a moment; before the beginning as at it, dark from `CRASH_S` on."""
     left = max(0.0, seconds) if math.isfinite(seconds) else 0.0
     for length, scene in SCENES:
@@ -305,35 +305,38 @@ def film(place: Layout, seconds: float) -> Lights:
     return frozenset()
 
 
-def _noise(place: Layout, seconds: float) -> Lights:
+def _noise(place: EyeLayout, seconds: float) -> Lights:
     return _noisy(place, int(seconds * _NOISE_HZ))
 
 
 @lru_cache(maxsize=64)
-def _noisy(place: Layout, number: int) -> Lights:
+def _noisy(place: EyeLayout, number: int) -> Lights:
     """Half of the lights, others in each picture; the first ones leave some of the eyes."""
     chance = random.Random(number)
     everywhere = [(x, y) for x in range(place.width) for y in range(place.height)]
     share = min(0.5, 0.1 * (number + 1))
-    return eye(place, OPEN) ^ frozenset(light for light in everywhere if chance.random() < share)
+    return draw_eyes(place, OPEN) ^ frozenset(
+        light for light in everywhere if chance.random() < share
+    )
 
 
-def _crosses(place: Layout, seconds: float) -> Lights:
+def _crosses(place: EyeLayout, seconds: float) -> Lights:
     return cross(place) if seconds * _CROSS_HZ % 1 < 0.6 else frozenset()
 
 
-def _wander(place: Layout, seconds: float) -> Lights:
+def _wander(place: EyeLayout, seconds: float) -> Lights:
     """Each eye goes its own way round, as after too many turns."""
     angle = seconds * _WANDER_HZ * math.tau
     room = min(_WANDER_REACH * place.radius, *_room(place))
     across, down = round(room * math.sin(angle)), round(room * (1 - math.cos(angle)) / 2)
     nose = sum(place.columns) / 2
     return frozenset(
-        (x + across, y + down) if x < nose else (x - across, y - down) for x, y in eye(place, OPEN)
+        (x + across, y + down) if x < nose else (x - across, y - down)
+        for x, y in draw_eyes(place, OPEN)
     )
 
 
-def _room(place: Layout) -> tuple[float, float, float]:
+def _room(place: EyeLayout) -> tuple[float, float, float]:
     """Lights between the eyes and the edges: sideways, above and below."""
     radius = math.ceil(place.radius)
     left, right = place.columns
@@ -345,7 +348,7 @@ def _room(place: Layout) -> tuple[float, float, float]:
     )
 
 
-def _error(place: Layout, seconds: float) -> Lights:
+def _error(place: EyeLayout, seconds: float) -> Lights:
     """`ERROR!`, blinking, if it fits; else it passes by."""
     scale = max(1, min(place.width // width_of(_ERROR), place.height // HEIGHT))
     if width_of(_ERROR, scale=scale) > place.width + 1:
@@ -354,7 +357,7 @@ def _error(place: Layout, seconds: float) -> Lights:
     return _text(place, _ERROR, left, scale) if seconds * _ERROR_HZ % 1 < 0.75 else frozenset()
 
 
-def _pong(place: Layout, seconds: float) -> Lights:
+def _pong(place: EyeLayout, seconds: float) -> Lights:
     """Two bats and a ball; at the end the right one misses it."""
     right, low = place.width - 1, place.height - 1
     ball_x = _bouncing(seconds * place.width * 0.8 + place.width / 2, right)
@@ -377,21 +380,23 @@ def _bouncing(way: float, last: int) -> int:
     return round(min(folded, 2 * last - folded))
 
 
-def _resetting(place: Layout, seconds: float) -> Lights:
+def _resetting(place: EyeLayout, seconds: float) -> Lights:
     return _passing(place, _RESETTING, seconds / RESETTING_S)
 
 
-def _passing(place: Layout, text: str, share: float) -> Lights:
+def _passing(place: EyeLayout, text: str, share: float) -> Lights:
     """A text that comes in at the right and goes out at the left, `share` of its way."""
     scale = max(1, min(2, (place.height - 2) // HEIGHT))
     way = place.width + width_of(text, scale=scale)
     return _text(place, text, place.width - round(share * way), scale)
 
 
-def _text(place: Layout, text: str, left: int, scale: int) -> Lights:
+def _text(place: EyeLayout, text: str, left: int, scale: int) -> Lights:
     top = (place.height - HEIGHT * scale) // 2
     return frozenset(
-        (x + left, y + top) for x, y in written(text, scale=scale) if 0 <= x + left < place.width
+        (x + left, y + top)
+        for x, y in text_lights(text, scale=scale)
+        if 0 <= x + left < place.width
     )
 
 
@@ -399,7 +404,7 @@ ERROR_S, PONG_S = 2.0, 2.5
 RESETTING_S = (24 + width_of(_RESETTING, scale=2)) / _SCROLL_HZ
 
 #: The film: how long each scene is, in seconds, and what draws it.
-SCENES: tuple[tuple[float, Callable[[Layout, float], Lights]], ...] = (
+SCENES: tuple[tuple[float, Callable[[EyeLayout, float], Lights]], ...] = (
     (1.0, _noise),
     (1.5, _crosses),
     (2.0, _wander),
@@ -442,11 +447,11 @@ class FaceState:
     crash: float | None = None
 
 
-def draw(state: FaceState, shape: FaceShape) -> Frame:
+def draw(state: FaceState, shape: FaceShape) -> LightFrame:
     """The picture of a state. Values out of range are clamped, NaN is the value at rest."""
-    place = layout(shape)
+    place = eye_layout(shape)
     if state.crash is not None and not state.crash >= CRASH_S:
-        return frame_of(place, film(place, state.crash))
+        return frame_of(place, crash_film(place, state.crash))
     step = round(_within(state.intensity, 0.0, 1.0) * STEPS)
     eyes, rest = _grown(place, state.emotion)[step]
     closing = squeezed(eyes, _within(state.lid, 0.0, 1.0, 1.0))
@@ -457,7 +462,7 @@ def draw(state: FaceState, shape: FaceShape) -> Frame:
 def prepare(shape: FaceShape) -> None:
     """Work out every emotion's pictures now, so that no later `draw` takes longer than others."""
     for emotion in EMOTIONS:
-        _grown(layout(shape), emotion)
+        _grown(eye_layout(shape), emotion)
 
 
 def _within(value: float, low: float, high: float, otherwise: float = 0.0) -> float:
@@ -471,7 +476,7 @@ Parts = tuple[Lights, Lights]
 
 
 @lru_cache(maxsize=64)
-def _grown(place: Layout, emotion: str) -> tuple[Parts, ...]:
+def _grown(place: EyeLayout, emotion: str) -> tuple[Parts, ...]:
     """An emotion's pictures from neutral to its strongest, `STEPS + 1` of them.
 
     Each light changes once at most on the way: a stronger emotion is never nearer to neutral.
@@ -492,13 +497,13 @@ def _settled(now: Lights, stage: Lights, last: Lights) -> Lights:
     return (now | (stage & last)) - ((now - stage) - last)
 
 
-def _parts(place: Layout, emotion: str, share: float) -> Parts:
+def _parts(place: EyeLayout, emotion: str, share: float) -> Parts:
     """What the table says of an emotion that is `share` (0..1) strong, inside the matrix."""
     if emotion == "crash":
-        eyes, rest = (cross(place) if share >= 0.5 else eye(place, OPEN)), frozenset[Light]()
+        eyes, rest = (cross(place) if share >= 0.5 else draw_eyes(place, OPEN)), frozenset[Light]()
     else:
-        look = OPEN.towards(LOOKS.get(emotion, OPEN), share)
-        eyes, rest = eye(place, look), brows(place, look) | mouth(place, look)
+        look = OPEN.towards(EYE_SHAPES.get(emotion, OPEN), share)
+        eyes, rest = draw_eyes(place, look), draw_brows(place, look) | draw_mouth(place, look)
     inside = frozenset((x, y) for x in range(place.width) for y in range(place.height))
     return eyes & inside, rest & inside
 
@@ -515,7 +520,7 @@ def squeezed(eyes: Lights, lid: float) -> Lights:
     return frozenset((x, middle + round((y - middle) * lid)) for x, y in eyes)
 
 
-def _gaze(place: Layout, lights: Lights, state: FaceState) -> Light:
+def _gaze(place: EyeLayout, lights: Lights, state: FaceState) -> Light:
     """By how many columns and rows the face moves; none of it leaves the matrix."""
     if not lights:
         return 0, 0

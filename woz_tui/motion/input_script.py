@@ -11,9 +11,9 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from woz_tui.config.problems import nearest
-from woz_tui.motion.modes import Hand, hand_of
+from woz_tui.motion.modes import Operator, operator_of
 from woz_tui.motion.rendering import BEYOND_VERBS, FREEZE, RESUME, Input
-from woz_tui.motion.safety import number
+from woz_tui.motion.safety import finite_number
 
 #: Ends of commands that may never have begun.
 _NEVER_BEGAN = frozenset({"command.refused", "command.superseded", "command.stopped"})
@@ -55,7 +55,7 @@ class _Reader:
     def __init__(self, verbs: tuple[str, ...], body: str) -> None:
         self._verbs = verbs
         self._body = body
-        self._hand = Hand.WIZARD
+        self._hand = Operator.WIZARD
         self._found: list[Input] = []
         self._last = 0.0
         #: Commands of a log: id -> when and what was asked, and when it began.
@@ -110,8 +110,8 @@ class _Reader:
         self._found.append(Input(self._last, verb, read, hand, place))
 
     @staticmethod
-    def _hand_of(place: str, said: object) -> Hand:
-        for hand in Hand:
+    def _hand_of(place: str, said: object) -> Operator:
+        for hand in Operator:
             if said == hand.value:
                 return hand
         raise InputLineError(f'{place}: "hand" is wizard or program, not {_shown(said)}')
@@ -137,7 +137,7 @@ class _Reader:
             return
         if not isinstance(args, dict):
             raise InputLineError(f'{place}: "args" is a mapping of arguments')
-        hand = hand_of(str(read.get("source")))
+        hand = operator_of(str(read.get("source")))
         self._asked[str(read.get("command"))] = Input(
             self._seconds(place, read), str(verb), args, hand, place
         )
@@ -154,7 +154,7 @@ class _Reader:
 
 def _time(value: Any) -> float | None:
     """A number from 0 up, or None."""
-    found = number(value)
+    found = finite_number(value)
     return None if found is None or found < 0 else found
 
 

@@ -10,19 +10,19 @@ from collections.abc import Mapping, Sequence
 
 from woz_tui.motion.body_shape import BodyShape
 from woz_tui.motion.easing import EASE
-from woz_tui.motion.engine_io import Ended
+from woz_tui.motion.engine_io import EndedInput
 from woz_tui.motion.modes import Mode
-from woz_tui.motion.move import Cue, Move
-from woz_tui.motion.pose_blending import Fade, Shaping
+from woz_tui.motion.move import Move, SoundCue
+from woz_tui.motion.pose_blending import CrossFade, PoseFilter
 from woz_tui.motion.pose_sources import (
     Hold,
-    Line,
-    Moment,
-    Playing,
-    Primary,
+    LinearMotion,
+    MovePlayback,
+    PoseSource,
+    SourceContext,
     legs_of,
 )
-from woz_tui.motion.safety import number
+from woz_tui.motion.safety import finite_number
 
 # -- stance ---------------------------------------------------------------------------------------
 # The pose that people want: one angle for each joint, and the zoom on top of them.
@@ -31,7 +31,7 @@ from woz_tui.motion.safety import number
 # where the body returns to when a mode ends.
 
 
-class Stance:
+class DesiredPose:
     """The pose wanted, in degrees.
 
     `zoom` moves several joints together by shares of one angle; when the first of them reaches
@@ -108,15 +108,15 @@ class Stance:
         return min(0.0, low), max(0.0, high)
 
 
-def found(shape: BodyShape, present: Mapping[str, float] | None) -> dict[str, float]:
+def known_angles(shape: BodyShape, present: Mapping[str, float] | None) -> dict[str, float]:
     """Where the joints are, as far as that is known: those of the body, finite angles only."""
-    angles = {name: number(angle) for name, angle in (present or {}).items()}
+    angles = {name: finite_number(angle) for name, angle in (present or {}).items()}
     return {name: a for name, a in angles.items() if name in shape.joints and a is not None}
 
 
-def beginning(shape: BodyShape, present: Mapping[str, float] | None = None) -> dict[str, float]:
+def start_pose(shape: BodyShape, present: Mapping[str, float] | None = None) -> dict[str, float]:
     """The pose to begin with: where the joints are, as far as that is known, else their start."""
-    known = found(shape, present)
+    known = known_angles(shape, present)
     return {
         name: joint.within(known.get(name, joint.home if joint.start is None else joint.start))
         for name, joint in shape.joints.items()
@@ -132,7 +132,7 @@ RETURN_S = 1.0
 ARRIVED, PATIENCE_S = 0.5, 2.0
 
 
-class Steering:
+class JointController:
     """Wants one pose at a time, in degrees.
 
     Attributes:
@@ -145,24 +145,24 @@ class Steering:
     def __init__(
         self,
         shape: BodyShape,
-        shaping: Shaping,
+        shaping: PoseFilter,
         pose: Mapping[str, float],
     ) -> None:
         self.mode = Mode.NORMAL
-        self.stance = Stance(shape, pose)
-        self.primary: Primary = Hold()
+        self.stance = DesiredPose(shape, pose)
+        self.primary: PoseSource = Hold()
         self.here: dict[str, float] = dict(self.stance.pose)
         self.easing = shape.easing
         self._shape = shape
         self._shaping = shaping
-        self._fade = Fade(shape.crossfade)
+        self._fade = CrossFade(shape.crossfade)
         self._fresh = False
         #: The pose in which a mode began; it does not follow the controls.
         self._base: Mapping[str, float] | None = None
         self._lagging: Mapping[str, float] = {}
         self._waited = 0.0
-        self._ended: list[Ended] = []
-        self._cues: tuple[Cue, ...] = ()
+        self._ended: list[EndedInput] = []
+        self._cues: tuple[SoundCue, ...] = ()
         self.notices: list[str] = []
 
     # -- what people want -----------------------------------------------------------------------
@@ -175,7 +175,7 @@ class Steering:
     @property
     def move(self) -> str:
         """The move being played, or empty."""
-        return self.primary.name if isinstance(self.primary, Playing) else ""
+        return self.primary.name if isinstance(self.primary, MovePlayback) else ""
 
     def turn(self, joint: str, place: float, by: str) -> None:
         """A joint's own control; in modes it only counts for the way back."""
@@ -203,7 +203,7 @@ class Steering:
     def _let_go(self, joints: set[str], by: str) -> None:
         """Take joints out of a line: they are where people want them now."""
         line = self.primary
-        if self.mode is not Mode.NORMAL or not isinstance(line, Line):
+        if self.mode is not Mode.NORMAL or not isinstance(line, LinearMotion):
             return
         for joint in joints & line.joints:
             line.joints.discard(joint)
@@ -219,32 +219,32 @@ class Steering:
         goals: Sequence[tuple[Mapping[str, float], float]],
         token: int,
         easing: str = "",
-    ) -> Line:
+    ) -> LinearMotion:
         """Go through poses, each in its seconds (0: the soonest), from where the body is."""
         easing = easing if easing in EASE else self.easing
-        line = Line(name, legs_of(self._start(), goals, self._shape, easing), easing, token)
+        line = LinearMotion(name, legs_of(self._start(), goals, self._shape, easing), easing, token)
         self._take(line, f"replaced by {name}")
         for goal, _ in goals:
             self.stance.take(goal)
         return line
 
-    def play(self, move: Move, speed: float, amplitude: float, token: int) -> Playing:
+    def play(self, move: Move, speed: float, amplitude: float, token: int) -> MovePlayback:
         """Play a move around the pose of this moment, from its beginning."""
         self._stay()
-        playing = Playing(move, self._shape, speed, amplitude, token)
+        playing = MovePlayback(move, self._shape, speed, amplitude, token)
         self._take(playing, f"replaced by {move.name}")
         return playing
 
-    def enter(self, mode: Mode, primary: Primary) -> None:
+    def enter(self, mode: Mode, primary: PoseSource) -> None:
         """Begin a mode: `primary` decides until the stop or its own end."""
-        base = self.here if isinstance(self.primary, Line) else self.stance.pose
+        base = self.here if isinstance(self.primary, LinearMotion) else self.stance.pose
         self._take(primary, f"replaced by {mode.value}")
         self._base = dict(base)
         self.mode = mode
 
     def stop(self, why: str) -> None:
         """End whatever goes on and return to the pose wanted; a way back is not interrupted."""
-        if isinstance(self.primary, Line) and self.primary.returning:
+        if isinstance(self.primary, LinearMotion) and self.primary.returning:
             return
         seconds = RETURN_S if self.mode is not Mode.NORMAL else self._shape.crossfade
         self._stay()
@@ -268,7 +268,7 @@ class Steering:
 
     def restart(self, present: Mapping[str, float]) -> None:
         """Begin anew in this pose."""
-        self.freeze("the joints are where they are", beginning(self._shape, present), False)
+        self.freeze("the joints are where they are", start_pose(self._shape, present), False)
 
     def drop(self, why: str) -> None:
         """The primary failed: hold the pose that is wanted."""
@@ -281,7 +281,7 @@ class Steering:
 
     def _stay(self) -> None:
         """A line that is under way ends where it is."""
-        if isinstance(self.primary, Line):
+        if isinstance(self.primary, LinearMotion):
             start = self._start()
             self.stance.take({name: start[name] for name in self.primary.joints})
 
@@ -293,7 +293,7 @@ class Steering:
             self._take(Hold(), why)
             return
         legs = legs_of(start, [(goal, seconds)], self._shape, "linear")
-        self._take(Line("return", legs, "linear", returning=True), why)
+        self._take(LinearMotion("return", legs, "linear", returning=True), why)
 
     def _start(self) -> dict[str, float]:
         """Where lines begin: what was wanted last, or where a joint is that could not follow."""
@@ -303,24 +303,24 @@ class Steering:
         self._lagging = {}
         return dict(self.here)
 
-    def _take(self, primary: Primary, why: str, *, fading: bool = True) -> None:
+    def _take(self, primary: PoseSource, why: str, *, fading: bool = True) -> None:
         if self.primary.token:
-            self._ended.append(Ended(self.primary.token, why))
+            self._ended.append(EndedInput(self.primary.token, why))
         self.primary = primary
         self._fresh = fading
         self._waited = 0.0
 
     # -- every tick -----------------------------------------------------------------------------
 
-    def step(self, moment: Moment) -> dict[str, float]:
+    def step(self, moment: SourceContext) -> dict[str, float]:
         """The pose wanted now. An exception is the primary's; nothing has changed then."""
         wanted = self.primary.step(moment)
         if self._fresh:
             self._fresh = False
-            lines = self.primary.joints if isinstance(self.primary, Line) else set()
+            lines = self.primary.joints if isinstance(self.primary, LinearMotion) else set()
             self._fade.begin(self.here, wanted, set(wanted) - lines)
         self.here = self._fade.over(wanted, moment.dt)
-        if isinstance(self.primary, Playing):
+        if isinstance(self.primary, MovePlayback):
             self._cues = tuple(self.primary.cues)
         return self.here
 
@@ -330,7 +330,7 @@ class Steering:
         primary = self.primary
         if not primary.over:
             return
-        if isinstance(primary, Line):
+        if isinstance(primary, LinearMotion):
             self._waited += dt
             if not lagging.keys() & primary.joints or self._waited > PATIENCE_S:
                 self._take(Hold(), "", fading=False)
@@ -338,18 +338,18 @@ class Steering:
         if self.mode is not Mode.NORMAL:
             self.notices.append(f"the {self.mode.value} is over")
             self._return(RETURN_S, "")
-        elif isinstance(primary, Playing) and primary.move.stays:
+        elif isinstance(primary, MovePlayback) and primary.move.stays:
             self.stance.take(self.here)
             self._take(Hold(), "")
         else:
             self._return(self._shape.crossfade, "")
 
-    def cues(self) -> tuple[Cue, ...]:
+    def cues(self) -> tuple[SoundCue, ...]:
         """What happens at this moment of a move."""
         cues, self._cues = self._cues, ()
         return cues
 
-    def ended(self) -> list[Ended]:
+    def ended(self) -> list[EndedInput]:
         """What ended since this was asked last."""
         ended, self._ended = self._ended, []
         return ended

@@ -13,14 +13,14 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from woz_tui.motion.easing import EASINGS
-from woz_tui.motion.move import Cue, FaceWish, Posture
+from woz_tui.motion.move import FaceChange, Posture, SoundCue
 
 # -- tracks ---------------------------------------------------------------------------------------
 # One value over time: from key to key by an easing, or through dense samples.
 
 
 @dataclass(frozen=True, slots=True)
-class Keyed:
+class KeyTrack:
     """From key to key; `easings[i]` leads to key `i`, so the first one leads nowhere.
 
     `places` rise; a key at the place of the one before takes its place at once.
@@ -48,7 +48,7 @@ class Keyed:
 
 
 @dataclass(frozen=True, slots=True)
-class Sampled:
+class SampleTrack:
     """Straight from sample to sample, `rate` of them each second or beat; the first is at 0."""
 
     rate: float
@@ -66,11 +66,11 @@ class Sampled:
 
 
 #: A value over the places (seconds or beats) of a move; at its place `begins` it begins to count.
-Track = Keyed | Sampled
+Track = KeyTrack | SampleTrack
 
 
 @dataclass(slots=True)
-class Drawing:
+class KeyTrackBuilder:
     """Keys of a track while they are being collected, in the order of their places."""
 
     places: list[float] = field(default_factory=list)
@@ -95,20 +95,20 @@ class Drawing:
             self.key(start, here, "linear")
         self.key(end, value, easing)
 
-    def keyed(self) -> Keyed:
+    def keyed(self) -> KeyTrack:
         """The finished track."""
-        return Keyed(tuple(self.places), tuple(self.values), tuple(self.easings))
+        return KeyTrack(tuple(self.places), tuple(self.values), tuple(self.easings))
 
 
 @dataclass(frozen=True, slots=True)
-class Steps:
+class WordTrack:
     """A word that changes from one moment to the next; nothing before the first."""
 
     places: tuple[float, ...]
     words: tuple[str, ...]
 
     @classmethod
-    def of(cls, steps: Iterable[tuple[float, str]]) -> Steps:
+    def of(cls, steps: Iterable[tuple[float, str]]) -> WordTrack:
         """From places and words, in order."""
         pairs = tuple(steps)
         return cls(tuple(place for place, _ in pairs), tuple(word for _, word in pairs))
@@ -154,7 +154,7 @@ class KeyFrame:
 
 
 @dataclass(frozen=True, slots=True)
-class Samples:
+class LayerSamples:
     """Values at equal distances, `rate` a second or beat, the first at the beginning.
 
     `face` has lists for x, y, lid and intensity.
@@ -173,12 +173,12 @@ class Samples:
 
 
 @dataclass(frozen=True, slots=True)
-class Layer:
+class MoveLayer:
     """A part of a move that is made, muted and redone by itself."""
 
     name: str
     frames: tuple[KeyFrame, ...] = ()
-    samples: Samples | None = None
+    samples: LayerSamples | None = None
     #: Whether joints are added to the pose held before, or are angles themselves.
     relative: bool = True
     mix: str = "add"
@@ -199,19 +199,19 @@ class KeyframeMove:
 
     name: str
     summary: str
-    layers: tuple[Layer, ...]
+    layers: tuple[MoveLayer, ...]
     beats: bool = False
     stays: bool = False
     length: float = field(init=False)
-    cues: tuple[Cue, ...] = field(init=False)
-    _playing: tuple[_Playing, ...] = field(init=False, repr=False, compare=False)
+    cues: tuple[SoundCue, ...] = field(init=False)
+    _playing: tuple[_LayerTracks, ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         heard = [layer for layer in self.layers if not layer.muted and layer.share > 0]
         derived = {
             "length": max((layer.length for layer in self.layers), default=0.0),
             "cues": tuple(sorted(_cues(heard), key=lambda cue: cue.at)),
-            "_playing": tuple(_Playing.of(layer) for layer in heard),
+            "_playing": tuple(_LayerTracks.of(layer) for layer in heard),
         }
         for name, value in derived.items():
             object.__setattr__(self, name, value)
@@ -219,24 +219,24 @@ class KeyframeMove:
     def at(self, place: float) -> Posture:
         """What it wants at `place`; before the beginning and after the end as there."""
         place = min(self.length, max(0.0, place))
-        mixed = _Mixed()
+        mixed = _LayerMix()
         for layer in self._playing:
             layer.onto(mixed, place)
         return mixed.posture()
 
 
-def _cues(layers: list[Layer]) -> Iterator[Cue]:
+def _cues(layers: list[MoveLayer]) -> Iterator[SoundCue]:
     for layer in layers:
         for frame in layer.frames:
             if frame.sound:
-                yield Cue(frame.at, frame.sound, frame.volume * layer.share)
+                yield SoundCue(frame.at, frame.sound, frame.volume * layer.share)
 
 
 # -- playing ------------------------------------------------------------------------------------
 
 
 @dataclass(slots=True)
-class _Mixed:
+class _LayerMix:
     """Layers as far as they have been laid on each other."""
 
     roles: dict[str, float] = field(default_factory=dict)
@@ -248,12 +248,12 @@ class _Mixed:
     def posture(self) -> Posture:
         face = None
         if self.features or self.emotion is not None:
-            face = FaceWish(emotion=self.emotion, **self.features)
+            face = FaceChange(emotion=self.emotion, **self.features)
         return Posture(self.roles, self.joints, self.places, face)
 
 
 @dataclass(frozen=True, slots=True)
-class _Playing:
+class _LayerTracks:
     """A layer made ready."""
 
     relative: bool
@@ -262,12 +262,12 @@ class _Playing:
     roles: Mapping[str, Track]
     joints: Mapping[str, Track]
     features: Mapping[str, Track]
-    emotions: Steps
+    emotions: WordTrack
 
     @classmethod
-    def of(cls, layer: Layer) -> _Playing:
-        dense = layer.samples or Samples(1.0)
-        drawn = _Drawn(layer.relative)
+    def of(cls, layer: MoveLayer) -> _LayerTracks:
+        dense = layer.samples or LayerSamples(1.0)
+        drawn = _TrackBuilder(layer.relative)
         before = 0.0
         for frame in layer.frames:
             drawn.frame(frame, before)
@@ -279,10 +279,10 @@ class _Playing:
             {**_sampled(dense, dense.roles), **_keyed(drawn.roles)},
             {**_sampled(dense, dense.joints), **_keyed(drawn.joints)},
             {**_keyed(drawn.features), **_sampled(dense, dense.face)},
-            Steps.of(drawn.emotions),
+            WordTrack.of(drawn.emotions),
         )
 
-    def onto(self, mixed: _Mixed, place: float) -> None:
+    def onto(self, mixed: _LayerMix, place: float) -> None:
         for role, track in self.roles.items():
             mixed.roles[role] = self._over(mixed.roles.get(role, 0.0), track.at(place))
         for joint, track in self.joints.items():
@@ -295,7 +295,7 @@ class _Playing:
                 below = mixed.features.get(feature, FEATURES[feature])
                 mixed.features[feature] = _blended(below, track.at(place), self.share)
 
-    def _joint(self, mixed: _Mixed, joint: str, value: float) -> None:
+    def _joint(self, mixed: _LayerMix, joint: str, value: float) -> None:
         if self.relative:
             mixed.joints[joint] = self._over(mixed.joints.get(joint, 0.0), value)
             return
@@ -313,46 +313,46 @@ def _blended(below: float, value: float, share: float) -> float:
     return below * (1 - share) + value * share
 
 
-def _keyed(drawings: Mapping[str, Drawing]) -> dict[str, Track]:
+def _keyed(drawings: Mapping[str, KeyTrackBuilder]) -> dict[str, Track]:
     return {name: drawing.keyed() for name, drawing in drawings.items()}
 
 
-def _sampled(dense: Samples, lists: Mapping[str, tuple[float, ...]]) -> dict[str, Track]:
-    return {name: Sampled(dense.rate, values) for name, values in lists.items()}
+def _sampled(dense: LayerSamples, lists: Mapping[str, tuple[float, ...]]) -> dict[str, Track]:
+    return {name: SampleTrack(dense.rate, values) for name, values in lists.items()}
 
 
 @dataclass(slots=True)
-class _Drawn:
+class _TrackBuilder:
     """A layer's frames, taken apart into tracks."""
 
     relative: bool
-    roles: dict[str, Drawing] = field(default_factory=dict)
-    joints: dict[str, Drawing] = field(default_factory=dict)
-    features: dict[str, Drawing] = field(default_factory=dict)
+    roles: dict[str, KeyTrackBuilder] = field(default_factory=dict)
+    joints: dict[str, KeyTrackBuilder] = field(default_factory=dict)
+    features: dict[str, KeyTrackBuilder] = field(default_factory=dict)
     emotions: list[tuple[float, str]] = field(default_factory=list)
 
     def frame(self, frame: KeyFrame, before: float) -> None:
         """The next frame; the one before it is at `before`."""
         for name, angle in frame.roles.items():
-            track = self.roles.setdefault(name, Drawing())
+            track = self.roles.setdefault(name, KeyTrackBuilder())
             track.leg(before, frame.at, angle, frame.easing, 0.0)
         for name, angle in frame.joints.items():
             # Where an absolute joint comes from nobody knows here: the engine leads it over.
-            track = self.joints.setdefault(name, Drawing())
+            track = self.joints.setdefault(name, KeyTrackBuilder())
             first = 0.0 if self.relative else angle
             track.leg(before, frame.at, angle, frame.easing, first)
         self._mood(frame, before)
         for name in ("x", "y", "lid"):
             value = getattr(frame, name)
             if value is not None:
-                track = self.features.setdefault(name, Drawing())
+                track = self.features.setdefault(name, KeyTrackBuilder())
                 track.leg(before, frame.at, value, frame.easing, FEATURES[name])
 
     def _mood(self, frame: KeyFrame, before: float) -> None:
         """One emotion goes, in half the time, before another comes; neutral is no intensity."""
         if frame.emotion is None and frame.intensity is None:
             return
-        track = self.features.setdefault("intensity", Drawing())
+        track = self.features.setdefault("intensity", KeyTrackBuilder())
         was = self.emotions[-1][1] if self.emotions else None
         now = frame.emotion or was
         wanted = 1.0 if frame.intensity is None else frame.intensity

@@ -37,7 +37,7 @@ _ORIGIN: Vector = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
-class Link:
+class ChainJoint:
     """One joint: `about` is the number of its axis (0 x, 1 y, 2 z), `sign` the axis' direction.
 
     `offset` in metres from the joint before; limits and home in degrees.
@@ -66,7 +66,7 @@ class Aim:
 
 
 @dataclass(frozen=True, slots=True)
-class _Stance:
+class _ChainPose:
     """A pose worked out: joints' places and axes in space, the eyes, where they look."""
 
     places: Sequence[Vector]
@@ -76,7 +76,7 @@ class _Stance:
 
 
 @dataclass(frozen=True, slots=True)
-class _Goal:
+class _GazeGoal:
     """A point, or a direction that is the same from everywhere (then `point` is None)."""
 
     point: Vector | None
@@ -93,15 +93,15 @@ class _Goal:
         return _times(way, 1 / distance), distance
 
 
-class Chain:
+class KinematicChain:
     """The joints of a body, one on the other, and its eyes on the last."""
 
     def __init__(self, shape: BodyShape) -> None:
         self._set([_link(name, one) for name, one in shape.joints.items()], shape)
 
     @classmethod
-    def of_outline(cls, outline: Json) -> Chain:
-        """The chain of what `outline` made. `ValueError` if it is nothing of the kind."""
+    def of_outline(cls, outline: Json) -> KinematicChain:
+        """The chain of what `body_outline` made. `ValueError` if it is nothing of the kind."""
         try:
             told = msgspec.convert(outline, _Outline)
         except msgspec.ValidationError as error:
@@ -110,7 +110,7 @@ class Chain:
         chain._set([_link(one.name, one) for one in told.joints], told)
         return chain
 
-    def _set(self, links: Sequence[Link], head: BodyShape | _Outline) -> None:
+    def _set(self, links: Sequence[ChainJoint], head: BodyShape | _Outline) -> None:
         self.links = tuple(links)
         self._eyes = head.eyes
         self._view = AXES[head.view]
@@ -135,7 +135,7 @@ class Chain:
         """
         if not all(math.isfinite(one) and abs(one) < 1e9 for one in target):
             raise ValueError(f"{_told(target)} is no point in space")
-        goal = _Goal((float(target[0]), float(target[1]), float(target[2])))
+        goal = _GazeGoal((float(target[0]), float(target[1]), float(target[2])))
         eyes = self._stance(self._begin(start)).eyes
         if math.dist(eyes, target) < AT_HEAD_M:
             raise ValueError(
@@ -153,14 +153,14 @@ class Chain:
         across, up = math.radians(yaw), math.radians(pitch)
         level = math.cos(up)
         along = (level * math.cos(across), level * math.sin(across), math.sin(up))
-        return self._search(_Goal(None, along), start)
+        return self._search(_GazeGoal(None, along), start)
 
     # -- forward -------------------------------------------------------------------------------
 
     def _radians(self, angles: Mapping[str, float]) -> list[float]:
         return [math.radians(angles.get(link.name, 0.0)) for link in self.links]
 
-    def _stance(self, angles: Sequence[float]) -> _Stance:
+    def _stance(self, angles: Sequence[float]) -> _ChainPose:
         turned: list[Vector] = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
         place = _ORIGIN
         places, axes = [], []
@@ -170,11 +170,11 @@ class Chain:
             axes.append(_times(turned[link.about], link.sign))
             _rotate(turned, link.about, link.sign * angle)
         eyes = _plus(place, _turn(turned, self._eyes))
-        return _Stance(places, axes, eyes, _turn(turned, self._view))
+        return _ChainPose(places, axes, eyes, _turn(turned, self._view))
 
     # -- inverse -------------------------------------------------------------------------------
 
-    def _search(self, goal: _Goal, start: Mapping[str, float]) -> Aim:
+    def _search(self, goal: _GazeGoal, start: Mapping[str, float]) -> Aim:
         best: list[float] = []
         error = math.inf
         for angles in self._starts(start):
@@ -209,7 +209,7 @@ class Chain:
             begin.append(math.radians(min(max(angle, link.low), link.high)))
         return begin
 
-    def _descend(self, goal: _Goal, angles: list[float]) -> tuple[list[float], float]:
+    def _descend(self, goal: _GazeGoal, angles: list[float]) -> tuple[list[float], float]:
         """Damped least squares with the damping of Levenberg and Marquardt, inside the limits."""
         stance = self._stance(angles)
         error = _missed(goal, stance)
@@ -229,7 +229,7 @@ class Chain:
         return angles, error
 
     def _stepped(
-        self, goal: _Goal, stance: _Stance, angles: Sequence[float], damping: float
+        self, goal: _GazeGoal, stance: _ChainPose, angles: Sequence[float], damping: float
     ) -> list[float]:
         wanted, distance = goal.seen_from(stance.eyes)
         first, second = _across(stance.gaze, wanted)
@@ -264,8 +264,8 @@ class Chain:
         )
 
 
-def outline(shape: BodyShape) -> dict[str, Json]:
-    """What a console needs to draw the body: `Chain.of_outline` makes a chain of it again."""
+def body_outline(shape: BodyShape) -> dict[str, Json]:
+    """What a console needs to draw the body; `KinematicChain.of_outline` is the inverse."""
     face = shape.face
     return {
         "joints": [
@@ -307,10 +307,10 @@ class _Outline(msgspec.Struct):
     view: _Axis
 
 
-def _link(name: str, joint: JointShape | _Joint) -> Link:
+def _link(name: str, joint: JointShape | _Joint) -> ChainJoint:
     direction = AXES[joint.axis]
     about = next(number for number in range(3) if direction[number])
-    return Link(name, about, direction[about], joint.offset, joint.min, joint.max, joint.home)
+    return ChainJoint(name, about, direction[about], joint.offset, joint.min, joint.max, joint.home)
 
 
 def _told(point: Sequence[float]) -> str:
@@ -365,7 +365,7 @@ def _rotate(turned: list[Vector], about: int, angle: float) -> None:
     turned[two] = _minus(_times(b, cos), _times(a, sin))
 
 
-def _missed(goal: _Goal, stance: _Stance) -> float:
+def _missed(goal: _GazeGoal, stance: _ChainPose) -> float:
     """The angle between gaze and goal; a head that is in the goal itself misses it wholly."""
     wanted, _ = goal.seen_from(stance.eyes)
     return math.pi if wanted == _ORIGIN else _angle(stance.gaze, wanted)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class LightFrame:
     """`rows` from the top, each a number whose highest of `width` bits is the leftmost light."""
 
     width: int
@@ -21,7 +21,7 @@ class Frame:
         """Whether a light is on; `column` and `row` count from 0 at the upper left."""
         return bool(self.rows[row] >> (self.width - 1 - column) & 1)
 
-    def distance(self, other: Frame) -> int:
+    def distance(self, other: LightFrame) -> int:
         """How many lights differ (Hamming); both frames have one size."""
         return sum((a ^ b).bit_count() for a, b in zip(self.rows, other.rows, strict=True))
 
@@ -38,7 +38,7 @@ class Frame:
         return b"".join((row << shift).to_bytes(size, "big") for row in self.rows)
 
     @classmethod
-    def of_hex(cls, width: int, text: str) -> Frame:
+    def of_hex(cls, width: int, text: str) -> LightFrame:
         """What `hex` wrote. `ValueError` if it is no such text."""
         rows = tuple(int(row, 16) for row in text.split())
         if any(row < 0 or row >> width for row in rows):
@@ -46,6 +46,6 @@ class Frame:
         return cls(width, rows)
 
 
-def blank(width: int, height: int) -> Frame:
+def blank(width: int, height: int) -> LightFrame:
     """All lights out."""
-    return Frame(width, (0,) * height)
+    return LightFrame(width, (0,) * height)

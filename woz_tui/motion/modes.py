@@ -21,7 +21,7 @@ class Mode(enum.Enum):
     SACCADE = "saccade"
 
 
-class Kind(enum.Enum):
+class InputKind(enum.Enum):
     """What an input is about; a row of the table."""
 
     STOP = "stop"
@@ -35,7 +35,7 @@ class Kind(enum.Enum):
     FACE = "face"
 
 
-class Hand(enum.Enum):
+class Operator(enum.Enum):
     """Whose input it is: the wizard's (keys, palette, panel, script) or other software's."""
 
     WIZARD = "wizard"
@@ -46,9 +46,9 @@ class Hand(enum.Enum):
 _PROGRAMS = frozenset({"program", "engagement"})
 
 
-def hand_of(source: str) -> Hand:
+def operator_of(source: str) -> Operator:
     """Whose hand a command came from that names this source (`core.driver.Job.source`)."""
-    return Hand.PROGRAM if source in _PROGRAMS else Hand.WIZARD
+    return Operator.PROGRAM if source in _PROGRAMS else Operator.WIZARD
 
 
 _ALL = frozenset(Mode)
@@ -57,7 +57,7 @@ _FACE = frozenset({Mode.NORMAL, Mode.SACCADE})
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class ModeRule:
     """An input and the modes in which it counts, for the wizard and for programs."""
 
     wizard: frozenset[Mode]
@@ -65,16 +65,18 @@ class Row:
     note: str = ""
 
 
-TABLE: Mapping[Kind, Row] = {
-    Kind.STOP: Row(_ALL, _ALL, "ends what moves and leads back to normal"),
-    Kind.JOINTS: Row(_NORMAL, _NORMAL, "the wizard's are kept for the way back to normal"),
-    Kind.POSE: Row(_NORMAL, _NORMAL),
-    Kind.EMOTION: Row(_FACE, _FACE),
-    Kind.EYES: Row(_FACE, _FACE, "in saccade following the eyes lead the head"),
-    Kind.FACE: Row(_FACE, _FACE),
-    Kind.ANIMATION: Row(_NORMAL, _NORMAL),
-    Kind.PERSONALITY: Row(_NORMAL, _NORMAL),
-    Kind.MODE: Row(_NORMAL, _NORMAL),
+MODE_RULES: Mapping[InputKind, ModeRule] = {
+    InputKind.STOP: ModeRule(_ALL, _ALL, "ends what moves and leads back to normal"),
+    InputKind.JOINTS: ModeRule(
+        _NORMAL, _NORMAL, "the wizard's are kept for the way back to normal"
+    ),
+    InputKind.POSE: ModeRule(_NORMAL, _NORMAL),
+    InputKind.EMOTION: ModeRule(_FACE, _FACE),
+    InputKind.EYES: ModeRule(_FACE, _FACE, "in saccade following the eyes lead the head"),
+    InputKind.FACE: ModeRule(_FACE, _FACE),
+    InputKind.ANIMATION: ModeRule(_NORMAL, _NORMAL),
+    InputKind.PERSONALITY: ModeRule(_NORMAL, _NORMAL),
+    InputKind.MODE: ModeRule(_NORMAL, _NORMAL),
 }
 
 #: Modes in which the body breathes and blinks by itself.
@@ -82,7 +84,7 @@ BREATHES = frozenset({Mode.NORMAL, Mode.SACCADE})
 BLINKS = frozenset({Mode.NORMAL, Mode.SACCADE, Mode.TRACKING})
 
 
-def counts(kind: Kind, mode: Mode, hand: Hand) -> bool:
+def is_accepted(kind: InputKind, mode: Mode, hand: Operator) -> bool:
     """Whether an input of this kind from this hand counts in this mode."""
-    row = TABLE[kind]
-    return mode in (row.wizard if hand is Hand.WIZARD else row.program)
+    row = MODE_RULES[kind]
+    return mode in (row.wizard if hand is Operator.WIZARD else row.program)

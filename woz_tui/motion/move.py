@@ -12,7 +12,7 @@ from typing import Protocol
 
 
 @dataclass(frozen=True, slots=True)
-class FaceWish:
+class FaceChange:
     """What a move wants of the face; None leaves a thing as it is.
 
     `x` and `y` are where the eyes look, -1 (the robot's right, down) to 1 (its left, up); `lid` is
@@ -37,11 +37,11 @@ class Posture:
     roles: Mapping[str, float] = field(default_factory=dict)
     joints: Mapping[str, float] = field(default_factory=dict)
     places: Mapping[str, float] = field(default_factory=dict)
-    face: FaceWish | None = None
+    face: FaceChange | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class Cue:
+class SoundCue:
     """Something that happens once, at a moment of a move: a `sound` file to be heard."""
 
     at: float
@@ -82,6 +82,6 @@ class Move(Protocol):
         ...
 
     @property
-    def cues(self) -> tuple[Cue, ...]:
+    def cues(self) -> tuple[SoundCue, ...]:
         """What happens on the way, in order; `at` counts as `length` does."""
         ...

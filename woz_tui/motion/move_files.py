@@ -38,7 +38,14 @@ from woz_tui.motion.body_shape import ROLES, BodyShape, JointShape
 from woz_tui.motion.body_verbs import EMOTIONS
 from woz_tui.motion.builtin_moves import BUILT_IN
 from woz_tui.motion.easing import EASINGS
-from woz_tui.motion.keyframes import MIXES, PLACE_DECIMALS, KeyFrame, KeyframeMove, Layer, Samples
+from woz_tui.motion.keyframes import (
+    MIXES,
+    PLACE_DECIMALS,
+    KeyFrame,
+    KeyframeMove,
+    LayerSamples,
+    MoveLayer,
+)
 
 # -- moveframes -----------------------------------------------------------------------------------
 # The frames and the samples of a move file's layer.
@@ -63,7 +70,7 @@ T = TypeVar("T")
 _SAMPLE = re.compile(r"[-+]?(\d{1,9}(\.\d{0,60})?|\.\d{1,60})([eE][-+]?\d{1,3})?")
 
 
-class FrameReader:
+class MoveLayerReader:
     """Reads one layer's angles and times; `named` collects the roles and joints it met."""
 
     def __init__(self, shape: BodyShape, *, beats: bool, relative: bool) -> None:
@@ -193,7 +200,7 @@ class FrameReader:
 
     # -- samples --------------------------------------------------------------------------------
 
-    def samples(self, spot: Spot, table: dict[str, Spot]) -> Samples | None:
+    def samples(self, spot: Spot, table: dict[str, Spot]) -> LayerSamples | None:
         """The dense part of a layer; None if it has none."""
         if not table.keys() & {"joints", "roles", "face"}:
             if "rate" in table:
@@ -208,7 +215,7 @@ class FrameReader:
         for name, values in joints.items():
             entry = dict(table["joints"].entries())[name]
             self.check(entry, name, self._joints[name], values)
-        return Samples(rate, roles, joints, face)
+        return LayerSamples(rate, roles, joints, face)
 
 
 def _given(
@@ -374,11 +381,11 @@ def _root(path: Path, report: Report) -> tuple[Source | None, Spot | None]:
 def decode(root: Spot, path: Path, shape: BodyShape) -> KeyframeMove | None:
     """The move, or None after reporting what is wrong. Its name is by default the file's."""
     broken = len(root.report.errors)
-    move = _Decoder(root, shape).move(path)
+    move = _MoveDecoder(root, shape).move(path)
     return move if len(root.report.errors) == broken else None
 
 
-class _Decoder:
+class _MoveDecoder:
     def __init__(self, root: Spot, shape: BodyShape) -> None:
         self._root = root
         self._shape = shape
@@ -412,12 +419,12 @@ class _Decoder:
             spot.warning(f"takes the place of the built-in move {name!r}")
         return name or ""
 
-    def _layers(self) -> list[Layer]:
+    def _layers(self) -> list[MoveLayer]:
         layers = []
         frames, many = self._table.get("frames"), self._table.get("layers")
         if frames is not None:
-            reader = FrameReader(self._shape, beats=self._beats, relative=self._relative)
-            layers.append(Layer(MAIN, reader.read(frames), relative=self._relative))
+            reader = MoveLayerReader(self._shape, beats=self._beats, relative=self._relative)
+            layers.append(MoveLayer(MAIN, reader.read(frames), relative=self._relative))
         elif many is None:
             missing({}, "frames", self._root, "frames: [{seconds: 0.3, nod: 12}, ...]")
         for entry in (many.list("a list of layers") if many is not None else None) or ():
@@ -429,7 +436,7 @@ class _Decoder:
             layers.append(layer)
         return layers
 
-    def _layer(self, spot: Spot) -> Layer | None:
+    def _layer(self, spot: Spot) -> MoveLayer | None:
         table = spot.table("a layer, such as {name: head, frames: [...]}")
         if table is None:
             return None
@@ -438,14 +445,14 @@ class _Decoder:
                 entry.unknown(LAYER, "a layer has")
         missing(table, "name", spot)
         relative = _given(table, "relative", self._relative, read_flag)
-        reader = FrameReader(self._shape, beats=self._beats, relative=relative)
+        reader = MoveLayerReader(self._shape, beats=self._beats, relative=relative)
         frames = reader.read(table["frames"]) if "frames" in table else ()
         samples = reader.samples(spot, table)
         if "frames" not in table and samples is None:
             spot.error("has neither frames nor samples (rate and joints, roles or face)")
         for twice in reader.named & ({*samples.roles, *samples.joints} if samples else set()):
             spot.error(f"{twice} is in this layer's frames and in its samples; use two layers")
-        return Layer(
+        return MoveLayer(
             _given(table, "name", "", read_text),
             frames,
             samples,

@@ -15,7 +15,7 @@ from pathlib import Path
 from woz_tui.config.file_text import MAX_BYTES
 from woz_tui.drivers.contract import DriverError
 from woz_tui.motion.body_shape import BodyShape
-from woz_tui.motion.keyframes import PLACE_DECIMALS, KeyFrame, KeyframeMove, Layer
+from woz_tui.motion.keyframes import PLACE_DECIMALS, KeyFrame, KeyframeMove, MoveLayer
 from woz_tui.motion.move_files import MAIN, MoveFileError, read_move
 from woz_tui.system.file_replacing import replacing
 
@@ -35,7 +35,7 @@ def save(move: KeyframeMove, path: Path, shape: BodyShape) -> None:
     """
     if path.exists():
         _must_be_a_move(path, shape)
-    text = written(move, path.parent)
+    text = move_text(move, path.parent)
     if len(text.encode()) > MAX_BYTES:
         raise WriteError(
             f"the move needs more than {MAX_BYTES >> 20} MiB",
@@ -65,7 +65,7 @@ def _replace(path: Path, text: str, move: KeyframeMove, shape: BodyShape) -> Non
         raise WriteError(f"{path} cannot be written: {reason}") from error
 
 
-def written(move: KeyframeMove, folder: Path) -> str:
+def move_text(move: KeyframeMove, folder: Path) -> str:
     """The text of the move's file in `folder`, from which sounds are named."""
     return "\n".join(_lines(move, folder)) + "\n"
 
@@ -79,7 +79,7 @@ def _lines(move: KeyframeMove, folder: Path) -> Iterator[str]:
     if not relative:
         yield "relative: false"
     layers = list(move.layers)
-    if layers and layers[0] == Layer(MAIN, layers[0].frames, relative=relative):
+    if layers and layers[0] == MoveLayer(MAIN, layers[0].frames, relative=relative):
         yield "frames:"
         yield from _frames(layers.pop(0), move, folder, "  ")
     if layers:
@@ -88,9 +88,9 @@ def _lines(move: KeyframeMove, folder: Path) -> Iterator[str]:
         yield from _layer(layer, move, folder, relative)
 
 
-def _layer(layer: Layer, move: KeyframeMove, folder: Path, relative: bool) -> Iterator[str]:
+def _layer(layer: MoveLayer, move: KeyframeMove, folder: Path, relative: bool) -> Iterator[str]:
     yield f"  - name: {_text(layer.name)}"
-    usual = Layer("", relative=relative)
+    usual = MoveLayer("", relative=relative)
     for entry in _unusual(layer, usual, "muted", "share", "mix", "relative"):
         yield f"    {entry}"
     if layer.samples is not None:
@@ -116,7 +116,7 @@ def _samples(name: str, lists: Mapping[str, tuple[float, ...]]) -> Iterator[str]
         )  # fmt: skip
 
 
-def _frames(layer: Layer, move: KeyframeMove, folder: Path, indent: str) -> Iterator[str]:
+def _frames(layer: MoveLayer, move: KeyframeMove, folder: Path, indent: str) -> Iterator[str]:
     before = 0.0
     for frame in layer.frames:
         took = round(frame.at - before, PLACE_DECIMALS)
@@ -126,7 +126,7 @@ def _frames(layer: Layer, move: KeyframeMove, folder: Path, indent: str) -> Iter
         yield f"{indent}- {{{', '.join(entries)}}}"
 
 
-def _entries(frame: KeyFrame, layer: Layer, folder: Path) -> Iterator[str]:
+def _entries(frame: KeyFrame, layer: MoveLayer, folder: Path) -> Iterator[str]:
     yield from (f"{role}: {_number(angle)}" for role, angle in frame.roles.items())
     # Under `joints` a joint may have the name of a role, or of anything that a frame may say.
     if frame.joints:

@@ -12,8 +12,8 @@ from typing import Any, get_type_hints
 
 from woz_tui.drivers.fields import Doc, Range
 from woz_tui.motion.body_shape import Personality
-from woz_tui.motion.easing import Gliding
-from woz_tui.motion.knobs import TRAITS
+from woz_tui.motion.control_scales import TRAITS
+from woz_tui.motion.easing import GlidingValue
 from woz_tui.protocol.messages import Json
 
 #: How fast changed sizes glide, 1/s: by 95 % in 0.6 s, and a pose at the end of a range of 180
@@ -36,7 +36,7 @@ SUMMARIES: Mapping[str, str] = {
 }
 
 
-class Character:
+class CurrentPersonality:
     """The traits of one body at this moment; units as in `shapes.Personality`."""
 
     def __init__(self, first: Personality, named: Mapping[str, Personality]) -> None:
@@ -45,9 +45,9 @@ class Character:
         self.name = next((name for name, one in named.items() if one == first), "")
         self.breathes = True
         #: Sizes on their way to what they shall be.
-        self.compression = Gliding(first.compression, GLIDES)
-        self.smoothing = Gliding(first.smoothing, GLIDES)
-        self.amplitude = Gliding(first.amplitude, GLIDES)
+        self.compression = GlidingValue(first.compression, GLIDES)
+        self.smoothing = GlidingValue(first.smoothing, GLIDES)
+        self.amplitude = GlidingValue(first.amplitude, GLIDES)
 
     def __getitem__(self, trait: str) -> float:
         """A trait as it is set; `breathing_rate` follows the tempo unless it was set."""

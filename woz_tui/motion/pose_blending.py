@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping
 
 from woz_tui.motion.body_shape import BodyShape, JointShape
-from woz_tui.motion.easing import Gliding, followed, smooth
+from woz_tui.motion.easing import GlidingValue, low_pass, smooth
 
 # -- breathing ------------------------------------------------------------------------------------
 # Breathing: a sine on top of whatever pose the body wants.
@@ -18,7 +18,7 @@ from woz_tui.motion.easing import Gliding, followed, smooth
 GLIDES = 8.0
 
 
-class Breath:
+class Breathing:
     """Counts breaths and adds them to poses; angles in degrees, rates in Hz."""
 
     def __init__(self, shape: BodyShape) -> None:
@@ -28,7 +28,7 @@ class Breath:
             if share
         ]
         self._phase = 0.0
-        self._size = Gliding(0.0, GLIDES)
+        self._size = GlidingValue(0.0, GLIDES)
 
     @property
     def size(self) -> float:
@@ -37,7 +37,7 @@ class Breath:
 
     def hold(self) -> None:
         """Be without breath at once; it comes back gently."""
-        self._size = Gliding(0.0, GLIDES)
+        self._size = GlidingValue(0.0, GLIDES)
 
     def step(self, dt: float, rate: float, amplitude: float) -> None:
         """Go on for `dt` seconds; `amplitude` is 0 for one who does not breathe."""
@@ -61,7 +61,7 @@ class Breath:
 # --------------------------------------------------------------------------------------------------
 
 
-class Fade:
+class CrossFade:
     """Leads from what was to what is: the difference at the change dies away.
 
     So a change in the middle of a change needs no memory of who was there before, and nothing can
@@ -112,7 +112,7 @@ class Fade:
         return result
 
 
-class Shaping:
+class PoseFilter:
     """Compression about the middle of each range, then smoothing, which keeps its own state."""
 
     def __init__(self, joints: Mapping[str, JointShape], pose: Mapping[str, float]) -> None:
@@ -143,5 +143,5 @@ class Shaping:
             if compression:
                 middle = self._middles[name]
                 angle = middle + (1.0 - compression) * (angle - middle)
-            self.smoothed[name] = followed(self.smoothed[name], angle, time_constant, dt)
+            self.smoothed[name] = low_pass(self.smoothed[name], angle, time_constant, dt)
         return self.smoothed

@@ -11,11 +11,11 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from woz_tui.motion.body_feeds import Sighting
 from woz_tui.motion.body_shape import BodyShape, Vector
-from woz_tui.motion.easing import EASE, followed
-from woz_tui.motion.kinematics import Chain, cross
-from woz_tui.motion.move import Cue, FaceWish, Move
-from woz_tui.motion.setpoints import Seen
+from woz_tui.motion.easing import EASE, low_pass
+from woz_tui.motion.kinematics import KinematicChain, cross
+from woz_tui.motion.move import FaceChange, Move, SoundCue
 
 # -- tracking -------------------------------------------------------------------------------------
 # Object tracking: the head turns to what the camera sees, and the face tells how that feels.
@@ -35,7 +35,7 @@ _UP: Vector = (0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
-class Tracked:
+class TrackingResult:
     """What tracking wants at one moment: every joint, in degrees and in range; what it feels.
 
     An empty `emotion` (and no `intensity`) leaves the face as it is. `homing`: nothing was seen
@@ -48,10 +48,10 @@ class Tracked:
     homing: bool = False
 
 
-class Tracker:
+class ObjectTracker:
     """Follows one object, from `begin` on. Times are seconds of any clock that runs forward."""
 
-    def __init__(self, shape: BodyShape, chain: Chain) -> None:
+    def __init__(self, shape: BodyShape, chain: KinematicChain) -> None:
         self._shape = shape
         self._settings = shape.tracking
         self._chain = chain
@@ -68,7 +68,7 @@ class Tracker:
         self._t = self._sighted = t
         self._joy: float | None = None
 
-    def step(self, t: float, seen: Seen | None, joints: Mapping[str, float]) -> Tracked:
+    def step(self, t: float, seen: Sighting | None, joints: Mapping[str, float]) -> TrackingResult:
         """What is wanted at `t`, from what the camera saw last and where the joints are now.
 
         A picture counts once, by its `frame`. A camera that falls silent sees nothing.
@@ -88,22 +88,22 @@ class Tracker:
             self._joy = min(1.0, self._joy + elapsed / self._settings.happy_in)
         return self._tracked(unseen, elapsed)
 
-    def _tracked(self, unseen: float, elapsed: float) -> Tracked:
+    def _tracked(self, unseen: float, elapsed: float) -> TrackingResult:
         sad, home = self._settings.sad_after, self._settings.home_after
         if unseen >= home:
             self._goal = dict(self._home)
             self._approach(elapsed / _HOME_S)
-            return Tracked(dict(self._wanted), "neutral", 0.0, homing=True)
+            return TrackingResult(dict(self._wanted), "neutral", 0.0, homing=True)
         self._approach(elapsed * self._settings.gain)
         if unseen >= sad:
-            return Tracked(dict(self._wanted), "sad", (unseen - sad) / (home - sad))
+            return TrackingResult(dict(self._wanted), "sad", (unseen - sad) / (home - sad))
         if self._joy is None:
-            return Tracked(dict(self._wanted))
-        return Tracked(dict(self._wanted), "happy", self._joy)
+            return TrackingResult(dict(self._wanted))
+        return TrackingResult(dict(self._wanted), "happy", self._joy)
 
     # -- seeing --------------------------------------------------------------------------------
 
-    def _sighting(self, seen: Seen | None) -> tuple[float, float] | None:
+    def _sighting(self, seen: Sighting | None) -> tuple[float, float] | None:
         """Where a new picture has the object: degrees to the left and up of its middle."""
         if seen is None or seen.frame == self._frame:
             return None
@@ -183,7 +183,7 @@ INSTANT_S = 1e-9
 
 
 @dataclass(slots=True)
-class Moment:
+class SourceContext:
     """What a primary may look at.
 
     `dt` seconds since the last tick, `t` since the engine began; `base` the pose that it works
@@ -195,21 +195,21 @@ class Moment:
     t: float
     base: Mapping[str, float]
     joints: Mapping[str, float]
-    seen: Seen | None
+    seen: Sighting | None
     tempo: float
     speed: float
     amplitude: float
 
 
 @dataclass(slots=True)
-class Wish:
+class FaceOverlay:
     """What a primary wants of the face; `glance` is added to where the eyes look, -1..1."""
 
-    face: FaceWish | None = None
+    face: FaceChange | None = None
     glance: tuple[float, float] = (0.0, 0.0)
 
 
-class Primary:
+class PoseSource:
     """One who decides; whoever does no more stays at the pose that people want."""
 
     #: 0 if nobody waits for its end.
@@ -219,14 +219,14 @@ class Primary:
     #: Whether it has come to its own end.
     over = False
     #: What it wants of the face, as of the last step.
-    wish: Wish | None = None
+    wish: FaceOverlay | None = None
 
-    def step(self, moment: Moment) -> Mapping[str, float]:
+    def step(self, moment: SourceContext) -> Mapping[str, float]:
         """The pose, in degrees, of every joint."""
         return moment.base
 
 
-class Hold(Primary):
+class Hold(PoseSource):
     """Stays at the pose that people want."""
 
 
@@ -260,7 +260,7 @@ def legs_of(
     return legs
 
 
-class Line(Primary):
+class LinearMotion(PoseSource):
     """Goes along straight lines in the space of joints: gaze, pose, poses, home, the way back."""
 
     def __init__(
@@ -276,7 +276,7 @@ class Line(Primary):
         self._ease, _ = EASE[easing]
         self._elapsed = 0.0
 
-    def step(self, moment: Moment) -> Mapping[str, float]:
+    def step(self, moment: SourceContext) -> Mapping[str, float]:
         """Where the joints are on their way; those that take no part stay."""
         self._elapsed += moment.dt
         pose = dict(moment.base)
@@ -295,7 +295,7 @@ class Line(Primary):
         return pose
 
 
-class Playing(Primary):
+class MovePlayback(PoseSource):
     """Plays a move around the pose that it began at.
 
     Args:
@@ -321,7 +321,7 @@ class Playing(Primary):
         self.move = move
         self.name = move.name
         self.token = token
-        self.cues: list[Cue] = []
+        self.cues: list[SoundCue] = []
         self._shape = shape
         self._speed = speed
         self._amplitude = amplitude
@@ -334,7 +334,7 @@ class Playing(Primary):
         pace = self._speed if self._own_pace else self._speed * speed
         return pace * tempo if self.move.beats else pace
 
-    def step(self, moment: Moment) -> Mapping[str, float]:
+    def step(self, moment: SourceContext) -> Mapping[str, float]:
         """The move's posture at its place now."""
         gone = moment.dt * self.rate(moment.tempo, moment.speed)
         self._place = min(self.move.length, self._place + gone)
@@ -352,7 +352,7 @@ class Playing(Primary):
         for joint, angle in posture.joints.items():
             if joint in pose:
                 pose[joint] += size * angle
-        self.wish = Wish(posture.face, self._shared(posture.roles, size, pose))
+        self.wish = FaceOverlay(posture.face, self._shared(posture.roles, size, pose))
         if not all(map(math.isfinite, pose.values())):
             raise ValueError(f"the move {self.name!r} wants an angle that is no number")
         return pose
@@ -375,22 +375,22 @@ class Playing(Primary):
         return eyes[0], eyes[1]
 
 
-class Following(Primary):
+class ObjectFollowing(PoseSource):
     """Follows what the camera sees."""
 
     name = "tracking"
 
-    def __init__(self, tracker: Tracker) -> None:
+    def __init__(self, tracker: ObjectTracker) -> None:
         self.tracker = tracker
 
-    def step(self, moment: Moment) -> Mapping[str, float]:
+    def step(self, moment: SourceContext) -> Mapping[str, float]:
         """Where the tracker wants the joints, and what it feels."""
         tracked = self.tracker.step(moment.t, moment.seen, moment.joints)
         pose = {**moment.base, **tracked.joints}
         if not all(map(math.isfinite, pose.values())):
             raise ValueError("tracking wants an angle that is no number")
-        face = FaceWish(emotion=tracked.emotion or None, intensity=tracked.intensity)
-        self.wish = Wish(face)
+        face = FaceChange(emotion=tracked.emotion or None, intensity=tracked.intensity)
+        self.wish = FaceOverlay(face)
         return pose
 
 
@@ -411,13 +411,13 @@ SPAN = (60.0, 40.0)
 STEEPEST = 89.0
 
 
-def direction(chain: Chain, joints: Mapping[str, float]) -> tuple[float, float]:
+def gaze_direction(chain: KinematicChain, joints: Mapping[str, float]) -> tuple[float, float]:
     """Where the head looks: yaw to its left, pitch upwards, in degrees."""
     _, (x, y, z) = chain.ray(joints)
     return math.degrees(math.atan2(y, x)), math.degrees(math.atan2(z, math.hypot(x, y)))
 
 
-class Saccade(Primary):
+class SaccadeFollowing(PoseSource):
     """The primary of the mode.
 
     Args:
@@ -431,7 +431,7 @@ class Saccade(Primary):
 
     def __init__(
         self,
-        chain: Chain,
+        chain: KinematicChain,
         shape: BodyShape,
         pose: Mapping[str, float],
         eyes: tuple[float, float],
@@ -441,7 +441,7 @@ class Saccade(Primary):
         self._begun = dict(pose)
         self._pose = dict(pose)
         self._goal: Mapping[str, float] = self._begun
-        self._ahead = direction(chain, pose)
+        self._ahead = gaze_direction(chain, pose)
         self._target = self._ahead
         if eyes != (0.0, 0.0):
             self._turn_to(eyes, self._lead)
@@ -450,15 +450,15 @@ class Saccade(Primary):
         """Look there, -1..1 of `SPAN`."""
         self._turn_to((x, y), SPAN)
 
-    def step(self, moment: Moment) -> Mapping[str, float]:
+    def step(self, moment: SourceContext) -> Mapping[str, float]:
         """Where the head has got to."""
         for joint, angle in self._goal.items():
-            self._pose[joint] = followed(self._pose[joint], angle, FOLLOWS_S, moment.dt)
+            self._pose[joint] = low_pass(self._pose[joint], angle, FOLLOWS_S, moment.dt)
         return self._pose
 
     def eyes(self, joints: Mapping[str, float]) -> tuple[float, float]:
         """Where the eyes look on the face, -1..1, with the head at `joints`."""
-        yaw, pitch = direction(self._chain, joints)
+        yaw, pitch = gaze_direction(self._chain, joints)
         across = (self._target[0] - yaw + 180.0) % 360.0 - 180.0
         return _unit(across / self._lead[0]), _unit((self._target[1] - pitch) / self._lead[1])
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field, replace
 from woz_tui.motion.body_shape import BodyShape
 from woz_tui.motion.builtin_moves import BUILT_IN
 from woz_tui.motion.engine import Engine
-from woz_tui.motion.engine_io import Answer, Tick
-from woz_tui.motion.keyframes import PLACE_DECIMALS, KeyFrame, KeyframeMove, Layer, Samples
+from woz_tui.motion.engine_io import InputResult, Tick
+from woz_tui.motion.keyframes import PLACE_DECIMALS, KeyFrame, KeyframeMove, LayerSamples, MoveLayer
 from woz_tui.motion.move import Move
 from woz_tui.protocol.messages import Json
 
@@ -31,7 +31,7 @@ MARGIN = 1
 
 
 @dataclass(frozen=True, slots=True)
-class Looks:
+class FaceTarget:
     """What the hand wants of the face: emotion and eyes (-1..1)."""
 
     emotion: str = "neutral"
@@ -41,7 +41,7 @@ class Looks:
 
 
 @dataclass(slots=True)
-class Take:
+class RecordedTake:
     """One pass, sampled at `rate` for each second (or beat) of the move.
 
     Moments may come as they like; what lies between them is interpolated, so the samples do not
@@ -50,10 +50,10 @@ class Take:
 
     rate: float
     _samples: list[dict[str, float]] = field(default_factory=list)
-    _looks: list[Looks] = field(default_factory=list)
-    _last: tuple[float, Mapping[str, float], Looks] | None = None
+    _looks: list[FaceTarget] = field(default_factory=list)
+    _last: tuple[float, Mapping[str, float], FaceTarget] | None = None
 
-    def moment(self, place: float, joints: Mapping[str, float], looks: Looks) -> None:
+    def moment(self, place: float, joints: Mapping[str, float], looks: FaceTarget) -> None:
         """What the hand wants at `place`, in degrees; places do not go back."""
         before = self._last or (place, joints, looks)
         self._last = (place, dict(joints), looks)
@@ -70,14 +70,16 @@ class Take:
         """Place of the last sample."""
         return max(0, len(self._samples) - 1) / self.rate
 
-    def layer(self, name: str) -> Layer:
+    def layer(self, name: str) -> MoveLayer:
         """The pass as a relative layer: joints that moved, and what became of the face."""
         joints = {}
         for joint, start in (self._samples[0] if self._samples else {}).items():
             values = tuple(round(sample[joint] - start, DECIMALS) for sample in self._samples)
             if any(abs(value) >= STILL for value in values):
                 joints[joint] = values
-        return Layer(name, self._frames(), Samples(self.rate, joints=joints) if joints else None)
+        return MoveLayer(
+            name, self._frames(), LayerSamples(self.rate, joints=joints) if joints else None
+        )
 
     def _frames(self) -> tuple[KeyFrame, ...]:
         """A frame for each change of the face, and one before it, so that nothing comes early."""
@@ -107,35 +109,39 @@ class Take:
 # -- what can be done with layers ---------------------------------------------------------------
 
 
-def laid(move: KeyframeMove, layer: Layer) -> KeyframeMove:
+def with_layer(move: KeyframeMove, layer: MoveLayer) -> KeyframeMove:
     """With `layer` on top, or in the place of the one of its name."""
     names = [known.name for known in move.layers]
     if layer.name not in names:
         return replace(move, layers=(*move.layers, layer))
-    return _each(move, layer.name, lambda known: replace(layer, mix=known.mix, share=known.share))
+    return _change_layer(
+        move, layer.name, lambda known: replace(layer, mix=known.mix, share=known.share)
+    )
 
 
-def without(move: KeyframeMove, name: str) -> KeyframeMove:
+def without_layer(move: KeyframeMove, name: str) -> KeyframeMove:
     """Without the layer `name`."""
     return replace(move, layers=tuple(layer for layer in move.layers if layer.name != name))
 
 
-def muted(move: KeyframeMove, name: str, quiet: bool = True) -> KeyframeMove:
+def with_muted(move: KeyframeMove, name: str, quiet: bool = True) -> KeyframeMove:
     """With the layer `name` left out, or heard again."""
-    return _each(move, name, lambda layer: replace(layer, muted=quiet))
+    return _change_layer(move, name, lambda layer: replace(layer, muted=quiet))
 
 
-def blended(move: KeyframeMove, name: str, share: float) -> KeyframeMove:
+def with_share(move: KeyframeMove, name: str, share: float) -> KeyframeMove:
     """With so much of the layer `name`, 0 to 1."""
-    return _each(move, name, lambda layer: replace(layer, share=min(1.0, max(0.0, share))))
+    return _change_layer(move, name, lambda layer: replace(layer, share=min(1.0, max(0.0, share))))
 
 
-def _each(move: KeyframeMove, name: str, change: Callable[[Layer], Layer]) -> KeyframeMove:
+def _change_layer(
+    move: KeyframeMove, name: str, change: Callable[[MoveLayer], MoveLayer]
+) -> KeyframeMove:
     layers = (change(layer) if layer.name == name else layer for layer in move.layers)
     return replace(move, layers=tuple(layers))
 
 
-def rest(layer: Layer) -> tuple[float, float]:
+def active_span(layer: MoveLayer) -> tuple[float, float]:
     """Where something first begins to change in a recorded layer, and where nothing does any more.
 
     One sample of rest is left at each end.
@@ -150,7 +156,7 @@ def rest(layer: Layer) -> tuple[float, float]:
     return start, min(end, layer.length)
 
 
-def trimmed(layer: Layer, start: float, end: float) -> Layer:
+def trim_layer(layer: MoveLayer, start: float, end: float) -> MoveLayer:
     """What lies from `start` to `end`, which begins at 0 then; times are those of samples.
 
     A joint begins where it is at `start`, and so does the face.
@@ -166,7 +172,7 @@ def trimmed(layer: Layer, start: float, end: float) -> Layer:
                 ("face", samples.face),
             )
         }
-        samples = Samples(samples.rate, cut["roles"], cut["joints"], cut["face"])
+        samples = LayerSamples(samples.rate, cut["roles"], cut["joints"], cut["face"])
     frames = [
         replace(frame, at=round(max(0.0, frame.at - start), PLACE_DECIMALS))
         for frame in layer.frames
@@ -208,14 +214,14 @@ class Puppeteer:
         self._move = move
         self._layer = layer
         self._rate = rate
-        backing = muted(move, layer)
+        backing = with_muted(move, layer)
         self._plays = any(not known.muted for known in backing.layers) and backing.length > 0
         #: The body: its pose, the stop. Inputs of the hand go through `apply`.
         self.engine = Engine(shape, {**moves, move.name: backing}, seed=seed)
         self._mood = self._seen_mood()
         self._began: float | None = None
         self._pace = 1.0
-        self._take: Take | None = None
+        self._take: RecordedTake | None = None
         self._t = 0.0
         #: Whether an input took the place of the layers that played; they stopped then.
         self.interrupted = False
@@ -230,7 +236,7 @@ class Puppeteer:
         tempo = self.engine.values()["tempo"]
         return float(tempo) if self._move.beats and isinstance(tempo, int | float) else 1.0
 
-    def apply(self, verb: str, args: Mapping[str, Json]) -> Answer:
+    def apply(self, verb: str, args: Mapping[str, Json]) -> InputResult:
         """An input of the hand. Raises `RejectedError`."""
         answer = self.engine.apply(verb, args)
         control = args.get("control") if verb == "control" else None
@@ -248,7 +254,7 @@ class Puppeteer:
             self.engine.apply("play", {"move": self._move.name})
         self._pace = self._tempo
         self._began = self._t
-        self._take = Take(self._rate / self._pace)
+        self._take = RecordedTake(self._rate / self._pace)
         self._take.moment(0.0, self.engine.held, self._looks())
 
     def tick(self, t: float) -> Tick:
@@ -263,10 +269,10 @@ class Puppeteer:
                 self.interrupted = True
         return tick
 
-    def _looks(self) -> Looks:
+    def _looks(self) -> FaceTarget:
         """What the hand wants of the face, whatever the layers before show."""
         places = self.engine.state().controls
-        return Looks(*self._mood, 2 * places["eye-x"] - 1, 2 * places["eye-y"] - 1)
+        return FaceTarget(*self._mood, 2 * places["eye-x"] - 1, 2 * places["eye-y"] - 1)
 
     def _seen_mood(self) -> tuple[str, float]:
         """What is seen; just after an input of the hand, what the hand wants."""
@@ -280,10 +286,10 @@ class Puppeteer:
         `trim`: rest at both ends is left out; rest at the beginning stays if there are other
         layers, with which the new one would fall out of step.
         """
-        take = self._take or Take(self._rate)
+        take = self._take or RecordedTake(self._rate)
         layer = take.layer(self._layer)
         if trim:
-            start, end = rest(layer)
+            start, end = active_span(layer)
             alone = all(known.name == self._layer for known in self._move.layers)
-            layer = trimmed(layer, start if alone else 0.0, end)
-        return laid(self._move, layer)
+            layer = trim_layer(layer, start if alone else 0.0, end)
+        return with_layer(self._move, layer)

@@ -13,11 +13,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from woz_tui.drivers.contract import Driver, RejectedError
+from woz_tui.motion.body_feeds import Sighting
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.engine_io import Tick
-from woz_tui.motion.modes import Hand, Mode
-from woz_tui.motion.safety import number
-from woz_tui.motion.setpoints import Seen
+from woz_tui.motion.modes import Mode, Operator
+from woz_tui.motion.safety import finite_number
 from woz_tui.protocol.messages import Json
 
 #: Nothing takes longer than this, in seconds, unless it is asked for.
@@ -57,7 +57,7 @@ class Input:
     t: float
     verb: str
     args: Mapping[str, Json] = field(default_factory=dict)
-    hand: Hand = Hand.WIZARD
+    hand: Operator = Operator.WIZARD
     place: str = ""
 
 
@@ -66,7 +66,7 @@ Step = Sequence[Input] | float
 
 
 @dataclass(frozen=True, slots=True)
-class Score:
+class RenderScript:
     """What happens in a rendering.
 
     `steps` are taken one after the other, each when all that the one before began has ended;
@@ -92,7 +92,7 @@ class Rendering:
         tell: Hears of inputs that were refused and of the body's own notices.
     """
 
-    def __init__(self, engine: Engine, score: Score, rate: float, tell: Tell) -> None:
+    def __init__(self, engine: Engine, score: RenderScript, rate: float, tell: Tell) -> None:
         self._engine = engine
         self._rate = rate
         self._tell = tell
@@ -202,7 +202,7 @@ class Rendering:
         size = _place(one.args, "size")
         there = x is not None and y is not None
         self._engine.see(
-            Seen(
+            Sighting(
                 t_us=round(now * 1_000_000),
                 frame=self._frames,
                 x=x if there else None,
@@ -247,7 +247,7 @@ def _place(seen: Mapping[str, Json], name: str) -> float | None:
     value = seen.get(name)
     if value is None:
         return None
-    place = number(value)
+    place = finite_number(value)
     if place is None or abs(place) > 1.0:
         low = "0" if name == "size" else "-1"
         raise RejectedError(f"{name} must be {low} to 1, or null, not {value!r}")

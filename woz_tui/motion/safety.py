@@ -48,7 +48,7 @@ class Limits:
         return min(max(angle, min(self.low, last)), max(self.high, last))
 
 
-def guard(limits: Limits, last: float, wanted: float, elapsed: float) -> float:
+def limited_setpoint(limits: Limits, last: float, wanted: float, elapsed: float) -> float:
     """The setpoint that may follow `last` after `elapsed` seconds, acceleration aside.
 
     In range, no step beyond the speed limit, never NaN (then `last` stays). A joint found outside
@@ -61,7 +61,7 @@ def guard(limits: Limits, last: float, wanted: float, elapsed: float) -> float:
 
 
 @dataclass(slots=True)
-class Guarded:
+class LimitedJoint:
     """One joint's setpoint: where it is, how fast it goes, and where it may go next.
 
     `speed` is that of the last step, in degrees a second with sign. `landed`: the last step ended
@@ -86,7 +86,7 @@ class Guarded:
             goal = None if wanted is None else self.limits.clamp_beside(wanted, self.position)
             self._accelerate(goal, dt, acceleration)
         elif wanted is not None:
-            self.position = guard(self.limits, self.position, wanted, dt)
+            self.position = limited_setpoint(self.limits, self.position, wanted, dt)
         return self.position
 
     def stand(self, position: float) -> None:
@@ -133,7 +133,7 @@ class Safety:
 
     def __init__(self, joints: Mapping[str, JointShape], start: Mapping[str, float]) -> None:
         self._joints = {
-            name: Guarded(Limits.of(joint), joint.home) for name, joint in joints.items()
+            name: LimitedJoint(Limits.of(joint), joint.home) for name, joint in joints.items()
         }
         self.restart(start)
 
@@ -148,7 +148,7 @@ class Safety:
             if name not in present:
                 joint.stand(joint.position)
                 continue
-            angle = number(present[name])
+            angle = finite_number(present[name])
             if angle is None:
                 rejected[name] = _why(present[name])
             joint.stand(joint.position if angle is None else angle)
@@ -161,12 +161,12 @@ class Safety:
         more than `LONGEST_S` counts; 0, a negative one and NaN change nothing.
         """
         rejected = self._strangers(wanted)
-        seconds = number(dt)
+        seconds = finite_number(dt)
         elapsed = min(seconds, LONGEST_S) if seconds is not None else 0.0
         if dt == math.inf:
             elapsed = LONGEST_S
         for name, joint in self._joints.items():
-            angle = number(wanted[name]) if name in wanted else None
+            angle = finite_number(wanted[name]) if name in wanted else None
             if angle is None:
                 rejected[name] = _why(wanted[name]) if name in wanted else "is missing"
             if elapsed > 0:
@@ -185,7 +185,7 @@ class Safety:
         )
 
 
-def number(value: object) -> float | None:
+def finite_number(value: object) -> float | None:
     """`value` as a finite number, or None; a flag is none."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None

@@ -12,25 +12,25 @@ from typing import Any
 
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.motion.body_shape import BodyShape, JointShape
-from woz_tui.motion.engine_io import Answer
-from woz_tui.motion.face_state import FaceWork
-from woz_tui.motion.joint_control import Steering, beginning, found
-from woz_tui.motion.kinematics import Aim, Chain
-from woz_tui.motion.knobs import FACE
+from woz_tui.motion.control_scales import FACE
+from woz_tui.motion.engine_io import InputResult
+from woz_tui.motion.face_control import FaceControl
+from woz_tui.motion.joint_control import JointController, known_angles, start_pose
+from woz_tui.motion.kinematics import Aim, KinematicChain
 from woz_tui.motion.modes import Mode
 from woz_tui.motion.move import Move
-from woz_tui.motion.personality import Character
-from woz_tui.motion.pose_blending import Shaping
+from woz_tui.motion.personality import CurrentPersonality
+from woz_tui.motion.pose_blending import PoseFilter
 from woz_tui.motion.pose_sources import (
-    Following,
-    Line,
-    Playing,
-    Primary,
-    Saccade,
-    Tracker,
-    direction,
+    LinearMotion,
+    MovePlayback,
+    ObjectFollowing,
+    ObjectTracker,
+    PoseSource,
+    SaccadeFollowing,
+    gaze_direction,
 )
-from woz_tui.motion.safety import Safety, number
+from woz_tui.motion.safety import Safety, finite_number
 from woz_tui.protocol.messages import Json
 
 #: Arguments of an input, checked: their types and ranges are those of the verb (`inputs`), but for
@@ -45,7 +45,7 @@ DEMO = "demo"
 
 
 @dataclass(frozen=True, slots=True)
-class Angles:
+class UsableAngles:
     """Joint angles that can be used, in degrees, and what differs from those asked for.
 
     `clamped` holds, by joint, the angle that was asked for; `left_out` why a joint is not moved.
@@ -65,14 +65,14 @@ class Angles:
         return sent
 
 
-def angles(path: str, value: object, shapes: Mapping[str, JointShape]) -> Angles:
+def usable_angles(path: str, value: object, shapes: Mapping[str, JointShape]) -> UsableAngles:
     """What can be used of a mapping joint -> degrees; `RejectedError` if that is nothing."""
     if not isinstance(value, Mapping) or not value:
         raise RejectedError(f"{path} must name joints and degrees, not {repr(value)[:60]}")
-    taken = Angles({})
+    taken = UsableAngles({})
     for name, wish in value.items():
         shape = shapes.get(name) if isinstance(name, str) else None
-        angle = number(wish)
+        angle = finite_number(wish)
         if shape is None:
             taken.left_out[str(name)[:60]] = "no such joint"
         elif angle is None:
@@ -87,7 +87,7 @@ def angles(path: str, value: object, shapes: Mapping[str, JointShape]) -> Angles
     return taken
 
 
-class Orders:
+class VerbHandlers:
     """The parts of one body, and what inputs do to them. The arguments are those of `Engine`."""
 
     def __init__(
@@ -97,19 +97,19 @@ class Orders:
         seed: int,
         present: Mapping[str, float] | None,
     ) -> None:
-        pose = beginning(shape, present)
+        pose = start_pose(shape, present)
         self._shape = shape
         self._moves = moves
-        self._chain = Chain(shape)
-        self._safety = Safety(shape.joints, {**pose, **found(shape, present)})
-        self._shaping = Shaping(shape.joints, pose)
-        self._steering = Steering(shape, self._shaping, pose)
-        self._face = face = FaceWork(seed)
-        self._character = character = Character(shape.personality, shape.personalities)
+        self._chain = KinematicChain(shape)
+        self._safety = Safety(shape.joints, {**pose, **known_angles(shape, present)})
+        self._shaping = PoseFilter(shape.joints, pose)
+        self._steering = JointController(shape, self._shaping, pose)
+        self._face = face = FaceControl(seed)
+        self._character = character = CurrentPersonality(shape.personality, shape.personalities)
         self._tokens = 0
         #: Seconds since the engine began, as of the last tick.
         self._now = 0.0
-        self._acts: Mapping[str, Callable[[Args], Answer]] = {
+        self._acts: Mapping[str, Callable[[Args], InputResult]] = {
             "play": self._play,
             "pose": self._pose,
             "poses": self._poses,
@@ -119,7 +119,7 @@ class Orders:
             "joints": self._joints,
             "control": self._control,
             "mode": self._mode,
-            "personality": lambda args: Answer(character.become(args)),
+            "personality": lambda args: InputResult(character.become(args)),
             "breathing": self._breathing,
             "emotion": lambda args: face.show(args, self._token),
             "affect": lambda args: face.feel(args["valence"], args["arousal"]),
@@ -135,21 +135,24 @@ class Orders:
 
     # -- moves, gaze, pose ----------------------------------------------------------------------
 
-    def _play(self, args: Args) -> Answer:
+    def _play(self, args: Args) -> InputResult:
         move = self._moves[args["move"]]
         playing = self._steering.play(move, args["speed"], args["amplitude"], self._token())
         self._face.begin_lead()
         seconds = move.length / playing.rate(self._character["tempo"], self._character["speed"])
         sent = {**args, "move": move.name, "seconds": round(seconds, 3)}
-        return Answer(sent, playing.token, seconds)
+        return InputResult(sent, playing.token, seconds)
 
-    def _pose(self, args: Args) -> Answer:
-        goal = angles("pose.joints", args["joints"], self._shape.joints)
+    def _pose(self, args: Args) -> InputResult:
+        goal = usable_angles("pose.joints", args["joints"], self._shape.joints)
         return self._go("pose", [(goal, args.get("seconds", 0.0))], args)
 
-    def _poses(self, args: Args) -> Answer:
+    def _poses(self, args: Args) -> InputResult:
         poses = [
-            (angles("poses.joints", pose["joints"], self._shape.joints), pose.get("seconds", 0.0))
+            (
+                usable_angles("poses.joints", pose["joints"], self._shape.joints),
+                pose.get("seconds", 0.0),
+            )
             for pose in args["poses"][: MOST_POSES + 1]
         ]
         if len(poses) > MOST_POSES or max(seconds for _, seconds in poses) > LONGEST_S:
@@ -158,11 +161,11 @@ class Orders:
             )
         return self._go("poses", poses, args)
 
-    def _home(self, args: Args) -> Answer:
+    def _home(self, args: Args) -> InputResult:
         home = {name: joint.home for name, joint in self._shape.joints.items()}
-        return self._go("home", [(Angles(home), args["seconds"])], args)
+        return self._go("home", [(UsableAngles(home), args["seconds"])], args)
 
-    def _gaze(self, args: Args) -> Answer:
+    def _gaze(self, args: Args) -> InputResult:
         point = [args[name] for name in ("x", "y", "z") if name in args]
         if bool(point) == ("yaw" in args or "pitch" in args) or len(point) not in (0, 3):
             raise RejectedError(
@@ -176,27 +179,27 @@ class Orders:
             except ValueError as error:
                 raise RejectedError(f"gaze: {error}") from None
         else:
-            yaw, pitch = direction(self._chain, pose)
+            yaw, pitch = gaze_direction(self._chain, pose)
             down = args.get("pitch", -pitch)
             aim = self._chain.aim_along(args.get("yaw", yaw), -down, pose)
         return self._look_at(aim, "gaze", args.get("seconds", 0.0), args)
 
-    def _nudge(self, args: Args) -> Answer:
+    def _nudge(self, args: Args) -> InputResult:
         pose = self._steering.stance.pose
-        yaw, pitch = direction(self._chain, pose)
+        yaw, pitch = gaze_direction(self._chain, pose)
         yaw = (yaw + args["yaw"] + 180.0) % 360.0 - 180.0
         pitch = min(90.0, max(-90.0, pitch - args["pitch"]))
         aim = self._chain.aim_along(yaw, pitch, pose)
         if self._steering.move:  # the arrow keys turn whoever dances, and do not end the dance
             self._steering.shift(aim.joints, "nudge")
-            return Answer(_off_the_mark(Angles(dict(aim.joints)).told(), aim))
+            return InputResult(_off_the_mark(UsableAngles(dict(aim.joints)).told(), aim))
         return self._look_at(aim, "nudge", NUDGE_S, args)
 
-    def _look_at(self, aim: Aim, name: str, seconds: float, args: Args) -> Answer:
-        answer = self._go(name, [(Angles(dict(aim.joints)), seconds)], args)
+    def _look_at(self, aim: Aim, name: str, seconds: float, args: Args) -> InputResult:
+        answer = self._go(name, [(UsableAngles(dict(aim.joints)), seconds)], args)
         return replace(answer, sent=_off_the_mark(answer.sent, aim))
 
-    def _go(self, name: str, poses: list[tuple[Angles, float]], args: Args) -> Answer:
+    def _go(self, name: str, poses: list[tuple[UsableAngles, float]], args: Args) -> InputResult:
         goals = [(goal.joints, seconds) for goal, seconds in poses]
         easing = args.get("easing", self._shape.easing)
         line = self._steering.go(name, goals, self._token(), easing)
@@ -206,12 +209,12 @@ class Orders:
         sent["seconds"] = round(line.seconds, 3)
         if late > 1e-9 and all(seconds > 0.0 for _, seconds in goals):
             sent["late_s"] = round(late, 3)
-        return Answer(sent, line.token, line.seconds)
+        return InputResult(sent, line.token, line.seconds)
 
-    def _joints(self, args: Args) -> Answer:
-        taken = angles("joints.joints", args["joints"], self._shape.joints)
+    def _joints(self, args: Args) -> InputResult:
+        taken = usable_angles("joints.joints", args["joints"], self._shape.joints)
         self._steering.put(taken.joints, "joints")
-        return Answer(taken.told())
+        return InputResult(taken.told())
 
     # -- controls -------------------------------------------------------------------------------
 
@@ -225,7 +228,7 @@ class Orders:
             **self._character.places(),
         }
 
-    def _control(self, args: Args) -> Answer:
+    def _control(self, args: Args) -> InputResult:
         name = args["control"]
         if ("value" in args) == ("by" in args):
             raise RejectedError("control needs either a value or by how much", "both are 0 to 1")
@@ -243,22 +246,22 @@ class Orders:
             self._eyes_moved(name.startswith("eye"))
         else:
             self._character.turn(name, place)
-        return Answer(sent)
+        return InputResult(sent)
 
     # -- modes ----------------------------------------------------------------------------------
 
-    def _mode(self, args: Args) -> Answer:
+    def _mode(self, args: Args) -> InputResult:
         mode = Mode(args["mode"])
         if mode is Mode.NORMAL:
             self._leave("stopped")
             self._steering.stop("stopped")
-            return Answer({"mode": mode.value})
+            return InputResult({"mode": mode.value})
         # What begins goes on from where everything is: the primary is made first, it may refuse.
         primary = self._primary(mode)
         self._face.stop(f"replaced by {mode.value}")
         self._face.begin_lead()
         self._steering.enter(mode, primary)
-        return Answer({"mode": mode.value})
+        return InputResult({"mode": mode.value})
 
     def _leave(self, why: str) -> None:
         """What the stop ends besides what moves the joints."""
@@ -272,23 +275,23 @@ class Orders:
         self._face.led = None
         self._face.look(0.0, 0.0)
 
-    def _primary(self, mode: Mode) -> Primary:
+    def _primary(self, mode: Mode) -> PoseSource:
         if mode is Mode.TRACKING:
-            tracker = Tracker(self._shape, self._chain)
+            tracker = ObjectTracker(self._shape, self._chain)
             tracker.begin(self._now, self._safety.last)
-            return Following(tracker)
+            return ObjectFollowing(tracker)
         if mode is Mode.SACCADE:
-            line = isinstance(self._steering.primary, Line)
+            line = isinstance(self._steering.primary, LinearMotion)
             pose = self._steering.here if line else self._steering.stance.pose
-            return Saccade(self._chain, self._shape, pose, self._face.eyes)
+            return SaccadeFollowing(self._chain, self._shape, pose, self._face.eyes)
         move = self._moves.get(DEMO)
         if move is None:
             raise RejectedError("there is no demo", f"it is the move called {DEMO!r}")
-        return Playing(move, self._shape, 1.0, 1.0, 0, own_pace=True)
+        return MovePlayback(move, self._shape, 1.0, 1.0, 0, own_pace=True)
 
     # -- face and ways --------------------------------------------------------------------------
 
-    def _look(self, args: Args) -> Answer:
+    def _look(self, args: Args) -> InputResult:
         answer = self._face.look(args["x"], args["y"])
         self._eyes_moved(True)
         return answer
@@ -296,24 +299,24 @@ class Orders:
     def _eyes_moved(self, moved: bool) -> None:
         """In saccade following they take the head along."""
         primary = self._steering.primary
-        if moved and isinstance(primary, Saccade):
+        if moved and isinstance(primary, SaccadeFollowing):
             primary.look(self._face.x, self._face.y)
 
-    def _brightness(self, args: Args) -> Answer:
+    def _brightness(self, args: Args) -> InputResult:
         self._face.brightness = args["level"]
-        return Answer(args)
+        return InputResult(args)
 
-    def _blink(self, args: Args) -> Answer:
+    def _blink(self, args: Args) -> InputResult:
         self._face.blink()
-        return Answer()
+        return InputResult()
 
-    def _blinking(self, args: Args) -> Answer:
+    def _blinking(self, args: Args) -> InputResult:
         self._face.blinks_by_itself = args["on"]
-        return Answer(args)
+        return InputResult(args)
 
-    def _breathing(self, args: Args) -> Answer:
+    def _breathing(self, args: Args) -> InputResult:
         self._character.breathes = args["on"]
-        return Answer(args)
+        return InputResult(args)
 
 
 def _off_the_mark(sent: Mapping[str, Json], aim: Aim) -> dict[str, Json]:

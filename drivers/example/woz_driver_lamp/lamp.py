@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
-from woz_drivers.serial_line import LOSSES, SerialLine, Trouble, explain, open_port
+from woz_drivers.serial_line import LOSSES, PortTrouble, SerialLine, explain_port_error, open_port
 
 from woz_tui.drivers.contract import (
     Argument,
@@ -69,7 +69,7 @@ class Lamp(Driver):
         try:
             open_port(settings.port, settings.baud).close()
         except (*LOSSES, ValueError) as error:
-            trouble = explain(settings.port, settings.baud, error)
+            trouble = explain_port_error(settings.port, settings.baud, error)
             return [Finding("error", probe.name, trouble.what, trouble.remedy)]
         return [Finding("ok", probe.name, f"{settings.port} can be opened")]
 
@@ -183,7 +183,7 @@ class Lamp(Driver):
         else:
             ended.set_exception(error)
 
-    def _lost(self, trouble: Trouble) -> None:
+    def _lost(self, trouble: PortTrouble) -> None:
         self._forget(DeviceLostError(trouble.what, trouble.remedy))
         self.context.health(Health.LOST, trouble.what, trouble.remedy)
 

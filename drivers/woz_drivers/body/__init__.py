@@ -6,6 +6,6 @@ punctual it was. Where servos follow, they are another driver with `follows: <th
 """
 
 from woz_drivers.body.driver import Body
-from woz_drivers.body.settings import Settings
+from woz_drivers.body.settings import BodySettings
 
-__all__ = ["Body", "Settings"]
+__all__ = ["Body", "BodySettings"]

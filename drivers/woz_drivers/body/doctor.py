@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from woz_drivers.body.settings import Settings
+from woz_drivers.body.settings import BodySettings
 from woz_tui.drivers.contract import Finding, Probe
 
 
 def examine(probe: Probe) -> list[Finding]:
     """There is no hardware of its own to look at."""
-    settings: Settings = probe.settings
+    settings: BodySettings = probe.settings
     known = settings.repertoire
     findings = [
         Finding(

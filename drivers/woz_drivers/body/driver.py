@@ -9,8 +9,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 from woz_drivers.body import doctor
-from woz_drivers.body.settings import Settings as BodySettings
-from woz_drivers.body.settings import differences
+from woz_drivers.body.settings import BodySettings, move_changes
 from woz_drivers.body.tick_loop import BodyLoop
 from woz_drivers.body.ticker import ThreadTicker
 from woz_tui.drivers.contract import (
@@ -26,11 +25,11 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
-from woz_tui.motion.body_verbs import BRIEF, offered
+from woz_tui.motion.body_verbs import BRIEF, body_verbs
 from woz_tui.motion.engine import Engine
-from woz_tui.motion.engine_io import Ended
-from woz_tui.motion.kinematics import outline
-from woz_tui.motion.modes import Hand, Mode, hand_of
+from woz_tui.motion.engine_io import EndedInput
+from woz_tui.motion.kinematics import body_outline
+from woz_tui.motion.modes import Mode, Operator, operator_of
 from woz_tui.motion.rendering import RenderedDriver
 from woz_tui.protocol.messages import Json
 
@@ -63,9 +62,9 @@ class Body(RenderedDriver):
         super().__init__(name, settings, context)
         self._ticker = type(self).ticker(settings.rate, name)
         self.loop = BodyLoop(settings, context, self._ticker.lateness, self._on_ended)
-        offered = self.verbs(settings)
-        self._verbs = {verb.name for verb in offered}
-        self._brief = {verb.name for verb in offered if verb.stream} | BRIEF
+        verbs = self.verbs(settings)
+        self._verbs = {verb.name for verb in verbs}
+        self._brief = {verb.name for verb in verbs if verb.stream} | BRIEF
         self._running: dict[int, asyncio.Future[str]] = {}
         self._events: asyncio.AbstractEventLoop | None = None
         self._closed = False
@@ -73,7 +72,7 @@ class Body(RenderedDriver):
     @classmethod
     def verbs(cls, settings: BodySettings) -> tuple[Verb, ...]:
         """Everything a body can be asked for; what is about the face only if it has one."""
-        return offered(settings, settings.playable)
+        return body_verbs(settings, settings.playable)
 
     @classmethod
     def joints(cls, settings: BodySettings) -> Mapping[str, Range]:
@@ -91,7 +90,7 @@ class Body(RenderedDriver):
     @classmethod
     def outline(cls, settings: BodySettings) -> dict[str, Json]:
         """What it looks like: `kind`, and what `motion.kinematics.outline` says of the shape."""
-        return {"kind": "body", **outline(settings)}
+        return {"kind": "body", **body_outline(settings)}
 
     @classmethod
     def engine(cls, settings: BodySettings, *, seed: int | None = None) -> Engine:
@@ -124,7 +123,7 @@ class Body(RenderedDriver):
         if job.verb not in self._verbs:
             raise RejectedError(f"this body cannot {job.verb!r}")
         verb, args = self.translated(self.settings, job.verb, job.args)
-        answer = self.loop.apply(verb, args, hand_of(job.source))
+        answer = self.loop.apply(verb, args, operator_of(job.source))
         if verb == "mode" and args.get("mode") == Mode.TRACKING.value and not self.settings.camera:
             self.context.notice("warning", *BLIND)
         sent = dict(answer.sent)
@@ -162,7 +161,7 @@ class Body(RenderedDriver):
     def reread(self, settings: BodySettings, *, dry_run: bool) -> list[str]:
         """Take over edited move files."""
         moves = settings.repertoire.moves
-        changes = [*differences(self.loop.moves, moves)]
+        changes = [*move_changes(self.loop.moves, moves)]
         if changes and not dry_run:
             self.loop.learn(moves)
         return changes
@@ -180,10 +179,10 @@ class Body(RenderedDriver):
     async def _go_to_rest(self) -> None:
         pose: dict[str, Json] = dict(self.settings.rest_pose)
         try:
-            self.loop.apply("mode", {"mode": "normal"}, Hand.WIZARD)
-            self.loop.apply("breathing", {"on": False}, Hand.WIZARD)
+            self.loop.apply("mode", {"mode": "normal"}, Operator.WIZARD)
+            self.loop.apply("breathing", {"on": False}, Operator.WIZARD)
             answer = self.loop.apply(
-                "pose", {"joints": pose, "seconds": self.settings.rest_time}, Hand.WIZARD
+                "pose", {"joints": pose, "seconds": self.settings.rest_time}, Operator.WIZARD
             )
         except RejectedError as refused:
             log.info("no rest pose: %s", refused.what)
@@ -245,7 +244,7 @@ class Body(RenderedDriver):
         finally:
             self._running.pop(token, None)
 
-    def _on_ended(self, ended: tuple[Ended, ...]) -> None:
+    def _on_ended(self, ended: tuple[EndedInput, ...]) -> None:
         """From the ticking thread. Inputs are registered in the turn of the loop in which they were
         applied, so none can be told of before it is known.
         """
@@ -253,7 +252,7 @@ class Body(RenderedDriver):
         with contextlib.suppress(RuntimeError):  # the loop has closed: the session is over
             self._events.call_soon_threadsafe(self._ended, ended)
 
-    def _ended(self, ended: tuple[Ended, ...]) -> None:
+    def _ended(self, ended: tuple[EndedInput, ...]) -> None:
         for one in ended:
             future = self._running.get(one.token)
             if future is not None and not future.done():

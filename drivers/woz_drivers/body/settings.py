@@ -36,7 +36,7 @@ def repertoire(folder: str, shape: BodyShape) -> Repertoire:
     return Repertoire({**BUILT_IN, **found.moves}, found)
 
 
-def differences(old: Mapping[str, Move], new: Mapping[str, Move]) -> Iterator[str]:
+def move_changes(old: Mapping[str, Move], new: Mapping[str, Move]) -> Iterator[str]:
     """What became of a body's moves, in words."""
     for name, move in new.items():
         if name not in old:
@@ -50,7 +50,7 @@ def differences(old: Mapping[str, Move], new: Mapping[str, Move]) -> Iterator[st
 
 
 @dataclass(frozen=True, slots=True)
-class Settings(BodyShape):
+class BodySettings(BodyShape):
     """A body and what it works with."""
 
     rate: Annotated[float, Range(20, 200, "Hz"), Doc("setpoints a second")] = 50.0

@@ -11,26 +11,26 @@ import threading
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 
-from woz_drivers.body.settings import Settings
+from woz_drivers.body.settings import BodySettings
 from woz_drivers.body.ticker import Lateness
 from woz_tui.drivers.contract import Ask, DriverContext, DriverError, Health
-from woz_tui.motion.engine import Engine
-from woz_tui.motion.engine_io import Answer, Ended, Tick
-from woz_tui.motion.light_frames import Frame
-from woz_tui.motion.modes import Hand, Mode
-from woz_tui.motion.move import Cue, Move
-from woz_tui.motion.setpoints import (
+from woz_tui.motion.body_feeds import (
     FACE,
     PRESENT,
     SEEN,
     SETPOINTS,
     STATE,
-    Lit,
-    Present,
-    Seen,
+    BodyState,
+    FacePicture,
+    JointPositions,
     Setpoints,
-    State,
+    Sighting,
 )
+from woz_tui.motion.engine import Engine
+from woz_tui.motion.engine_io import EndedInput, InputResult, Tick
+from woz_tui.motion.light_frames import LightFrame
+from woz_tui.motion.modes import Mode, Operator
+from woz_tui.motion.move import Move, SoundCue
 from woz_tui.protocol.messages import BodyChanged, FaceShown, Json
 
 # -- joining --------------------------------------------------------------------------------------
@@ -44,14 +44,14 @@ FRESH_S = 0.5
 BUSY_S = 3.0
 
 
-class Joining:
+class LimpJointWatch:
     """Says when the engine must begin anew at the pose in which the servos are.
 
     While no joint is held, hands may move them; the engine then goes on from where they were left.
     What is asked of the body in the meantime, to rehearse it, is not disturbed.
     """
 
-    def __init__(self, settings: Settings, context: DriverContext) -> None:
+    def __init__(self, settings: BodySettings, context: DriverContext) -> None:
         self._zero = {name: joint.zero for name, joint in settings.joints.items()}
         self._feed = context.feed(PRESENT, of=settings.servos)
         self._serial = 0
@@ -62,11 +62,11 @@ class Joining:
         """Somebody has asked something of the body."""
         self._busy_until = now + BUSY_S
 
-    def place(self, now: float, state: State) -> Mapping[str, float] | None:
+    def place(self, now: float, state: BodyState) -> Mapping[str, float] | None:
         """The joints' angles, in the body's degrees, if the engine is to begin at them."""
         newest = self._feed.latest()
         present = newest.value
-        if newest.serial == self._serial or not isinstance(present, Present):
+        if newest.serial == self._serial or not isinstance(present, JointPositions):
             return None
         self._serial = newest.serial
         if now - present.t_us / 1e6 > FRESH_S:
@@ -100,7 +100,7 @@ PUNCTUAL_S = 1.0
 SLACK_S = 0.002
 
 
-class Due:
+class RateLimit:
     """Whether something may be said again."""
 
     def __init__(self, every: float) -> None:
@@ -116,16 +116,16 @@ class Due:
         return True
 
 
-class Publishing:
+class TickPublisher:
     """Belongs to the ticking thread."""
 
-    def __init__(self, settings: Settings, context: DriverContext) -> None:
+    def __init__(self, settings: BodySettings, context: DriverContext) -> None:
         self._context = context
         self._alone = not settings.servos
-        self._readings, self._faces = Due(READING_S), Due(FACE_S)
+        self._readings, self._faces = RateLimit(READING_S), RateLimit(FACE_S)
         #: When it is time to look at the body's values again, and to say how punctual ticks are.
-        self.values_due, self.lateness_due = Due(VALUES_S), Due(PUNCTUAL_S)
-        self._face: tuple[Frame, str, float, float] | None = None
+        self.values_due, self.lateness_due = RateLimit(VALUES_S), RateLimit(PUNCTUAL_S)
+        self._face: tuple[LightFrame, str, float, float] | None = None
         self._values: Mapping[str, Json] | None = None
         self._unheard: set[str] = set()
 
@@ -170,7 +170,7 @@ class Publishing:
                 )
             )
 
-    def _sound(self, cue: Cue) -> None:
+    def _sound(self, cue: SoundCue) -> None:
         if not cue.sound or cue.volume <= 0:
             return
 
@@ -205,10 +205,10 @@ class BodyLoop:
 
     def __init__(
         self,
-        settings: Settings,
+        settings: BodySettings,
         context: DriverContext,
         lateness: Lateness,
-        on_ended: Callable[[tuple[Ended, ...]], None],
+        on_ended: Callable[[tuple[EndedInput, ...]], None],
     ) -> None:
         #: What it can play now.
         self.moves = settings.repertoire.moves
@@ -218,24 +218,24 @@ class BodyLoop:
         self._context = context
         self._lateness = lateness
         self._on_ended = on_ended
-        self._publishing = Publishing(settings, context)
-        self._joining = Joining(settings, context) if settings.servos else None
+        self._publishing = TickPublisher(settings, context)
+        self._joining = LimpJointWatch(settings, context) if settings.servos else None
         self._zero = {name: joint.zero for name, joint in settings.joints.items()}
         self._detail = _detail(settings)
         self._lock = threading.Lock()
         self._waiting: list[Future[None]] = []
-        self._state_due = Due(STATE_S)
+        self._state_due = RateLimit(STATE_S)
         self._touched = False
         self._setpoints, self._face = context.feed(SETPOINTS), context.feed(FACE)
         self._state = context.feed(STATE)
         self._seen = context.feed(SEEN, of=settings.camera) if settings.camera else None
         self._seen_serial = 0
         self._sees = False
-        self._lit: Lit | None = None
+        self._lit: FacePicture | None = None
 
     # -- from the event loop ---------------------------------------------------------------------
 
-    def apply(self, verb: str, args: Mapping[str, Json], hand: Hand) -> Answer:
+    def apply(self, verb: str, args: Mapping[str, Json], hand: Operator) -> InputResult:
         """Give the engine an input. Raises `ticks.Refused`."""
         with self._lock:
             self._touched = True
@@ -332,7 +332,7 @@ class BodyLoop:
             return
         newest = self._seen.latest()
         seen = newest.value
-        fresh = isinstance(seen, Seen) and now - seen.t_us / 1e6 <= SEEN_S
+        fresh = isinstance(seen, Sighting) and now - seen.t_us / 1e6 <= SEEN_S
         if fresh and newest.serial != self._seen_serial:
             self._seen_serial, self._sees = newest.serial, True
             self.engine.see(seen)
@@ -344,13 +344,13 @@ class BodyLoop:
         """Hand the face on, if it is another one than before."""
         if tick.face is None:
             return
-        lit = Lit(tick.face, tick.brightness)
+        lit = FacePicture(tick.face, tick.brightness)
         if lit != self._lit:
             self._lit = lit
             self._face.put(lit)
 
 
-def _detail(settings: Settings) -> str:
+def _detail(settings: BodySettings) -> str:
     joints = "1 joint" if len(settings.joints) == 1 else f"{len(settings.joints)} joints"
     moved = f"moved by {settings.servos}" if settings.servos else "without servos"
     return f"{joints} at {settings.rate:g} Hz, {moved}"

@@ -11,14 +11,14 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from woz_drivers.camera.raw_pictures import Picture, every
+from woz_drivers.camera.raw_pictures import Picture, thinning_step
 
 Mask = npt.NDArray[np.bool_]
 Counts = npt.NDArray[np.intp]
 
 
 @dataclass(frozen=True, slots=True)
-class Rule:
+class ColourRule:
     """Which pixels count, and when there are enough of them.
 
     A pixel counts if its green is more than `factor` times its red and its blue, and at least
@@ -43,10 +43,10 @@ class Blob:
     size: int
 
 
-class Finder:
+class BlobFinder:
     """Looks for one thing in pictures, by one rule."""
 
-    def __init__(self, rule: Rule) -> None:
+    def __init__(self, rule: ColourRule) -> None:
         self._rule = rule
         # What green has to exceed, by red or blue: whole numbers, so that 131 is more than
         # 1.3 times 100 and 130 is not, whatever 1.3 is in binary.
@@ -64,7 +64,7 @@ class Finder:
     def find(self, picture: Picture) -> Blob | None:
         """The thing, in the picture's own pixels, or None."""
         rows, columns = picture.shape[:2]
-        step = every(columns, rows)
+        step = thinning_step(columns, rows)
         mask = self.counting(picture[::step, ::step])
         middle = _largest(mask) if self._rule.largest else _all(mask)
         if middle is None or middle.size * step**2 < self._rule.smallest:

@@ -6,7 +6,7 @@ import asyncio
 import time
 
 from woz_drivers import child_process
-from woz_drivers.camera.blob import Finder
+from woz_drivers.camera.blob import BlobFinder
 from woz_drivers.camera.settings import CameraSettings
 from woz_tui.drivers.contract import DriverError, Finding, Probe
 
@@ -28,7 +28,7 @@ async def examine(probe: Probe) -> list[Finding]:
     return [_judge(probe.name, settings, taken)]
 
 
-class _Taken:
+class _Capture:
     """The first picture, and how much came in how long."""
 
     def __init__(self, size: int) -> None:
@@ -50,8 +50,8 @@ class _Taken:
             self.first += data[: self._size - len(self.first)]
 
 
-async def _take(settings: CameraSettings, words: tuple[str, ...], probe: Probe) -> _Taken:
-    taken = _Taken(settings.layout.size)
+async def _take(settings: CameraSettings, words: tuple[str, ...], probe: Probe) -> _Capture:
+    taken = _Capture(settings.layout.size)
     running = await child_process.start(words, probe.folder, on_output=taken.take)
     ended = asyncio.ensure_future(running.wait())
     came = asyncio.ensure_future(taken.came.wait())
@@ -75,7 +75,7 @@ async def _take(settings: CameraSettings, words: tuple[str, ...], probe: Probe) 
     return taken
 
 
-def _judge(subject: str, settings: CameraSettings, taken: _Taken) -> Finding:
+def _judge(subject: str, settings: CameraSettings, taken: _Capture) -> Finding:
     size = settings.layout.size
     program, shape = settings.words[0], f"{settings.shape}, {size} bytes each"
     if len(taken.first) < size:
@@ -105,7 +105,7 @@ def _judge(subject: str, settings: CameraSettings, taken: _Taken) -> Finding:
 
 def _sight(settings: CameraSettings, first: bytes) -> str:
     picture = settings.layout.decode(first)
-    blob = Finder(settings.rule).find(picture)
+    blob = BlobFinder(settings.rule).find(picture)
     if blob is None:
         return "nothing in the first picture is green"
     share = blob.size / (picture.shape[0] * picture.shape[1])

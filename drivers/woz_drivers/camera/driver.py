@@ -6,12 +6,12 @@ import asyncio
 from collections import deque
 from typing import Any
 
-from woz_drivers.byte_stream import ByteStream, Command, Listener
+from woz_drivers.byte_stream import ByteStream, StreamCommand, StreamListener
 from woz_drivers.camera import doctor
-from woz_drivers.camera.blob import Finder
+from woz_drivers.camera.blob import BlobFinder
 from woz_drivers.camera.raw_pictures import Cutter
 from woz_drivers.camera.settings import CameraSettings
-from woz_drivers.camera.watched_pictures import Offer
+from woz_drivers.camera.watched_pictures import PictureFeed
 from woz_tui.drivers.contract import (
     DriverContext,
     DriverError,
@@ -20,7 +20,7 @@ from woz_tui.drivers.contract import (
     PassiveDriver,
     Probe,
 )
-from woz_tui.motion.setpoints import SEEN, Seen
+from woz_tui.motion.body_feeds import SEEN, Sighting
 
 #: Published beside the feed: places from -1 to 1, null while nothing is seen; share of the picture.
 SENSORS = ("seen.x", "seen.y", "seen.size")
@@ -32,9 +32,9 @@ _CHECK = "try its command in a terminal; `woz doctor` shows its output"
 class Camera(PassiveDriver):
     """One camera and one green thing.
 
-    Every picture goes into the feed `seen` (`motion.setpoints.Seen`), whether something is seen or
-    not; readings are for the log. While somebody watches the pictures themselves go into the feed
-    `picture`. The sensors' state is ok while pictures come, else stale.
+    Every picture puts a `motion.body_feeds.Sighting` into the feed `seen`, also when nothing is
+    seen; readings are for the log. While somebody watches, the pictures themselves go into the feed
+    `picture`. The sensors are in the state ok while pictures come, else stale.
     """
 
     Settings = CameraSettings
@@ -44,8 +44,8 @@ class Camera(PassiveDriver):
     def __init__(self, name: str, settings: CameraSettings, context: DriverContext) -> None:
         super().__init__(name, settings, context)
         self._feed = context.feed(SEEN)
-        self._offer = Offer(settings, context)
-        self._finder = Finder(settings.rule)
+        self._offer = PictureFeed(settings, context)
+        self._finder = BlobFinder(settings.rule)
         self._layout = settings.layout
         self._cutter = Cutter(self._layout.size, self._came)
         self._frame = 0
@@ -68,8 +68,8 @@ class Camera(PassiveDriver):
     async def open(self) -> None:
         """Start the command, and again whenever it ends."""
         self.context.health(Health.CONNECTING, "starting the camera's command")
-        listener = Listener(self._begun, self._received, self._stale, self._lost)
-        command = Command(self.settings.words, self.context.folder, "nothing", _CHECK)
+        listener = StreamListener(self._begun, self._received, self._stale, self._lost)
+        command = StreamCommand(self.settings.words, self.context.folder, "nothing", _CHECK)
         self._source = ByteStream(command, self.context.clock, listener)
         self._source.start()
 
@@ -141,7 +141,7 @@ class Camera(PassiveDriver):
             x = _place(blob.x, columns, settings.mirror)
             y = _place(blob.y, rows, settings.flip)
             size = blob.size / (rows * columns)
-        self._feed.put(Seen(now_us, self._frame, x, y, size))
+        self._feed.put(Sighting(now_us, self._frame, x, y, size))
         self.context.health(Health.CONNECTED, f"{settings.words[0]}, {settings.shape}")
         for sensor in SENSORS:
             self.context.sensor(sensor, "ok")

@@ -22,13 +22,13 @@ FORMATS = ("rgb24", "bgr24", "yuv420")
 WIDEST, HIGHEST = 160, 120
 
 
-def every(columns: int, rows: int) -> int:
+def thinning_step(columns: int, rows: int) -> int:
     """Of how many rows and columns one is looked at."""
     return max(1, -(-columns // WIDEST), -(-rows // HIGHEST))
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class PictureLayout:
     """The shape of a raw picture: size in pixels; `stride` bytes from one row to the next."""
 
     width: int
@@ -72,7 +72,7 @@ class Layout:
         """Of how many rows and columns of a picture `decode` keeps one."""
         if self.format != "yuv420":
             return 1
-        return 2 * every(self._half_width, self._half_height)
+        return 2 * thinning_step(self._half_width, self._half_height)
 
     @property
     def _half_width(self) -> int:

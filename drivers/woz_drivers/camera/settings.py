@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from woz_drivers import command_lines
-from woz_drivers.camera.blob import Rule
-from woz_drivers.camera.raw_pictures import FORMATS, Layout
+from woz_drivers.camera.blob import ColourRule
+from woz_drivers.camera.raw_pictures import FORMATS, PictureLayout
 from woz_tui.drivers.fields import Doc, OneOf, Range, Section
 
 
@@ -62,15 +62,15 @@ class CameraSettings(Section):
         return ("rpicam-vid", "-n", "-v", "0", "-t", "0", "--codec", "yuv420", *size, *rate, "-o-")
 
     @property
-    def layout(self) -> Layout:
+    def layout(self) -> PictureLayout:
         """The shape of the pictures."""
-        return Layout(self.width, self.height, self.format, self.stride or self._row_bytes)
+        return PictureLayout(self.width, self.height, self.format, self.stride or self._row_bytes)
 
     @property
-    def rule(self) -> Rule:
+    def rule(self) -> ColourRule:
         """What is looked for, in pictures as they are decoded."""
         smallest = -(-self.smallest // self.layout.thinned**2)
-        return Rule(self.factor, self.brightness, smallest, self.largest)
+        return ColourRule(self.factor, self.brightness, smallest, self.largest)
 
     @property
     def shape(self) -> str:

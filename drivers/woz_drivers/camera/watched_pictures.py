@@ -13,7 +13,7 @@ from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, Picture, Watched
 _AHEAD = 2.0
 
 
-class Offer:
+class PictureFeed:
     """Puts pictures into the feed `picture`, turned as the settings say; nothing while nobody
     watches, as every picture has to be computed.
     """

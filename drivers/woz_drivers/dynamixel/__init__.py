@@ -6,6 +6,6 @@ what that thread does with the servos; `motion` plans and bounds setpoints and k
 """
 
 from woz_drivers.dynamixel.driver import DynamixelServos
-from woz_drivers.dynamixel.settings import Joint, Settings
+from woz_drivers.dynamixel.settings import JointSettings, ServoSettings
 
-__all__ = ["DynamixelServos", "Joint", "Settings"]
+__all__ = ["DynamixelServos", "JointSettings", "ServoSettings"]

@@ -10,12 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from woz_drivers.dynamixel.servo import Servo, Standing
-from woz_drivers.dynamixel.setpoint_planning import Follow
-from woz_drivers.dynamixel.settings import Settings
+from woz_drivers.dynamixel.servo import Servo, ServoStatus
+from woz_drivers.dynamixel.setpoint_planning import TargetFollower
+from woz_drivers.dynamixel.settings import ServoSettings
 from woz_tui.drivers.contract import DriverContext
+from woz_tui.motion.body_feeds import PRESENT, SETPOINTS, JointPositions, Setpoints
 from woz_tui.motion.safety import Limits
-from woz_tui.motion.setpoints import PRESENT, SETPOINTS, Present, Setpoints
 
 #: Setpoints older than this are nobody's wish any more, in seconds: the joints hold.
 STALE_S = 0.5
@@ -23,14 +23,14 @@ STALE_S = 0.5
 MET = 0.5
 
 
-class Following:
+class BodyFollower:
     """The link to one body; belongs to the loop's thread but for what it is made with.
 
     Attributes:
         paused: The stop is pressed: nothing is followed.
     """
 
-    def __init__(self, settings: Settings, context: DriverContext) -> None:
+    def __init__(self, settings: ServoSettings, context: DriverContext) -> None:
         self.paused = False
         self._body = settings.follows
         self._speed = settings.rest_speed
@@ -81,7 +81,7 @@ class Following:
             slow = Limits(
                 limits.low, limits.high, min(self._speed, limits.speed), limits.acceleration
             )
-            servo.follow = Follow(slow, target)
+            servo.follow = TargetFollower(slow, target)
         servo.follow.target = target
         moved = servo.follow.step(servo.setpoint, elapsed)
         if abs(moved - target) <= MET:
@@ -101,9 +101,9 @@ class Following:
 
     def tell(self, servos: Iterable[Servo], now: float) -> None:
         """Let the body know where its joints are, and which of them are held."""
-        ready = [servo for servo in servos if servo.standing is Standing.READY]
+        ready = [servo for servo in servos if servo.standing is ServoStatus.READY]
         self._present.put(
-            Present(
+            JointPositions(
                 round(now * 1e6),
                 {servo.name: servo.present for servo in ready},
                 frozenset(servo.name for servo in ready if servo.torque),

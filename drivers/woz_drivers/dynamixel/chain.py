@@ -11,16 +11,22 @@ from concurrent.futures import Future
 from dataclasses import dataclass, field
 
 from woz_drivers.dynamixel import servo as servos
-from woz_drivers.dynamixel.body_following import Following
-from woz_drivers.dynamixel.control_tables import Table
+from woz_drivers.dynamixel.body_following import BodyFollower
+from woz_drivers.dynamixel.control_tables import ControlTable
 from woz_drivers.dynamixel.port import slow_answers
-from woz_drivers.dynamixel.servo import MISSES, Servo, SilentError, Standing, UnfitError
-from woz_drivers.dynamixel.servo_health import Upkeep
-from woz_drivers.dynamixel.setpoint_planning import ARRIVED, Follow, Keyframe, Plan, plan
-from woz_drivers.dynamixel.settings import Settings
-from woz_drivers.dynamixel.wire import Wire
+from woz_drivers.dynamixel.servo import MISSES, Servo, ServoStatus, SilentError, UnfitError
+from woz_drivers.dynamixel.servo_health import ServoUpkeep
+from woz_drivers.dynamixel.setpoint_planning import (
+    ARRIVED,
+    Keyframe,
+    MotionPlan,
+    TargetFollower,
+    plan_motion,
+)
+from woz_drivers.dynamixel.settings import ServoSettings
+from woz_drivers.dynamixel.wire import ServoWire
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, RejectedError
-from woz_tui.motion.safety import guard
+from woz_tui.motion.safety import limited_setpoint
 
 #: A setpoint that did not change is written again so often, in seconds: one may have been lost.
 REFRESH_S = 0.5
@@ -32,7 +38,7 @@ TORQUE_REMEDY = "make sure that nobody is in reach, then switch the torque on (`
 
 
 @dataclass(eq=False, slots=True)
-class Move:
+class PlannedMove:
     """A planned movement under way; `done` is set when it has ended.
 
     `left_out` names joints that could not take part, and why; `taken` those that another command
@@ -40,13 +46,13 @@ class Move:
     """
 
     done: Future[None] = field(default_factory=Future)
-    plan: Plan | None = None
+    plan: MotionPlan | None = None
     joints: set[str] = field(default_factory=set)
     left_out: dict[str, str] = field(default_factory=dict)
     taken: list[str] = field(default_factory=list)
 
 
-class Chain(Upkeep):
+class ServoChain(ServoUpkeep):
     """The servos of one port, for as long as one opening of the port lasts.
 
     With `following` the joints do what a body wants, but for movements begun here.
@@ -54,14 +60,14 @@ class Chain(Upkeep):
 
     def __init__(
         self,
-        wire: Wire,
-        settings: Settings,
+        wire: ServoWire,
+        settings: ServoSettings,
         context: DriverContext,
-        following: Following | None = None,
+        following: BodyFollower | None = None,
     ) -> None:
         super().__init__(wire, settings, context)
         self._following = following
-        self._moves: list[Move] = []
+        self._moves: list[PlannedMove] = []
         self._probes: deque[Servo] = deque()
         self._last_tick: float | None = None
         self._next_refresh = 0.0
@@ -85,7 +91,7 @@ class Chain(Upkeep):
             raise self._nobody()
 
     def _silent(self) -> list[Servo]:
-        return [one for one in self.servos.values() if one.standing is Standing.SILENT]
+        return [one for one in self.servos.values() if one.standing is ServoStatus.SILENT]
 
     def _check(self, servo: Servo, *, fresh: bool) -> bool:
         try:
@@ -93,8 +99,8 @@ class Chain(Upkeep):
         except SilentError as silent:
             servo.lose(silent.what, silent.remedy)
         except UnfitError as unfit:
-            servo.lose(unfit.what, unfit.remedy, Standing.UNFIT)
-        return servo.standing is not Standing.SILENT
+            servo.lose(unfit.what, unfit.remedy, ServoStatus.UNFIT)
+        return servo.standing is not ServoStatus.SILENT
 
     def _nobody(self) -> DeviceLostError:
         ids = {servo.joint.id for servo in self.servos.values()}
@@ -120,7 +126,7 @@ class Chain(Upkeep):
 
     # -- what the asyncio side asks for --------------------------------------------------------
 
-    def begin(self, move: Move, frames: Sequence[Keyframe], now: float) -> Plan:
+    def begin(self, move: PlannedMove, frames: Sequence[Keyframe], now: float) -> MotionPlan:
         """Plan `frames` from the setpoints held now and begin. `RejectedError` if
         nothing can move.
         """
@@ -135,7 +141,7 @@ class Chain(Upkeep):
             raise self._unable(move.left_out)
         start = {name: self.servos[name].setpoint for name in able}
         limits = {name: self.servos[name].limits for name in able}
-        planned = plan(start, frames, limits, self.settings.profile)
+        planned = plan_motion(start, frames, limits, self.settings.profile)
         for name, track in planned.tracks.items():
             self._take_over(name)
             servo = self.servos[name]
@@ -160,12 +166,12 @@ class Chain(Upkeep):
                 continue
             if servo.follow is None:
                 self._take_over(name)
-                servo.follow = Follow(servo.limits, servo.setpoint)
+                servo.follow = TargetFollower(servo.limits, servo.setpoint)
             base = servo.follow.target if relative else 0.0
             servo.follow.target = accepted[name] = servo.limits.clamp(base + value)
         return accepted
 
-    def drop(self, move: Move) -> None:
+    def drop(self, move: PlannedMove) -> None:
         """End a movement where it is: its setpoints stay. One that has ended changes nothing."""
         if move not in self._moves:
             return  # its joints may follow somebody else by now
@@ -187,7 +193,7 @@ class Chain(Upkeep):
         unknown = [
             servo.label
             for servo in self.servos.values()
-            if servo.torque and servo.standing is not Standing.READY
+            if servo.torque and servo.standing is not ServoStatus.READY
         ]
         if unknown:
             raise DriverError(
@@ -200,7 +206,7 @@ class Chain(Upkeep):
         failed = {}
         for name in names:
             servo = self.servos[name]
-            if servo.standing is not Standing.READY:
+            if servo.standing is not ServoStatus.READY:
                 failed[name] = servo.trouble
                 continue
             self._take_over(name, "" if on else "had its torque switched off")
@@ -245,7 +251,7 @@ class Chain(Upkeep):
         self.one_chore(now)
 
     def _read(self) -> None:
-        for table, group in self._tables(lambda servo: servo.standing is Standing.READY).items():
+        for table, group in self._tables(lambda servo: servo.standing is ServoStatus.READY).items():
             if table.protocol == 1:
                 for servo in group:
                     self._read_status(servo, table)
@@ -254,7 +260,7 @@ class Chain(Upkeep):
             for servo in group:
                 self._found(servo, found.get(servo.joint.id))
 
-    def _read_status(self, servo: Servo, table: Table) -> None:
+    def _read_status(self, servo: Servo, table: ControlTable) -> None:
         """Position and torque together: no goal may go to a servo that has lost its power."""
         block = table.status_block()
         answer = self.wire.read(servo.joint.id, block)
@@ -296,7 +302,7 @@ class Chain(Upkeep):
                 wanted = servo.follow.step(servo.setpoint, elapsed)
                 if servo.follow.arrived(wanted):
                     servo.follow = None
-            servo.setpoint = guard(servo.limits, servo.setpoint, wanted, elapsed)
+            servo.setpoint = limited_setpoint(servo.limits, servo.setpoint, wanted, elapsed)
 
     def _end_moves(self, now: float) -> None:
         """Report movements whose last setpoint has been written."""
@@ -306,7 +312,7 @@ class Chain(Upkeep):
                     self.servos[name].hold()
                 self._finish(move)
 
-    def _over(self, move: Move, now: float) -> bool:
+    def _over(self, move: PlannedMove, now: float) -> bool:
         assert move.plan is not None
         for name in move.joints:
             servo = self.servos[name]
@@ -331,8 +337,8 @@ class Chain(Upkeep):
                     values[servo.joint.id] = servo.calibration.goal_value(raw, speed)
             self.wire.write_group(table.goal_block(), values)
 
-    def _tables(self, chosen: Callable[[Servo], bool]) -> dict[Table, list[Servo]]:
-        groups: dict[Table, list[Servo]] = {}
+    def _tables(self, chosen: Callable[[Servo], bool]) -> dict[ControlTable, list[Servo]]:
+        groups: dict[ControlTable, list[Servo]] = {}
         for servo in self.servos.values():
             if servo.calibration is not None and chosen(servo):
                 groups.setdefault(servo.calibration.model.table, []).append(servo)
@@ -348,13 +354,13 @@ class Chain(Upkeep):
                 self._probes.append(servo)
         while self._probes:
             servo = self._probes.popleft()
-            if servo.standing is Standing.SILENT:
+            if servo.standing is ServoStatus.SILENT:
                 if self._check(servo, fresh=False):
                     self._back(servo)
                 return
 
     def _back(self, servo: Servo) -> None:
-        if servo.standing is Standing.READY:
+        if servo.standing is ServoStatus.READY:
             held = "and still holds" if servo.torque else "and is limp"
             self._context.notice("info", f"{servo.label} answers again {held}")
 
@@ -384,7 +390,7 @@ class Chain(Upkeep):
                 if not move.joints:
                     self._finish(move)
 
-    def _finish(self, move: Move) -> None:
+    def _finish(self, move: PlannedMove) -> None:
         if move in self._moves:
             self._moves.remove(move)
         if move.done.done():
@@ -395,7 +401,7 @@ class Chain(Upkeep):
             move.done.set_result(None)
 
     def _why_not(self, servo: Servo) -> str:
-        return servo.trouble if servo.standing is not Standing.READY else "torque is off"
+        return servo.trouble if servo.standing is not ServoStatus.READY else "torque is off"
 
     def _unable(self, left_out: Mapping[str, str]) -> DriverError:
         reasons = sorted(set(left_out.values()))

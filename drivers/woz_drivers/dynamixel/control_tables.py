@@ -45,7 +45,7 @@ class Register:
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class ControlTable:
     """The registers this driver uses; None where a family has no such register.
 
     `speed_limit` bounds the servo's own speed on its way to a goal: Profile Velocity in the X
@@ -97,7 +97,7 @@ def _stretch(first: Register, last: Register) -> Register:
 
 
 @dataclass(frozen=True, slots=True)
-class Model:
+class ServoModel:
     """One servo model.
 
     Attributes:
@@ -113,7 +113,7 @@ class Model:
 
     name: str
     number: int
-    table: Table
+    table: ControlTable
     steps: int
     travel: float
     speed_unit: float
@@ -130,7 +130,7 @@ class Model:
         return self.steps // 2
 
 
-X_SERIES = Table(
+X_SERIES = ControlTable(
     name="X",
     protocol=2,
     firmware=Register(6, 1),
@@ -151,7 +151,7 @@ X_SERIES = Table(
     temperature=Register(146, 1),
 )
 
-PROTOCOL_1 = Table(
+PROTOCOL_1 = ControlTable(
     name="MX/RX/AX, protocol 1",
     protocol=1,
     firmware=Register(2, 1),
@@ -198,19 +198,19 @@ PROTOCOL_1_ALARMS: Mapping[int, str] = MappingProxyType(
 )
 
 
-def _x(name: str, number: int, full_load: float) -> Model:
-    return Model(name, number, X_SERIES, 4096, 360.0, 0.229 * DEG_S_PER_RPM, full_load)
+def _x(name: str, number: int, full_load: float) -> ServoModel:
+    return ServoModel(name, number, X_SERIES, 4096, 360.0, 0.229 * DEG_S_PER_RPM, full_load)
 
 
-def _mx(name: str, number: int) -> Model:
-    return Model(name, number, PROTOCOL_1, 4096, 360.0, 0.114 * DEG_S_PER_RPM, 1023)
+def _mx(name: str, number: int) -> ServoModel:
+    return ServoModel(name, number, PROTOCOL_1, 4096, 360.0, 0.114 * DEG_S_PER_RPM, 1023)
 
 
-def _ax(name: str, number: int) -> Model:
-    return Model(name, number, PROTOCOL_1, 1024, 300.0, 0.111 * DEG_S_PER_RPM, 1023)
+def _ax(name: str, number: int) -> ServoModel:
+    return ServoModel(name, number, PROTOCOL_1, 1024, 300.0, 0.111 * DEG_S_PER_RPM, 1023)
 
 
-MODELS: tuple[Model, ...] = (
+MODELS: tuple[ServoModel, ...] = (
     _x("XL330-M077", 1190, 1750),
     _x("XL330-M288", 1200, 1750),
     _x("XC330-T181", 1210, 910),
@@ -239,12 +239,12 @@ _BY_NUMBER = {(model.table.protocol, model.number): model for model in MODELS}
 _BY_NAME = {model.name.lower(): model for model in MODELS}
 
 
-def by_number(protocol: int, number: int) -> Model | None:
+def by_number(protocol: int, number: int) -> ServoModel | None:
     """The model that answers a ping with `number`, or None."""
     return _BY_NUMBER.get((protocol, number))
 
 
-def by_name(name: str) -> Model | None:
+def by_name(name: str) -> ServoModel | None:
     """The model called `name`, whatever its case and its connector letter (`-T`, `-R`)."""
     wanted = name.strip().lower()
     found = _BY_NAME.get(wanted)
@@ -253,7 +253,7 @@ def by_name(name: str) -> Model | None:
     return found
 
 
-def alarms(table: Table, bits: int) -> list[str]:
+def alarms(table: ControlTable, bits: int) -> list[str]:
     """The names of the alarms set in `bits`."""
     names = X_ALARMS if table.protocol == 2 else PROTOCOL_1_ALARMS
     return [name for bit, name in names.items() if bits & bit]

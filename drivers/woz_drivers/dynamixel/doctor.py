@@ -12,8 +12,8 @@ from woz_drivers.dynamixel.port import (
     latency_timer,
     slow_answers,
 )
-from woz_drivers.dynamixel.settings import Joint, Settings
-from woz_drivers.dynamixel.wire import Wire
+from woz_drivers.dynamixel.settings import JointSettings, ServoSettings
+from woz_drivers.dynamixel.wire import ServoWire
 from woz_tui.drivers.contract import DeviceLostError, Finding
 
 #: Bauds that servos are usually left at, tried where the configured one finds nobody.
@@ -27,7 +27,7 @@ DOUBTED_SIZE = ("XL330", "XC330")
 DOUBTED_FIRMWARE = 51
 
 
-def examine(settings: Settings) -> list[Finding]:
+def examine(settings: ServoSettings) -> list[Finding]:
     """Everything there is to know from outside; blocks for some seconds, never raises."""
     findings = [
         Finding("error", path, text, "correct the robot file") for path, text in settings.problems()
@@ -39,7 +39,7 @@ def examine(settings: Settings) -> list[Finding]:
         port.open()
     except DeviceLostError as lost:
         return [Finding("error", settings.port, lost.what, lost.remedy)]
-    wire = Wire(port, settings.protocol)
+    wire = ServoWire(port, settings.protocol)
     try:
         findings.append(Finding("ok", settings.port, f"open at {settings.baud} baud"))
         findings.append(_latency(settings, port))
@@ -52,7 +52,7 @@ def examine(settings: Settings) -> list[Finding]:
     return findings
 
 
-def _latency(settings: Settings, port: ServoPort) -> Finding:
+def _latency(settings: ServoSettings, port: ServoPort) -> Finding:
     timer = latency_timer(settings.port)
     if timer is None:
         return Finding("info", settings.port, "no latency timer: not an FTDI adapter")
@@ -68,7 +68,7 @@ def _latency(settings: Settings, port: ServoPort) -> Finding:
     )
 
 
-def _watchdog(settings: Settings) -> Finding:
+def _watchdog(settings: ServoSettings) -> Finding:
     if settings.protocol == 1:
         return Finding(
             "info",
@@ -88,7 +88,7 @@ def _watchdog(settings: Settings) -> Finding:
     )
 
 
-def _servos(wire: Wire, settings: Settings) -> Iterator[Finding]:
+def _servos(wire: ServoWire, settings: ServoSettings) -> Iterator[Finding]:
     ids = [joint.id for joint in settings.joints.values()]
     longest = wire.measure(ids)
     if longest is not None:
@@ -114,7 +114,7 @@ def _servos(wire: Wire, settings: Settings) -> Iterator[Finding]:
 
 
 def _joint(
-    wire: Wire, settings: Settings, name: str, joint: Joint, number: int | None
+    wire: ServoWire, settings: ServoSettings, name: str, joint: JointSettings, number: int | None
 ) -> Iterator[Finding]:
     subject = f"{name} (id {joint.id})"
     if number is None:
@@ -140,7 +140,11 @@ def _joint(
 
 
 def _condition(
-    wire: Wire, settings: Settings, subject: str, joint: Joint, model: control_tables.Model
+    wire: ServoWire,
+    settings: ServoSettings,
+    subject: str,
+    joint: JointSettings,
+    model: control_tables.ServoModel,
 ) -> Iterator[Finding]:
     table = model.table
     voltage = wire.read(joint.id, table.voltage)
@@ -169,7 +173,11 @@ def _condition(
 
 
 def _watchdog_doubts(
-    wire: Wire, subject: str, joint: Joint, model: control_tables.Model, firmware: int | None
+    wire: ServoWire,
+    subject: str,
+    joint: JointSettings,
+    model: control_tables.ServoModel,
+    firmware: int | None,
 ) -> Iterator[Finding]:
     """Reasons not to trust the bus watchdog of this servo."""
     try_it = "then pull the adapter during a slow move and see that the joint stops"
@@ -200,13 +208,13 @@ def _watchdog_doubts(
         )
 
 
-def _elsewhere(settings: Settings, missing: list[int]) -> Iterator[Finding]:
+def _elsewhere(settings: ServoSettings, missing: list[int]) -> Iterator[Finding]:
     """Missing servos may have been left at another speed: ask for them there."""
     for baud in USUAL_BAUDS:
         if baud == settings.baud:
             continue
         port = ServoPort(settings.port, baud, settings.reply_timeout or AMPLE_MS)
-        other = Wire(port, settings.protocol)
+        other = ServoWire(port, settings.protocol)
         try:
             port.open()
             there = [servo for servo in missing if other.ping(servo) is not None]

@@ -8,13 +8,13 @@ from collections.abc import Mapping
 from typing import Any, TypeVar
 
 from woz_drivers.dynamixel import verbs
-from woz_drivers.dynamixel.body_following import Following
-from woz_drivers.dynamixel.chain import Chain, Move
+from woz_drivers.dynamixel.body_following import BodyFollower
+from woz_drivers.dynamixel.chain import PlannedMove, ServoChain
 from woz_drivers.dynamixel.doctor import examine
 from woz_drivers.dynamixel.port_loop import Action, ServoLoop
-from woz_drivers.dynamixel.servo import Servo, Standing
-from woz_drivers.dynamixel.setpoint_planning import Keyframe, Plan
-from woz_drivers.dynamixel.settings import Settings as ServoSettings
+from woz_drivers.dynamixel.servo import Servo, ServoStatus
+from woz_drivers.dynamixel.setpoint_planning import Keyframe, MotionPlan
+from woz_drivers.dynamixel.settings import ServoSettings
 from woz_tui.drivers.contract import (
     DeviceLostError,
     Driver,
@@ -66,7 +66,7 @@ class DynamixelServos(Driver):
 
         Servos that follow a body leave everything to it but torque and reboot.
         """
-        return verbs.offered(settings)
+        return verbs.servo_verbs(settings)
 
     @classmethod
     def joints(cls, settings: ServoSettings) -> Mapping[str, Range]:
@@ -160,7 +160,7 @@ class DynamixelServos(Driver):
     # -- verbs -----------------------------------------------------------------------------------
 
     async def _move(self, job: Job | None, frames: list[Keyframe]) -> dict[str, Json]:
-        move = Move()
+        move = PlannedMove()
         try:
             plan = await self._ask(lambda chain, now: chain.begin(move, frames, now))
             if job is not None:
@@ -205,7 +205,7 @@ class DynamixelServos(Driver):
             )
         named = _named(job)
 
-        def restart(chain: Chain, _now: float) -> list[str]:
+        def restart(chain: ServoChain, _now: float) -> list[str]:
             alarmed = [servo.name for servo in chain.servos.values() if servo.alarms]
             return chain.reboot(named or alarmed)
 
@@ -225,8 +225,8 @@ class DynamixelServos(Driver):
     async def _wait_until_ready(self, names: list[str]) -> list[str]:
         """Names of those that are still silent after `REBOOT_S`."""
 
-        def silent(chain: Chain, _now: float) -> list[str]:
-            return [n for n in names if chain.servos[n].standing is not Standing.READY]
+        def silent(chain: ServoChain, _now: float) -> list[str]:
+            return [n for n in names if chain.servos[n].standing is not ServoStatus.READY]
 
         missing = await self._ask(silent)
         looks = round(REBOOT_S / REBOOT_LOOK_S)
@@ -245,7 +245,7 @@ class DynamixelServos(Driver):
             if joint.rest is not None
         }
 
-        def distance(chain: Chain, _now: float) -> dict[str, float]:
+        def distance(chain: ServoChain, _now: float) -> dict[str, float]:
             return {
                 name: abs(angle - chain.servos[name].setpoint)
                 for name, angle in rest.items()
@@ -261,7 +261,7 @@ class DynamixelServos(Driver):
             seconds = max(ways.values()) / self.settings.rest_speed
             await self._move(None, [Keyframe({name: rest[name] for name in ways}, seconds)])
 
-    async def _body_at_rest(self, following: Following) -> None:
+    async def _body_at_rest(self, following: BodyFollower) -> None:
         """Return when no joint is held, or the body is at rest or silent, and the joints stand."""
         held, since = await self._ask(_held), 0.0
         for _ in range(round(BODY_REST_S / LOOK_S)):
@@ -277,7 +277,7 @@ class DynamixelServos(Driver):
     async def _all_limp(self) -> None:
         names = list(self.settings.joints)
 
-        def limp(chain: Chain, _now: float) -> None:
+        def limp(chain: ServoChain, _now: float) -> None:
             # Those believed limp as well: the answer to `torque: on` may have been lost.
             held = [name for name in names if _may_hold(chain.servos[name])]
             failed = chain.set_torque(held, on=False)
@@ -293,7 +293,7 @@ class DynamixelServos(Driver):
         return await asyncio.wrap_future(self.loop.ask(action))
 
 
-def _held(chain: Chain, _now: float) -> dict[str, float]:
+def _held(chain: ServoChain, _now: float) -> dict[str, float]:
     """Setpoints of the joints that are held."""
     return {servo.name: servo.setpoint for servo in chain.servos.values() if servo.moves}
 
@@ -305,10 +305,10 @@ def _named(job: Job) -> list[str]:
 
 
 def _may_hold(servo: Servo) -> bool:
-    return servo.torque or servo.standing is Standing.READY
+    return servo.torque or servo.standing is ServoStatus.READY
 
 
-def _sent(plan: Plan, move: Move) -> dict[str, Any]:
+def _sent(plan: MotionPlan, move: PlannedMove) -> dict[str, Any]:
     """What really went out: goals in degrees, time, and everything that differs from the wish."""
     sent: dict[str, Any] = {
         "joints": {name: round(track.goal, 3) for name, track in plan.tracks.items()},
@@ -325,8 +325,8 @@ def _sent(plan: Plan, move: Move) -> dict[str, Any]:
     return sent
 
 
-def _frozen(chain: Chain, _now: float) -> StopReport | None:
+def _frozen(chain: ServoChain, _now: float) -> StopReport | None:
     chain.freeze()
     servos = chain.servos.values()
-    ready = tuple(servo.name for servo in servos if servo.standing is Standing.READY)
+    ready = tuple(servo.name for servo in servos if servo.standing is ServoStatus.READY)
     return StopReport(ready) if len(ready) < len(servos) else None

@@ -20,7 +20,7 @@ from typing import TypeVar
 import serial
 from dynamixel_sdk import PortHandler
 
-from woz_drivers.serial_line import LOSSES, explain, reason_of
+from woz_drivers.serial_line import LOSSES, explain_port_error, reason_of
 from woz_tui.drivers.contract import DeviceLostError
 
 #: Longest sleep in one wait for bytes, in milliseconds.
@@ -55,7 +55,7 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
         self.ser: serial.Serial | None = None
         self.waits = 0
         self.low_latency = False
-        self.patience_ms = reply_timeout_ms or patience(LATENCY_MS)
+        self.patience_ms = reply_timeout_ms or answer_timeout_ms(LATENCY_MS)
         self.longest_ms = 0.0
         self._by_adapter = reply_timeout_ms is None
         self._poll, self._room = select.poll(), select.poll()
@@ -66,7 +66,7 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
             self.setupPort(self.baudrate)
         except (*LOSSES, ValueError) as error:
             self.closePort()
-            trouble = explain(self.port_name, self.baudrate, error)
+            trouble = explain_port_error(self.port_name, self.baudrate, error)
             raise DeviceLostError(trouble.what, trouble.remedy) from error
 
     def setupPort(self, cflag_baud: int) -> bool:  # noqa: N802 - the SDK calls it so
@@ -86,7 +86,7 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
             self.low_latency = False  # pseudo-terminals and CDC adapters have no such switch
         self.is_open = True
         if self._by_adapter:
-            self.patience_ms = patience(latency_timer(self.port_name) or LATENCY_MS)
+            self.patience_ms = answer_timeout_ms(latency_timer(self.port_name) or LATENCY_MS)
         # A byte on the wire has ten bits: start, eight of data, stop.
         self.tx_time_per_byte = 10_000.0 / self.baudrate
         self._poll, self._room = select.poll(), select.poll()
@@ -169,7 +169,7 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
             ) from error
 
 
-def patience(latency_ms: float) -> float:
+def answer_timeout_ms(latency_ms: float) -> float:
     """How long to wait for an answer, by the time that it takes at least."""
     return latency_ms * 2.0 + 2.0
 
@@ -181,7 +181,8 @@ def slow_answers(path: str, longest_ms: float) -> tuple[str, str]:
     return (
         f"answers on {path} take up to {longest_ms:.0f} ms, so the joints get fewer setpoints",
         f"set the adapter's latency timer to 1 ms{how}; or set"
-        f" `reply_timeout: {math.ceil(patience(longest_ms))}`, and nothing is measured any more",
+        f" `reply_timeout: {math.ceil(answer_timeout_ms(longest_ms))}`, and nothing is measured any"
+        " more",
     )
 
 

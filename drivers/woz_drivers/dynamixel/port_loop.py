@@ -14,13 +14,13 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from typing import Any, TypeVar
 
-from woz_drivers.dynamixel.body_following import Following
-from woz_drivers.dynamixel.chain import Chain
+from woz_drivers.dynamixel.body_following import BodyFollower
+from woz_drivers.dynamixel.chain import ServoChain
 from woz_drivers.dynamixel.port import ServoPort
-from woz_drivers.dynamixel.servo import Standing
+from woz_drivers.dynamixel.servo import ServoStatus
 from woz_drivers.dynamixel.servo_health import report
-from woz_drivers.dynamixel.settings import Settings
-from woz_drivers.dynamixel.wire import Wire
+from woz_drivers.dynamixel.settings import ServoSettings
+from woz_drivers.dynamixel.wire import ServoWire
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, Health
 
 #: A missing port is looked for so often, in seconds.
@@ -31,20 +31,20 @@ READING_S = 0.1
 log = logging.getLogger(__name__)
 
 T = TypeVar("T")
-Action = Callable[[Chain, float], T]
+Action = Callable[[ServoChain, float], T]
 
 
 class ServoLoop:
     """Runs a chain at its rate in a thread of its own, through losses of the port."""
 
-    def __init__(self, name: str, settings: Settings, context: DriverContext) -> None:
+    def __init__(self, name: str, settings: ServoSettings, context: DriverContext) -> None:
         self.ticks = 0
         #: Whether servos answer now, and whether any held its joint when they last did.
         self.online = False
         self.holding = False
         self._settings = settings
         self._context = context
-        self.following = Following(settings, context) if settings.follows else None
+        self.following = BodyFollower(settings, context) if settings.follows else None
         self._requests: queue.SimpleQueue[tuple[Action[Any], Future[Any]]] = queue.SimpleQueue()
         self._wake = threading.Event()
         self._closing = False
@@ -109,8 +109,8 @@ class ServoLoop:
         settings = self._settings
         port = ServoPort(settings.port, settings.baud, settings.reply_timeout)
         port.open()
-        wire = Wire(port, settings.protocol)
-        chain = Chain(wire, settings, self._context, self.following)
+        wire = ServoWire(port, settings.protocol)
+        chain = ServoChain(wire, settings, self._context, self.following)
         try:
             chain.connect()
             self._begin(chain)
@@ -128,10 +128,10 @@ class ServoLoop:
             chain.fail_all(DeviceLostError("the servo driver let go of the port"))
             wire.close()
 
-    def _begin(self, chain: Chain) -> None:
+    def _begin(self, chain: ServoChain) -> None:
         first, self._first = self._first, False
         if first and self._settings.torque:
-            ready = [s.name for s in chain.servos.values() if s.standing is Standing.READY]
+            ready = [s.name for s in chain.servos.values() if s.standing is ServoStatus.READY]
             for name, why in chain.set_torque(ready, on=True).items():
                 self._context.notice("error", f"no torque on {name}: {why}")
         elif not first:
@@ -141,7 +141,7 @@ class ServoLoop:
                 "make sure that nobody is in reach, then `torque: on`",
             )
 
-    def _keep_rate(self, chain: Chain) -> None:
+    def _keep_rate(self, chain: ServoChain) -> None:
         period = 1.0 / self._settings.rate
         due = time.monotonic()
         next_reading = due
@@ -159,7 +159,7 @@ class ServoLoop:
             self._wake.clear()
             self._serve(chain)
 
-    def _serve(self, chain: Chain) -> None:
+    def _serve(self, chain: ServoChain) -> None:
         while True:
             try:
                 action, future = self._requests.get_nowait()
@@ -177,10 +177,10 @@ class ServoLoop:
             else:
                 future.set_result(result)
 
-    def _publish(self, chain: Chain) -> None:
+    def _publish(self, chain: ServoChain) -> None:
         self._context.health(*report(self._settings, chain.servos.values()))
         for servo in chain.servos.values():
-            if servo.standing is Standing.READY:
+            if servo.standing is ServoStatus.READY:
                 # In a body's degrees, so that it can be held against the body's setpoint.
                 zero = self.following.zero(servo.name) if self.following is not None else 0.0
                 present = round(servo.present - zero, 3)

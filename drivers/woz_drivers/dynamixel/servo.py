@@ -7,10 +7,10 @@ import math
 from dataclasses import dataclass, field
 
 from woz_drivers.dynamixel import control_tables
-from woz_drivers.dynamixel.control_tables import Model, Register, Table
-from woz_drivers.dynamixel.setpoint_planning import Follow, Track
-from woz_drivers.dynamixel.settings import Joint, Settings
-from woz_drivers.dynamixel.wire import Wire, refusal
+from woz_drivers.dynamixel.control_tables import ControlTable, Register, ServoModel
+from woz_drivers.dynamixel.setpoint_planning import JointTrack, TargetFollower
+from woz_drivers.dynamixel.settings import JointSettings, ServoSettings
+from woz_drivers.dynamixel.wire import ServoWire, refusal
 from woz_tui.drivers.contract import DriverError
 from woz_tui.motion.safety import Limits
 
@@ -30,7 +30,7 @@ class Calibration:
     servo accepts as a goal.
     """
 
-    model: Model
+    model: ServoModel
     zero: int
     degrees_per_count: float
     low: float
@@ -63,7 +63,9 @@ class Calibration:
         return raw | self.speed_count(degrees_per_s) << 8 * table.goal.size
 
 
-def calibrate(joint: Joint, model: Model, servo_limits: tuple[int, int] | None) -> Calibration:
+def calibrate(
+    joint: JointSettings, model: ServoModel, servo_limits: tuple[int, int] | None
+) -> Calibration:
     """Put a joint's settings, its model and the limits stored in the servo together.
 
     Args:
@@ -93,7 +95,7 @@ HOLDABLE = 2.0
 PROTOCOL_1_REMEDY = "remove the load and let it cool, then switch the servos' power off and on"
 
 
-class Standing(enum.Enum):
+class ServoStatus(enum.Enum):
     """Whether a servo can be used."""
 
     SILENT = "silent"
@@ -117,11 +119,11 @@ class Servo:
     """State of one servo. `present` and `setpoint` are the joint's degrees."""
 
     name: str
-    joint: Joint
-    standing: Standing = Standing.SILENT
+    joint: JointSettings
+    standing: ServoStatus = ServoStatus.SILENT
     trouble: str = "has not answered yet"
     remedy: str = ""
-    model: Model | None = None
+    model: ServoModel | None = None
     calibration: Calibration | None = None
     limits: Limits = field(default_factory=lambda: Limits(0.0, 0.0, 1.0))
     present: float = 0.0
@@ -133,9 +135,9 @@ class Servo:
     #: What the torque limit was set to when the torque went on; any other value: it restarted.
     torque_limit: int | None = None
     #: What drives the setpoint now: a track since `track_began`, or a target to follow.
-    track: Track | None = None
+    track: JointTrack | None = None
     track_began: float = 0.0
-    follow: Follow | None = None
+    follow: TargetFollower | None = None
     #: Whether it has met the body that it follows, since it last held still.
     met: bool = False
 
@@ -147,7 +149,7 @@ class Servo:
     @property
     def moves(self) -> bool:
         """Whether a setpoint would have any effect."""
-        return self.standing is Standing.READY and self.torque
+        return self.standing is ServoStatus.READY and self.torque
 
     def hold(self) -> None:
         """Nothing drives the setpoint any more: it stays where it is."""
@@ -160,7 +162,7 @@ class Servo:
         self.hold()
         self.setpoint = self.present
 
-    def lose(self, why: str, remedy: str, standing: Standing = Standing.SILENT) -> None:
+    def lose(self, why: str, remedy: str, standing: ServoStatus = ServoStatus.SILENT) -> None:
         """It cannot be used until it has been checked again."""
         self.hold()
         self.standing = standing
@@ -170,12 +172,12 @@ class Servo:
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class ServoRegisters:
     """One servo on the wire. Raises `SilentError` or `UnfitError` where it does not do as asked."""
 
-    wire: Wire
+    wire: ServoWire
     servo: int
-    table: Table
+    table: ControlTable
 
     def number(self, register: Register) -> int:
         """A register as a number."""
@@ -199,7 +201,7 @@ class Line:
             )
 
 
-def check(wire: Wire, servo: Servo, settings: Settings, *, fresh: bool) -> None:
+def check(wire: ServoWire, servo: Servo, settings: ServoSettings, *, fresh: bool) -> None:
     """Ping a servo, compare it with its settings, and make it ready without moving it.
 
     Args:
@@ -218,13 +220,13 @@ def check(wire: Wire, servo: Servo, settings: Settings, *, fresh: bool) -> None:
         raise SilentError()
     model = _model(servo.joint, settings.protocol, number)
     table = model.table
-    line = Line(wire, servo.joint.id, table)
+    line = ServoRegisters(wire, servo.joint.id, table)
     # Before anything is judged: a servo found turning like a wheel must not go on doing so.
     status = wire.read(servo.joint.id, table.status_block())
     if status is None:
         raise SilentError()
-    keep = servo.torque and not fresh and holds(servo, table, status.data)
-    if enabled(table, status.data) and not keep:
+    keep = servo.torque and not fresh and still_holds(servo, table, status.data)
+    if torque_enabled(table, status.data) and not keep:
         line.write(table.torque, 0)
         servo.torque = False
     extended = _mode(line)
@@ -240,7 +242,7 @@ def check(wire: Wire, servo: Servo, settings: Settings, *, fresh: bool) -> None:
         wanted = settings.return_delay // 2
         if line.number(table.return_delay) != wanted:
             line.write(table.return_delay, wanted)
-    _fence(line, servo, settings, calibration)
+    _set_fences(line, servo, settings, calibration)
     raw = line.number(table.present)
     servo.model, servo.calibration = model, calibration
     servo.limits = Limits(
@@ -251,10 +253,10 @@ def check(wire: Wire, servo: Servo, settings: Settings, *, fresh: bool) -> None:
     servo.written = None
     servo.torque = keep
     servo.misses = 0
-    servo.standing, servo.trouble, servo.remedy = Standing.READY, "", ""
+    servo.standing, servo.trouble, servo.remedy = ServoStatus.READY, "", ""
 
 
-def _model(joint: Joint, protocol: int, number: int) -> Model:
+def _model(joint: JointSettings, protocol: int, number: int) -> ServoModel:
     model = control_tables.by_number(protocol, number)
     wanted = control_tables.by_name(joint.model) if joint.model else None
     if model is None:
@@ -270,7 +272,7 @@ def _model(joint: Joint, protocol: int, number: int) -> Model:
     return model
 
 
-def _mode(line: Line) -> bool:
+def _mode(line: ServoRegisters) -> bool:
     """Whether the servo counts several turns; `UnfitError` if it does not hold positions."""
     if line.table.operating_mode is None:
         return False
@@ -283,7 +285,7 @@ def _mode(line: Line) -> bool:
     return mode in control_tables.EXTENDED_MODES
 
 
-def _servo_limits(line: Line) -> tuple[int, int]:
+def _servo_limits(line: ServoRegisters) -> tuple[int, int]:
     low, high = line.number(line.table.low_limit), line.number(line.table.high_limit)
     if low >= high:
         # Protocol 1: both 0 is wheel mode, both at the top is multi-turn mode.
@@ -294,24 +296,26 @@ def _servo_limits(line: Line) -> tuple[int, int]:
     return low, high
 
 
-def enabled(table: Table, status: bytes) -> bool:
+def torque_enabled(table: ControlTable, status: bytes) -> bool:
     """Whether the torque is on, by the status block."""
     return table.torque.within(table.status_block(), status) != 0
 
 
-def holds(servo: Servo, table: Table, status: bytes) -> bool:
+def still_holds(servo: Servo, table: ControlTable, status: bytes) -> bool:
     """Whether the torque is on, by the status block, and has been since `torque_on`.
 
     A protocol 1 servo that restarted may have been switched on again by a goal; but then its torque
     limit is no longer the one it was given. A servo of 0 has shut itself down.
     """
     if table.torque_limit is None:
-        return enabled(table, status)
+        return torque_enabled(table, status)
     limit = table.torque_limit.within(table.status_block(), status)
-    return enabled(table, status) and limit == servo.torque_limit
+    return torque_enabled(table, status) and limit == servo.torque_limit
 
 
-def _fence(line: Line, servo: Servo, settings: Settings, calibration: Calibration) -> None:
+def _set_fences(
+    line: ServoRegisters, servo: Servo, settings: ServoSettings, calibration: Calibration
+) -> None:
     """Set what a servo forgets without power, and what stops it where this program does not."""
     table = line.table
     if table.watchdog is not None:
@@ -325,7 +329,7 @@ def _fence(line: Line, servo: Servo, settings: Settings, calibration: Calibratio
         line.write(table.speed_limit, calibration.speed_count(servo.joint.speed))
 
 
-def rearm(line: Line, milliseconds: int) -> None:
+def rearm(line: ServoRegisters, milliseconds: int) -> None:
     """Clear the bus watchdog, which also takes it out of its error, and set it again."""
     assert line.table.watchdog is not None
     line.write(line.table.watchdog, 0)
@@ -339,7 +343,7 @@ def watchdog_units(milliseconds: int) -> int:
     return min(milliseconds // control_tables.WATCHDOG_UNIT_MS, control_tables.WATCHDOG_MAX)
 
 
-def torque_on(wire: Wire, servo: Servo, settings: Settings) -> None:
+def torque_on(wire: ServoWire, servo: Servo, settings: ServoSettings) -> None:
     """Let a servo hold the pose it is in now. Raises `SilentError` or `UnfitError`.
 
     The goal is written first, and it is the present pose: neither the servo's last goal nor ours
@@ -349,7 +353,7 @@ def torque_on(wire: Wire, servo: Servo, settings: Settings) -> None:
     calibration = servo.calibration
     assert calibration is not None
     table = calibration.model.table
-    line = Line(wire, servo.joint.id, table)
+    line = ServoRegisters(wire, servo.joint.id, table)
     raw = line.number(table.present)
     servo.present = calibration.degrees(raw)
     servo.settle()
@@ -361,15 +365,15 @@ def torque_on(wire: Wire, servo: Servo, settings: Settings) -> None:
             " turn it back by hand first",
             "turn it back by hand, then `torque: on`",
         )
-    _fence(line, servo, settings, calibration)
+    _set_fences(line, servo, settings, calibration)
     if table.torque_limit is not None and table.max_torque is not None:
-        servo.torque_limit = _mark(line, table.torque_limit, table.max_torque)
+        servo.torque_limit = _mark_torque_limit(line, table.torque_limit, table.max_torque)
     line.write(table.goal_block(), calibration.goal_value(servo.written, servo.joint.speed))
     line.write(table.torque, 1)
     servo.torque = True
 
 
-def _mark(line: Line, torque_limit: Register, max_torque: Register) -> int:
+def _mark_torque_limit(line: ServoRegisters, torque_limit: Register, max_torque: Register) -> int:
     """Make sure that the torque limit is not what it is after a restart: one count (0.1 %) less."""
     limit, stored = line.number(torque_limit), line.number(max_torque)
     if limit == 0:
@@ -383,10 +387,10 @@ def _mark(line: Line, torque_limit: Register, max_torque: Register) -> int:
     return limit
 
 
-def torque_off(wire: Wire, servo: Servo) -> None:
+def torque_off(wire: ServoWire, servo: Servo) -> None:
     """Let a servo go limp. Raises `SilentError` or `UnfitError`."""
     assert servo.calibration is not None
     table = servo.calibration.model.table
-    Line(wire, servo.joint.id, table).write(table.torque, 0)
+    ServoRegisters(wire, servo.joint.id, table).write(table.torque, 0)
     servo.torque = False
     servo.hold()

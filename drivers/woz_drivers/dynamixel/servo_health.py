@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 from woz_drivers.dynamixel import control_tables
 from woz_drivers.dynamixel import servo as servos
-from woz_drivers.dynamixel.servo import Servo, SilentError, Standing, UnfitError
-from woz_drivers.dynamixel.settings import Settings
-from woz_drivers.dynamixel.wire import Answer, Wire
+from woz_drivers.dynamixel.servo import Servo, ServoStatus, SilentError, UnfitError
+from woz_drivers.dynamixel.settings import ServoSettings
+from woz_drivers.dynamixel.wire import ServoAnswer, ServoWire
 from woz_tui.drivers.contract import DriverContext, Health
 
 #: Every servo is looked after once in so many seconds.
@@ -26,7 +26,7 @@ POWER_REMEDY = (
 
 
 @dataclass(frozen=True, slots=True)
-class Bound:
+class WarningLimit:
     """A value worth a warning beyond `limit`; `above` says on which side."""
 
     kind: str
@@ -48,10 +48,10 @@ class Bound:
         return value < self.limit - margin if self.above else value > self.limit + margin
 
 
-class Upkeep(abc.ABC):
+class ServoUpkeep(abc.ABC):
     """The servos of a chain, and the chores that look after them; belongs to the loop's thread."""
 
-    def __init__(self, wire: Wire, settings: Settings, context: DriverContext) -> None:
+    def __init__(self, wire: ServoWire, settings: ServoSettings, context: DriverContext) -> None:
         self.wire = wire
         self.settings = settings
         self.servos = {name: Servo(name, joint) for name, joint in settings.joints.items()}
@@ -60,11 +60,13 @@ class Upkeep(abc.ABC):
         self._next_round = 0.0
         self._warned: set[tuple[str, str]] = set()
         self._bounds = {
-            "temperature": [Bound("temperature", settings.temperature_warning, "C", above=True)],
-            "load": [Bound("load", settings.load_warning, "%", above=True)],
+            "temperature": [
+                WarningLimit("temperature", settings.temperature_warning, "C", above=True)
+            ],
+            "load": [WarningLimit("load", settings.load_warning, "%", above=True)],
             "voltage": [
-                Bound("voltage", settings.voltage_low, "V", above=False),
-                Bound("voltage", settings.voltage_high, "V", above=True),
+                WarningLimit("voltage", settings.voltage_low, "V", above=False),
+                WarningLimit("voltage", settings.voltage_high, "V", above=True),
             ],
         }
 
@@ -77,7 +79,7 @@ class Upkeep(abc.ABC):
         if not self._chores and now >= self._next_round:
             self._next_round = now + ROUND_S
             for servo in self.servos.values():
-                if servo.standing is Standing.READY:
+                if servo.standing is ServoStatus.READY:
                     self._chores.append(lambda servo=servo: self._status(servo))  # type: ignore[misc]
                     self._chores.append(lambda servo=servo: self._sensors(servo))  # type: ignore[misc]
         if self._chores:
@@ -86,7 +88,7 @@ class Upkeep(abc.ABC):
     # -- alarms, torque, watchdog --------------------------------------------------------------
 
     def _status(self, servo: Servo) -> None:
-        if servo.standing is not Standing.READY or servo.model is None:
+        if servo.standing is not ServoStatus.READY or servo.model is None:
             return
         table = servo.model.table
         answer = self.wire.read(servo.joint.id, table.status_block())
@@ -97,15 +99,19 @@ class Upkeep(abc.ABC):
         if table.watchdog is not None:
             self._watchdog(servo, table.watchdog.within(table.status_block(), answer.data))
 
-    def check_torque(self, servo: Servo, table: control_tables.Table, status: Answer) -> None:
+    def check_torque(
+        self, servo: Servo, table: control_tables.ControlTable, status: ServoAnswer
+    ) -> None:
         """Compare the torque with what it should be: off by itself, or on without a command."""
-        if servo.torque and not servos.holds(servo, table, status.data):
+        if servo.torque and not servos.still_holds(servo, table, status.data):
             self._alarms(servo, table, status)
             self._went_limp(servo)
-        if not servo.torque and servos.enabled(table, status.data):
+        if not servo.torque and servos.torque_enabled(table, status.data):
             self.wire.write(servo.joint.id, table.torque, 0)  # unanswered: the next look finds it
 
-    def _alarms(self, servo: Servo, table: control_tables.Table, status: Answer) -> None:
+    def _alarms(
+        self, servo: Servo, table: control_tables.ControlTable, status: ServoAnswer
+    ) -> None:
         block = table.status_block()
         bits = status.error if table.alarm is None else table.alarm.within(block, status.data)
         alarms = tuple(control_tables.alarms(table, bits))
@@ -133,7 +139,7 @@ class Upkeep(abc.ABC):
         if bitten:
             self.let_go(servo, "stopped by itself: its bus watchdog bit")
         try:
-            line = servos.Line(self.wire, servo.joint.id, servo.model.table)
+            line = servos.ServoRegisters(self.wire, servo.joint.id, servo.model.table)
             servos.rearm(line, self.settings.watchdog)
         except (SilentError, UnfitError):
             return  # the next round finds it again
@@ -150,7 +156,7 @@ class Upkeep(abc.ABC):
     # -- heat, load, voltage -------------------------------------------------------------------
 
     def _sensors(self, servo: Servo) -> None:
-        if servo.standing is not Standing.READY or servo.model is None:
+        if servo.standing is not ServoStatus.READY or servo.model is None:
             return
         table = servo.model.table
         block = table.sensor_block()
@@ -180,7 +186,7 @@ class Upkeep(abc.ABC):
                 self._warned.discard(key)
 
 
-def report(settings: Settings, servos_: Iterable[Servo]) -> tuple[Health, str, str]:
+def report(settings: ServoSettings, servos_: Iterable[Servo]) -> tuple[Health, str, str]:
     """How the chain is, for `DriverContext.health`: a fault of any servo is one of the whole."""
     known = list(servos_)
     faults = [f"{servo.label} {servo.trouble}" for servo in known if servo.trouble]
@@ -196,7 +202,7 @@ def report(settings: Settings, servos_: Iterable[Servo]) -> tuple[Health, str, s
     return Health.CONNECTED, f"{settings.port}: {found}", ""
 
 
-def signed_load(table: control_tables.Table, raw: int) -> int:
+def signed_load(table: control_tables.ControlTable, raw: int) -> int:
     """The load register as a signed number."""
     if table.load_sign_bit is None:
         return raw

@@ -23,7 +23,7 @@ ARRIVED = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
-class Segment:
+class MotionSegment:
     """One joint from `start` to `goal` in `duration` seconds.
 
     `ramp` is the time to and from full speed of a trapezoid; None means minimum jerk.
@@ -57,7 +57,7 @@ def _trapezoid(t: float, duration: float, ramp: float) -> float:
     return speed * (t - ramp / 2)
 
 
-def shortest(distance: float, limits: Limits) -> float:
+def shortest_duration(distance: float, limits: Limits) -> float:
     """The least time for `distance` degrees from rest to rest, in seconds."""
     way = abs(distance)
     if limits.acceleration is None:
@@ -67,27 +67,29 @@ def shortest(distance: float, limits: Limits) -> float:
     return way / limits.speed + limits.speed / limits.acceleration
 
 
-def segment(start: float, goal: float, duration: float, limits: Limits, profile: str) -> Segment:
-    """A segment within the limits; `duration` is at least `shortest(...)`.
+def plan_segment(
+    start: float, goal: float, duration: float, limits: Limits, profile: str
+) -> MotionSegment:
+    """A segment within the limits; `duration` is at least `shortest_duration(...)`.
 
     Minimum jerk peaks at 1.875 times the mean speed. Where that would be too fast, a trapezoid
     with its flat top at the limit still arrives in time.
     """
     way = abs(goal - start)
     if way <= ARRIVED:  # nothing to travel, and nothing to divide by
-        return Segment(goal, goal, duration)
+        return MotionSegment(goal, goal, duration)
     top = limits.acceleration if limits.acceleration is not None else math.inf
     if (
         profile == "minimum-jerk"
         and JERK_SPEED * way / duration <= limits.speed
         and JERK_ACCELERATION * way / duration**2 <= top
     ):
-        return Segment(start, goal, duration)
+        return MotionSegment(start, goal, duration)
     gentlest = duration - way / limits.speed
     ramp = min(duration / 4 if profile == "trapezoid" else gentlest, gentlest, duration / 2)
     if math.isfinite(top):
         ramp = max(ramp, _least_ramp(way, duration, top))
-    return Segment(start, goal, duration, max(ramp, 0.0))
+    return MotionSegment(start, goal, duration, max(ramp, 0.0))
 
 
 def _least_ramp(way: float, duration: float, acceleration: float) -> float:
@@ -105,10 +107,10 @@ class Keyframe:
 
 
 @dataclass(frozen=True, slots=True)
-class Track:
+class JointTrack:
     """One joint's segments, one after the other."""
 
-    segments: tuple[Segment, ...]
+    segments: tuple[MotionSegment, ...]
 
     @property
     def goal(self) -> float:
@@ -125,25 +127,25 @@ class Track:
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class MotionPlan:
     """A whole movement.
 
     `clamped` holds, by joint, the angle that was asked for furthest outside the range; `late` the
     seconds by which it arrives later than asked.
     """
 
-    tracks: Mapping[str, Track]
+    tracks: Mapping[str, JointTrack]
     duration: float
     late: float
     clamped: Mapping[str, float] = field(default_factory=dict)
 
 
-def plan(
+def plan_motion(
     start: Mapping[str, float],
     frames: Sequence[Keyframe],
     limits: Mapping[str, Limits],
     profile: str,
-) -> Plan:
+) -> MotionPlan:
     """Plan keyframes from the setpoints `start`; every joint arrives at a keyframe together.
 
     Only joints in `start` and in some keyframe move. A keyframe whose time is too short for the
@@ -152,7 +154,7 @@ def plan(
     """
     moving = [name for name in start if any(name in frame.joints for frame in frames)]
     position = {name: start[name] for name in moving}
-    segments: dict[str, list[Segment]] = {name: [] for name in moving}
+    segments: dict[str, list[MotionSegment]] = {name: [] for name in moving}
     clamped: dict[str, float] = {}
     duration = asked = 0.0
     for frame in frames:
@@ -164,18 +166,19 @@ def plan(
                     clamped[name] = _further(limits[name], clamped.get(name), angle)
         wanted = frame.seconds if math.isfinite(frame.seconds) and frame.seconds > 0 else 0.0
         needed = max(
-            (shortest(goals[name] - position[name], limits[name]) for name in moving), default=0.0
+            (shortest_duration(goals[name] - position[name], limits[name]) for name in moving),
+            default=0.0,
         )
         seconds = max(wanted, needed)
         for name in moving:
             segments[name].append(
-                segment(position[name], goals[name], seconds, limits[name], profile)
+                plan_segment(position[name], goals[name], seconds, limits[name], profile)
             )
         position = goals
         duration += seconds
         asked += wanted if wanted > 0 else seconds
-    tracks = {name: Track(tuple(parts)) for name, parts in segments.items()}
-    return Plan(tracks, duration, max(0.0, duration - asked), clamped)
+    tracks = {name: JointTrack(tuple(parts)) for name, parts in segments.items()}
+    return MotionPlan(tracks, duration, max(0.0, duration - asked), clamped)
 
 
 def _further(limits: Limits, known: float | None, angle: float) -> float:
@@ -185,7 +188,7 @@ def _further(limits: Limits, known: float | None, angle: float) -> float:
 
 
 @dataclass(slots=True)
-class Follow:
+class TargetFollower:
     """One joint after a target that keeps moving (gaze, arrow keys): quick, but never abrupt."""
 
     limits: Limits

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from woz_drivers.dynamixel.setpoint_planning import Keyframe
-from woz_drivers.dynamixel.settings import SECONDS, Settings
+from woz_drivers.dynamixel.settings import SECONDS, ServoSettings
 from woz_tui.drivers.contract import Argument, RejectedError, Verb
 from woz_tui.drivers.fields import Range
 
@@ -18,7 +18,7 @@ POSE_SECONDS = 1.0
 LONGEST = Range(0.0, 60.0, "s")
 
 
-def offered(settings: Settings) -> tuple[Verb, ...]:
+def servo_verbs(settings: ServoSettings) -> tuple[Verb, ...]:
     """The verbs that make sense with these settings."""
     verbs = _power(settings)
     if settings.follows:
@@ -61,7 +61,7 @@ def _moves() -> list[Verb]:
     ]
 
 
-def _power(settings: Settings) -> list[Verb]:
+def _power(settings: ServoSettings) -> list[Verb]:
     verbs = [
         Verb(
             "torque",
@@ -93,11 +93,11 @@ def _power(settings: Settings) -> list[Verb]:
     return verbs
 
 
-def _joints(settings: Settings) -> tuple[str, ...]:
+def _joints(settings: ServoSettings) -> tuple[str, ...]:
     return ("", *settings.joints)
 
 
-def _play(settings: Settings) -> Verb:
+def _play(settings: ServoSettings) -> Verb:
     return Verb(
         "play",
         "Play a named move or take a named pose",
@@ -138,7 +138,7 @@ def _turn(name: str, summary: str, reach: float) -> Verb:
 Args = Mapping[str, Any]
 
 
-def keyframes(settings: Settings, verb: str, args: Args) -> list[Keyframe]:
+def keyframes(settings: ServoSettings, verb: str, args: Args) -> list[Keyframe]:
     """What `pose`, `poses`, `home` or `play` asks for. `RejectedError` says what is wrong."""
     if verb == "pose":
         return [_keyframe(settings, args)]
@@ -150,7 +150,7 @@ def keyframes(settings: Settings, verb: str, args: Args) -> list[Keyframe]:
     return _move(settings, args)
 
 
-def _keyframe(settings: Settings, pose: Args) -> Keyframe:
+def _keyframe(settings: ServoSettings, pose: Args) -> Keyframe:
     for name in pose["joints"]:
         if name not in settings.joints:
             known = ", ".join(sorted(settings.joints))
@@ -158,7 +158,7 @@ def _keyframe(settings: Settings, pose: Args) -> Keyframe:
     return Keyframe(pose["joints"], pose.get("seconds", 1.0))
 
 
-def turn(settings: Settings, args: Args) -> dict[str, float]:
+def turn(settings: ServoSettings, args: Args) -> dict[str, float]:
     """Angles of the pan and tilt joints for `yaw` and `pitch`."""
     found = {}
     for key, role, joint in (("yaw", "pan", settings.pan), ("pitch", "tilt", settings.tilt)):
@@ -174,7 +174,7 @@ def turn(settings: Settings, args: Args) -> dict[str, float]:
     return found
 
 
-def _move(settings: Settings, args: Args) -> list[Keyframe]:
+def _move(settings: ServoSettings, args: Args) -> list[Keyframe]:
     name = args["move"]
     if name in settings.moves:
         frames = settings.moves[name]
@@ -193,6 +193,6 @@ def _move(settings: Settings, args: Args) -> list[Keyframe]:
     ]
 
 
-def _scaled(settings: Settings, joint: str, angle: float, amplitude: float) -> float:
+def _scaled(settings: ServoSettings, joint: str, angle: float, amplitude: float) -> float:
     home = settings.joints[joint].home
     return home + amplitude * (angle - home)

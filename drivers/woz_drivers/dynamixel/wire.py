@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from dynamixel_sdk import GroupSyncRead, GroupSyncWrite, PacketHandler
 
 from woz_drivers.dynamixel.control_tables import Register
-from woz_drivers.dynamixel.port import AMPLE_MS, ServoPort, patience
+from woz_drivers.dynamixel.port import AMPLE_MS, ServoPort, answer_timeout_ms
 
 #: `dynamixel_sdk.robotis_def.COMM_SUCCESS`.
 SUCCESS = 0
@@ -37,14 +37,14 @@ USUAL_IDS = tuple(range(31))
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class ServoAnswer:
     """A servo's answer: the bytes asked for, and its error byte as it came."""
 
     data: bytes
     error: int = 0
 
 
-class Wire:
+class ServoWire:
     """One open port and its protocol. Belongs to one thread."""
 
     def __init__(self, port: ServoPort, protocol: int) -> None:
@@ -85,7 +85,7 @@ class Wire:
         port.patience_ms = before
         if not found or port.longest_ms <= before:
             return None
-        port.patience_ms = patience(port.longest_ms)
+        port.patience_ms = answer_timeout_ms(port.longest_ms)
         return port.longest_ms
 
     def scan(self, also: Iterable[int] = ()) -> dict[int, int]:
@@ -105,7 +105,7 @@ class Wire:
             return {}
         return {int(servo): int(answer[0]) for servo, answer in found.items()}
 
-    def read(self, servo: int, register: Register) -> Answer | None:
+    def read(self, servo: int, register: Register) -> ServoAnswer | None:
         """A register or a whole stretch of them."""
         try:
             data, result, error = self._packets.readTxRx(
@@ -116,7 +116,7 @@ class Wire:
             return None
         if result != SUCCESS or len(data) != register.size:
             return None
-        return Answer(bytes(data), int(error))
+        return ServoAnswer(bytes(data), int(error))
 
     def number(self, servo: int, register: Register) -> int | None:
         """A register as a number."""

@@ -20,13 +20,13 @@ from woz_drivers.led_face.wire import (
     SHOWN,
     VERSION,
     WRONG,
-    Damaged,
-    Device,
+    DamagedPacketError,
+    FaceDevice,
     Packet,
-    Reader,
+    PacketReader,
     frame_payload,
 )
-from woz_tui.motion.light_frames import Frame
+from woz_tui.motion.light_frames import LightFrame
 
 #: A hello is repeated after so long, in microseconds; boards need two seconds to start.
 HELLO_US = 500_000
@@ -40,7 +40,7 @@ MISSES = 10
 REFRESH_US = 1_000_000
 
 
-class State(enum.Enum):
+class LinkState(enum.Enum):
     """How well one understands each other."""
 
     ASKING = "asking"
@@ -53,18 +53,18 @@ class State(enum.Enum):
 class Wanted:
     """A picture as the matrix is wired, and its brightness, 0..1."""
 
-    frame: Frame
+    frame: LightFrame
     brightness: float
 
 
 @dataclass(frozen=True, slots=True)
-class _UnderWay:
+class _SentFrame:
     number: int
     wanted: Wanted
     sent_us: int
 
 
-class Talk:
+class FaceLink:
     """See the module's text.
 
     `send(data)` writes to the port. `on_state()` is called when `state`, `detail` or `remedy`
@@ -86,34 +86,34 @@ class Talk:
         *,
         interval_us: int,
     ) -> None:
-        self.state = State.ASKING
+        self.state = LinkState.ASKING
         self.detail = ""
         self.remedy = ""
-        self.device: Device | None = None
+        self.device: FaceDevice | None = None
         self.shown: Wanted | None = None
         self._size = size
         self._send = send
         self._on_state = on_state
         self._interval_us = interval_us
-        self._reader = Reader()
+        self._reader = PacketReader()
         self._number = 0
         self._asked_us: int | None = None
         self._heard_us = 0
-        self._under_way: _UnderWay | None = None
+        self._under_way: _SentFrame | None = None
         self._misses = 0
         self._refusal = ""
         self._sent_us: int | None = None
 
     def begin(self, now_us: int) -> None:
         """The port is open: nothing is known of whoever is at its other end."""
-        self._reader = Reader()
+        self._reader = PacketReader()
         self.device = self.shown = self._under_way = self._sent_us = None
         self._misses = 0
         self._refusal = ""
         self._heard_us = now_us
         self._send(b"\0")  # ends whatever half a packet is still in its buffer
         self._ask(now_us)
-        self._move(State.ASKING, "waiting for its answer")
+        self._move(LinkState.ASKING, "waiting for its answer")
 
     # -- what comes ----------------------------------------------------------------------------
 
@@ -132,8 +132,8 @@ class Talk:
 
     def _introduced(self, packet: Packet, now_us: int) -> None:
         try:
-            device = Device.of_payload(packet.payload)
-        except Damaged:
+            device = FaceDevice.of_payload(packet.payload)
+        except DamagedPacketError:
             return
         self._heard_us = now_us
         self.device = device
@@ -141,15 +141,15 @@ class Talk:
         self._misses = 0
         wrong = mismatch(device, self._size)
         if wrong:
-            self._move(State.STRANGE, *wrong)
+            self._move(LinkState.STRANGE, *wrong)
         elif not self._refusal:
-            self._move(State.TALKING, f"{device.name}, {device.width} x {device.height}")
+            self._move(LinkState.TALKING, f"{device.name}, {device.width} x {device.height}")
 
     def _refused(self, packet: Packet) -> None:
         """Nothing that was agreed on is refused, so this is another firmware than it says."""
         reason = REASONS.get(packet.payload[0] if packet.payload else 0, "it gives no reason")
         self._refusal = f"the face refused a packet: {reason}"
-        self._move(State.STRANGE, self._refusal, _FLASH)
+        self._move(LinkState.STRANGE, self._refusal, _FLASH)
 
     def _confirmed(self, packet: Packet, now_us: int) -> None:
         self._heard_us = now_us
@@ -161,7 +161,7 @@ class Talk:
 
     def step(self, wanted: Wanted, now_us: int) -> None:
         """Send what is due now, if anything; call it at least as often as frames shall go."""
-        if self.state is not State.TALKING:
+        if self.state is not LinkState.TALKING:
             self._ask_again(now_us)
         elif self._under_way is None:
             if self._due(wanted, now_us):
@@ -181,12 +181,12 @@ class Talk:
         if self._misses < MISSES:
             self._show(wanted, now_us)
             return
-        self._move(State.SILENT, "the face does not answer any more", _POWER)
+        self._move(LinkState.SILENT, "the face does not answer any more", _POWER)
         self._ask(now_us)
 
     def _show(self, wanted: Wanted, now_us: int) -> None:
         number = self._next()
-        self._under_way = _UnderWay(number, wanted, now_us)
+        self._under_way = _SentFrame(number, wanted, now_us)
         self._sent_us = now_us
         payload = frame_payload(wanted.frame, wanted.brightness)
         self._send(Packet(FRAME, number, payload).encoded())
@@ -194,10 +194,10 @@ class Talk:
     def _ask_again(self, now_us: int) -> None:
         if self._asked_us is None or now_us - self._asked_us >= HELLO_US:
             self._ask(now_us)
-        if self.state is State.ASKING and now_us - self._heard_us >= SILENCE_US:
+        if self.state is LinkState.ASKING and now_us - self._heard_us >= SILENCE_US:
             damaged = self._reader.damaged
             heard = f"only {damaged} damaged packets came" if damaged else "nothing came"
-            self._move(State.SILENT, f"no face answers: {heard}", _NOBODY)
+            self._move(LinkState.SILENT, f"no face answers: {heard}", _NOBODY)
 
     def _ask(self, now_us: int) -> None:
         self._asked_us = now_us
@@ -207,7 +207,7 @@ class Talk:
         self._number = (self._number + 1) % 256
         return self._number
 
-    def _move(self, state: State, detail: str, remedy: str = "") -> None:
+    def _move(self, state: LinkState, detail: str, remedy: str = "") -> None:
         if (state, detail, remedy) != (self.state, self.detail, self.remedy):
             self.state, self.detail, self.remedy = state, detail, remedy
             self._on_state()
@@ -221,7 +221,7 @@ _NOBODY = (
 )
 
 
-def mismatch(device: Device, size: tuple[int, int]) -> tuple[str, str] | None:
+def mismatch(device: FaceDevice, size: tuple[int, int]) -> tuple[str, str] | None:
     """Why one cannot talk to this face, and what to do about it; `size` is the wanted one."""
     if device.version != VERSION:
         return (

@@ -10,8 +10,16 @@ import serial
 
 from woz_drivers.led_face.conversation import mismatch
 from woz_drivers.led_face.settings import LedFaceSettings
-from woz_drivers.led_face.wire import HELLO, HERE, VERSION, Damaged, Device, Packet, Reader
-from woz_drivers.serial_line import LOSSES, explain, open_port
+from woz_drivers.led_face.wire import (
+    HELLO,
+    HERE,
+    VERSION,
+    DamagedPacketError,
+    FaceDevice,
+    Packet,
+    PacketReader,
+)
+from woz_drivers.serial_line import LOSSES, explain_port_error, open_port
 from woz_tui.drivers.contract import Finding
 
 #: Boards that start anew when their port is opened need two seconds until they answer.
@@ -22,29 +30,29 @@ _HELLOS = 20
 _SLOW_MS = 50.0
 
 
-async def examined(subject: str, settings: LedFaceSettings) -> Finding:
+async def examine(subject: str, settings: LedFaceSettings) -> Finding:
     """Version, size and latency of the face, or what is wrong. Never raises."""
     try:
         port = open_port(settings.port, settings.baud)
     except (*LOSSES, ValueError) as error:
-        trouble = explain(settings.port, settings.baud, error)
+        trouble = explain_port_error(settings.port, settings.baud, error)
         return Finding("error", subject, trouble.what, trouble.remedy)
-    visit = _Visit(port)
+    visit = _OpenFace(port)
     try:
         return await _asked(subject, settings, visit)
     except LOSSES as error:
-        trouble = explain(settings.port, settings.baud, error)
+        trouble = explain_port_error(settings.port, settings.baud, error)
         return Finding("error", subject, trouble.what, trouble.remedy)
     finally:
         visit.end()
 
 
-class _Visit:
+class _OpenFace:
     """An open port and hellos over it."""
 
     def __init__(self, port: serial.Serial) -> None:
         self._port = port
-        self._reader = Reader()
+        self._reader = PacketReader()
         self._heard = asyncio.Event()
         self._packets: list[Packet] = []
         self._number = 0
@@ -72,7 +80,7 @@ class _Visit:
         self._packets += self._reader.feed(data)
         self._heard.set()
 
-    async def hello(self) -> tuple[Device, float] | None:
+    async def hello(self) -> tuple[FaceDevice, float] | None:
         """What the face says of itself and after how many seconds; None: nothing."""
         self._number += 1
         loop = asyncio.get_running_loop()
@@ -86,7 +94,7 @@ class _Visit:
             return None
         return device, loop.time() - begun
 
-    async def _answer(self) -> Device:
+    async def _answer(self) -> FaceDevice:
         while True:
             if self._lost is not None:
                 raise self._lost
@@ -94,14 +102,14 @@ class _Visit:
                 packet = self._packets.pop(0)
                 if (packet.type, packet.number) == (HERE, self._number):
                     try:
-                        return Device.of_payload(packet.payload)
-                    except Damaged:
+                        return FaceDevice.of_payload(packet.payload)
+                    except DamagedPacketError:
                         continue
             self._heard.clear()
             await self._heard.wait()
 
 
-async def _asked(subject: str, settings: LedFaceSettings, visit: _Visit) -> Finding:
+async def _asked(subject: str, settings: LedFaceSettings, visit: _OpenFace) -> Finding:
     where = f"{settings.port} at {settings.baud} baud"
     first = None
     for _ in range(round(_PATIENCE_S / _ANSWER_S)):
@@ -125,7 +133,7 @@ async def _asked(subject: str, settings: LedFaceSettings, visit: _Visit) -> Find
 
 
 def _judged(
-    subject: str, where: str, device: Device, latencies: list[float], damaged: int
+    subject: str, where: str, device: FaceDevice, latencies: list[float], damaged: int
 ) -> Finding:
     missing = _HELLOS - len(latencies)
     milliseconds = statistics.median(latencies) * 1000 if latencies else 0.0

@@ -7,11 +7,11 @@ import contextlib
 from collections.abc import Mapping
 from typing import Any
 
-from woz_drivers.led_face.conversation import State, Talk, Wanted
-from woz_drivers.led_face.doctor import examined
-from woz_drivers.led_face.light_pictures import PATTERNS, asleep, mounted
+from woz_drivers.led_face.conversation import FaceLink, LinkState, Wanted
+from woz_drivers.led_face.doctor import examine
+from woz_drivers.led_face.light_pictures import PATTERNS, as_mounted, sleeping_face
 from woz_drivers.led_face.settings import LedFaceSettings
-from woz_drivers.serial_line import SerialLine, Trouble
+from woz_drivers.serial_line import PortTrouble, SerialLine
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
@@ -25,16 +25,16 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
-from woz_tui.motion.light_frames import Frame, blank
-from woz_tui.motion.setpoints import FACE, Lit
+from woz_tui.motion.body_feeds import FACE, FacePicture
+from woz_tui.motion.light_frames import LightFrame, blank
 from woz_tui.protocol.messages import Json
 
 #: How the conversation stands, as the wizard sees it.
-_HEALTH: Mapping[State, Health] = {
-    State.ASKING: Health.CONNECTING,
-    State.SILENT: Health.LOST,
-    State.STRANGE: Health.FAULTED,
-    State.TALKING: Health.CONNECTED,
+_HEALTH: Mapping[LinkState, Health] = {
+    LinkState.ASKING: Health.CONNECTING,
+    LinkState.SILENT: Health.LOST,
+    LinkState.STRANGE: Health.FAULTED,
+    LinkState.TALKING: Health.CONNECTED,
 }
 #: How long `close` waits for the last picture to be confirmed, in seconds.
 _FAREWELL_S = 0.3
@@ -76,7 +76,7 @@ class LedFace(PassiveDriver):
             on_bytes=self._received,
             on_trouble=self._troubled,
         )
-        self._talk = Talk(
+        self._talk = FaceLink(
             settings.wired,
             self._send,
             self._tell,
@@ -92,7 +92,7 @@ class LedFace(PassiveDriver):
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
         """Open the port, say hello, measure how fast the face answers. Shows nothing."""
-        return [await examined(probe.name, probe.settings)]
+        return [await examine(probe.name, probe.settings)]
 
     async def open(self) -> None:
         """Begin to look for the port."""
@@ -149,11 +149,11 @@ class LedFace(PassiveDriver):
         if self._lit is None:
             return
         latest = self._lit.latest()
-        if latest.serial != self._seen and isinstance(latest.value, Lit):
+        if latest.serial != self._seen and isinstance(latest.value, FacePicture):
             self._seen = latest.serial
             self._take(latest.value)
 
-    def _take(self, lit: Lit) -> None:
+    def _take(self, lit: FacePicture) -> None:
         frame, settings = lit.frame, self.settings
         if (frame.width, frame.height) == (settings.width, settings.height):
             self._wanted = Wanted(self._mounted(frame), lit.brightness * settings.brightness)
@@ -166,17 +166,17 @@ class LedFace(PassiveDriver):
             "give both drivers the same width and height in the robot file",
         )
 
-    def _mounted(self, frame: Frame) -> Frame:
-        return mounted(frame, self.settings)
+    def _mounted(self, frame: LightFrame) -> LightFrame:
+        return as_mounted(frame, self.settings)
 
     async def _say_goodbye(self) -> None:
         """The last picture; a second try is not worth waiting for."""
         settings = self.settings
-        if settings.afterwards == "last" or self._talk.state is not State.TALKING:
+        if settings.afterwards == "last" or self._talk.state is not LinkState.TALKING:
             return
         last = Wanted(blank(*settings.wired), 0.0)
         if settings.afterwards == "asleep":
-            last = Wanted(self._mounted(asleep(settings)), self._wanted.brightness)
+            last = Wanted(self._mounted(sleeping_face(settings)), self._wanted.brightness)
         loop = asyncio.get_running_loop()
         end = loop.time() + _FAREWELL_S
         while self._talk.shown != last and self._line.connected and loop.time() < end:
@@ -198,13 +198,13 @@ class LedFace(PassiveDriver):
         with contextlib.suppress(DeviceLostError):  # whoever noticed the loss has told it
             self._line.write(data)
 
-    def _troubled(self, trouble: Trouble) -> None:
+    def _troubled(self, trouble: PortTrouble) -> None:
         self._gone.set()
         self.context.health(Health.LOST, trouble.what, trouble.remedy)
 
     def _tell(self) -> None:
         talk = self._talk
-        if talk.state is not State.TALKING:
+        if talk.state is not LinkState.TALKING:
             self._gone.set()
         self.context.health(
             _HEALTH[talk.state], f"{self.settings.port}: {talk.detail}", talk.remedy
@@ -213,5 +213,5 @@ class LedFace(PassiveDriver):
     def _need_face(self) -> None:
         if not self._line.connected:
             raise DeviceLostError(f"{self.settings.port} is not open", "see its state")
-        if self._talk.state is not State.TALKING:
+        if self._talk.state is not LinkState.TALKING:
             raise DeviceLostError(self._talk.detail, self._talk.remedy)

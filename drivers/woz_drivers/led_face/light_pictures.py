@@ -7,10 +7,10 @@ from collections.abc import Callable, Mapping
 from woz_drivers.led_face.settings import LedFaceSettings
 from woz_tui.motion.body_shape import FaceShape
 from woz_tui.motion.face_drawing import FaceState, draw
-from woz_tui.motion.light_frames import Frame, blank
+from woz_tui.motion.light_frames import LightFrame, blank
 
 
-def mounted(frame: Frame, settings: LedFaceSettings) -> Frame:
+def as_mounted(frame: LightFrame, settings: LedFaceSettings) -> LightFrame:
     """The frame that a matrix must show which is mounted like this, for `frame` to be seen."""
     grid = [[frame.lit(x, y) for x in range(frame.width)] for y in range(frame.height)]
     if settings.mirror:
@@ -20,18 +20,18 @@ def mounted(frame: Frame, settings: LedFaceSettings) -> Frame:
     return _frame(len(grid[0]), len(grid), lambda x, y: grid[y][x])
 
 
-def asleep(settings: LedFaceSettings) -> Frame:
+def sleeping_face(settings: LedFaceSettings) -> LightFrame:
     """A face with closed eyes."""
     shape = FaceShape(settings.width, settings.height)
     return draw(FaceState(emotion="sleepy", intensity=1.0), shape)
 
 
-def _frame(width: int, height: int, lit: Callable[[int, int], bool]) -> Frame:
+def _frame(width: int, height: int, lit: Callable[[int, int], bool]) -> LightFrame:
     rows = (sum(1 << (width - 1 - x) for x in range(width) if lit(x, y)) for y in range(height))
-    return Frame(width, tuple(rows))
+    return LightFrame(width, tuple(rows))
 
 
-def _arrow(width: int, height: int) -> Frame:
+def _arrow(width: int, height: int) -> LightFrame:
     """An arrow that points up, and a square in the upper left corner: nothing else looks so."""
     middle, head = width // 2, min(width, height) // 2
     return _frame(
@@ -42,7 +42,7 @@ def _arrow(width: int, height: int) -> Frame:
 
 
 #: Pattern -> its picture on a matrix of some width and height.
-PATTERNS: Mapping[str, Callable[[int, int], Frame]] = {
+PATTERNS: Mapping[str, Callable[[int, int], LightFrame]] = {
     "all": lambda width, height: _frame(width, height, lambda x, y: True),
     "none": blank,
     "chessboard": lambda width, height: _frame(width, height, lambda x, y: (x + y) % 2 == 0),

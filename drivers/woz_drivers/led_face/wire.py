@@ -10,7 +10,7 @@ from __future__ import annotations
 import binascii
 from dataclasses import dataclass
 
-from woz_tui.motion.light_frames import Frame
+from woz_tui.motion.light_frames import LightFrame
 
 VERSION = 1
 
@@ -26,7 +26,7 @@ _LEAST = 4
 _LONGEST = 4096
 
 
-class Damaged(ValueError):  # noqa: N818 - readers say `except Damaged`
+class DamagedPacketError(ValueError):
     """Bytes that are no packet; says why."""
 
 
@@ -45,13 +45,13 @@ class Packet:
 
     @classmethod
     def decoded(cls, stuffed: bytes) -> Packet:
-        """The packet of these bytes, without the zero byte. Raises `Damaged`."""
+        """The packet of these bytes, without the zero byte. Raises `DamagedPacketError`."""
         plain = unstuff(stuffed)
         if len(plain) < _LEAST:
-            raise Damaged(f"{len(plain)} bytes are too few for a packet")
+            raise DamagedPacketError(f"{len(plain)} bytes are too few for a packet")
         body, sum_ = plain[:-2], int.from_bytes(plain[-2:], "big")
         if crc16(body) != sum_:
-            raise Damaged(f"its CRC is {sum_:04x} and should be {crc16(body):04x}")
+            raise DamagedPacketError(f"its CRC is {sum_:04x} and should be {crc16(body):04x}")
         return cls(body[0], body[1], body[2:])
 
 
@@ -73,14 +73,14 @@ def stuff(data: bytes) -> bytes:
 
 
 def unstuff(stuffed: bytes) -> bytes:
-    """Undoes `stuff`. Raises `Damaged` for what it never wrote."""
+    """Undoes `stuff`. Raises `DamagedPacketError` for what it never wrote."""
     data = bytearray()
     place = 0
     while place < len(stuffed):
         code = stuffed[place]
         stretch = stuffed[place + 1 : place + code]
         if code == 0 or len(stretch) != code - 1 or 0 in stretch:
-            raise Damaged("it is not stuffed by COBS")
+            raise DamagedPacketError("it is not stuffed by COBS")
         data += stretch
         place += code
         if code != 0xFF and place < len(stuffed):
@@ -88,7 +88,7 @@ def unstuff(stuffed: bytes) -> bytes:
     return bytes(data)
 
 
-class Reader:
+class PacketReader:
     """Gathers bytes into packets; `damaged` counts what was none."""
 
     def __init__(self) -> None:
@@ -104,14 +104,14 @@ class Reader:
     def _packet(self, stuffed: bytes) -> Packet | None:
         try:
             if len(stuffed) > _LONGEST:
-                raise Damaged("it does not end")
+                raise DamagedPacketError("it does not end")
             return Packet.decoded(stuffed)
-        except Damaged:
+        except DamagedPacketError:
             self.damaged += 1
             return None
 
 
-def frame_payload(frame: Frame, brightness: float) -> bytes:
+def frame_payload(frame: LightFrame, brightness: float) -> bytes:
     """Payload of `FRAME`: brightness 0..255, then the rows in whole bytes. `brightness` is 0..1;
     anything above 0 is at least the darkest step that can be seen.
     """
@@ -120,7 +120,7 @@ def frame_payload(frame: Frame, brightness: float) -> bytes:
 
 
 @dataclass(frozen=True, slots=True)
-class Device:
+class FaceDevice:
     """What a face says of itself; size in lights, as it is wired."""
 
     version: int
@@ -129,9 +129,9 @@ class Device:
     name: str
 
     @classmethod
-    def of_payload(cls, payload: bytes) -> Device:
-        """From the payload of `HERE`. Raises `Damaged`."""
+    def of_payload(cls, payload: bytes) -> FaceDevice:
+        """From the payload of `HERE`. Raises `DamagedPacketError`."""
         if len(payload) < 3:
-            raise Damaged("it says neither version nor size")
+            raise DamagedPacketError("it says neither version nor size")
         version, width, height = payload[:3]
         return cls(version, width, height, payload[3:].decode("ascii", "replace"))

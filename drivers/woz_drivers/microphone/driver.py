@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from woz_drivers import pcm_audio, room_threshold
-from woz_drivers.byte_stream import ByteStream, Command, Listener
+from woz_drivers.byte_stream import ByteStream, StreamCommand, StreamListener
 from woz_drivers.microphone import doctor
 from woz_drivers.microphone.settings import MicrophoneSettings
-from woz_drivers.microphone.speech_detection import BLOCK_S, Speaking
-from woz_drivers.microphone.speech_segments import Segments
+from woz_drivers.microphone.speech_detection import BLOCK_S, SpeechDetector
+from woz_drivers.microphone.speech_segments import SpeechSegments
 from woz_drivers.microphone.transcriber import Transcriber
 from woz_tui.drivers.contract import (
     SPEECH,
@@ -54,7 +54,7 @@ class Microphone(PassiveDriver):
 
     def __init__(self, name: str, settings: MicrophoneSettings, context: DriverContext) -> None:
         super().__init__(name, settings, context)
-        self._speaking = Speaking(settings.ear)
+        self._speaking = SpeechDetector(settings.ear)
         self._blocks = self._fresh_blocks()
         self._levels: list[float] = []
         self._learning: _Learning | None = None
@@ -66,7 +66,7 @@ class Microphone(PassiveDriver):
         self._transcriber = (
             Transcriber(name, words, settings.transcribe_limit, context) if words else None
         )
-        self._segments = Segments(
+        self._segments = SpeechSegments(
             name, settings.rate, context, settings.segments, self._transcriber
         )
 
@@ -98,10 +98,10 @@ class Microphone(PassiveDriver):
         self.context.reading(room_threshold.THRESHOLD, self._speaking.threshold)
         self.context.sensor(SPEECH, "ready", "it reports speech by itself")
         settings = self.settings
-        command = Command(
+        command = StreamCommand(
             settings.words, self.context.folder, "no sound", _CHECK, least=settings.block_bytes
         )
-        listener = Listener(self._begun, self._received, self._stale, self._lose)
+        listener = StreamListener(self._begun, self._received, self._stale, self._lose)
         self._source = ByteStream(command, self.context.clock, listener)
         self._source.start()
         if self._transcriber is not None:
@@ -250,8 +250,8 @@ class Microphone(PassiveDriver):
 
     def _adopt(self, levels: list[float]) -> Mapping[str, Json]:
         keeping = "write threshold: {threshold} into the robot file to keep it"
-        heard = room_threshold.learn(levels)
-        lesson = room_threshold.Lesson(
+        heard = room_threshold.room_noise(levels)
+        lesson = room_threshold.LearntThreshold(
             self.name, heard, self.settings.sensitivity, BLOCK_S, keeping
         )
         told = lesson.tell(self.context, self._speaking.threshold)

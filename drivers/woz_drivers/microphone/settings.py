@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from woz_drivers import command_lines, pcm_audio
-from woz_drivers.microphone.speech_detection import BLOCK_S, Ear
+from woz_drivers.microphone.speech_detection import BLOCK_S, SpeechCriteria
 from woz_tui.drivers.contract import DriverError
 from woz_tui.drivers.fields import Doc, OneOf, Range, Seconds, Section
 
@@ -102,9 +102,9 @@ class MicrophoneSettings(Section):
         return round(self.rate * BLOCK_S) * pcm_audio.FORMATS[self.format].width * self.channels
 
     @property
-    def ear(self) -> Ear:
+    def ear(self) -> SpeechCriteria:
         """The part that decides about speech."""
-        return Ear(
+        return SpeechCriteria(
             self.threshold,
             self.onset,
             self.hang_over,

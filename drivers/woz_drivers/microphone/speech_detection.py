@@ -19,7 +19,7 @@ _CLIPS = 3
 
 
 @dataclass(frozen=True, slots=True)
-class Ear:
+class SpeechCriteria:
     """What counts as speech; durations in seconds.
 
     A block is loud if its RMS lies strictly above `threshold`. `onset` of loud blocks in a row
@@ -36,12 +36,12 @@ class Ear:
     longest: float = 60.0
 
 
-class Speaking:
+class SpeechDetector:
     """Turns blocks into a state: quiet, speaking, clipping (speaking, and too loud for the
     converter) or silent; and into segments.
     """
 
-    def __init__(self, ear: Ear) -> None:
+    def __init__(self, ear: SpeechCriteria) -> None:
         self.threshold = ear.threshold
         self._ear = ear
         self._hang_over = _blocks(ear.hang_over)

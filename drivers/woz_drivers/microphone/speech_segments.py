@@ -13,7 +13,7 @@ import msgspec
 from woz_drivers import pcm_audio
 from woz_drivers.microphone.segment_files import SegmentFiles
 from woz_drivers.microphone.speech_detection import BLOCK_S
-from woz_drivers.microphone.transcriber import Heard, Transcriber
+from woz_drivers.microphone.transcriber import SpeechToTranscribe, Transcriber
 from woz_tui.drivers.contract import DriverContext
 from woz_tui.protocol.messages import SpeechEnded, SpeechStarted
 from woz_tui.sensing.speech_endpoint import SpeechEnd, SpeechStart
@@ -37,7 +37,7 @@ class _Block:
 
 
 @dataclass(slots=True)
-class _Ending:
+class _PendingEnd:
     """The end of a segment whose file may be on its way; the end is told without it when `late`."""
 
     told: SpeechEnded
@@ -48,7 +48,7 @@ class _Ending:
     timer: asyncio.TimerHandle | None = None
 
 
-class Segments:
+class SpeechSegments:
     """The tape of the last seconds, and what is cut out of it.
 
     `keep`: WAV files of what is said stay in the session's folder for media. With a `transcriber`
@@ -68,14 +68,14 @@ class Segments:
         self._keep = keep
         self._transcriber = transcriber
         self._files = SegmentFiles(rate, self._unsafe)
-        self._time = SoundTime()
+        self._time = SoundClock()
         self._tape: deque[_Block] = deque()
         self._first = 0
         self._segment = 0
         self._began = 0
         self._complained = False
         self._unsafe_told = False
-        self._untold: deque[SpeechStarted | _Ending] = deque()
+        self._untold: deque[SpeechStarted | _PendingEnd] = deque()
 
     def forget(self) -> None:
         """A new stream begins, with block 0."""
@@ -118,7 +118,7 @@ class Segments:
         name = f"{self._driver}-{self._segment:04d}.wav"
         media = self._context.media
         file = self._save(blocks, media / name)
-        ending = _Ending(told, file, f"{media.name}/{name}", self._context.clock.now_us())
+        ending = _PendingEnd(told, file, f"{media.name}/{name}", self._context.clock.now_us())
         ending.late = not self._keep
         if file is not None and not ending.late:
             file.add_done_callback(lambda _: self._tell())
@@ -131,7 +131,7 @@ class Segments:
     async def close(self) -> None:
         """Tell what is left to tell, whatever the disk does; lent files are deleted."""
         for told in self._untold:
-            if isinstance(told, _Ending):
+            if isinstance(told, _PendingEnd):
                 told.late = True
         self._tell()
         if self._transcriber is not None:
@@ -147,7 +147,7 @@ class Segments:
         self._untold.append(told)
         self._tell()
 
-    def _wait_no_more(self, ending: _Ending) -> None:
+    def _wait_no_more(self, ending: _PendingEnd) -> None:
         ending.late = True
         self._tell()
 
@@ -155,22 +155,22 @@ class Segments:
         """Tell what has happened, up to the first end whose file is still being written."""
         while self._untold:
             told = self._untold[0]
-            if isinstance(told, _Ending) and not (told.late or _written(told)):
+            if isinstance(told, _PendingEnd) and not (told.late or _written(told)):
                 return
             self._untold.popleft()
-            if isinstance(told, _Ending):
+            if isinstance(told, _PendingEnd):
                 self._tell_end(told)
             else:
                 self._context.tell(told)
 
-    def _tell_end(self, ending: _Ending) -> None:
+    def _tell_end(self, ending: _PendingEnd) -> None:
         if ending.timer is not None:
             ending.timer.cancel()
         self._context.tell(self._with_file(ending))
         if self._transcriber is not None and ending.file is not None:
             back = None if self._keep else self._files.give_back
             segment = ending.told.segment
-            self._transcriber.add(Heard(segment, ending.file, ending.clock_us, back))
+            self._transcriber.add(SpeechToTranscribe(segment, ending.file, ending.clock_us, back))
 
     # -- files ---------------------------------------------------------------------------------
 
@@ -180,7 +180,7 @@ class Segments:
             return self._files.keep(path, pcm)
         return self._files.lend(path.name, pcm) if self._transcriber is not None else None
 
-    def _with_file(self, ending: _Ending) -> SpeechEnded:
+    def _with_file(self, ending: _PendingEnd) -> SpeechEnded:
         """The end of a segment with its file, or with why there is none."""
         told, file = ending.told, ending.file
         if not self._keep or file is None:
@@ -214,7 +214,7 @@ class Segments:
         self._unsafe_told = True
 
 
-def _written(ending: _Ending) -> bool:
+def _written(ending: _PendingEnd) -> bool:
     """Whether there is nothing to wait for: the file is there, or will never be."""
     return ending.file is None or ending.file.done()
 
@@ -228,7 +228,7 @@ def _reason(error: BaseException) -> str:
     return (isinstance(error, OSError) and error.strerror) or str(error)
 
 
-class SoundTime:
+class SoundClock:
     """Ties the blocks of a stream to a clock.
 
     A block can be late, because pipes and busy machines hold it back, but never early: of the

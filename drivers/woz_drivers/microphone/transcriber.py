@@ -29,7 +29,7 @@ _FILE_S = 10.0
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
+class SpeechToTranscribe:
     """A segment to be understood: its number, its file once that is there, when it ended on the
     clock, and what becomes of the file afterwards.
     """
@@ -50,7 +50,7 @@ class Transcriber:
         self._words = words
         self._limit_s = limit_s
         self._context = context
-        self._waiting: deque[Heard] = deque()
+        self._waiting: deque[SpeechToTranscribe] = deque()
         self._news = asyncio.Event()
         self._complained = False
         self._task: asyncio.Task[None] | None = None
@@ -59,7 +59,7 @@ class Transcriber:
         """Begin to work."""
         self._task = asyncio.create_task(self._work())
 
-    def add(self, heard: Heard) -> None:
+    def add(self, heard: SpeechToTranscribe) -> None:
         """Understand this segment too; what waits longest is left out if it becomes too much."""
         self._waiting.append(heard)
         if len(self._waiting) > WAITING:
@@ -84,7 +84,7 @@ class Transcriber:
             while self._waiting:
                 await self._understand(self._waiting.popleft())
 
-    async def _understand(self, heard: Heard) -> None:
+    async def _understand(self, heard: SpeechToTranscribe) -> None:
         text, trouble = "", DriverError("the session ended meanwhile")
         try:
             text = await self._run(await _there(heard.file))
@@ -110,14 +110,14 @@ class Transcriber:
             )
         self._complained = bool(trouble.what)
 
-    def _answer(self, heard: Heard, text: str, detail: str) -> None:
+    def _answer(self, heard: SpeechToTranscribe, text: str, detail: str) -> None:
         took_us = max(0, self._context.clock.now_us() - heard.ended_us)
         told = SpeechText(
             driver=self._driver, segment=heard.segment, text=text, took_us=took_us, detail=detail
         )
         self._context.tell(told)
 
-    def _finish_with(self, heard: Heard) -> None:
+    def _finish_with(self, heard: SpeechToTranscribe) -> None:
         def over(file: asyncio.Future[Path]) -> None:
             if heard.done_with is not None and not file.cancelled() and file.exception() is None:
                 heard.done_with(file.result())

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from woz_drivers.midi.maps import MOMENTARY, START, TOGGLE
-from woz_drivers.midi.resolved_map import Fitted
+from woz_drivers.midi.panel_maps import MOMENTARY, START, TOGGLE
+from woz_drivers.midi.resolved_map import MappedControl
 from woz_tui.drivers.contract import Ask
-from woz_tui.motion.setpoints import State
+from woz_tui.motion.body_feeds import BodyState
 
 # -- pickup ---------------------------------------------------------------------------------------
 # Soft take-over: a hand on a knob gets hold of the robot's value only where it passes it.
@@ -82,7 +82,7 @@ class Pickup:
 # --------------------------------------------------------------------------------------------------
 
 #: Asks the session; the function is told how it ended.
-Asking = Callable[[Ask, Callable[[bool, str], None]], None]
+SendRequest = Callable[[Ask, Callable[[bool, str], None]], None]
 #: Presses of one button that may be under way at once: a move lasts, and is started anew by the
 #: next press. More are presses of nobody's finger; of those the last one counts.
 PRESSES_AT_ONCE = 8
@@ -90,13 +90,13 @@ PRESSES_AT_ONCE = 8
 SETTLED_US = 250_000
 
 
-class Line:
+class RequestQueue:
     """What is under way to the session; the latest waits for its turn, so none is lost at the end.
 
     Order is kept: what waits is sent when the one before has been answered.
     """
 
-    def __init__(self, asking: Asking, at_once: int) -> None:
+    def __init__(self, asking: SendRequest, at_once: int) -> None:
         self._asking = asking
         self._at_once = at_once
         #: How many have not been answered.
@@ -127,7 +127,7 @@ class Line:
             self.on_answer(carried)
 
 
-class Knob:
+class PanelKnob:
     """A knob or slider: follows the hand, if it has hold of the value.
 
     Args:
@@ -136,12 +136,14 @@ class Knob:
         now_us: The session's clock.
     """
 
-    def __init__(self, fitted: Fitted, asking: Asking, now_us: Callable[[], int]) -> None:
+    def __init__(
+        self, fitted: MappedControl, asking: SendRequest, now_us: Callable[[], int]
+    ) -> None:
         self.fitted = fitted
         low, high = fitted.mapped.range
         self.pickup = Pickup(low, high, jump=not fitted.soft)
         self._now_us = now_us
-        self._line = Line(asking, 1)
+        self._line = RequestQueue(asking, 1)
         self._line.on_answer = self._answered
         self._answered_us = 0
 
@@ -150,19 +152,19 @@ class Knob:
         """Whether the hand has moved it without getting hold of the value."""
         return self.pickup.hand is not None and not self.pickup.held
 
-    def target(self, state: State | None) -> int | None:
+    def target(self, state: BodyState | None) -> int | None:
         """The value 0..127 at which a waiting knob begins to count; None if nobody knows."""
         present = self._present(state)
         return None if present is None else self.fitted.value(present)
 
-    def take(self, value: int, state: State | None) -> None:
+    def take(self, value: int, state: BodyState | None) -> None:
         """The hand moved it to `value`, 0..127."""
         self.look(state)
         to = self.fitted.place(value)
         if self.pickup.turn(to, self._present(state)):
             self._line.send(self.fitted.turned(to))
 
-    def look(self, state: State | None) -> None:
+    def look(self, state: BodyState | None) -> None:
         """Compare with the robot's state, unless something is under way that it cannot show yet."""
         if not self._line.under_way and self._now_us() - self._answered_us >= SETTLED_US:
             self.pickup.compare(self._present(state))
@@ -174,7 +176,7 @@ class Knob:
             self.pickup.sent = self.pickup.hand
             self._line.send(self.fitted.turned(self.pickup.hand))
 
-    def _present(self, state: State | None) -> float | None:
+    def _present(self, state: BodyState | None) -> float | None:
         return None if state is None else state.controls.get(self.fitted.mapped.control)
 
     def _answered(self, carried: bool) -> None:
@@ -183,17 +185,17 @@ class Knob:
             self.pickup.drop()
 
 
-class Button:
+class PanelButton:
     """A button or a pad: asks when it is pressed; when it is let go only if it is momentary."""
 
-    def __init__(self, fitted: Fitted, asking: Asking) -> None:
+    def __init__(self, fitted: MappedControl, asking: SendRequest) -> None:
         self.fitted = fitted
-        self._line = Line(asking, PRESSES_AT_ONCE)
+        self._line = RequestQueue(asking, PRESSES_AT_ONCE)
         self._down = False
         #: Whether a toggling verb is on; nobody else knows.
         self._on = False
 
-    def take(self, value: int, state: State | None) -> None:
+    def take(self, value: int, state: BodyState | None) -> None:
         """It sent `value`: 0 when it is let go."""
         down = value > 0
         was, self._down = self._down, down
@@ -214,7 +216,7 @@ class Button:
         """The panel is gone, and with it the finger."""
         self.take(0, None)
 
-    def on(self, state: State | None) -> bool:
+    def on(self, state: BodyState | None) -> bool:
         """Whether what it does is so now, as its light shows."""
         mapped = self.fitted.mapped
         if self.fitted.free or state is None:

@@ -23,7 +23,7 @@ _CARD = re.compile(r"^\s*(\d+) \[(.*?)\s*\]: \S+ - (.*)$", re.MULTILINE)
 
 
 @dataclass(frozen=True, slots=True)
-class Device:
+class MidiDevice:
     """A MIDI port of a sound card."""
 
     path: str
@@ -36,7 +36,7 @@ class Device:
         return word == self.card.casefold() or word in self.name.casefold()
 
 
-def present(dev: Path = DEV, proc: Path = PROC) -> list[Device]:
+def present_devices(dev: Path = DEV, proc: Path = PROC) -> list[MidiDevice]:
     """The devices that are plugged in now, in the order of their cards."""
     try:
         cards = {
@@ -48,7 +48,8 @@ def present(dev: Path = DEV, proc: Path = PROC) -> list[Device]:
         return []
     nodes.sort(key=lambda found: (int(found[0][1]), int(found[0][2])))
     return [
-        Device(str(node), *cards.get(match[1], (f"card {match[1]}", ""))) for match, node in nodes
+        MidiDevice(str(node), *cards.get(match[1], (f"card {match[1]}", "")))
+        for match, node in nodes
     ]
 
 
@@ -63,13 +64,13 @@ def paths_of(wanted: str, folder: Path, dev: Path = DEV, proc: Path = PROC) -> l
     """
     if is_path(wanted):
         return [str(folder / Path(wanted).expanduser())]
-    devices = present(dev, proc)
+    devices = present_devices(dev, proc)
     fitting = [device for device in devices if not wanted or device.called(wanted)]
     if fitting:
         fitting.sort(key=lambda device: device.card.casefold() != wanted.casefold())
         return [device.path for device in fitting]
     missing = f"no MIDI device is called {wanted!r}" if wanted else "no MIDI device is there"
-    raise DeviceLostError(missing, f"plug the panel in; {listed(devices)}")
+    raise DeviceLostError(missing, f"plug the panel in; {device_list(devices)}")
 
 
 def open_one(
@@ -88,7 +89,7 @@ def open_one(
     raise refused or DeviceLostError("no MIDI device is there")
 
 
-def listed(devices: list[Device]) -> str:
+def device_list(devices: list[MidiDevice]) -> str:
     """What is plugged in, as the end of a sentence."""
     if not devices:
         return "no MIDI device is plugged in now"
@@ -110,15 +111,15 @@ def open_device(path: str) -> tuple[int, bool]:
                     raise
         return os.open(path, os.O_RDONLY | flags), False
     except (OSError, ValueError) as error:
-        raise explained(path, error) from error
+        raise open_error(path, error) from error
 
 
-def explained(path: str, error: Exception) -> DeviceLostError:
+def open_error(path: str, error: Exception) -> DeviceLostError:
     """Why `path` could not be opened, and what to do."""
     match getattr(error, "errno", None):
         case errno.ENOENT | errno.ENXIO | errno.ENODEV | errno.EIO:
             return DeviceLostError(
-                f"{path} is not there", f"plug the panel in; {listed(present())}"
+                f"{path} is not there", f"plug the panel in; {device_list(present_devices())}"
             )
         case errno.EACCES | errno.EPERM:
             return DeviceLostError(
@@ -128,4 +129,4 @@ def explained(path: str, error: Exception) -> DeviceLostError:
         case errno.EBUSY | errno.EAGAIN:
             return DeviceLostError(f"{path} is in use by another program", "end the other program")
     reason = getattr(error, "strerror", None) or str(error)
-    return DeviceLostError(f"{path} cannot be opened: {reason}", listed(present()))
+    return DeviceLostError(f"{path} cannot be opened: {reason}", device_list(present_devices()))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from woz_drivers.midi import devices
 from woz_drivers.midi.panel_layouts import LAYOUTS
-from woz_drivers.midi.resolved_map import fitted
+from woz_drivers.midi.resolved_map import mapped_controls
 from woz_drivers.midi.settings import MidiSettings
 from woz_tui.drivers.contract import DeviceLostError, Finding
 
@@ -32,7 +32,7 @@ def examine(
 
 def _there(subject: str, dev: Path, proc: Path) -> list[Finding]:
     found = []
-    for device in devices.present(dev, proc):
+    for device in devices.present_devices(dev, proc):
         name = f"{device.path}: {device.name or device.card}"
         if os.access(device.path, os.R_OK | os.W_OK):
             found.append(Finding("info", subject, name))
@@ -55,7 +55,7 @@ def _usable(subject: str, settings: MidiSettings, folder: Path, dev: Path, proc:
 
 
 def _unmapped(subject: str, settings: MidiSettings) -> list[Finding]:
-    controls = fitted(settings)
+    controls = mapped_controls(settings)
     free = [it.name for it in controls if it.free]
     used = f"{len(controls) - len(free)} controls do something"
     if len(free) == len(controls):

@@ -7,13 +7,13 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from woz_drivers.midi import doctor
-from woz_drivers.midi.control_requests import Button, Knob
-from woz_drivers.midi.learning import Lesson, begin_lesson, map_text
-from woz_drivers.midi.panel_layouts import LAYOUTS, Control, Layout, Signal
+from woz_drivers.midi.control_requests import PanelButton, PanelKnob
+from woz_drivers.midi.learning import MapLearning, begin_learning, map_text
+from woz_drivers.midi.panel_layouts import LAYOUTS, MidiSignal, PanelControl, PanelLayout
 from woz_drivers.midi.port import MidiPort
-from woz_drivers.midi.resolved_map import Fitted, fitted, found_by
+from woz_drivers.midi.resolved_map import MappedControl, controls_by_signal, mapped_controls
 from woz_drivers.midi.settings import MidiSettings
-from woz_drivers.midi.wire import CC, NOTE, Decoder, MidiMessage, control_change, note_on
+from woz_drivers.midi.wire import CC, NOTE, MidiDecoder, MidiMessage, control_change, note_on
 from woz_tui.drivers.contract import (
     Ask,
     DriverContext,
@@ -26,7 +26,7 @@ from woz_tui.drivers.contract import (
     Scope,
     Verb,
 )
-from woz_tui.motion.setpoints import STATE, State
+from woz_tui.motion.body_feeds import STATE, BodyState
 from woz_tui.protocol.messages import ControlsMoved, Json
 
 #: How often the robot's state is looked at, and how often what moved is shown, in seconds.
@@ -47,19 +47,19 @@ class MidiPanel(PassiveDriver):
 
     def __init__(self, name: str, settings: MidiSettings, context: DriverContext) -> None:
         super().__init__(name, settings, context)
-        self._controls = fitted(settings)
-        self._by_signal = found_by(self._controls)
+        self._controls = mapped_controls(settings)
+        self._by_signal = controls_by_signal(self._controls)
         layout = LAYOUTS[settings.panel.layout]
         self._layout = layout
         self._with_lights = settings.lights
-        self._lights = Lights(layout, (it.control for it in self._controls))
+        self._lights = PanelLights(layout, (it.control for it in self._controls))
         active = [it for it in self._controls if not it.free]
         self._feeds = {it.on: context.feed(STATE, of=it.on) for it in active}
         self._knobs = {
-            it.name: Knob(it, self._ask, self._now_us) for it in active if not it.pressed
+            it.name: PanelKnob(it, self._ask, self._now_us) for it in active if not it.pressed
         }
-        self._buttons = {it.name: Button(it, self._ask) for it in active if it.pressed}
-        self._decoder = Decoder()
+        self._buttons = {it.name: PanelButton(it, self._ask) for it in active if it.pressed}
+        self._decoder = MidiDecoder()
         self._port = MidiPort(
             settings.device or settings.panel.device or layout.device,
             context.folder,
@@ -87,19 +87,21 @@ class MidiPanel(PassiveDriver):
         return {
             "kind": "panel",
             "name": settings.panel.title,
-            "controls": [_drawn(it) for it in fitted(settings)],
+            "controls": [_drawn(it) for it in mapped_controls(settings)],
         }
 
     @classmethod
     def asks(cls, settings: Any) -> tuple[tuple[str, Ask], ...]:
         """Everything its controls may ask for, each with the path of the setting that says so."""
         panel: MidiSettings = settings
-        return tuple((panel.said_at(it.name), ask) for it in fitted(panel) for ask in it.asks())
+        return tuple(
+            (panel.said_at(it.name), ask) for it in mapped_controls(panel) for ask in it.asks()
+        )
 
     @classmethod
-    def lesson(cls, device: str, settings: Any, *, keep: bool) -> Lesson:
+    def lesson(cls, device: str, settings: Any, *, keep: bool) -> MapLearning:
         """Listen to a panel to learn its controls: `woz midi learn`. Raises `DriverError`."""
-        return begin_lesson(device, settings, keep=keep)
+        return begin_learning(device, settings, keep=keep)
 
     @classmethod
     def map_file(cls, settings: Any) -> str:
@@ -109,7 +111,9 @@ class MidiPanel(PassiveDriver):
     @classmethod
     def table(cls, settings: Any) -> tuple[tuple[str, str, str], ...]:
         """For `woz midi show`: each control, what it sends, what it does."""
-        return tuple((it.name, str(it.control.signal), it.label) for it in fitted(settings))
+        return tuple(
+            (it.name, str(it.control.signal), it.label) for it in mapped_controls(settings)
+        )
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
@@ -156,7 +160,7 @@ class MidiPanel(PassiveDriver):
     # -- the panel -----------------------------------------------------------------------------
 
     def _opened(self, path: str) -> None:
-        self._decoder = Decoder()
+        self._decoder = MidiDecoder()
         self._lights.forget()
         self.context.health(Health.CONNECTED, path)
         if self._with_lights:
@@ -178,9 +182,9 @@ class MidiPanel(PassiveDriver):
             self._look()
 
     def _take(self, message: MidiMessage) -> None:
-        signal = Signal(message.kind, message.number, message.channel)
+        signal = MidiSignal(message.kind, message.number, message.channel)
         it = self._by_signal.get(signal) or self._by_signal.get(
-            Signal(message.kind, message.number)
+            MidiSignal(message.kind, message.number)
         )
         if it is None:
             return
@@ -200,12 +204,12 @@ class MidiPanel(PassiveDriver):
     def _now_us(self) -> int:
         return self.context.clock.now_us()
 
-    def _state(self, on: str) -> State | None:
+    def _state(self, on: str) -> BodyState | None:
         feed = self._feeds.get(on)
         value = feed.latest().value if feed is not None else None
-        return value if isinstance(value, State) else None
+        return value if isinstance(value, BodyState) else None
 
-    def _hint(self, it: Fitted, state: State | None) -> None:
+    def _hint(self, it: MappedControl, state: BodyState | None) -> None:
         """Once: why the first control that is touched moves nothing."""
         if self._hinted:
             return
@@ -251,13 +255,13 @@ class MidiPanel(PassiveDriver):
             ControlsMoved(values=moved, waiting=list(waiting), targets=targets, lit=lit)
         )
 
-    def _is_lit(self, button: Button) -> bool:
+    def _is_lit(self, button: PanelButton) -> bool:
         if button.fitted.mapped.stop == "all":
             return self._stopped
         return button.on(self._state(button.fitted.on))
 
 
-def _drawn(it: Fitted) -> dict[str, Json]:
+def _drawn(it: MappedControl) -> dict[str, Json]:
     control = it.control
     return {
         "name": control.name,
@@ -275,10 +279,10 @@ def _drawn(it: Fitted) -> dict[str, Json]:
 _ON, _OFF = 127, 0
 
 
-class Lights:
+class PanelLights:
     """What the panel's lights show, as far as it was told; only changes are sent."""
 
-    def __init__(self, layout: Layout, controls: Iterable[Control]) -> None:
+    def __init__(self, layout: PanelLayout, controls: Iterable[PanelControl]) -> None:
         self._layout = layout
         self._lamps = {
             control.name: control
@@ -302,7 +306,7 @@ class Lights:
                 out += self._switch(control, on)
         return bytes(out)
 
-    def _switch(self, control: Control, on: bool) -> bytes:
+    def _switch(self, control: PanelControl, on: bool) -> bytes:
         signal = control.signal
         channel = self._layout.lamp_channel or signal.channel or 1
         make = note_on if signal.kind == NOTE else control_change

@@ -12,30 +12,30 @@ from pathlib import Path
 import yaml
 
 from woz_drivers.midi import devices
-from woz_drivers.midi.maps import Mapped, PanelMap
-from woz_drivers.midi.panel_layouts import LAYOUTS, Signal
-from woz_drivers.midi.resolved_map import Fitted, fitted, found_by
+from woz_drivers.midi.panel_layouts import LAYOUTS, MidiSignal
+from woz_drivers.midi.panel_maps import ControlMapping, PanelMap
+from woz_drivers.midi.resolved_map import MappedControl, controls_by_signal, mapped_controls
 from woz_drivers.midi.settings import MidiSettings
-from woz_drivers.midi.wire import BEND, CC, NOTE, PROGRAM, Decoder, MidiMessage
+from woz_drivers.midi.wire import BEND, CC, NOTE, PROGRAM, MidiDecoder, MidiMessage
 from woz_tui.drivers.contract import DriverError
 
 #: A knob is heard as one when it has sent so many different values: nobody touches it by chance.
 _VALUES = 3
 _NUMBERED = {CC: "cc", NOTE: "note", PROGRAM: "program"}
-#: Fields of `Mapped` that say what a control sends or looks like, not what it does.
+#: Fields of `ControlMapping` that say what a control sends or looks like, not what it does.
 _PHYSICAL = ("cc", "note", "program", "bend", "channel", "kind", "column", "row", "lamp")
 
 
 @dataclass(frozen=True, slots=True)
-class Taught:
+class LearntControl:
     """One answer: the control that was heard, for the question it was heard for."""
 
     question: int
-    signal: Signal
+    signal: MidiSignal
     name: str
 
 
-class Lesson:
+class MapLearning:
     """One run through the questions.
 
     Args:
@@ -50,12 +50,14 @@ class Lesson:
         self._card = card
         self._fd = fd
         self._keep = keep
-        self._decoder = Decoder()
+        self._decoder = MidiDecoder()
         self._layout = panel.layout if keep else _layout_of(card)
-        self._known = found_by(fitted(MidiSettings(map=PanelMap(layout=self._layout))))
-        self._asked = [it for it in fitted(MidiSettings(map=panel)) if not it.free]
-        self._taught: list[Taught] = []
-        self._heard: dict[Signal, set[int]] = {}
+        self._known = controls_by_signal(
+            mapped_controls(MidiSettings(map=PanelMap(layout=self._layout)))
+        )
+        self._asked = [it for it in mapped_controls(MidiSettings(map=panel)) if not it.free]
+        self._taught: list[LearntControl] = []
+        self._heard: dict[MidiSignal, set[int]] = {}
         self.at = 0
 
     # -- the conversation ----------------------------------------------------------------------
@@ -104,13 +106,13 @@ class Lesson:
     def take(self, data: bytes) -> str:
         """The same for bytes that were read already."""
         for message in self._decoder.feed(data):
-            said = "" if self.over else self._message(message)
-            if said:
-                return said
+            sentence = "" if self.over else self._message(message)
+            if sentence:
+                return sentence
         return ""
 
     def _message(self, message: MidiMessage) -> str:
-        signal = Signal(message.kind, message.number, message.channel)
+        signal = MidiSignal(message.kind, message.number, message.channel)
         values = self._heard.setdefault(signal, set())
         values.add(message.value)
         it = self._asked[self.at]
@@ -127,12 +129,12 @@ class Lesson:
                     " go back"
                 )
         name = self._name(signal)
-        self._taught.append(Taught(self.at, signal, name))
+        self._taught.append(LearntControl(self.at, signal, name))
         self.skip()
         return f"{name}: {it.label}"
 
-    def _name(self, signal: Signal) -> str:
-        known = self._known.get(Signal(signal.kind, signal.number)) or self._known.get(signal)
+    def _name(self, signal: MidiSignal) -> str:
+        known = self._known.get(MidiSignal(signal.kind, signal.number)) or self._known.get(signal)
         if known is not None:
             return known.name
         channel = f"-{signal.channel}" if signal.channel > 1 else ""
@@ -156,23 +158,23 @@ class Lesson:
         if self._keep:
             controls |= self._left(set(controls))
         plain = {name: value for name, value in head.items() if value}
-        return written({**plain, "controls": controls})
+        return map_yaml({**plain, "controls": controls})
 
-    def _entry(self, one: Taught) -> dict[str, object]:
+    def _entry(self, one: LearntControl) -> dict[str, object]:
         it = self._asked[one.question]
         doing = replace(it.mapped, **{name: _DEFAULTS[name] for name in _PHYSICAL})
-        return {**self._sends(one, it), **said(doing)}
+        return {**self._sends(one, it), **mapping_entries(doing)}
 
     def _left(self, taken: set[str]) -> dict[str, dict[str, object]]:
         """What the map says already of targets that were not learnt."""
         learnt = {one.question for one in self._taught}
         return {
-            it.name: said(it.mapped)
+            it.name: mapping_entries(it.mapped)
             for question, it in enumerate(self._asked)
             if question not in learnt and it.name not in taken
         }
 
-    def _sends(self, one: Taught, it: Fitted) -> dict[str, object]:
+    def _sends(self, one: LearntControl, it: MappedControl) -> dict[str, object]:
         """What the file must say of the control itself; nothing for one that a layout knows."""
         if one.name in LAYOUTS[self._layout].controls:
             return {}
@@ -189,11 +191,11 @@ class Lesson:
             self._fd = -1
 
 
-def begin_lesson(device: str, settings: MidiSettings, *, keep: bool) -> Lesson:
+def begin_learning(device: str, settings: MidiSettings, *, keep: bool) -> MapLearning:
     """Open the panel `device` (path, card's name; empty: the first one). Raises `DriverError`."""
     path, fd, _ = devices.open_one(device, Path.cwd())
-    card = next((it.card for it in devices.present() if it.path == path), "")
-    return Lesson(settings.panel, card, fd, keep=keep)
+    card = next((it.card for it in devices.present_devices() if it.path == path), "")
+    return MapLearning(settings.panel, card, fd, keep=keep)
 
 
 def map_text(panel: PanelMap) -> str:
@@ -201,12 +203,12 @@ def map_text(panel: PanelMap) -> str:
     head = {
         name: value for name in ("title", "layout", "device") if (value := getattr(panel, name))
     }
-    listed = fitted(MidiSettings(map=panel))
-    controls = {it.name: said(it.mapped) for it in listed if it.name in panel.controls}
-    return written({**head, "controls": controls})
+    listed = mapped_controls(MidiSettings(map=panel))
+    controls = {it.name: mapping_entries(it.mapped) for it in listed if it.name in panel.controls}
+    return map_yaml({**head, "controls": controls})
 
 
-def said(mapped: Mapped) -> dict[str, object]:
+def mapping_entries(mapped: ControlMapping) -> dict[str, object]:
     """What a file must say of a control: everything that is not as it would be without."""
     entries = {}
     for item in fields(mapped):
@@ -216,7 +218,7 @@ def said(mapped: Mapped) -> dict[str, object]:
     return entries
 
 
-def written(content: dict[str, object]) -> str:
+def map_yaml(content: dict[str, object]) -> str:
     """YAML with one line for each control."""
     lines = []
     for name, value in content.items():
@@ -247,5 +249,5 @@ def _layout_of(card: str) -> str:
     return "none"
 
 
-_BLANK = Mapped()
+_BLANK = ControlMapping()
 _DEFAULTS = {item.name: getattr(_BLANK, item.name) for item in fields(_BLANK)}

@@ -22,7 +22,7 @@ _NATIVE_OFF = _KORG + bytes((0x00, 0x00, 0x00, 0xF7))
 
 
 @dataclass(frozen=True, slots=True)
-class Signal:
+class MidiSignal:
     """What a control sends: a kind of message and its number; channel 0 means any."""
 
     kind: str
@@ -35,19 +35,19 @@ class Signal:
 
 
 @dataclass(frozen=True, slots=True)
-class Control:
+class PanelControl:
     """One control of a panel; `column` and `row` count from 1, from the upper left."""
 
     name: str
     kind: str
-    signal: Signal
+    signal: MidiSignal
     column: int
     row: int
     lamp: bool = False
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class PanelLayout:
     """A make of panel.
 
     Attributes:
@@ -59,7 +59,7 @@ class Layout:
     """
 
     device: str = ""
-    controls: Mapping[str, Control] = ()  # type: ignore[assignment]
+    controls: Mapping[str, PanelControl] = ()  # type: ignore[assignment]
     begin: bytes = b""
     end: bytes = b""
     lamp_channel: int = 0
@@ -67,13 +67,13 @@ class Layout:
 
 def _row(
     kind: str, first_name: int, first_cc: int, row: int, lamp: bool = False
-) -> dict[str, Control]:
+) -> dict[str, PanelControl]:
     """Eight controls of a kind beside each other, their numbers running on."""
     return {
-        f"{kind}-{first_name + index}": Control(
+        f"{kind}-{first_name + index}": PanelControl(
             f"{kind}-{first_name + index}",
             kind,
-            Signal(CC, first_cc + index),
+            MidiSignal(CC, first_cc + index),
             column=4 + index,
             row=row,
             lamp=lamp,
@@ -82,8 +82,8 @@ def _row(
     }
 
 
-def _single(name: str, number: int, column: int, row: int, lamp: bool = False) -> Control:
-    return Control(name, BUTTON, Signal(CC, number), column, row, lamp)
+def _single(name: str, number: int, column: int, row: int, lamp: bool = False) -> PanelControl:
+    return PanelControl(name, BUTTON, MidiSignal(CC, number), column, row, lamp)
 
 
 #: Buttons left of the channel strips; those without a lamp have none on the device.
@@ -101,7 +101,7 @@ _LEFT = (
     _single("record", 45, 2, 5, lamp=True),
 )
 
-NANOKONTROL2 = Layout(
+NANOKONTROL2 = PanelLayout(
     device="nanoKONTROL2",
     controls={
         **_row(KNOB, 1, 16, 1),
@@ -117,4 +117,7 @@ NANOKONTROL2 = Layout(
 )
 
 #: Panels that are known; `none` knows no control, a map then tells each one's numbers.
-LAYOUTS: Mapping[str, Layout] = {"none": Layout(controls={}), "nanokontrol2": NANOKONTROL2}
+LAYOUTS: Mapping[str, PanelLayout] = {
+    "none": PanelLayout(controls={}),
+    "nanokontrol2": NANOKONTROL2,
+}

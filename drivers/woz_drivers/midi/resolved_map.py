@@ -7,8 +7,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from woz_drivers.midi.maps import START, Mapped, PanelMap, kind_of
-from woz_drivers.midi.panel_layouts import BUTTON, LAYOUTS, Control, Signal
+from woz_drivers.midi.panel_layouts import BUTTON, LAYOUTS, MidiSignal, PanelControl
+from woz_drivers.midi.panel_maps import START, ControlMapping, PanelMap, kind_of
 from woz_drivers.midi.settings import MidiSettings
 from woz_drivers.midi.wire import place, value_at
 from woz_tui.drivers.contract import Ask
@@ -19,16 +19,16 @@ COLUMNS = 8
 #: What is said as the verb of the same name -> the verb's argument.
 _VERBS = {"play": "move", "emotion": "emotion", "mode": "mode"}
 #: Sent by nobody: a control that the rules refuse has been reported already.
-_NOTHING = Signal("", -1)
+_NOTHING = MidiSignal("", -1)
 _SPOKEN = {"script": "next line", "release": "release"}
 
 
 @dataclass(frozen=True, slots=True)
-class Fitted:
+class MappedControl:
     """One control: what it is, what it does, and on which driver (`on`)."""
 
-    control: Control
-    mapped: Mapped
+    control: PanelControl
+    mapped: ControlMapping
     on: str
     soft: bool
 
@@ -128,11 +128,11 @@ class Fitted:
         return Ask(what, name, source="midi", key=self.name)
 
 
-def fitted(settings: MidiSettings) -> tuple[Fitted, ...]:
+def mapped_controls(settings: MidiSettings) -> tuple[MappedControl, ...]:
     """The panel's controls: those of its layout first, free ones too, then the map's own."""
     panel = settings.panel
     return tuple(
-        Fitted(
+        MappedControl(
             control,
             mapped,
             mapped.on or settings.on,
@@ -142,24 +142,26 @@ def fitted(settings: MidiSettings) -> tuple[Fitted, ...]:
     )
 
 
-def _controls(panel: PanelMap) -> list[tuple[Control, Mapped]]:
+def _controls(panel: PanelMap) -> list[tuple[PanelControl, ControlMapping]]:
     layout = LAYOUTS[panel.layout]
     below = max((control.row for control in layout.controls.values()), default=0) + 1
     unplaced = 0
     result = []
     for name in dict.fromkeys((*layout.controls, *panel.controls)):
-        mapped = panel.controls.get(name, Mapped())
+        mapped = panel.controls.get(name, ControlMapping())
         control = layout.controls.get(name)
         if control is None:
             row, column = divmod(unplaced, COLUMNS)
             unplaced += not mapped.column
             kind = kind_of(name, mapped, layout)
-            control = Control(name, kind, _NOTHING, column + 1, below + row, lamp=kind == BUTTON)
+            control = PanelControl(
+                name, kind, _NOTHING, column + 1, below + row, lamp=kind == BUTTON
+            )
         result.append((_changed(control, mapped), mapped))
     return result
 
 
-def _changed(control: Control, mapped: Mapped) -> Control:
+def _changed(control: PanelControl, mapped: ControlMapping) -> PanelControl:
     """A control as its layout knows it, with what the map says of it."""
     return replace(
         control,
@@ -171,6 +173,6 @@ def _changed(control: Control, mapped: Mapped) -> Control:
     )
 
 
-def found_by(controls: tuple[Fitted, ...]) -> dict[Signal, Fitted]:
+def controls_by_signal(controls: tuple[MappedControl, ...]) -> dict[MidiSignal, MappedControl]:
     """Controls by what they send."""
     return {it.control.signal: it for it in controls}

@@ -5,8 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import Annotated
 
-from woz_drivers.midi.maps import BUILT_IN, JUMP, SOFT, Mapped, PanelMap, claimed_twice, found_in
 from woz_drivers.midi.panel_layouts import LAYOUTS
+from woz_drivers.midi.panel_maps import (
+    BUILT_IN,
+    JUMP,
+    SOFT,
+    ControlMapping,
+    PanelMap,
+    duplicate_signals,
+    mapping_problems,
+)
 from woz_tui.drivers.fields import Doc, Included, OneOf, Section, Sibling
 
 
@@ -23,7 +31,7 @@ class MidiSettings(Section):
         str, Doc("sound card's name (nanoKONTROL2), or a path; empty: what the map says")
     ] = ""
     controls: Annotated[
-        dict[str, Mapped], Doc("controls that do something else than the map says")
+        dict[str, ControlMapping], Doc("controls that do something else than the map says")
     ] = field(default_factory=dict)
     on: Annotated[str, Sibling(), Doc("the driver whose controls these are")] = "body"
     take_over: Annotated[
@@ -50,10 +58,13 @@ class MidiSettings(Section):
         """What does not fit together: pairs of a setting's path and a sentence."""
         panel = self.panel
         own = {name: panel.controls[name] for name in self.controls}
-        return [*found_in(own, LAYOUTS[panel.layout]), *claimed_twice(panel, tuple(own))]
+        return [
+            *mapping_problems(own, LAYOUTS[panel.layout]),
+            *duplicate_signals(panel, tuple(own)),
+        ]
 
 
-def _over(base: Mapped | None, change: Mapped) -> Mapped:
+def _over(base: ControlMapping | None, change: ControlMapping) -> ControlMapping:
     """`change`, with what the control sends and looks like taken over where it says nothing."""
     if base is None or change.signals:
         return change

@@ -47,7 +47,7 @@ class MidiMessage:
     value: int
 
 
-class Decoder:
+class MidiDecoder:
     """Takes any bytes in pieces of any size; never raises."""
 
     def __init__(self) -> None:

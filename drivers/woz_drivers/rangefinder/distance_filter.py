@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Gates:
+class FilterLimits:
     """What a distance must pass; lengths in metres.
 
     Outside `nearest` to `farthest` a value is noise. At or below `floor` the device only knows
@@ -31,7 +31,7 @@ class Gates:
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class FilteredDistance:
     """A distance in metres, or None and why the value was not taken: range or jump."""
 
     metres: float | None
@@ -39,25 +39,25 @@ class Verdict:
 
 
 class DistanceFilter:
-    """Applies `Gates` to one stream of values."""
+    """Applies `FilterLimits` to one stream of values."""
 
-    def __init__(self, gates: Gates) -> None:
+    def __init__(self, gates: FilterLimits) -> None:
         self._gates = gates
         self._accepted: deque[float] = deque(maxlen=gates.median)
         self._candidates: list[float] = []
 
-    def take(self, metres: float) -> Verdict:
+    def take(self, metres: float) -> FilteredDistance:
         """Judge the next value; NaN and infinity are out of range."""
         gates = self._gates
         if not gates.nearest <= metres <= gates.farthest:
-            return Verdict(None, "range")
+            return FilteredDistance(None, "range")
         value = self._clamped(metres)
         if self._jumps(value) and not self._confirmed(value):
-            return Verdict(None, "jump")
+            return FilteredDistance(None, "jump")
         self._candidates.clear()
         self._accepted.append(value)
         ordered = sorted(self._accepted)
-        return Verdict(ordered[(len(ordered) - 1) // 2])
+        return FilteredDistance(ordered[(len(ordered) - 1) // 2])
 
     def _clamped(self, metres: float) -> float:
         gates = self._gates

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import asyncio
 
-from woz_drivers.rangefinder.protocols import Measurement
 from woz_drivers.rangefinder.settings import RangefinderSettings
-from woz_drivers.serial_line import LOSSES, explain, open_port
+from woz_drivers.rangefinder.wire import Measurement
+from woz_drivers.serial_line import LOSSES, explain_port_error, open_port
 from woz_tui.drivers.contract import Finding, Probe
 
 #: How long `woz doctor` listens, in seconds: the slowest sensors speak twice a second.
@@ -19,7 +19,7 @@ async def examine(probe: Probe) -> Finding:
     try:
         return await _listen(probe.name, settings)
     except (*LOSSES, ValueError) as error:
-        trouble = explain(settings.port, settings.real_baud, error)
+        trouble = explain_port_error(settings.port, settings.real_baud, error)
         return Finding("error", probe.name, trouble.what, trouble.remedy)
 
 

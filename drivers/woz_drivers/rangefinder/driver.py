@@ -6,9 +6,9 @@ import asyncio
 from typing import Any
 
 from woz_drivers.rangefinder import doctor
-from woz_drivers.rangefinder.protocols import Measurement
 from woz_drivers.rangefinder.settings import RangefinderSettings
-from woz_drivers.serial_line import SerialLine, Trouble
+from woz_drivers.rangefinder.wire import Measurement
+from woz_drivers.serial_line import PortTrouble, SerialLine
 from woz_tui.drivers.contract import DriverContext, Finding, Health, PassiveDriver, Probe
 
 SENSOR = "distance"
@@ -89,7 +89,7 @@ class Rangefinder(PassiveDriver):
             Health.CONNECTED, f"{settings.port}, {settings.framing}, {settings.real_baud} baud"
         )
 
-    def _troubled(self, trouble: Trouble) -> None:
+    def _troubled(self, trouble: PortTrouble) -> None:
         self.context.health(Health.LOST, trouble.what, trouble.remedy)
         self.context.sensor(SENSOR, "stale", trouble.what)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from woz_drivers.rangefinder.distance_filter import DistanceFilter, Gates
-from woz_drivers.rangefinder.protocols import FRAMINGS, UNITS, Decoder
+from woz_drivers.rangefinder.distance_filter import DistanceFilter, FilterLimits
+from woz_drivers.rangefinder.wire import FRAMINGS, UNITS, DistanceDecoder
 from woz_tui.drivers.fields import Doc, OneOf, Port, Range, Seconds, Section
 
 
@@ -79,14 +79,14 @@ class RangefinderSettings(Section):
         """`baud`, with 0 resolved."""
         return self.baud or FRAMINGS[self.framing].baud
 
-    def decoder(self) -> Decoder:
+    def decoder(self) -> DistanceDecoder:
         """A fresh decoder, for one connection."""
         return FRAMINGS[self.framing].decoder(self.real_unit, self.min_strength)
 
     def filter(self) -> DistanceFilter:
         """A fresh filter, for one connection."""
         return DistanceFilter(
-            Gates(
+            FilterLimits(
                 nearest=self.nearest,
                 farthest=self.farthest,
                 floor=self.floor,

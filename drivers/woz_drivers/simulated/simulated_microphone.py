@@ -152,8 +152,8 @@ class Ears:
                 f"{self._name} delivers no sound", "its loudness has a simulated fault"
             )
         keeping = "the next session begins with the usual one again"
-        learnt = room_threshold.learn(heard.levels)
-        lesson = room_threshold.Lesson(self._name, learnt, SENSITIVITY, TICK, keeping)
+        learnt = room_threshold.room_noise(heard.levels)
+        lesson = room_threshold.LearntThreshold(self._name, learnt, SENSITIVITY, TICK, keeping)
         told = lesson.tell(self._context, self._hearing.ends.threshold)
         self._hearing.ends.threshold = lesson.threshold
         return told

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from woz_drivers import child_process, command_lines
 from woz_drivers.speech.settings import SpeechSettings
-from woz_drivers.speech.synthesis import Voice, read_wav
+from woz_drivers.speech.synthesis import SpeechSynthesis, read_wav
 from woz_tui.drivers.contract import DriverError, Finding, Probe
 
 _PATIENCE_S = 5.0
@@ -39,7 +39,7 @@ def _found(probe: Probe, program: str) -> Finding:
 
 async def _synthesiser(probe: Probe, settings: SpeechSettings) -> Finding:
     try:
-        made = await Voice(settings, probe.folder).utterance(_TRIAL)
+        made = await SpeechSynthesis(settings, probe.folder).utterance(_TRIAL)
         program = settings.synthesise_words()[0]
     except DriverError as error:
         return Finding("error", probe.name, error.what, error.remedy)

@@ -13,7 +13,13 @@ from woz_drivers import child_process, command_lines
 from woz_drivers.child_process import Child
 from woz_drivers.speech import doctor
 from woz_drivers.speech.settings import SpeechSettings
-from woz_drivers.speech.synthesis import Utterance, Voice, finish, read_wav, spoken
+from woz_drivers.speech.synthesis import (
+    PreparedUtterance,
+    SpeechSynthesis,
+    finish,
+    read_wav,
+    spoken_text,
+)
 from woz_drivers.wav import Wav
 from woz_tui.drivers.contract import (
     Argument,
@@ -68,7 +74,7 @@ class Speech(Driver):
     def __init__(self, name: str, settings: SpeechSettings, context: DriverContext) -> None:
         super().__init__(name, settings, context)
         self._volume = settings.volume
-        self._voice = Voice(settings, context.folder)
+        self._voice = SpeechSynthesis(settings, context.folder)
         self._jobs: set[asyncio.Task[Any]] = set()
         self._audible: set[Child] = set()
         self._missing: DriverError | None = None
@@ -108,7 +114,7 @@ class Speech(Driver):
         try:
             for text in utterances:
                 with contextlib.suppress(RejectedError):
-                    await self._voice.utterance(spoken(text))
+                    await self._voice.utterance(spoken_text(text))
         except DriverError as error:
             text = f"speech not prepared: {error.what}"
             self.context.notice("warning", text, error.remedy, tells=("request",))
@@ -122,9 +128,9 @@ class Speech(Driver):
         with self._counted():
             match job.verb:
                 case "say" if self.settings.speak:
-                    return await self._speak(job, spoken(str(job.args["text"])))
+                    return await self._speak(job, spoken_text(str(job.args["text"])))
                 case "say":
-                    return await self._say(job, spoken(str(job.args["text"])))
+                    return await self._say(job, spoken_text(str(job.args["text"])))
                 case "sound":
                     return await self._play_file(job, str(job.args["file"]))
         raise RejectedError(f"{self.name} cannot {job.verb}")
@@ -201,9 +207,9 @@ class Speech(Driver):
         path = self.context.folder / file
         content = await asyncio.to_thread(read_wav, path)
         await self._play(job, path, content)
-        return self._sent(Utterance(path, content, "file")) | {"file": file}
+        return self._sent(PreparedUtterance(path, content, "file")) | {"file": file}
 
-    def _sent(self, utterance: Utterance) -> dict[str, Json]:
+    def _sent(self, utterance: PreparedUtterance) -> dict[str, Json]:
         return {
             "seconds": round(utterance.sound.seconds, 3),
             "source": utterance.source,

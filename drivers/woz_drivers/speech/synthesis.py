@@ -14,7 +14,7 @@ from woz_drivers import child_process, command_lines, wav
 from woz_drivers.child_process import Child
 from woz_drivers.speech.cache import SpeechCache, users_folder
 from woz_drivers.speech.settings import SpeechSettings
-from woz_drivers.wav import NoWav, Wav
+from woz_drivers.wav import NotWavError, Wav
 from woz_tui.drivers.contract import DriverError, RejectedError
 from woz_tui.system.files import open_regular
 
@@ -27,7 +27,7 @@ _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]")
 
 
 @dataclass(frozen=True, slots=True)
-class Utterance:
+class PreparedUtterance:
     """Sound ready to play. `source`: recording, cache or synthesised."""
 
     path: Path
@@ -35,7 +35,7 @@ class Utterance:
     source: str
 
 
-def spoken(text: str) -> str:
+def spoken_text(text: str) -> str:
     """What is really said of `text`: on one line, without control characters (espeak-ng takes
     some for commands) and without the halves of broken characters. `RejectedError` if nothing is
     left.
@@ -55,7 +55,7 @@ def read_wav(path: Path) -> Wav:
         raise RejectedError(
             f"{path} cannot be read: {error.strerror}", "check the path and its permissions"
         ) from error
-    except NoWav as error:
+    except NotWavError as error:
         raise RejectedError(
             f"{path} cannot be played: {error}",
             f"convert it: ffmpeg -i '{path}' -c:a pcm_s16le '{path.with_suffix('.wav')}'",
@@ -83,7 +83,7 @@ async def finish(running: Child, seconds: float) -> None:
         )
 
 
-class Voice:
+class SpeechSynthesis:
     """Makes utterances of texts with one set of settings; `folder`: the experiment's."""
 
     def __init__(self, settings: SpeechSettings, folder: Path) -> None:
@@ -95,17 +95,17 @@ class Voice:
             " ".join(text.split()): folder / file for text, file in settings.recordings.items()
         }
 
-    async def utterance(self, text: str) -> Utterance:
-        """The sound of `text` (already through `spoken`). Cancelling it ends the synthesiser."""
+    async def utterance(self, text: str) -> PreparedUtterance:
+        """The sound of `text`, which `spoken_text` gave. Cancelling it ends the synthesiser."""
         recording = self._recording(text)
         if recording is not None:
-            return Utterance(recording, read_wav(recording), "recording")
+            return PreparedUtterance(recording, read_wav(recording), "recording")
         words = self._settings.synthesise_words()
         path = self._cache.path((*words, *self._settings.values(0).values(), text))
         known = self._cache.get(path)
         if known is not None:
-            with contextlib.suppress(NoWav):  # a damaged file is made anew
-                return Utterance(path, wav.parse(known), "cache")
+            with contextlib.suppress(NotWavError):  # a damaged file is made anew
+                return PreparedUtterance(path, wav.parse(known), "cache")
         made = await self._synthesise(words, text)
         try:
             await asyncio.to_thread(self._cache.put, path, made.to_bytes())
@@ -114,7 +114,7 @@ class Voice:
                 f"no room for synthesised speech in {path.parent}: {error.strerror}",
                 "free some space, or set cache: to another folder",
             ) from error
-        return Utterance(path, made, "synthesised")
+        return PreparedUtterance(path, made, "synthesised")
 
     def _recording(self, text: str) -> Path | None:
         if text in self._recordings:
@@ -147,7 +147,7 @@ class Voice:
             content = path.read_bytes() if "wav" in used else bytes(output)
         try:
             made = wav.parse(content)
-        except NoWav as error:
+        except NotWavError as error:
             raise DriverError(
                 f"{words[0]} ended without an error, but wrote no sound: {error}",
                 "check the command's options: {wav} or stdout must become a WAV file",

@@ -9,15 +9,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
-from woz_drivers.body import Body, Settings
+from woz_drivers.body import Body, BodySettings
 from woz_drivers.body.ticker import Lateness, Step, ThreadTicker
 
 from tests.drivers.heard import Heard, Ordered
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
+from woz_tui.motion.body_feeds import FACE, SETPOINTS, STATE, BodyState, FacePicture, Setpoints
 from woz_tui.motion.body_shape import JointShape, Personality
-from woz_tui.motion.setpoints import FACE, SETPOINTS, STATE, Lit, Setpoints, State
 from woz_tui.protocol.messages import Json, Notice
 
 #: A body without breath, so that it stands where it was told to.
@@ -58,7 +58,7 @@ class SteppedBody(Body):
     ticker: ClassVar[Callable[[float, str], ThreadTicker]] = LoopTicker
 
 
-def robot(name: str, folder: Path, **changes: Any) -> Settings:
+def robot(name: str, folder: Path, **changes: Any) -> BodySettings:
     """The body of an example robot file, read as any session reads it."""
     file = folder / "e.yaml"
     file.write_text(
@@ -68,17 +68,17 @@ def robot(name: str, folder: Path, **changes: Any) -> Settings:
     settings = next(
         spec.settings for spec in load(file, installed()).drivers if spec.type == "body"
     )
-    assert isinstance(settings, Settings)
+    assert isinstance(settings, BodySettings)
     return replace(settings, **changes)
 
 
-def small(**changes: Any) -> Settings:
+def small(**changes: Any) -> BodySettings:
     """A head of two joints that does not breathe."""
     joints = {
         "pan": JointShape("z", -90, 90, 300),
         "tilt": JointShape("y", -30, 40, 200, home=10),
     }
-    base = Settings(joints, roles={"pan": {"pan": 1}, "nod": {"tilt": 1}})
+    base = BodySettings(joints, roles={"pan": {"pan": 1}, "nod": {"tilt": 1}})
     return replace(base, **changes)
 
 
@@ -90,7 +90,7 @@ class Stage:
     heard: Heard
 
     @classmethod
-    async def of(cls, settings: Settings, folder: Path) -> Stage:
+    async def of(cls, settings: BodySettings, folder: Path) -> Stage:
         """An open one, after its first tick."""
         heard = Heard(folder, LoopClock(asyncio.get_running_loop()))
         body = SteppedBody("it", settings, heard.context)
@@ -119,17 +119,17 @@ class Stage:
         return value.joints
 
     @property
-    def state(self) -> State:
+    def state(self) -> BodyState:
         """What a panel would be told."""
         value = self.heard.context.feed(STATE).latest().value
-        assert isinstance(value, State)
+        assert isinstance(value, BodyState)
         return value
 
     @property
-    def lit(self) -> Lit:
+    def lit(self) -> FacePicture:
         """What lights would be given."""
         value = self.heard.context.feed(FACE).latest().value
-        assert isinstance(value, Lit)
+        assert isinstance(value, FacePicture)
         return value
 
     async def path(self, number: int) -> list[Mapping[str, float]]:
@@ -145,7 +145,7 @@ class Stage:
         return " | ".join(notice.text for notice in self.heard.all(Notice))
 
 
-def within(settings: Settings, path: list[Mapping[str, float]]) -> bool:
+def within(settings: BodySettings, path: list[Mapping[str, float]]) -> bool:
     """Whether setpoints of consecutive ticks keep range and speed."""
     for name, joint in settings.joints.items():
         low, high = joint.min + joint.zero, joint.max + joint.zero

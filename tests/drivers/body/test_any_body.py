@@ -8,14 +8,14 @@ import random
 from pathlib import Path
 
 import pytest
-from woz_drivers.body import Body, Settings
+from woz_drivers.body import Body, BodySettings
 
 from tests.drivers.body.rig import Stage, robot, within
 from tests.fakes.virtual_time import run_virtual
 from woz_tui.drivers.contract import RejectedError, Scope
+from woz_tui.motion.body_feeds import SEEN, Sighting
 from woz_tui.motion.body_shape import AXES, ROLES, FaceShape, JointShape, Personality
 from woz_tui.motion.modes import Mode
-from woz_tui.motion.setpoints import SEEN, Seen
 from woz_tui.protocol.messages import Json, Notice
 
 #: Values that no sender should send.
@@ -24,7 +24,7 @@ HOSTILE: tuple[Json, ...] = (
 )
 
 
-def any_body(seed: int) -> Settings:
+def any_body(seed: int) -> BodySettings:
     """A body of two to six joints that fits together, and no better than that."""
     dice = random.Random(seed)
     names = [f"j{number}" for number in range(dice.randint(2, 6))]
@@ -46,7 +46,7 @@ def any_body(seed: int) -> Settings:
         role: {name: dice.uniform(-1, 1) for name in dice.sample(names, dice.randint(1, 2))}
         for role in dice.sample(ROLES, dice.randint(0, 4))
     }
-    return Settings(
+    return BodySettings(
         joints,
         roles=shares,
         breathing={names[0]: 0.5, names[-1]: -0.5},
@@ -58,14 +58,14 @@ def any_body(seed: int) -> Settings:
     )
 
 
-def bodies(tmp_path: Path) -> list[Settings]:
+def bodies(tmp_path: Path) -> list[BodySettings]:
     files = [robot(name, tmp_path, camera="eye") for name in ("eyepi", "five-joints")]
     return [*files, *map(any_body, range(6))]
 
 
 def see(it: Stage, frame: int) -> None:
     now = round(asyncio.get_running_loop().time() * 1e6)
-    seen = Seen(now, frame, 0.8 * math.sin(frame / 9), 0.5 * math.cos(frame / 7), 0.1)
+    seen = Sighting(now, frame, 0.8 * math.sin(frame / 9), 0.5 * math.cos(frame / 7), 0.1)
     it.heard.context.feed(SEEN, of="eye").put(seen)
 
 

@@ -7,7 +7,7 @@ import math
 from pathlib import Path
 
 import pytest
-from woz_drivers.body import Body, Settings
+from woz_drivers.body import Body, BodySettings
 from woz_drivers.body.tick_loop import BodyLoop
 from woz_drivers.body.ticker import Lateness
 
@@ -16,7 +16,7 @@ from tests.drivers.heard import Heard, Ordered
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.drivers.contract import DeviceLostError, Probe, RejectedError, Scope
 from woz_tui.motion.body_shape import FaceShape, JointShape
-from woz_tui.motion.kinematics import Chain
+from woz_tui.motion.kinematics import KinematicChain
 from woz_tui.protocol.messages import (
     Json,
     ModeChanged,
@@ -44,7 +44,7 @@ def test_a_body_without_a_face_has_no_verbs_about_it() -> None:
 )
 def test_a_joints_name_can_be_told_from_everything_else(name: str, why: str) -> None:
     assert small().problems() == []
-    [(path, problem)] = Settings({name: JointShape("z", -90, 90, 100)}).problems()
+    [(path, problem)] = BodySettings({name: JointShape("z", -90, 90, 100)}).problems()
     assert path == f"joints.{name}"
     assert why in problem
 
@@ -123,7 +123,7 @@ def test_the_arrow_keys_turn_a_body_as_they_turn_any_head(tmp_path: Path) -> Non
 
     async def whole() -> None:
         settings = robot("eyepi", tmp_path, personality=CALM)
-        it, chain = await Stage.of(settings, tmp_path), Chain(settings)
+        it, chain = await Stage.of(settings, tmp_path), KinematicChain(settings)
         before = chain.ray(it.setpoints)[1]
         await it.do("nudge", yaw=5.0, pitch=10.0)
         await it.ticks(30)

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from woz_drivers.body import Body, Settings
-from woz_drivers.dynamixel import DynamixelServos, Joint
-from woz_drivers.dynamixel import Settings as ServoSettings
+from woz_drivers.body import Body, BodySettings
+from woz_drivers.dynamixel import DynamixelServos, JointSettings, ServoSettings
 
 from tests.drivers.body.rig import robot
 from tests.drivers.heard import Ordered, until
@@ -68,7 +67,7 @@ class Robot:
 
 
 @contextlib.asynccontextmanager
-async def assembled(tmp_path: Path, settings: Settings) -> AsyncIterator[Robot]:
+async def assembled(tmp_path: Path, settings: BodySettings) -> AsyncIterator[Robot]:
     """The five joints' body with five servos that follow it, open and found."""
     said: list[AnyMessage] = []
     clock, feeds = RealClock(), Feeds()
@@ -76,7 +75,7 @@ async def assembled(tmp_path: Path, settings: Settings) -> AsyncIterator[Robot]:
     hub.listen(said.append)
     with ServoBus(IDS, tmp_path / "servos") as bus:
         joints = {
-            name: Joint(id=number, min=joint.min, max=joint.max, speed=SPEED)
+            name: JointSettings(id=number, min=joint.min, max=joint.max, speed=SPEED)
             for number, (name, joint) in zip(IDS, settings.joints.items(), strict=True)
         }
         followers = ServoSettings(
@@ -104,7 +103,7 @@ async def assembled(tmp_path: Path, settings: Settings) -> AsyncIterator[Robot]:
                 await driver.close()
 
 
-def five(tmp_path: Path) -> Settings:
+def five(tmp_path: Path) -> BodySettings:
     return robot("five-joints", tmp_path, servos="head")
 
 

@@ -9,19 +9,19 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.body import Body, Settings
-from woz_drivers.body.tick_loop import BUSY_S, FRESH_S, SEEN_S, Publishing
+from woz_drivers.body import Body, BodySettings
+from woz_drivers.body.tick_loop import BUSY_S, FRESH_S, SEEN_S, TickPublisher
 
 from tests.drivers.body.rig import CALM, Stage, played, robot, small, within
 from tests.fakes.virtual_time import run_virtual
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers.contract import Ask
+from woz_tui.motion.body_feeds import PRESENT, SEEN, JointPositions, Sighting
 from woz_tui.motion.body_shape import FaceShape, JointShape, Personality
 from woz_tui.motion.builtin_moves import BUILT_IN
 from woz_tui.motion.engine_io import Tick
 from woz_tui.motion.modes import Mode
-from woz_tui.motion.move import Cue
-from woz_tui.motion.setpoints import PRESENT, SEEN, Present, Seen
+from woz_tui.motion.move import SoundCue
 from woz_tui.protocol.messages import (
     AnyMessage,
     BodyChanged,
@@ -90,7 +90,7 @@ def test_the_zero_of_a_joint_is_added_for_the_servos_only(tmp_path: Path) -> Non
     joints = {"pan": JointShape("z", -90, 90, 300, zero=5.0)}
 
     async def whole() -> None:
-        settings = Settings(joints, personality=CALM)
+        settings = BodySettings(joints, personality=CALM)
         it = await Stage.of(settings, tmp_path)
         await it.do("pose", joints={"pan": 10.0}, seconds=0.3)
         await it.ticks(10)
@@ -113,8 +113,12 @@ async def test_a_sound_that_nobody_plays_is_told_once(tmp_path: Path) -> None:
         done(False, "no driver offers 'sound'")
 
     context = SessionDriverContext("it", hub, ManualClock(), tmp_path, asked=refuse)
-    publishing = Publishing(small(), context)
-    gong = (Cue(0.0, "gong.wav"), Cue(0.0, "mute.wav", volume=0.0), Cue(0.0, "bell.wav"))
+    publishing = TickPublisher(small(), context)
+    gong = (
+        SoundCue(0.0, "gong.wav"),
+        SoundCue(0.0, "mute.wav", volume=0.0),
+        SoundCue(0.0, "bell.wav"),
+    )
     publishing.tick(Tick(0.0, {}, {}, Mode.NORMAL, "neutral", 0.0, cues=gong))
     assert [ask.args["file"] for ask in asked] == ["gong.wav", "bell.wav"]
     notices = [message for message in said if isinstance(message, Notice)]
@@ -128,7 +132,7 @@ async def test_a_sound_that_nobody_plays_is_told_once(tmp_path: Path) -> None:
 
 def present(it: Stage, held: frozenset[str], ago: float = 0.0, **joints: float) -> None:
     then = round((asyncio.get_running_loop().time() - ago) * 1e6)
-    it.heard.context.feed(PRESENT, of="head").put(Present(then, joints, held))
+    it.heard.context.feed(PRESENT, of="head").put(JointPositions(then, joints, held))
 
 
 @pytest.mark.toolkit("R4")
@@ -194,7 +198,7 @@ def test_what_a_camera_saw_before_it_fell_silent_is_not_looked_at(tmp_path: Path
     async def story(it: Stage) -> None:
         begun = it.setpoints
         now = round(asyncio.get_running_loop().time() * 1e6)
-        it.heard.context.feed(SEEN, of="eye").put(Seen(now, 1, 0.5, 0.0, 0.1))
+        it.heard.context.feed(SEEN, of="eye").put(Sighting(now, 1, 0.5, 0.0, 0.1))
         await asyncio.sleep(SEEN_S + 0.1)
         await it.do("mode", mode="tracking")
         await it.ticks(50)
@@ -209,7 +213,7 @@ def test_tracking_turns_to_what_the_camera_sees(tmp_path: Path) -> None:
         await it.do("mode", mode="tracking")
         for frame in range(1, 60):
             now = round(asyncio.get_running_loop().time() * 1e6)
-            it.heard.context.feed(SEEN, of="eye").put(Seen(now, frame, 0.5, 0.0, 0.1))
+            it.heard.context.feed(SEEN, of="eye").put(Sighting(now, frame, 0.5, 0.0, 0.1))
             await it.ticks(2)
         assert it.setpoints["pan"] < -5.0  # right of the middle: the head turns to its right
 

@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
-from woz_drivers.camera.blob import Blob, Finder, Rule
-from woz_drivers.camera.raw_pictures import HIGHEST, WIDEST, Cutter, Layout
+from woz_drivers.camera.blob import Blob, BlobFinder, ColourRule
+from woz_drivers.camera.raw_pictures import HIGHEST, WIDEST, Cutter, PictureLayout
 from woz_drivers.camera.settings import CameraSettings
 
 from tests.drivers.camera.pictures import GREEN, picture, planes, with_block
 
-PLAIN = Finder(Rule())
-LARGEST = Finder(Rule(largest=True))
+PLAIN = BlobFinder(ColourRule())
+LARGEST = BlobFinder(ColourRule(largest=True))
 masks = arrays.arrays(np.bool_, arrays.array_shapes(min_dims=2, max_dims=2, max_side=12))
 
 
@@ -45,14 +45,14 @@ def test_the_factor_is_exact_for_all_colours() -> None:
 
 
 def test_dark_green_is_noise() -> None:
-    bright = Finder(Rule(brightness=40))
+    bright = BlobFinder(ColourRule(brightness=40))
     assert bright.find(np.array([[(0, 39, 0)]], np.uint8)) is None
     assert bright.find(np.array([[(0, 40, 0)]], np.uint8)) == Blob(0, 0, 1)
 
 
 @pytest.mark.toolkit("O3")
 @pytest.mark.parametrize("finder", [PLAIN, LARGEST])
-def test_the_middle_of_what_counts(finder: Finder) -> None:
+def test_the_middle_of_what_counts(finder: BlobFinder) -> None:
     assert finder.find(with_block(7, 3)) == Blob(7, 3, 1)
     assert finder.find(with_block(4, 9, 3)) == Blob(5, 10, 9)
     assert finder.find(picture()) is None
@@ -72,8 +72,8 @@ def test_two_equal_things_have_one_middle_unless_the_largest_is_wanted() -> None
 
 @pytest.mark.toolkit("O3")
 def test_too_small_is_nothing() -> None:
-    assert Finder(Rule(smallest=10)).find(with_block(4, 9, 3)) is None
-    assert Finder(Rule(smallest=9)).find(with_block(4, 9, 3)) is not None
+    assert BlobFinder(ColourRule(smallest=10)).find(with_block(4, 9, 3)) is None
+    assert BlobFinder(ColourRule(smallest=9)).find(with_block(4, 9, 3)) is not None
 
 
 @pytest.mark.toolkit("O3")
@@ -125,7 +125,7 @@ def test_rows_may_be_padded(name: str, order: int) -> None:
     made = with_block(7, 3)
     rows = np.full((15, 64), 9, np.uint8)
     rows[:, :60] = made[:, :, ::order].reshape(15, 60)
-    layout = Layout(20, 15, name, 64)
+    layout = PictureLayout(20, 15, name, 64)
     assert layout.size == 15 * 64
     assert np.array_equal(layout.decode(rows.tobytes()), made)
 
@@ -133,7 +133,7 @@ def test_rows_may_be_padded(name: str, order: int) -> None:
 @pytest.mark.parametrize("stride", [32, 64])
 def test_planes_of_brightness_and_colour(stride: int) -> None:
     made = with_block(12, 4, 6, 32, 24)
-    layout = Layout(32, 24, "yuv420", stride)
+    layout = PictureLayout(32, 24, "yuv420", stride)
     data = planes(made, stride)
     assert layout.size == len(data)
     decoded = layout.decode(data)
@@ -168,7 +168,7 @@ def test_a_large_picture_is_thinned_before_its_colours_are_computed(
         decoded = layout.decode(planes(made, width))
         assert decoded.shape[0] <= HIGHEST
         assert decoded.shape[1] <= WIDEST
-        found.append(Finder(camera.rule).find(decoded))
+        found.append(BlobFinder(camera.rule).find(decoded))
     blob, none = found
     assert none is None, "576 pixels are less than 900"
     assert blob is not None

@@ -16,7 +16,7 @@ from tests.drivers.camera.pictures import PipedCamera, picture, planes, with_blo
 from tests.drivers.heard import Heard, Ordered, until
 from tests.fakes.offspring import offspring
 from woz_tui.drivers.contract import Finding, Probe, RejectedError, Scope
-from woz_tui.motion.setpoints import SEEN, Seen
+from woz_tui.motion.body_feeds import SEEN, Sighting
 from woz_tui.protocol.messages import DriverConnected, DriverLost
 from woz_tui.system.clock import ManualClock, RealClock
 
@@ -54,13 +54,13 @@ async def begin(tmp_path: Path, clock: ManualClock) -> AsyncIterator[Begin]:
         await camera.close()
 
 
-def seen(heard: Heard) -> Seen:
+def seen(heard: Heard) -> Sighting:
     value = heard.context.feed(SEEN).latest().value
-    assert isinstance(value, Seen)
+    assert isinstance(value, Sighting)
     return value
 
 
-async def frames(heard: Heard, count: int) -> Seen:
+async def frames(heard: Heard, count: int) -> Sighting:
     """What was seen in the picture number `count`."""
     feed = heard.context.feed(SEEN)
     await until(lambda: feed.latest().serial >= count)
@@ -92,7 +92,7 @@ async def test_nothing_seen_is_said_too(
     await until(pipe.connected)
     clock.advance(3)
     pipe.send(picture())
-    assert await frames(heard, 1) == Seen(3_000_000, 1, None, None, 0.0)
+    assert await frames(heard, 1) == Sighting(3_000_000, 1, None, None, 0.0)
     assert heard.values("seen.x") == [None]
     assert heard.values("seen.size") == [0.0]
 
@@ -179,7 +179,7 @@ async def test_a_film_is_shown_to_its_last_picture(begin: Begin, tmp_path: Path)
     film.write_bytes(with_block(0, 5).tobytes() * 149 + with_block(17, 5).tobytes())
     _, heard = await begin(("cat", str(film)), real=True, pace="real", rate=120)
     feed = heard.context.feed(SEEN)
-    await until(lambda: isinstance(last := feed.latest().value, Seen) and (last.x or 0.0) > 0.5)
+    await until(lambda: isinstance(last := feed.latest().value, Sighting) and (last.x or 0.0) > 0.5)
     assert seen(heard).frame % 150 == 0  # on a busy machine it may have begun again
 
 

@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.camera import Camera
-from woz_drivers.camera.raw_pictures import Layout
 from woz_drivers.camera.raw_pictures import Picture as Pixels
+from woz_drivers.camera.raw_pictures import PictureLayout
 from woz_drivers.camera.settings import CameraSettings
 
 from tests.drivers.camera.pictures import PipedCamera, planes, with_block
 from tests.drivers.heard import Heard, until
-from woz_tui.motion.setpoints import SEEN
+from woz_tui.motion.body_feeds import SEEN
 from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, Picture, Watched
 from woz_tui.system.clock import ManualClock
 
@@ -127,7 +127,7 @@ async def test_a_turned_camera_is_turned_back(
 )
 def test_pictures_of_planes_keep_their_size(width: int, wanted: int, gets: int) -> None:
     made = with_block(100, 60, 40, width, 480)
-    shown = Layout(width, 480, "yuv420", width).whole(planes(made, width), wanted)
+    shown = PictureLayout(width, 480, "yuv420", width).whole(planes(made, width), wanted)
     assert shown.shape[1] == gets
     step = -(-width // gets)
     assert np.abs(shown.astype(int) - made[::step, ::step].astype(int)).max() <= 4
@@ -135,7 +135,7 @@ def test_pictures_of_planes_keep_their_size(width: int, wanted: int, gets: int) 
 
 @given(st.integers(1, 40), st.integers(1, 40), st.integers(1, 60), st.integers(0, 3))
 def test_planes_of_any_size(width: int, height: int, wanted: int, padding: int) -> None:
-    layout = Layout(width, height, "yuv420", width + padding)
+    layout = PictureLayout(width, height, "yuv420", width + padding)
     shown = layout.whole((bytes(range(256)) * 20)[: layout.size], wanted)
     assert shown.shape[0] >= 1
     assert min(width, wanted) <= shown.shape[1] <= max(width, wanted)

@@ -14,8 +14,8 @@ from woz_drivers.midi.settings import MidiSettings
 from tests.drivers.heard import until
 from tests.fakes.midi_panel import MidiPanelFake
 from woz_tui.drivers.contract import Ask, Health
+from woz_tui.motion.body_feeds import STATE, BodyState
 from woz_tui.motion.body_verbs import CONTROLS
-from woz_tui.motion.setpoints import STATE, State
 from woz_tui.protocol.messages import ControlsMoved, Json
 from woz_tui.system.clock import Clock, RealClock
 from woz_tui.testing import RecordingContext
@@ -33,7 +33,7 @@ class Desk(RecordingContext):
         self.slow = False
         self.refuses = ""
         self.open: list[tuple[Ask, Told]] = []
-        self.body = State(
+        self.body = BodyState(
             controls=dict.fromkeys((*JOINTS, *CONTROLS), 0.5),
             mode="normal",
             emotion="neutral",

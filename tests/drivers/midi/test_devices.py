@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 from woz_drivers.midi import devices
-from woz_drivers.midi.devices import Device
+from woz_drivers.midi.devices import MidiDevice
 from woz_drivers.midi.doctor import examine
-from woz_drivers.midi.maps import PanelMap
+from woz_drivers.midi.panel_maps import PanelMap
 from woz_drivers.midi.settings import MidiSettings
 
 from woz_tui.drivers.contract import DeviceLostError
@@ -38,10 +38,10 @@ def system(tmp_path: Path) -> tuple[Path, Path]:
 
 def test_devices_are_known_by_their_cards(system: tuple[Path, Path]) -> None:
     dev, _ = system
-    assert devices.present(*system) == [
-        Device(str(dev / "midiC1D0"), "nanoKONTROL2", "nanoKONTROL2"),
-        Device(str(dev / "midiC2D0"), "LPD8", "Akai LPD8 mk2"),
-        Device(str(dev / "midiC10D1"), "card 10", ""),
+    assert devices.present_devices(*system) == [
+        MidiDevice(str(dev / "midiC1D0"), "nanoKONTROL2", "nanoKONTROL2"),
+        MidiDevice(str(dev / "midiC2D0"), "LPD8", "Akai LPD8 mk2"),
+        MidiDevice(str(dev / "midiC10D1"), "card 10", ""),
     ]
 
 
@@ -63,7 +63,7 @@ def test_a_device_by_its_path_and_one_that_is_not_there(system: tuple[Path, Path
         devices.open_one("BCF2000", Path("/"), *system)
     assert raised.value.what == "no MIDI device is called 'BCF2000'"
     assert "plugged in now: nanoKONTROL2 (" in raised.value.remedy
-    assert devices.present(Path("/nowhere"), Path("/nowhere")) == []
+    assert devices.present_devices(Path("/nowhere"), Path("/nowhere")) == []
 
 
 def test_of_two_panels_of_one_make_the_free_one_is_taken(system: tuple[Path, Path]) -> None:
@@ -110,6 +110,6 @@ def test_doctor_tells_what_is_missing(system: tuple[Path, Path], tmp_path: Path)
     ],
 )
 def test_why_a_device_cannot_be_opened(number: int, text: str) -> None:
-    error = devices.explained("x", OSError(number, os.strerror(number)))
+    error = devices.open_error("x", OSError(number, os.strerror(number)))
     assert error.what == text
     assert error.remedy

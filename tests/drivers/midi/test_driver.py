@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 from woz_drivers.midi import MidiPanel
-from woz_drivers.midi.control_requests import Line
-from woz_drivers.midi.maps import Mapped, PanelMap
+from woz_drivers.midi.control_requests import RequestQueue
+from woz_drivers.midi.panel_maps import ControlMapping, PanelMap
 from woz_drivers.midi.settings import MidiSettings
 
 from tests.drivers.heard import until
@@ -83,7 +83,7 @@ async def test_one_ask_at_a_time_and_the_last_value_is_not_lost(tmp_path: Path) 
 
 def test_order_is_kept_and_an_answer_counts_once() -> None:
     asked: list[tuple[Ask, Callable[[bool, str], None]]] = []
-    line = Line(lambda ask, done: asked.append((ask, done)), 1)
+    line = RequestQueue(lambda ask, done: asked.append((ask, done)), 1)
     answers: list[bool] = []
     line.on_answer = answers.append
     for name in ("first", "overtaken", "last"):
@@ -216,7 +216,7 @@ async def test_a_panel_that_took_no_bytes_is_found_again_after_a_replug(tmp_path
 
 @pytest.mark.toolkit("K1")
 async def test_a_button_that_was_held_when_the_cable_was_pulled_is_let_go(tmp_path: Path) -> None:
-    panel = PanelMap(controls={"held": Mapped(note=61, mode="demo", press="momentary")})
+    panel = PanelMap(controls={"held": ControlMapping(note=61, mode="demo", press="momentary")})
     async with stand(tmp_path, map=panel) as it:
         it.panel.send(bytes.fromhex("90 3d 64"))
         await it.asked(1)
@@ -261,16 +261,18 @@ async def test_what_is_no_device_is_told(tmp_path: Path, path: str) -> None:
 async def test_presses_of_pads_momentary_and_toggling_buttons(tmp_path: Path) -> None:
     panel = PanelMap(
         controls={
-            "pad": Mapped(note=60, play="nod"),
-            "held": Mapped(note=61, mode="demo", press="momentary"),
-            "switch": Mapped(cc=80, emotion="happy", press="toggle"),
-            "breath": Mapped(
+            "pad": ControlMapping(note=60, play="nod"),
+            "held": ControlMapping(note=61, mode="demo", press="momentary"),
+            "switch": ControlMapping(cc=80, emotion="happy", press="toggle"),
+            "breath": ControlMapping(
                 cc=81, verb="breathing", args={"on": True}, back={"on": False}, press="toggle"
             ),
-            "loud": Mapped(
+            "loud": ControlMapping(
                 bend=True, verb="volume", argument="level", range=(0.2, 1.0), on="voice"
             ),
-            "half": Mapped(cc=82, control="zoom", range=(0.0, 0.5), reversed=True, kind="slider"),
+            "half": ControlMapping(
+                cc=82, control="zoom", range=(0.0, 0.5), reversed=True, kind="slider"
+            ),
         }
     )
     async with stand(tmp_path, map=panel) as it:

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.midi.learning import Lesson
-from woz_drivers.midi.maps import BUILT_IN, Mapped, PanelMap
-from woz_drivers.midi.resolved_map import fitted
+from woz_drivers.midi.learning import MapLearning
+from woz_drivers.midi.panel_maps import BUILT_IN, ControlMapping, PanelMap
+from woz_drivers.midi.resolved_map import mapped_controls
 from woz_drivers.midi.settings import MidiSettings
 
 from woz_tui.config.annotated_decoder import settings_of
@@ -17,9 +17,9 @@ from woz_tui.config.annotated_decoder import settings_of
 PANEL = PanelMap(
     title="a panel",
     controls={
-        "k": Mapped(cc=1, control="pitch", range=(0.1, 0.9)),
-        "b": Mapped(cc=2, play="nod"),
-        "s": Mapped(cc=3, stop="all"),
+        "k": ControlMapping(cc=1, control="pitch", range=(0.1, 0.9)),
+        "b": ControlMapping(cc=2, play="nod"),
+        "s": ControlMapping(cc=3, stop="all"),
     },
 )
 
@@ -28,7 +28,7 @@ def knob(number: int, *values: int) -> bytes:
     return b"".join(bytes((0xB0, number, value)) for value in values)
 
 
-def read_back(lesson: Lesson, folder: Path) -> PanelMap:
+def read_back(lesson: MapLearning, folder: Path) -> PanelMap:
     (folder / "learnt.yaml").write_text(lesson.text(), encoding="utf-8")
     settings: MidiSettings = settings_of(MidiSettings, {"map": "learnt.yaml"}, folder)
     assert settings.problems() == []
@@ -36,7 +36,7 @@ def read_back(lesson: Lesson, folder: Path) -> PanelMap:
 
 
 def test_each_target_gets_the_control_that_was_moved_for_it(tmp_path: Path) -> None:
-    lesson = Lesson(PANEL, "", -1)
+    lesson = MapLearning(PANEL, "", -1)
     assert lesson.question == "[1/3] move the knob or slider for: pitch"
     assert lesson.take(knob(21, 127, 0)) == "", "a button is no knob"
     assert lesson.take(knob(20, 60, 61, 62)) == "cc-20: pitch"
@@ -49,14 +49,14 @@ def test_each_target_gets_the_control_that_was_moved_for_it(tmp_path: Path) -> N
     assert lesson.over
     assert lesson.count == 3
     panel = read_back(lesson, tmp_path)
-    assert [str(it.control.signal) for it in fitted(MidiSettings(map=panel))] == [
+    assert [str(it.control.signal) for it in mapped_controls(MidiSettings(map=panel))] == [
         *("cc 20, channel 1", "note 36, channel 10", "program 4, channel 2"),
     ]
     assert panel.controls["cc-20"].range == (0.1, 0.9)
 
 
 def test_skip_and_back(tmp_path: Path) -> None:
-    lesson = Lesson(PANEL, "", -1)
+    lesson = MapLearning(PANEL, "", -1)
     lesson.back()
     lesson.skip()
     assert lesson.take(knob(9, 0, 127)) == "cc-9: nod"
@@ -70,7 +70,7 @@ def test_skip_and_back(tmp_path: Path) -> None:
 
 
 def test_a_control_cannot_be_taken_twice() -> None:
-    lesson = Lesson(PANEL, "", -1)
+    lesson = MapLearning(PANEL, "", -1)
     lesson.take(knob(20, 1, 2, 3))
     lesson.take(knob(9, 127))
     assert lesson.question.startswith("[3/3]")
@@ -82,8 +82,8 @@ def test_a_control_cannot_be_taken_twice() -> None:
 
 @pytest.mark.parametrize("name", BUILT_IN)
 def test_a_known_panel_keeps_its_names_and_its_lights(name: str, tmp_path: Path) -> None:
-    lesson = Lesson(BUILT_IN[name], "nanoKONTROL2", -1)
-    wanted = [it for it in fitted(MidiSettings(map=name)) if not it.free]
+    lesson = MapLearning(BUILT_IN[name], "nanoKONTROL2", -1)
+    wanted = [it for it in mapped_controls(MidiSettings(map=name)) if not it.free]
     for it in wanted:
         number = it.control.signal.number
         said = lesson.take(knob(number, 127, 0) if it.pressed else knob(number, 1, 2, 3))
@@ -94,7 +94,7 @@ def test_a_known_panel_keeps_its_names_and_its_lights(name: str, tmp_path: Path)
 
 
 def test_learning_again_keeps_what_is_skipped(tmp_path: Path) -> None:
-    lesson = Lesson(PANEL, "", -1, keep=True)
+    lesson = MapLearning(PANEL, "", -1, keep=True)
     lesson.skip()
     lesson.take(knob(50, 127))
     panel = read_back(lesson, tmp_path)
@@ -105,7 +105,7 @@ def test_learning_again_keeps_what_is_skipped(tmp_path: Path) -> None:
 
 @given(st.lists(st.one_of(st.binary(max_size=12), st.sampled_from(["skip", "back"])), max_size=30))
 def test_whatever_is_done_the_file_can_be_read(acts: list[bytes | str]) -> None:
-    lesson = Lesson(PANEL, "", -1)
+    lesson = MapLearning(PANEL, "", -1)
     for act in acts:
         if isinstance(act, bytes):
             lesson.take(act)

@@ -7,13 +7,13 @@ from collections.abc import Callable
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.midi.control_requests import NEAR, SETTLED_US, Knob, Pickup
-from woz_drivers.midi.maps import Mapped, PanelMap
-from woz_drivers.midi.resolved_map import fitted
+from woz_drivers.midi.control_requests import NEAR, SETTLED_US, PanelKnob, Pickup
+from woz_drivers.midi.panel_maps import ControlMapping, PanelMap
+from woz_drivers.midi.resolved_map import mapped_controls
 from woz_drivers.midi.settings import MidiSettings
 
 from woz_tui.drivers.contract import Ask
-from woz_tui.motion.setpoints import State
+from woz_tui.motion.body_feeds import BodyState
 
 PLACE = st.floats(0, 1)
 
@@ -77,9 +77,11 @@ def test_a_hand_keeps_hold_until_the_robot_can_show_what_was_sent() -> None:
         asked.append(ask.args["value"])
         done(True, "")
 
-    panel = MidiSettings(map=PanelMap(controls={"k": Mapped(cc=1, control="zoom")}))
-    knob = Knob(fitted(panel)[0], answer, lambda: now[0])
-    old = State(controls={"zoom": 0.5}, mode="normal", emotion="neutral", move="", personality="")
+    panel = MidiSettings(map=PanelMap(controls={"k": ControlMapping(cc=1, control="zoom")}))
+    knob = PanelKnob(mapped_controls(panel)[0], answer, lambda: now[0])
+    old = BodyState(
+        controls={"zoom": 0.5}, mode="normal", emotion="neutral", move="", personality=""
+    )
     for value in (64, 80, 100):
         now[0] += 20_000
         knob.take(value, old)

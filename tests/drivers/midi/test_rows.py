@@ -17,20 +17,20 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from woz_drivers.body.settings import Settings as BodySettings
+from woz_drivers.body.settings import BodySettings
 from woz_drivers.midi import MidiPanel
-from woz_drivers.midi.maps import BUILT_IN
-from woz_drivers.midi.resolved_map import fitted
+from woz_drivers.midi.panel_maps import BUILT_IN
+from woz_drivers.midi.resolved_map import mapped_controls
 from woz_drivers.midi.settings import MidiSettings
 
 from woz_tui.config.loading import load
 from woz_tui.drivers import plugins
 from woz_tui.drivers.argument_check import checked
 from woz_tui.drivers.contract import Ask, RejectedError, Verb
-from woz_tui.motion.body_verbs import offered
+from woz_tui.motion.body_feeds import STATE
+from woz_tui.motion.body_verbs import body_verbs
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.engine_io import Tick
-from woz_tui.motion.setpoints import STATE
 from woz_tui.testing import RecordingContext
 
 ROOT = Path(__file__).parents[3]
@@ -48,7 +48,7 @@ def eyepi() -> BodySettings:
 
 @cache
 def verbs() -> Mapping[str, Verb]:
-    return {verb.name: verb for verb in offered(eyepi(), eyepi().playable)}
+    return {verb.name: verb for verb in body_verbs(eyepi(), eyepi().playable)}
 
 
 class Stage(RecordingContext):
@@ -276,7 +276,9 @@ def test_what_is_not_mapped_has_no_effect(stage: Stage, number: int) -> None:
 def test_the_first_touch_of_anything_that_turns_changes_nothing(tmp_path: Path, name: str) -> None:
     stage = Stage(tmp_path, name, take_over="soft")
     values, joints = stage.values(), stage.tick.joints
-    turning = [it for it in fitted(MidiSettings(map=name)) if not it.pressed and not it.free]
+    turning = [
+        it for it in mapped_controls(MidiSettings(map=name)) if not it.pressed and not it.free
+    ]
     at_the_end = [it for it in turning if abs(stage.places()[it.mapped.control] - 1) < 0.02]
     for it in turning:
         value = 0 if it in at_the_end and not it.mapped.reversed else 127

@@ -8,8 +8,8 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 import pytest
-from woz_drivers.midi.maps import BUILT_IN
-from woz_drivers.midi.resolved_map import fitted
+from woz_drivers.midi.panel_maps import BUILT_IN
+from woz_drivers.midi.resolved_map import mapped_controls
 from woz_drivers.midi.settings import MidiSettings
 
 from tests.drivers.heard import PATIENCE_S
@@ -185,7 +185,7 @@ def _lit(it: Room) -> list[str]:
 TARGETS = {
     f"{name} {it.name} {number}": (it, ask)
     for name in BUILT_IN
-    for it in fitted(MidiSettings(map=name))
+    for it in mapped_controls(MidiSettings(map=name))
     for number, ask in enumerate(it.asks())
 }
 

@@ -7,13 +7,13 @@ from itertools import pairwise
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.midi.wire import Decoder, MidiMessage, control_change, note_on, place, value_at
+from woz_drivers.midi.wire import MidiDecoder, MidiMessage, control_change, note_on, place, value_at
 
 DATA = st.integers(0, 127)
 
 
 def decoded(data: bytes) -> list[MidiMessage]:
-    return Decoder().feed(data)
+    return MidiDecoder().feed(data)
 
 
 @pytest.mark.toolkit("K1")
@@ -61,7 +61,7 @@ def test_any_bytes_are_survived_and_what_comes_out_is_in_range(data: bytes) -> N
 @pytest.mark.toolkit("K1")
 @given(st.binary(max_size=300), st.lists(st.integers(0, 300), max_size=20))
 def test_where_the_stream_is_cut_makes_no_difference(data: bytes, cuts: list[int]) -> None:
-    decoder = Decoder()
+    decoder = MidiDecoder()
     messages = []
     edges = [0, *sorted(min(cut, len(data)) for cut in cuts), len(data)]
     for begin, end in pairwise(edges):

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from woz_tui.protocol.messages import Json
 
 if TYPE_CHECKING:
-    from woz_tui.motion.kinematics import Chain
+    from woz_tui.motion.kinematics import KinematicChain
 
 #: A matrix of more lights is no face that could be drawn.
 MOST_LIGHTS = 256
@@ -24,7 +24,7 @@ class BodyOutline:
     """A body: its driver, its links, its joints' home pose in degrees, the lights of its face."""
 
     driver: str
-    chain: Chain
+    chain: KinematicChain
     home: Mapping[str, float]
     limits: Mapping[str, tuple[float, float]]
     face: tuple[int, int] | None
@@ -78,10 +78,10 @@ def outlines_of(told: Mapping[str, Json]) -> dict[str, Outline]:
 
 def _body(driver: str, told: Mapping[str, Json]) -> BodyOutline | None:
     # The first painting of a session without a body does not wait for it.
-    from woz_tui.motion.kinematics import Chain  # noqa: PLC0415
+    from woz_tui.motion.kinematics import KinematicChain  # noqa: PLC0415
 
     try:
-        chain = Chain.of_outline(dict(told))
+        chain = KinematicChain.of_outline(dict(told))
     except (ValueError, KeyError, TypeError):
         return None
     home: dict[str, float] = {}

@@ -9,7 +9,7 @@ from __future__ import annotations
 from woz_tui.console.bodies.dot_canvas import ACROSS, DOWN, bit, braille
 from woz_tui.console.cells import Row
 from woz_tui.console.glyphs import Glyphs
-from woz_tui.motion.light_frames import Frame, blank
+from woz_tui.motion.light_frames import LightFrame, blank
 from woz_tui.protocol.messages import FaceShown
 
 #: Upper and lower light of a cell: both out, upper, lower, both on.
@@ -26,11 +26,11 @@ def size(width: int, height: int, *, compact: bool) -> tuple[int, int]:
     return -(-width // across), -(-height // down)
 
 
-def frame_of(shown: FaceShown | None, width: int, height: int) -> Frame:
+def frame_of(shown: FaceShown | None, width: int, height: int) -> LightFrame:
     """The frame of a message; dark if there is none, or none that makes sense."""
     if shown is not None:
         try:
-            return Frame.of_hex(shown.width, shown.rows)
+            return LightFrame.of_hex(shown.width, shown.rows)
         except (ValueError, OverflowError):
             pass
     return blank(width, height)
@@ -42,25 +42,25 @@ def brightness_look(brightness: float) -> str:
     return f"face-{level}"
 
 
-def light_rows(frame: Frame, glyphs: Glyphs, look: str, *, compact: bool) -> list[Row]:
+def light_rows(frame: LightFrame, glyphs: Glyphs, look: str, *, compact: bool) -> list[Row]:
     """The whole frame, `size` as large."""
     columns, lines = size(frame.width, frame.height, compact=compact)
     draw = _eighths if compact else _halves
     return [((draw(frame, line, columns, glyphs), look),) for line in range(lines)]
 
 
-def _lit(frame: Frame, column: int, row: int) -> bool:
+def _lit(frame: LightFrame, column: int, row: int) -> bool:
     return column < frame.width and row < frame.height and frame.lit(column, row)
 
 
-def _halves(frame: Frame, line: int, columns: int, glyphs: Glyphs) -> str:
+def _halves(frame: LightFrame, line: int, columns: int, glyphs: Glyphs) -> str:
     signs = _HALVES_ASCII if glyphs.ascii else _HALVES
     return "".join(
         signs[_lit(frame, x, 2 * line) + 2 * _lit(frame, x, 2 * line + 1)] for x in range(columns)
     )
 
 
-def _eighths(frame: Frame, line: int, columns: int, glyphs: Glyphs) -> str:
+def _eighths(frame: LightFrame, line: int, columns: int, glyphs: Glyphs) -> str:
     text = ""
     for column in range(columns):
         bits = 0

@@ -12,13 +12,13 @@ import random
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from woz_tui.motion.emotions import of_affect, to_affect
-from woz_tui.motion.engine_io import Answer, Ended
+from woz_tui.motion.control_scales import FACE
+from woz_tui.motion.emotions import affect_emotion, emotion_affect
+from woz_tui.motion.engine_io import EndedInput, InputResult
 from woz_tui.motion.face_drawing import CRASH_S, FaceState
-from woz_tui.motion.knobs import FACE
-from woz_tui.motion.move import FaceWish
-from woz_tui.motion.personality import Character
-from woz_tui.motion.pose_sources import Wish
+from woz_tui.motion.move import FaceChange
+from woz_tui.motion.personality import CurrentPersonality
+from woz_tui.motion.pose_sources import FaceOverlay
 from woz_tui.protocol.messages import Json
 
 # -- blinking -------------------------------------------------------------------------------------
@@ -75,11 +75,11 @@ class Blinks:
 # --------------------------------------------------------------------------------------------------
 
 NEUTRAL, CRASH = "neutral", "crash"
-_NO_WISH = Wish()
-_NO_FACE = FaceWish()
+_NO_WISH = FaceOverlay()
+_NO_FACE = FaceChange()
 
 
-class FaceWork:
+class FaceControl:
     """The state of one face; `seed` is that of its blinks."""
 
     def __init__(self, seed: int) -> None:
@@ -95,14 +95,14 @@ class FaceWork:
         self._lid = 1.0
         self._crash: float | None = None
         self._crash_token = 0
-        self._wish: Wish = _NO_WISH
+        self._wish: FaceOverlay = _NO_WISH
         self._wished_crash: float | None = None
         self._mine: set[str] = set()
-        self._ended: list[Ended] = []
+        self._ended: list[EndedInput] = []
 
     # -- what people write ----------------------------------------------------------------------
 
-    def show(self, args: Mapping[str, Any], token: Callable[[], int]) -> Answer:
+    def show(self, args: Mapping[str, Any], token: Callable[[], int]) -> InputResult:
         """Verb `emotion`. A breakdown plays and leads back to the emotion from before; it takes
         time, so it gets a `token`.
         """
@@ -112,26 +112,26 @@ class FaceWork:
         sent: dict[str, Json] = {"emotion": emotion, "intensity": intensity}
         if emotion == CRASH:
             self._crash, self._crash_token = 0.0, token()
-            return Answer(sent, self._crash_token, CRASH_S)
+            return InputResult(sent, self._crash_token, CRASH_S)
         self._feel(emotion, intensity)
-        return Answer(sent)
+        return InputResult(sent)
 
-    def feel(self, valence: float, arousal: float) -> Answer:
+    def feel(self, valence: float, arousal: float) -> InputResult:
         """Verb `affect`: an emotion as a mood."""
-        emotion, intensity = of_affect(valence, arousal)
+        emotion, intensity = affect_emotion(valence, arousal)
         self._mine |= {"emotion", "intensity"}
         self._end_crash("replaced by a mood")
         self._feel(emotion, self.intensity if emotion == NEUTRAL else intensity)
         self.valence, self.arousal = valence, arousal
-        return Answer(
+        return InputResult(
             {"valence": valence, "arousal": arousal, "emotion": emotion, "intensity": intensity}
         )
 
-    def look(self, x: float, y: float) -> Answer:
+    def look(self, x: float, y: float) -> InputResult:
         """Verb `look`."""
         self._mine |= {"x", "y"}
         self.x, self.y = x, y
-        return Answer({"x": x, "y": y})
+        return InputResult({"x": x, "y": y})
 
     def turn(self, control: str, place: float) -> None:
         """Move one of the face's knobs."""
@@ -177,16 +177,16 @@ class FaceWork:
 
     def _feel(self, emotion: str, intensity: float) -> None:
         self.emotion, self.intensity = emotion, intensity
-        self.valence, self.arousal = to_affect(emotion, intensity)
+        self.valence, self.arousal = emotion_affect(emotion, intensity)
 
     def _end_crash(self, why: str) -> None:
         if self._crash is not None:
-            self._ended.append(Ended(self._crash_token, why))
+            self._ended.append(EndedInput(self._crash_token, why))
             self._crash = None
 
     # -- what moves and modes want --------------------------------------------------------------
 
-    def lead(self, wish: Wish | None) -> None:
+    def lead(self, wish: FaceOverlay | None) -> None:
         """What lies on top now; None when there is nothing."""
         self._wish = wish or _NO_WISH
 
@@ -223,7 +223,7 @@ class FaceWork:
         across, up = self._wish.glance
         return min(1.0, max(-1.0, x + across)), min(1.0, max(-1.0, y + up))
 
-    def step(self, dt: float, character: Character, may_blink: bool) -> None:
+    def step(self, dt: float, character: CurrentPersonality, may_blink: bool) -> None:
         """`dt` seconds later."""
         if self._crash is not None:
             self._crash += dt
@@ -252,7 +252,7 @@ class FaceWork:
             round(x, 3), round(y, 3), emotion, round(intensity, 3), round(lid, 3), crash
         )
 
-    def ended(self) -> list[Ended]:
+    def ended(self) -> list[EndedInput]:
         """What ended since this was asked last."""
         ended, self._ended = self._ended, []
         return ended

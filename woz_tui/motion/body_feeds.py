@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from woz_tui.motion.light_frames import Frame
+from woz_tui.motion.light_frames import LightFrame
 
 #: Topics of a body's feeds, and of those it reads.
 SETPOINTS, FACE, STATE = "setpoints", "face", "state"
@@ -27,7 +27,7 @@ class Setpoints:
 
 
 @dataclass(frozen=True, slots=True)
-class Present:
+class JointPositions:
     """Feed `present` of servos: where each joint is, in degrees; only joints that answer.
 
     `held` are those whose torque is on.
@@ -39,7 +39,7 @@ class Present:
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class Sighting:
     """Feed `seen` of a camera: the middle of what it looks for, from -1 (left edge, top) to 1
     (right edge, bottom), and its share of the picture's area, 0..1. None: nothing is seen.
     `frame` counts pictures.
@@ -53,15 +53,15 @@ class Seen:
 
 
 @dataclass(frozen=True, slots=True)
-class Lit:
+class FacePicture:
     """Feed `face` of a body: the frame that shall be shown, and how bright, 0..1."""
 
-    frame: Frame
+    frame: LightFrame
     brightness: float
 
 
 @dataclass(frozen=True, slots=True)
-class State:
+class BodyState:
     """Feed `state` of a body: what a control panel must know to agree with it.
 
     `controls` are the places, 0..1, at which each control of the body stands now; `move` is the

@@ -16,39 +16,39 @@ MIDDLE = 0.51 / 127
 
 
 @dataclass(frozen=True, slots=True)
-class Scale:
+class ControlScale:
     """`value(place)` and back; both ends of a place are 0 and 1."""
 
     value: Callable[[float], float]
     place: Callable[[float], float]
 
 
-def _linear(low: float, high: float) -> Scale:
-    return Scale(
+def _linear(low: float, high: float) -> ControlScale:
+    return ControlScale(
         lambda place: low + place * (high - low),
         lambda value: min(1.0, max(0.0, (value - low) / (high - low))),
     )
 
 
-def _both() -> Scale:
+def _both() -> ControlScale:
     """From -1 over a middle that can be hit to 1."""
-    return Scale(
+    return ControlScale(
         lambda place: 0.0 if abs(place - 0.5) <= MIDDLE else 2.0 * place - 1.0,
         lambda value: min(1.0, max(0.0, (value + 1.0) / 2.0)),
     )
 
 
-def _octaves(low: float, high: float) -> Scale:
+def _octaves(low: float, high: float) -> ControlScale:
     """Equal turns multiply by equal factors."""
     ratio = math.log(high / low)
-    return Scale(
+    return ControlScale(
         lambda place: low * math.exp(place * ratio),
         lambda value: min(1.0, max(0.0, math.log(max(value, 1e-9) / low) / ratio)),
     )
 
 
 #: Traits of the personality that have a knob, and between what it turns them.
-TRAITS: Mapping[str, Scale] = {
+TRAITS: Mapping[str, ControlScale] = {
     "tempo": _linear(64 / 60, 192 / 60),  # Hz: 64 to 192 beats a minute
     "breathing": _linear(0.0, 10.0),  # deg, amplitude
     "smoothing": _linear(0.0, 0.5),  # s, time constant
@@ -58,7 +58,7 @@ TRAITS: Mapping[str, Scale] = {
 }
 
 #: Knobs of the face.
-FACE: Mapping[str, Scale] = {
+FACE: Mapping[str, ControlScale] = {
     "eye-x": _both(),  # the robot's right to its left
     "eye-y": _both(),  # down to up
     "valence": _both(),

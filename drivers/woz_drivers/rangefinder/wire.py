@@ -35,7 +35,7 @@ class Measurement:
     why: str = ""
 
 
-class Decoder(Protocol):
+class DistanceDecoder(Protocol):
     """Bytes in, measurements out; `bad` counts the frames or lines thrown away so far."""
 
     bad: int
@@ -153,7 +153,7 @@ class Framing:
     summary: str
     baud: int
     unit: str
-    decoder: Callable[[str, int], Decoder]
+    decoder: Callable[[str, int], DistanceDecoder]
 
 
 # MaxBotix: "R", three digits (LV in inches, XL in cm) or four (HR in mm), on some models followed
@@ -180,15 +180,15 @@ def _unit_named(word: bytes | None) -> str:
     return "in" if name in ("inch", "inches", '"') else name
 
 
-def _maxbotix(unit: str, _min_strength: int) -> Decoder:
+def _maxbotix(unit: str, _min_strength: int) -> DistanceDecoder:
     return LineDecoder(_MAXBOTIX, unit, first_line=True)
 
 
-def _plain(unit: str, _min_strength: int) -> Decoder:
+def _plain(unit: str, _min_strength: int) -> DistanceDecoder:
     return LineDecoder(_PLAIN, unit, first_line=False)
 
 
-def _tfmini(unit: str, min_strength: int) -> Decoder:
+def _tfmini(unit: str, min_strength: int) -> DistanceDecoder:
     scale = METRES[unit]
 
     def read(frame: bytes) -> Measurement:
@@ -205,7 +205,7 @@ def _tfmini(unit: str, min_strength: int) -> Decoder:
     return FrameDecoder(b"\x59\x59", 9, read)
 
 
-def _a02(unit: str, _min_strength: int) -> Decoder:
+def _a02(unit: str, _min_strength: int) -> DistanceDecoder:
     scale = METRES[unit]
 
     def read(frame: bytes) -> Measurement:

@@ -15,7 +15,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Any
 
-from woz_drivers.midi.panel_layouts import BUTTON, KINDS, KNOB, LAYOUTS, Layout, Signal
+from woz_drivers.midi.panel_layouts import BUTTON, KINDS, KNOB, LAYOUTS, MidiSignal, PanelLayout
 from woz_drivers.midi.wire import BEND, CC, NOTE, PROGRAM
 from woz_tui.drivers.fields import Doc, OneOf, Range, Section
 
@@ -33,7 +33,7 @@ _NUMBER = Range(0, 127)
 
 
 @dataclass(frozen=True, slots=True)
-class Mapped:
+class ControlMapping:
     """What one control of the panel does, and, where no layout knows, what it sends.
 
     Exactly one of `control`, `verb`, `play`, `emotion`, `mode`, `action`, `stop`, `release`,
@@ -108,11 +108,11 @@ class Mapped:
         return bool(self.control or self.argument)
 
     @property
-    def signals(self) -> tuple[Signal, ...]:
+    def signals(self) -> tuple[MidiSignal, ...]:
         """What it sends, as far as the map says it."""
         numbers = ((CC, self.cc), (NOTE, self.note), (PROGRAM, self.program))
-        found = [Signal(kind, n, self.channel) for kind, n in numbers if n is not None]
-        return (*found, *([Signal(BEND, 0, self.channel)] if self.bend else []))
+        found = [MidiSignal(kind, n, self.channel) for kind, n in numbers if n is not None]
+        return (*found, *([MidiSignal(BEND, 0, self.channel)] if self.bend else []))
 
 
 # -- rules ----------------------------------------------------------------------------------------
@@ -121,21 +121,21 @@ class Mapped:
 #: What cannot be taken back, so that a button can only start it.
 _ONCE = ("action", "stop", "release", "mark", "script")
 
-Found = Iterator[tuple[str, str]]
+Problems = Iterator[tuple[str, str]]
 
 
-def found_in(controls: Mapping[str, Mapped], layout: Layout) -> Found:
+def mapping_problems(controls: Mapping[str, ControlMapping], layout: PanelLayout) -> Problems:
     """Mistakes of these controls, each by itself."""
     for name, mapped in controls.items():
         path = f"controls.{name}"
         yield from _signal(path, name, mapped, layout)
         yield from _purpose(path, mapped)
-        yield from _fitting(path, mapped, kind_of(name, mapped, layout))
+        yield from _range_and_press(path, mapped, kind_of(name, mapped, layout))
 
 
-def claimed_twice(panel: PanelMap, names: Collection[str]) -> Found:
+def duplicate_signals(panel: PanelMap, names: Collection[str]) -> Problems:
     """Two controls that send the same, as far as one of `names` is among them."""
-    first: dict[Signal, str] = {}
+    first: dict[MidiSignal, str] = {}
     for name, mapped in panel.controls.items():
         for signal in mapped.signals:
             other = first.setdefault(signal, name)
@@ -145,7 +145,7 @@ def claimed_twice(panel: PanelMap, names: Collection[str]) -> Found:
                 yield f"controls.{wrong}", f"sends {signal}, and so does {same!r}"
 
 
-def kind_of(name: str, mapped: Mapped, layout: Layout) -> str:
+def kind_of(name: str, mapped: ControlMapping, layout: PanelLayout) -> str:
     """What it looks like: as the map says, as the layout knows, or as what it does suggests."""
     if mapped.kind:
         return mapped.kind
@@ -156,7 +156,7 @@ def kind_of(name: str, mapped: Mapped, layout: Layout) -> str:
     return BUTTON if pressed else KNOB
 
 
-def _signal(path: str, name: str, mapped: Mapped, layout: Layout) -> Found:
+def _signal(path: str, name: str, mapped: ControlMapping, layout: PanelLayout) -> Problems:
     if len(mapped.signals) > 1:
         yield path, "set only one of cc, note, program and bend"
     if not mapped.signals and name not in layout.controls:
@@ -165,7 +165,7 @@ def _signal(path: str, name: str, mapped: Mapped, layout: Layout) -> Found:
         yield path, f"its signal is missing: set cc, note, program or bend{meant}"
 
 
-def _purpose(path: str, mapped: Mapped) -> Found:
+def _purpose(path: str, mapped: ControlMapping) -> Problems:
     doing = mapped.doing
     if len(doing) > 1:
         yield f"{path}.{doing[1]}", f"a control has one function: {doing[0]} is set already"
@@ -179,7 +179,7 @@ def _purpose(path: str, mapped: Mapped) -> Found:
         yield f"{path}.on", f"{doing[0]} is for the session, not for a driver"
 
 
-def _fitting(path: str, mapped: Mapped, kind: str) -> Found:
+def _range_and_press(path: str, mapped: ControlMapping, kind: str) -> Problems:
     low, high = mapped.range
     doing = mapped.doing
     if not low < high:
@@ -216,20 +216,23 @@ class PanelMap(Section):
         str, OneOf(tuple(LAYOUTS)), Doc("a panel whose controls are known by name; none: see cc")
     ] = "none"
     device: Annotated[str, Doc("the sound card's name, as in /proc/asound/cards")] = ""
-    controls: Annotated[dict[str, Mapped], Doc("control -> what it does")] = field(
+    controls: Annotated[dict[str, ControlMapping], Doc("control -> what it does")] = field(
         default_factory=dict
     )
 
     def problems(self) -> list[tuple[str, str]]:
         """What does not fit together: pairs of a setting's path and a sentence."""
         layout = LAYOUTS[self.layout]
-        return [*found_in(self.controls, layout), *claimed_twice(self, tuple(self.controls))]
+        return [
+            *mapping_problems(self.controls, layout),
+            *duplicate_signals(self, tuple(self.controls)),
+        ]
 
 
-def _mapped(**does: Mapping[str, Any]) -> dict[str, Mapped]:
+def _mapped(**does: Mapping[str, Any]) -> dict[str, ControlMapping]:
     """Controls by what they do: `play={"button-3": "nod"}` is a button that plays a move."""
     return {
-        name: replace(Mapped(), **{what: value})
+        name: replace(ControlMapping(), **{what: value})
         for what, controls in does.items()
         for name, value in controls.items()
     }
@@ -238,8 +241,8 @@ def _mapped(**does: Mapping[str, Any]) -> dict[str, Mapped]:
 #: What both maps agree on. In the appendix the buttons of columns 3 to 8 have other numbers: 7 is
 #: `button-3`, and so on down each column.
 _BOTH = {
-    "cycle": Mapped(release=True),
-    "play": Mapped(script=True),
+    "cycle": ControlMapping(release=True),
+    "play": ControlMapping(script=True),
     **_mapped(
         control={
             "slider-1": "middle",
@@ -273,7 +276,7 @@ NANOKONTROL2 = PanelMap(
     layout="nanokontrol2",
     controls={
         **_BOTH,
-        "slider-2": Mapped(control="top", reversed=True),
+        "slider-2": ControlMapping(control="top", reversed=True),
         **_mapped(
             control={"slider-8": "eye-y", "knob-7": "brightness"},
             play={

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from tools import ROOT
-from woz_tui.config.annotated_decoder import Field, fields_of, note, split
+from woz_tui.config.annotated_decoder import Field, fields_of, find_note, split_annotation
 from woz_tui.drivers import fields
 from woz_tui.drivers.contract import Driver
 from woz_tui.drivers.plugins import installed
@@ -42,8 +42,8 @@ def _rows(shape: type, shown: set[type], prefix: str = "") -> Iterator[tuple[str
     """Settings, and those within them: one level deep, each kind once."""
     for item in fields_of(shape):
         name = f"{prefix}{item.name}"
-        bare = split(item.annotation)[0]
-        kinds = [bare, *(split(each)[0] for each in typing.get_args(bare))]
+        bare = split_annotation(item.annotation)[0]
+        kinds = [bare, *(split_annotation(each)[0] for each in typing.get_args(bare))]
         inner = next((kind for kind in kinds if dataclasses.is_dataclass(kind)), None)
         if inner is not bare:
             yield f"`{name}`", _default(item), _meaning(item)
@@ -65,8 +65,8 @@ def _default(item: Field) -> str:
 
 
 def _meaning(item: Field) -> str:
-    notes = split(item.annotation)[1]
-    span, words = note(notes, fields.Range), note(notes, fields.OneOf)
+    notes = split_annotation(item.annotation)[1]
+    span, words = find_note(notes, fields.Range), find_note(notes, fields.OneOf)
     allowed = str(span) if span is not None else ""
     if words is not None:
         allowed = ", ".join(filter(None, words.choices))

@@ -7,7 +7,7 @@ from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
-from woz_tui.protocol.welcome import DesignView, Questionnaire, Settings, StudySettings
+from woz_tui.protocol.welcome import DesignView, QuestionnaireView, StudySettings, WelcomeSettings
 
 
 def told(it: Told, *, all_trials: bool = False) -> SessionFigures:
@@ -171,13 +171,13 @@ def test_the_last_answer_of_a_round_counts() -> None:
 
 def test_questionnaires_that_were_due_and_not_answered_are_named() -> None:
     listed = [
-        Questionnaire(name, name.upper(), when=when)
+        QuestionnaireView(name, name.upper(), when=when)
         for name, when in (("each", "trial"), ("last", "end"))
     ]
     study = StudySettings(design=DesignView(trials=2), questionnaires=listed)
     plan = m.SessionPlan(
         title="Guide", panels=[], script=[], verbs={}, variables=[], conditions=[],
-        keyboard="us", drivers=[], settings=Settings(study=study),
+        keyboard="us", drivers=[], settings=WelcomeSettings(study=study),
     )  # fmt: skip
     it = Told().add(0, plan)
     it.add(1, m.TrialStarted(trial=1)).add(2, m.TrialEnded(trial=1, outcome="done"))
@@ -214,7 +214,7 @@ def test_what_the_wizard_had_and_could_see() -> None:
     plan = m.SessionPlan(
         title="Guide", panels=[PanelView(title="Speech", actions=[action], locked=True)],
         script=[], verbs={}, variables=[], conditions=[], keyboard="us", drivers=[],
-        settings=Settings(),
+        settings=WelcomeSettings(),
     )  # fmt: skip
     it = Told().add(0, plan).add(1, m.PerceptionChanged(hidden=["gaze"], blurred=["transcript"]))
     it.add(2, m.ShapingChanged(floor_us=800_000, jitter_us=400_000, cues=["speech"]))

@@ -13,7 +13,7 @@ from woz_tui.analysis.session_reading import read_report
 from woz_tui.analysis.study_figures import Studies, StudyFacts
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
-from woz_tui.protocol.welcome import Settings
+from woz_tui.protocol.welcome import WelcomeSettings
 
 
 def facts(*sessions: SessionFigures) -> StudyFacts:
@@ -97,7 +97,7 @@ def test_what_the_wizard_had_and_saw() -> None:
     ]
     plan = m.SessionPlan(
         title="Guide", panels=panels, script=[], verbs={}, variables=[], conditions=[],
-        keyboard="us", drivers=[], settings=Settings(),
+        keyboard="us", drivers=[], settings=WelcomeSettings(),
     )  # fmt: skip
     it = Told().add(0, plan)
     it.add(0, m.PerceptionChanged(hidden=["gaze", "identity"], blurred=["transcript"]))

@@ -12,7 +12,7 @@ import pytest
 from woz_tui import cli
 from woz_tui.cli.engagement_log import ModelRerun, SettingsOverride
 from woz_tui.config.engagement import EngagementSettings
-from woz_tui.config.engagement_json import plain
+from woz_tui.config.engagement_json import settings_to_json
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 
@@ -21,7 +21,7 @@ QUICK = EngagementSettings(samples=1)
 
 
 def told(t: int, settings: EngagementSettings | None) -> m.EngagementAdopted:
-    return m.EngagementAdopted(t=t, settings={} if settings is None else plain(settings))
+    return m.EngagementAdopted(t=t, settings={} if settings is None else settings_to_json(settings))
 
 
 def key(t: int, verb: str, **sent: m.Json) -> list[m.AnyMessage]:

@@ -16,13 +16,13 @@ from woz_tui import cli
 from woz_tui.cli.engagement_compare import engaged_share
 from woz_tui.cli.engagement_log import RecordedModel, rerun
 from woz_tui.config.engagement import EngagementSettings
-from woz_tui.config.engagement_json import plain
+from woz_tui.config.engagement_json import settings_to_json
 from woz_tui.log.log_reader import Damage
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_model import Transition
 
 Timed = tuple[float, m.AnyMessage]
-ADOPTED = m.EngagementAdopted(settings=plain(EngagementSettings()))
+ADOPTED = m.EngagementAdopted(settings=settings_to_json(EngagementSettings()))
 GONE = m.EngagementAdopted(settings={})
 
 
@@ -94,7 +94,7 @@ def test_one_that_is_gone_begins_anew(tmp_path: Path, capsys: pytest.CaptureFixt
 def test_one_that_is_never_on_has_no_share(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    start = m.EngagementAdopted(settings=plain(EngagementSettings(start="off")))
+    start = m.EngagementAdopted(settings=settings_to_json(EngagementSettings(start="off")))
     figures, text = compared(tmp_path, capsys, (0, start), (100, m.SessionEnd(reason="wizard")))
     assert figures["engaged_recorded"] is None
     assert figures["engaged_computed"] is None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 import yaml
 
-from woz_tui.config.yaml_nodes import explained
+from woz_tui.config.yaml_nodes import explain_yaml_error
 
 
 @pytest.mark.parametrize(
@@ -19,7 +19,7 @@ from woz_tui.config.yaml_nodes import explained
 def test_a_bracket_too_many_is_called_so(text: str, place: tuple[int, int], word: str) -> None:
     with pytest.raises(yaml.YAMLError) as raised:
         yaml.load(text, Loader=yaml.CSafeLoader)
-    line, column, why = explained(raised.value, text)
+    line, column, why = explain_yaml_error(raised.value, text)
     assert (line, column) == place
     assert word in why
     assert "indentation" not in why

@@ -13,12 +13,12 @@ from tests.config.catalogue import CATALOGUE, Voice, VoiceSettings
 from tests.config.reading import HEAD, HELLO, ROBOT, errors, panel, read, warned
 from woz_tui.config import engagement as shapes
 from woz_tui.config.actions import ACTION_FIELDS
-from woz_tui.config.annotated_decoder import settings_of
+from woz_tui.config.annotated_decoder import settings_from_texts
 from woz_tui.config.engagement import EngagementSettings
-from woz_tui.config.experiment import Action, Call, Engagement, Experiment, Together, Wait
+from woz_tui.config.experiment import Action, Call, Engagement, Experiment, ParallelCalls, Wait
 from woz_tui.config.loading import load
 from woz_tui.config.session_verbs import ENGAGEMENT, engagement_verbs
-from woz_tui.config.sign_values import nonsense, sensed
+from woz_tui.config.sign_values import argument_problem, sign_value
 from woz_tui.drivers.contract import Verb
 from woz_tui.sensing.filters import least
 from woz_tui.sensing.state_machine import EDGES, OUTCOMES, Event, State
@@ -81,7 +81,7 @@ def test_an_empty_section_has_the_papers_defaults_and_none_is_no_model(tmp_path:
 def test_thresholds_are_the_decimals_that_were_typed(thousandths: int, places: int) -> None:
     """E2: k is counted in exact arithmetic, so 0.7 of 10 is 7 and not 8."""
     typed = {"threshold": f"{thousandths / 1000:.3f}", "samples": str(places)}
-    settings = settings_of(EngagementSettings, typed, Path())
+    settings = settings_from_texts(EngagementSettings, typed, Path())
     assert least(settings.threshold, settings.samples) == -(-thousandths * places // 1000)
 
 
@@ -123,7 +123,7 @@ def test_an_effect_can_say_whom_it_is_for(tmp_path: Path) -> None:
     effect = "{on_enter: {Wait: {emotion: sad, on: [left, right]}}}"
     action = section(tmp_path, effect, "{key: m, label: M, mark: x}", head=two).effects["Wait"]
     (step,) = action.steps
-    assert isinstance(step, Together)
+    assert isinstance(step, ParallelCalls)
     assert [call.driver for call in step.calls] == ["left.robot", "right.robot"]
 
 
@@ -171,7 +171,7 @@ def test_the_verbs_go_to_the_model(everything: Experiment) -> None:
         name: call
         for name, action in actions.items()
         for step in action.steps
-        if isinstance(step, Together)
+        if isinstance(step, ParallelCalls)
         for call in step.calls
     }
     assert {call.driver for call in calls.values()} == {ENGAGEMENT}
@@ -226,16 +226,16 @@ def test_events_are_no_verbs() -> None:
 )
 def test_what_the_wizard_may_say_of_a_sign(sign: str, value: str, meant: object) -> None:
     """E7: every sensor value can be forced, and given back."""
-    assert sensed(sign, value) == meant
-    assert type(sensed(sign, value)) is type(meant)
-    assert nonsense("sense", {"sign": sign, "value": value}) == ""
+    assert sign_value(sign, value) == meant
+    assert type(sign_value(sign, value)) is type(meant)
+    assert argument_problem("sense", {"sign": sign, "value": value}) == ""
 
 
 @given(st.sampled_from((*shapes.SIGNS, "all")), st.text(max_size=12))
 def test_any_other_value_is_refused_with_a_sentence(sign: str, value: str) -> None:
-    why = nonsense("sense", {"sign": sign, "value": value})
+    why = argument_problem("sense", {"sign": sign, "value": value})
     try:
-        meant = sensed(sign, value)
+        meant = sign_value(sign, value)
     except ValueError as error:
         assert str(error).startswith(f"{sign} is ")
         assert why in ("", str(error))  # with a variable in it, nobody knows yet
@@ -247,12 +247,12 @@ def test_any_other_value_is_refused_with_a_sentence(sign: str, value: str) -> No
 @pytest.mark.parametrize("value", ["nan", "inf", "-1", "", " ", "1,5", "near"])
 def test_a_distance_is_a_finite_number_of_metres(value: str) -> None:
     with pytest.raises(ValueError, match="distance is on, off, sensor or a number of metres"):
-        sensed("distance", value)
+        sign_value("distance", value)
 
 
 def test_a_value_with_a_variable_is_known_only_later() -> None:
-    assert nonsense("sense", {"sign": "distance", "value": "{metres}"}) == ""
-    assert nonsense("sense", {"sign": "distance", "value": "metres"}) != ""
+    assert argument_problem("sense", {"sign": "distance", "value": "{metres}"}) == ""
+    assert argument_problem("sense", {"sign": "distance", "value": "metres"}) != ""
 
 
 @pytest.mark.parametrize(

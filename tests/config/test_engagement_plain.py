@@ -20,7 +20,7 @@ from woz_tui.config.engagement import (
     SoundSettings,
     Timeouts,
 )
-from woz_tui.config.engagement_json import plain, settings_from
+from woz_tui.config.engagement_json import settings_from_json, settings_to_json
 
 EVERYTHING = EngagementSettings(
     start="hold",
@@ -41,13 +41,15 @@ EVERYTHING = EngagementSettings(
 
 
 def back(settings: EngagementSettings) -> EngagementSettings:
-    return settings_from(json.loads(json.dumps(plain(settings))))
+    return settings_from_json(json.loads(json.dumps(settings_to_json(settings))))
 
 
 @pytest.mark.parametrize("settings", [EngagementSettings(), EVERYTHING], ids=["defaults", "all"])
 def test_settings_come_back_from_a_line(settings: EngagementSettings) -> None:
     assert back(settings) == settings
-    assert json.loads(json.dumps(plain(settings))) == plain(settings), "plain JSON, no tuples"
+    assert json.loads(json.dumps(settings_to_json(settings))) == settings_to_json(settings), (
+        "plain JSON, no tuples"
+    )
 
 
 @given(st.decimals(0, 1, places=6), st.sets(st.sampled_from(CONDITION), min_size=1))
@@ -60,15 +62,15 @@ def test_a_threshold_stays_the_decimal_that_was_typed(typed: Any, signs: set[str
 
 def test_every_setting_is_there_but_the_path() -> None:
     """What the defaults of another version are does not matter then."""
-    told = plain(EngagementSettings(visitors="/home/lab/visitors.json"))
+    told = settings_to_json(EngagementSettings(visitors="/home/lab/visitors.json"))
     assert told.keys() == set(EngagementSettings.__dataclass_fields__) - {"visitors"}
-    assert settings_from(told) == EngagementSettings()
+    assert settings_from_json(told) == EngagementSettings()
 
 
 def test_settings_of_another_version_are_read() -> None:
-    told = {**plain(EVERYTHING), "telepathy": True}
+    told = {**settings_to_json(EVERYTHING), "telepathy": True}
     del told["rate"]
-    assert settings_from(told) == replace(EVERYTHING, rate=3.0)
+    assert settings_from_json(told) == replace(EVERYTHING, rate=3.0)
 
 
 @pytest.mark.parametrize(
@@ -84,4 +86,4 @@ def test_settings_of_another_version_are_read() -> None:
 )
 def test_what_is_no_settings_is_told(wrong: dict[str, Any], said: str) -> None:
     with pytest.raises(ValueError, match=said):
-        settings_from(wrong)
+        settings_from_json(wrong)

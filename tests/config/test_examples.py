@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from woz_tui.config import keys
-from woz_tui.config.experiment import Action, Experiment, Together
+from woz_tui.config.experiment import Action, Experiment, ParallelCalls
 from woz_tui.config.loading import load
 from woz_tui.config.session_verbs import WAIT, session_verbs
 from woz_tui.drivers.plugins import installed
@@ -18,7 +18,7 @@ EXAMPLES = sorted((ROOT / "experiments").glob("*.yaml"))
 
 
 def verbs_of(action: Action) -> set[str]:
-    steps = [step for step in action.steps if isinstance(step, Together)]
+    steps = [step for step in action.steps if isinstance(step, ParallelCalls)]
     return {call.verb for step in steps for call in step.calls}
 
 

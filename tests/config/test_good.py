@@ -11,7 +11,7 @@ import pytest
 
 from tests.config.catalogue import CATALOGUE, Colour, Joint, Rule
 from tests.config.reading import HEAD, ROBOT, errors, only, panel, read
-from woz_tui.config.experiment import Action, Call, Experiment, Together, Wait
+from woz_tui.config.experiment import Action, Call, Experiment, ParallelCalls, Wait
 from woz_tui.config.loading import load
 from woz_tui.config.reload_changes import compare
 
@@ -26,7 +26,7 @@ def everything() -> Experiment:
 def calls(action: Action) -> list[tuple[str, str, dict[str, Any]]]:
     found: list[Call] = []
     for step in action.steps:
-        if isinstance(step, Together):
+        if isinstance(step, ParallelCalls):
             found += step.calls
     return [(call.driver, call.verb, dict(call.args)) for call in found]
 

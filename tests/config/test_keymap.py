@@ -14,7 +14,7 @@ from tests.config.reading import errors, panel, read
 from tests.config.test_keys import bases, layouts, modifiers
 from woz_tui.config import keys
 from woz_tui.config.keys import (
-    BUILTIN,
+    BUILTIN_KEYS,
     KITTY,
     LINUX,
     PLAIN,
@@ -23,7 +23,7 @@ from woz_tui.config.keys import (
     KeyMap,
     KeyNameError,
     key_map,
-    normal,
+    normal_key,
 )
 
 
@@ -43,7 +43,7 @@ def mapped(
     *written: str,
     terminal: keys.Terminal = PLAIN,
     layout: str = "us",
-    builtins: tuple[keys.Builtin, ...] = BUILTIN,
+    builtins: tuple[keys.BuiltinKey, ...] = BUILTIN_KEYS,
 ) -> KeyMap:
     """A key map of actions called by the keys they want."""
     actions = tuple(Button(f"A{i}", key, key) for i, key in enumerate(written))
@@ -135,7 +135,7 @@ def test_tmux_keeps_its_prefix() -> None:
 
 
 def test_a_keymap_gives_way_to_the_experiment() -> None:
-    moved = tuple(replace(i, chord="g") if i.id == "say" else i for i in BUILTIN)
+    moved = tuple(replace(i, chord="g") if i.id == "say" else i for i in BUILTIN_KEYS)
     found = mapped("g", builtins=moved)
     assert found.table["g"] == "A0"
     assert found.builtins["say"].press == "/"
@@ -143,7 +143,7 @@ def test_a_keymap_gives_way_to_the_experiment() -> None:
     assert mapped("h", builtins=moved).builtin_table["g"] == "say"
 
 
-YIELDING = {item.chord: item.id for item in BUILTIN if item.yields and not item.last}
+YIELDING = {item.chord: item.id for item in BUILTIN_KEYS if item.yields and not item.last}
 
 
 def test_which_of_the_consoles_keys_yield() -> None:
@@ -151,7 +151,7 @@ def test_which_of_the_consoles_keys_yield() -> None:
         **{")": "phase_next", '"': "phases"},
         **{"@": "robot", "%": "move", "_": "camera", "'": "peek"},
     }
-    assert all(item.reserves for item in BUILTIN if item.yields)
+    assert all(item.reserves for item in BUILTIN_KEYS if item.yields)
 
 
 @pytest.mark.parametrize("wanted", [list(YIELDING), [f"{key} r" for key in YIELDING]])
@@ -189,14 +189,14 @@ def test_one_that_yields_has_no_key_where_its_reserves_are_taken() -> None:
 
 @pytest.mark.parametrize("name", ["say", "leave"])
 def test_a_keymap_may_put_another_key_where_one_yields(name: str) -> None:
-    moved = tuple(replace(i, chord="@") if i.id == name else i for i in BUILTIN)
+    moved = tuple(replace(i, chord="@") if i.id == name else i for i in BUILTIN_KEYS)
     found = mapped(builtins=moved)
     assert found.builtin_table["@"] == name
     assert found.builtins["robot"].press == "ctrl+b"
 
 
 def test_one_that_was_moved_onto_an_action_goes_home_and_yields_there_too() -> None:
-    moved = tuple(replace(i, chord="g") if i.id == "robot" else i for i in BUILTIN)
+    moved = tuple(replace(i, chord="g") if i.id == "robot" else i for i in BUILTIN_KEYS)
     assert mapped("g", builtins=moved).builtins["robot"].press == "@"
     found = mapped("g", "@", builtins=moved)
     assert (found.table["@"], found.builtins["robot"].press) == ("A1", "ctrl+b")
@@ -223,7 +223,7 @@ def test_every_key_of_the_console_has_a_place_everywhere(
 ) -> None:
     found = mapped(terminal=terminal, layout=layout)
     assert [entry.name for entry in found.builtins.values() if not entry.press] == []
-    assert len(found.builtin_table) == len(BUILTIN)
+    assert len(found.builtin_table) == len(BUILTIN_KEYS)
 
 
 @st.composite
@@ -232,7 +232,7 @@ def chords(draw: st.DrawFn) -> str:
     for _ in range(draw(st.integers(1, 2))):
         text = "+".join([*draw(modifiers), draw(bases)])
         try:
-            parts.append(normal(text))
+            parts.append(normal_key(text))
         except KeyNameError:
             parts.append("a")
     return " ".join(parts)
@@ -254,7 +254,7 @@ def test_no_key_means_stop_and_none_plays_two_things(
         assert not keys.is_stop(entry.press, layout)
         assert parts[0] not in found.table or len(parts) == 1
         assert parts[0] not in found.builtin_table
-        assert keys.reach(entry.press, terminal, layout).arrives == entry.arrives
+        assert keys.deliver(entry.press, terminal, layout).arrives == entry.arrives
     assert found == mapped(*wanted, terminal=terminal, layout=layout)
 
 
@@ -264,13 +264,13 @@ def test_the_last_of_the_consoles_keys_are_reachable_everywhere(
     layout: str, terminal: keys.Terminal
 ) -> None:
     found = key_map((), terminal, layout)
-    last = [item.id for item in BUILTIN if item.last]
+    last = [item.id for item in BUILTIN_KEYS if item.last]
     assert last
     assert [name for name in last if not found.builtins[name].press] == []
 
 
 def test_the_last_of_the_consoles_keys_yield_to_everybody() -> None:
-    last = next(item for item in BUILTIN if item.last)
+    last = next(item for item in BUILTIN_KEYS if item.last)
     found = mapped(last.chord)
     assert found.actions["A0"].press == last.chord
     assert found.builtins[last.id].press == last.reserves[0]

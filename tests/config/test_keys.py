@@ -19,11 +19,11 @@ from woz_tui.config.keys import (
     SCREEN,
     TMUX,
     KeyNameError,
+    KeyOutcome,
     Terminal,
-    Verdict,
+    deliver,
     from_textual,
-    normal,
-    reach,
+    normal_key,
 )
 from woz_tui.config.keys.chords import NAMED
 from woz_tui.console.byte_scanner import Scanner
@@ -62,7 +62,7 @@ from woz_tui.console.input_tokens import Key
     ],
 )
 def test_the_normal_form(written: Any, expected: str) -> None:
-    assert normal(written) == expected
+    assert normal_key(written) == expected
 
 
 @pytest.mark.parametrize(
@@ -70,12 +70,12 @@ def test_the_normal_form(written: Any, expected: str) -> None:
     [("us", "!@#"), ("gb", '!"£'), ("de", '!"§'), ("es", '!"·'), ("fr", "123")],
 )
 def test_shift_and_the_digits_of_each_keyboard(layout: str, expected: str) -> None:
-    assert "".join(normal(f"shift+{digit}", layout) for digit in "123") == expected
+    assert "".join(normal_key(f"shift+{digit}", layout) for digit in "123") == expected
 
 
 def test_a_french_keyboard_gives_digits_with_shift() -> None:
-    assert "".join(normal(f"shift+{key}", "fr") for key in "&é\"'(-è_çà") == "1234567890"
-    assert normal("ctrl+1", "fr") == "ctrl+shift+&"
+    assert "".join(normal_key(f"shift+{key}", "fr") for key in "&é\"'(-è_çà") == "1234567890"
+    assert normal_key("ctrl+1", "fr") == "ctrl+shift+&"
 
 
 @pytest.mark.parametrize(
@@ -85,7 +85,7 @@ def test_a_french_keyboard_gives_digits_with_shift() -> None:
 )  # fmt: skip
 def test_what_is_no_key_is_refused_with_a_sentence(written: Any) -> None:
     with pytest.raises(KeyNameError) as caught:
-        normal(written)
+        normal_key(written)
     assert len(str(caught.value)) > 10
 
 
@@ -99,29 +99,29 @@ def test_the_normal_form_of_a_normal_form_is_itself(
     held: list[str], base: str, layout: str
 ) -> None:
     try:
-        chord = normal("+".join([*held, base]), layout)
+        chord = normal_key("+".join([*held, base]), layout)
     except KeyNameError:
         return
-    assert normal(chord, layout) == chord
+    assert normal_key(chord, layout) == chord
 
 
 @given(st.text(max_size=12), layouts)
 def test_any_text_is_a_key_or_a_key_name_error(text: str, layout: str) -> None:
     try:
-        chord = normal(text, layout)
+        chord = normal_key(text, layout)
     except KeyNameError:
         return
-    assert normal(chord, layout) == chord
+    assert normal_key(chord, layout) == chord
 
 
 @given(st.permutations(["ctrl", "shift", "q"]))
 def test_the_order_of_a_list_does_not_matter(parts: list[str]) -> None:
-    assert normal(parts) == "ctrl+shift+q"
+    assert normal_key(parts) == "ctrl+shift+q"
 
 
 # -- what a terminal sends: the table ------------------------------------------------------------
 
-ARRIVES, SAME, STOP, NEVER = Verdict.ARRIVES, Verdict.SAME, Verdict.STOP, Verdict.NEVER
+ARRIVES, SAME, STOP, NEVER = KeyOutcome.ARRIVES, KeyOutcome.SAME, KeyOutcome.STOP, KeyOutcome.NEVER
 
 
 @pytest.mark.parametrize(
@@ -173,8 +173,8 @@ ARRIVES, SAME, STOP, NEVER = Verdict.ARRIVES, Verdict.SAME, Verdict.STOP, Verdic
         ("é", NEVER, b"", ""),
     ],
 )
-def test_a_plain_terminal(chord: str, verdict: Verdict, data: bytes, arrives: str) -> None:
-    found = reach(chord, PLAIN)
+def test_a_plain_terminal(chord: str, verdict: KeyOutcome, data: bytes, arrives: str) -> None:
+    found = deliver(chord, PLAIN)
     assert (found.verdict, found.data, found.arrives) == (verdict, data, arrives)
     assert bool(found.why) is (verdict is not ARRIVES)
 
@@ -186,7 +186,7 @@ def test_a_plain_terminal(chord: str, verdict: Verdict, data: bytes, arrives: st
      "alt+c", "a", "!", "f1", "tab", "up", "alt+up", "c r"],
 )  # fmt: skip
 def test_the_kitty_protocol_tells_chords_apart(chord: str) -> None:
-    found = reach(chord, KITTY)
+    found = deliver(chord, KITTY)
     assert (found.verdict, found.arrives) == (ARRIVES, chord)
 
 
@@ -195,7 +195,7 @@ def test_the_kitty_protocol_tells_chords_apart(chord: str) -> None:
 )
 def test_the_stop_is_the_stop_on_every_terminal(chord: str) -> None:
     for terminal in keys.TERMINALS.values():
-        assert reach(chord, terminal).verdict is STOP
+        assert deliver(chord, terminal).verdict is STOP
 
 
 @pytest.mark.parametrize(
@@ -224,9 +224,9 @@ def test_the_stop_is_the_stop_on_every_terminal(chord: str) -> None:
     ],
 )
 def test_what_terminals_keep_for_themselves(
-    chord: str, terminal: Terminal, verdict: Verdict
+    chord: str, terminal: Terminal, verdict: KeyOutcome
 ) -> None:
-    assert reach(chord, terminal).verdict is verdict
+    assert deliver(chord, terminal).verdict is verdict
 
 
 @given(modifiers, bases, layouts, st.sampled_from(sorted(keys.TERMINALS)))
@@ -234,10 +234,10 @@ def test_whatever_sends_the_bytes_of_the_stop_is_never_said_to_arrive(
     held: list[str], base: str, layout: str, name: str
 ) -> None:
     try:
-        chord = normal("+".join([*held, base]), layout)
+        chord = normal_key("+".join([*held, base]), layout)
     except KeyNameError:
         return
-    found = reach(chord, keys.TERMINALS[name], layout)
+    found = deliver(chord, keys.TERMINALS[name], layout)
     stops = found.data[:1] == b"\x03" or found.data == b"\x1b" or found.arrives in keys.STOPS
     if stops:
         assert found.verdict is STOP
@@ -245,11 +245,11 @@ def test_whatever_sends_the_bytes_of_the_stop_is_never_said_to_arrive(
 
 
 def test_layouts_decide_what_ctrl_sends() -> None:
-    assert reach(normal("ctrl+3", "us"), PLAIN, "us").verdict is STOP
-    assert reach(normal('ctrl+"', "fr"), PLAIN, "fr").verdict is SAME
-    assert reach(normal("ctrl+3", "fr"), PLAIN, "fr").verdict is STOP
-    assert reach("é", PLAIN, "fr").data == "é".encode()
-    assert reach("^", PLAIN, "de").why == "an accent key: press it, then space"
+    assert deliver(normal_key("ctrl+3", "us"), PLAIN, "us").verdict is STOP
+    assert deliver(normal_key('ctrl+"', "fr"), PLAIN, "fr").verdict is SAME
+    assert deliver(normal_key("ctrl+3", "fr"), PLAIN, "fr").verdict is STOP
+    assert deliver("é", PLAIN, "fr").data == "é".encode()
+    assert deliver("^", PLAIN, "de").why == "an accent key: press it, then space"
 
 
 @pytest.mark.parametrize(
@@ -265,14 +265,14 @@ def test_layouts_decide_what_ctrl_sends() -> None:
     ],
 )
 def test_the_terminal_by_its_environment(environment: dict[str, str], expected: Terminal) -> None:
-    assert keys.detected(environment) is expected
+    assert keys.detect_terminal(environment) is expected
 
 
 def test_bytes_as_people_read_them() -> None:
-    assert keys.spoken(b"\x1b[1;2A") == "ESC [ 1 ; 2 A"
-    assert keys.spoken(b"\x01") == "^A"
-    assert keys.spoken("é".encode()) == "é"
-    assert keys.spoken(b"\x7f \r\t\0") == "DEL space CR TAB NUL"
+    assert keys.describe_bytes(b"\x1b[1;2A") == "ESC [ 1 ; 2 A"
+    assert keys.describe_bytes(b"\x01") == "^A"
+    assert keys.describe_bytes("é".encode()) == "é"
+    assert keys.describe_bytes(b"\x7f \r\t\0") == "DEL space CR TAB NUL"
 
 
 # -- Textual's names -----------------------------------------------------------------------------
@@ -336,11 +336,11 @@ def keymap_errors(path: Path, text: str) -> list[str]:
 
 
 def test_the_consoles_keys_are_all_different_and_none_is_the_stop_but_the_stop() -> None:
-    chords = [item.chord for item in keys.BUILTIN]
+    chords = [item.chord for item in keys.BUILTIN_KEYS]
     assert len(set(chords)) == len(chords)
-    assert [item.chord for item in keys.BUILTIN if not item.movable] == list(keys.STOPS)
-    for item in keys.BUILTIN:
-        assert normal(item.chord) == item.chord
+    assert [item.chord for item in keys.BUILTIN_KEYS if not item.movable] == list(keys.STOPS)
+    for item in keys.BUILTIN_KEYS:
+        assert normal_key(item.chord) == item.chord
         assert keys.is_stop(item.chord) is not item.movable
         assert not any(keys.is_stop(chord) for chord in item.reserves)
 
@@ -355,7 +355,7 @@ def test_a_keymap_moves_the_consoles_keys(tmp_path: Path) -> None:
 def test_an_empty_keymap_changes_nothing(tmp_path: Path) -> None:
     path = tmp_path / "keymap.yaml"
     path.write_text("# nothing\n")
-    assert keys.load_keymap(path) == keys.BUILTIN
+    assert keys.load_keymap(path) == keys.BUILTIN_KEYS
 
 
 def test_a_keymap_may_use_the_key_of_one_that_yields(tmp_path: Path) -> None:
@@ -403,12 +403,12 @@ def test_a_keymap_that_is_not_there_is_an_error(tmp_path: Path) -> None:
 @pytest.mark.parametrize("number", range(13, 25))
 def test_pedals_are_keys_where_they_arrive(number: int) -> None:
     key = f"f{number}"
-    assert keys.normal(f"F{number}") == key
+    assert keys.normal_key(f"F{number}") == key
     for terminal in (keys.PLAIN, keys.KITTY):
-        found = keys.reach(key, terminal)
-        assert found.verdict is keys.Verdict.ARRIVES
+        found = keys.deliver(key, terminal)
+        assert found.verdict is keys.KeyOutcome.ARRIVES
         (token,) = Scanner().feed(found.data)
         assert isinstance(token, Key)
         assert token.chord == key
-    assert keys.reach(key, keys.PLAIN).why
-    assert keys.reach(key, keys.TMUX).verdict is keys.Verdict.NEVER
+    assert keys.deliver(key, keys.PLAIN).why
+    assert keys.deliver(key, keys.TMUX).verdict is keys.KeyOutcome.NEVER

@@ -8,7 +8,7 @@ import pytest
 
 from woz_tui.config import keys
 from woz_tui.config.keys.chords import NAMED
-from woz_tui.config.keys.terminals import folded
+from woz_tui.config.keys.terminals import merged_chords
 from woz_tui.console.byte_scanner import Scanner
 from woz_tui.console.input_tokens import Key, StopToken
 
@@ -19,13 +19,13 @@ CHARACTERS = "abcehimqz019278AZ!#+-/:?[]\\^_{@~ éß§"
 def chords(layout: str) -> list[str]:
     found = set()
     for held, base in itertools.product(MODIFIERS, (*NAMED, *CHARACTERS)):
-        found.add(keys.normal(held + (base.strip() or "space"), layout))
+        found.add(keys.normal_key(held + (base.strip() or "space"), layout))
     return sorted(found)
 
 
 def scanned(data: bytes, terminal: keys.Terminal) -> list[str]:
     """What the console makes of the bytes; `stop` for the stop."""
-    scanner = Scanner(folded(terminal))
+    scanner = Scanner(merged_chords(terminal))
     tokens = [*scanner.feed(data), *scanner.expire()]
     return [
         token.chord if isinstance(token, Key) else "stop"
@@ -41,10 +41,10 @@ def test_what_is_said_to_arrive_is_what_the_scanner_sees(
 ) -> None:
     wrong = []
     for chord in chords(layout):
-        found = keys.reach(chord, terminal, layout)
-        if found.verdict is keys.Verdict.NEVER:
+        found = keys.deliver(chord, terminal, layout)
+        if found.verdict is keys.KeyOutcome.NEVER:
             continue
-        expected = ["stop"] if found.verdict is keys.Verdict.STOP else [found.arrives]
+        expected = ["stop"] if found.verdict is keys.KeyOutcome.STOP else [found.arrives]
         if scanned(found.data, terminal) != expected:
             wrong.append((chord, found.data, expected, scanned(found.data, terminal)))
     assert wrong == []

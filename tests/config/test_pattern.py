@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from woz_tui.config.participant_pattern import example, looks_like, matches
+from woz_tui.config.participant_pattern import describe_pattern, example, matches
 
 
 @pytest.mark.parametrize(
@@ -12,10 +12,10 @@ from woz_tui.config.participant_pattern import example, looks_like, matches
 )
 def test_a_pattern_is_shown_as_a_code_that_matches(pattern: str) -> None:
     assert matches(pattern, example(pattern))
-    assert looks_like(pattern).endswith(f" {example(pattern)}")
+    assert describe_pattern(pattern).endswith(f" {example(pattern)}")
 
 
 @pytest.mark.parametrize("pattern", [r"(?:A|B)\d\d", r"(?!P)[^0-9]{2}"])
 def test_a_pattern_without_a_simple_example_is_shown_itself(pattern: str) -> None:
     assert example(pattern) == ""
-    assert pattern in looks_like(pattern)
+    assert pattern in describe_pattern(pattern)

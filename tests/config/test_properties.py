@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from tests.config.catalogue import CATALOGUE
 from tests.config.golden import BROKEN
 from woz_tui.config.experiment import Experiment, ExperimentError
-from woz_tui.config.file_text import Source, text_of
+from woz_tui.config.file_text import SourceFile, decode_utf8
 from woz_tui.config.loading import load
-from woz_tui.config.problems import Report
+from woz_tui.config.problems import ProblemReport
 from woz_tui.config.study_sections import SECTIONS
-from woz_tui.config.yaml_nodes import tree
+from woz_tui.config.yaml_nodes import parse_yaml
 
 GOOD, STUDY = (
     (Path(__file__).parent / "good" / f"{name}.yaml").read_text(encoding="utf-8")
@@ -160,8 +160,8 @@ def test_every_beginning_of_a_file_is_read_without_a_crash(tmp_path: Path, name:
 @given(st.text(alphabet=st.characters(exclude_categories=["Cs"]), max_size=60))
 def test_quoted_text_comes_back_as_it_was(text: str) -> None:
     quoted = '"' + "".join(f"\\U{ord(character):08x}" for character in text) + '"'
-    report = Report()
-    node = tree(Source("f", Path("f"), b"", f"a: {quoted}"), report)
+    report = ProblemReport()
+    node = parse_yaml(SourceFile("f", Path("f"), b"", f"a: {quoted}"), report)
     assert not report.errors
     assert getattr(getattr(node, "entries", {})["a"], "text", None) == text
 
@@ -169,8 +169,8 @@ def test_quoted_text_comes_back_as_it_was(text: str) -> None:
 @given(st.binary(max_size=50))
 def test_text_of_utf_8_is_what_python_reads(data: bytes) -> None:
     try:
-        text = text_of(data)
+        text = decode_utf8(data)
     except Exception as error:  # noqa: BLE001 - the class is what is asserted
-        assert type(error).__name__ == "SourceError"
+        assert type(error).__name__ == "SourceFileError"
     else:
         assert text == data.decode("utf-8-sig")

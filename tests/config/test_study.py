@@ -12,15 +12,15 @@ from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
 from woz_tui.config.study import (
     Design,
-    Item,
-    Perception,
+    PerceptionLimits,
     Questionnaire,
-    Shaping,
+    QuestionnaireItem,
+    ResponseShaping,
     Study,
     Training,
     TrainingCue,
 )
-from woz_tui.config.study_sections import CODE, code_of
+from woz_tui.config.study_sections import NAME_PATTERN, name_from_text
 
 GOOD = Path(__file__).parent / "good"
 
@@ -57,22 +57,26 @@ def test_questionnaires_and_their_items(whole: Experiment) -> None:
         "robot-ux",
         "How was the robot?",
         (
-            Item("pleasant", "How pleasant was it?", 0, 4, ends),
-            Item("the-robot-understood-me", "The robot understood me.", 0, 4, ends),
-            Item("off-or-on", "Off or on?", -3, 3, ("No", "On"), optional=True),
-            Item("else", "Anything else?", 0, 4, ends, text=True, optional=True),
+            QuestionnaireItem("pleasant", "How pleasant was it?", 0, 4, ends),
+            QuestionnaireItem("the-robot-understood-me", "The robot understood me.", 0, 4, ends),
+            QuestionnaireItem("off-or-on", "Off or on?", -3, 3, ("No", "On"), optional=True),
+            QuestionnaireItem("else", "Anything else?", 0, 4, ends, text=True, optional=True),
         ),
         "condition",
         "Please answer quickly.",
     )
-    assert (again.name, again.when, again.items) == ("again", "hand", (Item("well", "Well"),))
+    assert (again.name, again.when, again.items) == (
+        "again",
+        "hand",
+        (QuestionnaireItem("well", "Well"),),
+    )
     assert (short.name, short.title, short.when) == ("short", "short", "end")
 
 
 def test_preflight_shaping_and_perception(whole: Experiment) -> None:
     assert whole.study.preflight == ("The camera sees the whole table", "No")
-    assert whole.study.shaping == Shaping(0.8, 0.4, ("marker",))
-    assert whole.study.perception == Perception(("distance", "face"), ("transcript",))
+    assert whole.study.shaping == ResponseShaping(0.8, 0.4, ("marker",))
+    assert whole.study.perception == PerceptionLimits(("distance", "face"), ("transcript",))
 
 
 def test_training(whole: Experiment) -> None:
@@ -147,8 +151,8 @@ def test_blind_makes_letters_that_do_not_tell_the_order(tmp_path: Path) -> None:
     ],
 )
 def test_a_name_made_of_a_question(text: str, code: str) -> None:
-    assert code_of(text) == code
-    assert not code or CODE.fullmatch(code)
+    assert name_from_text(text) == code
+    assert not code or NAME_PATTERN.fullmatch(code)
 
 
 @pytest.mark.parametrize(

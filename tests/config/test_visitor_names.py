@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from woz_tui.config.visitor_names import (
     LONGEST,
-    BadNameError,
+    VisitorNameError,
     key_of,
     label_of,
     name_of,
@@ -60,7 +60,7 @@ def test_what_is_a_name(text: str, name: str) -> None:
     ],
 )
 def test_what_is_none_and_why(text: str, reason: str) -> None:
-    with pytest.raises(BadNameError, match=reason) as error:
+    with pytest.raises(VisitorNameError, match=reason) as error:
         name_of(text)
     assert error.value.remedy
 
@@ -87,10 +87,10 @@ def test_names_that_differ() -> None:
 def test_words_of_a_profile_may_be_empty_and_labels_may_not() -> None:
     assert word_of("  young  adult ", "an age group") == "young adult"
     assert word_of("", "an age group") == ""
-    with pytest.raises(BadNameError, match="an age group has 33 characters"):
+    with pytest.raises(VisitorNameError, match="an age group has 33 characters"):
         word_of("x" * 33, "an age group")
     assert label_of("unknown") == "unknown"
-    with pytest.raises(BadNameError, match="empty"):
+    with pytest.raises(VisitorNameError, match="empty"):
         label_of(" ")
 
 
@@ -103,7 +103,7 @@ def test_what_would_not_be_seen_is_shown_escaped() -> None:
 def test_a_name_is_its_own_name_and_safe_to_show(text: str) -> None:
     try:
         name = name_of(text)
-    except BadNameError as error:
+    except VisitorNameError as error:
         assert error.reason.isprintable() or "\u200c" in text or "\u200d" in text
         return
     assert name_of(name) == name

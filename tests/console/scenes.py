@@ -10,7 +10,7 @@ from tests.console.scripted import raw
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import ActionView, PanelView
-from woz_tui.protocol.welcome import Settings
+from woz_tui.protocol.welcome import WelcomeSettings
 
 Ended = m.ActionDone | m.ActionFailed | m.ActionStopped | m.ActionRefused
 
@@ -138,7 +138,9 @@ def welcome(
         drivers=["head", "voice", "face", "range", "microphone"],
         state=lines(state),
         recent=lines(recent),
-        settings=msgspec.convert({"participant_pattern": "P\\d\\d", **(settings or {})}, Settings),
+        settings=msgspec.convert(
+            {"participant_pattern": "P\\d\\d", **(settings or {})}, WelcomeSettings
+        ),
     )
 
 

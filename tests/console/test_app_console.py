@@ -10,7 +10,7 @@ from textual import events
 
 from tests.console import scenes
 from tests.console.driving import sitting
-from woz_tui.config.keys.console_keys import BUILTIN
+from woz_tui.config.keys.console_keys import BUILTIN_KEYS
 from woz_tui.config.keys.terminals import KITTY
 from woz_tui.console.glyphs import ASCII
 from woz_tui.console.screen_app import BEAT
@@ -193,7 +193,7 @@ async def test_a_refusal_is_shown_where_the_hints_are() -> None:
 
 
 async def test_a_refusal_names_the_key_that_helps_as_it_is_bound_here() -> None:
-    moved = [replace(key, chord="ctrl+n") if key.id == "start" else key for key in BUILTIN]
+    moved = [replace(key, chord="ctrl+n") if key.id == "start" else key for key in BUILTIN_KEYS]
     async with sitting(builtins=moved) as seat:
         seat.feed.answers[r.AskScript] = lambda _, ref: r.Reply(
             ref=ref, ok=False, reason="nobody", hint="choose", command="start"

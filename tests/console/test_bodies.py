@@ -19,7 +19,7 @@ from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import ASCII, UNICODE, Glyphs, PaintFrame
 from woz_tui.console.theme import Appearance
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.welcome import Settings
+from woz_tui.protocol.welcome import WelcomeSettings
 
 NOW = bodies.NOW
 ROOMY, NARROW = (160, 50), (80, 24)
@@ -147,7 +147,9 @@ def test_before_the_first_face_its_place_is_kept() -> None:
 
 def test_a_body_without_a_face_shows_its_links() -> None:
     told = {**bodies.EYEPI, "face": None}
-    welcome = msgspec.structs.replace(bodies.welcome(), settings=Settings(outlines={"body": told}))
+    welcome = msgspec.structs.replace(
+        bodies.welcome(), settings=WelcomeSettings(outlines={"body": told})
+    )
     picture = ConsoleState()
     picture.take([welcome, *bodies.joints({"pitch": 0.0}, {})], 0)
     shown = text(pane_rows(picture, PaintFrame(50, 20, NOW)))

@@ -8,7 +8,7 @@ from textual.widgets import OptionList
 from tests.console import scenes
 from tests.console.dialogs import busy, opened
 from tests.console.driving import Sitting, sitting
-from woz_tui.config.keys.console_keys import BUILTIN
+from woz_tui.config.keys.console_keys import BUILTIN_KEYS
 from woz_tui.console.commands import COMMANDS, by_key
 from woz_tui.console.replay import replay_commands as replay
 from woz_tui.console.screens.dialog import ConsoleCommand
@@ -18,7 +18,7 @@ from woz_tui.protocol import requests as r
 
 def test_each_key_of_the_console_belongs_to_one_command() -> None:
     keys = [key for command in COMMANDS for key in command.keys if key.chord]
-    assert sorted(keys, key=BUILTIN.index) == [*BUILTIN]
+    assert sorted(keys, key=BUILTIN_KEYS.index) == [*BUILTIN_KEYS]
 
 
 @pytest.mark.parametrize("commands", [COMMANDS, replay.COMMANDS], ids=["session", "replay"])

@@ -8,14 +8,14 @@ from textual.events import Key as KeyEvent
 
 from woz_tui.config.keys import (
     TERMINALS,
+    KeyOutcome,
     Terminal,
-    Verdict,
+    deliver,
     from_textual,
     is_stop,
-    normal,
-    reach,
+    normal_key,
 )
-from woz_tui.config.keys.terminals import folded
+from woz_tui.config.keys.terminals import merged_chords
 from woz_tui.console.byte_scanner import Scanner
 from woz_tui.console.input_tokens import Key, StopToken, Token
 
@@ -29,7 +29,7 @@ HELD = ["", "ctrl+", "alt+", "shift+", "ctrl+shift+", "ctrl+alt+", "alt+shift+",
 
 
 def scan(data: bytes, terminal: Terminal) -> list[Token]:
-    scanner = Scanner(folded(terminal))
+    scanner = Scanner(merged_chords(terminal))
     return scanner.feed(data) + scanner.close()
 
 
@@ -37,12 +37,12 @@ def scan(data: bytes, terminal: Terminal) -> list[Token]:
 @pytest.mark.parametrize("held", HELD)
 def test_what_reaches_the_console_is_what_the_key_map_says(terminal: Terminal, held: str) -> None:
     for key in [*CHARACTERS, *NAMED]:
-        chord = normal(f"{held}{key}")
-        found = reach(chord, terminal)
-        if not found.data or found.verdict is Verdict.NEVER:
+        chord = normal_key(f"{held}{key}")
+        found = deliver(chord, terminal)
+        if not found.data or found.verdict is KeyOutcome.NEVER:
             continue
         (token, *rest) = scan(found.data, terminal)
-        if found.verdict is Verdict.STOP or isinstance(token, StopToken):
+        if found.verdict is KeyOutcome.STOP or isinstance(token, StopToken):
             assert isinstance(token, StopToken), chord
             assert is_stop(chord), chord
         else:
@@ -55,8 +55,8 @@ def test_what_reaches_the_console_is_what_the_key_map_says(terminal: Terminal, h
 @pytest.mark.parametrize("held", HELD)
 def test_textual_reads_the_same_key(terminal: Terminal, held: str) -> None:
     for key in [*CHARACTERS, *NAMED]:
-        found = reach(normal(f"{held}{key}"), terminal)
-        if not found.data or found.verdict in (Verdict.NEVER, Verdict.STOP):
+        found = deliver(normal_key(f"{held}{key}"), terminal)
+        if not found.data or found.verdict in (KeyOutcome.NEVER, KeyOutcome.STOP):
             continue
         (token,) = scan(found.data, terminal)
         if isinstance(token, StopToken):

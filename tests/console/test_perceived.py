@@ -14,7 +14,7 @@ from tests.console.scripted import seen
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
-from woz_tui.protocol.welcome import Restricted, StudySettings
+from woz_tui.protocol.welcome import PerceptionView, StudySettings
 from woz_tui.session.redactor import Perception, Redactor, dots, kind_of
 
 NOW, SECOND = scenes.NOW, scenes.SECOND
@@ -151,7 +151,7 @@ async def test_blurred_figures_are_words() -> None:
 
 
 async def test_a_hidden_face_is_not_drawn_and_keeps_its_place() -> None:
-    study = StudySettings(perception=Restricted(hide=["face", "joints"]))
+    study = StudySettings(perception=PerceptionView(hide=["face", "joints"]))
     shown = bodies.welcome(bodies.alive())
     kept = msgspec.structs.replace(
         shown, settings=msgspec.structs.replace(shown.settings, study=study)
@@ -178,7 +178,7 @@ async def test_it_may_change_while_the_session_runs() -> None:
 
 
 def kept(*what: str) -> Redactor:
-    return Redactor(StudySettings(perception=Restricted(hide=[*what])))
+    return Redactor(StudySettings(perception=PerceptionView(hide=[*what])))
 
 
 # -- message by message ---------------------------------------------------------------------------

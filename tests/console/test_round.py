@@ -13,7 +13,7 @@ from woz_tui.console.keyboard import HELD_US
 from woz_tui.console.study.questionnaire_run import SETTLING_US, Page, Round
 from woz_tui.console.study.questionnaires import Answer, Asked, items_of
 from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire
-from woz_tui.protocol.welcome import ENGLISH, Item, Questionnaire
+from woz_tui.protocol.welcome import ENGLISH, QuestionnaireItemView, QuestionnaireView
 
 KEYS = ["enter", "tab", "up", "down", "left", "right", "backspace", "home", "end", "pageup"]
 KEYS += ["pagedown", "ctrl+d", "y", "n", "space", "x", "-", *"0123456789"]
@@ -23,13 +23,13 @@ KEYS += ["pagedown", "ctrl+d", "y", "n", "space", "x", "-", *"0123456789"]
 class Sitting:
     """A round with what it has sent, and a clock that a test turns."""
 
-    items: tuple[Item, ...] = items_of(studied.SCALES)
+    items: tuple[QuestionnaireItemView, ...] = items_of(studied.SCALES)
     sent: list[AskAnswer | AskQuestionnaire] = field(default_factory=list)
     now: int = 0
     answers: dict[str, Answer] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.asked = Asked(Questionnaire("robot", "You", items=self.items), self.answers)
+        self.asked = Asked(QuestionnaireView("robot", "You", items=self.items), self.answers)
         self.taken = Round(self.asked, self.sent.append, lambda: self.now)
 
     def press(self, *keys: str, apart: float = 0.8) -> None:
@@ -55,7 +55,12 @@ class Sitting:
 
 
 def scale(low: int, high: int, *, optional: bool = False) -> Sitting:
-    return Sitting((Item("one", "One?", low, high, optional=optional), Item("two", "Two?", 1, 5)))
+    return Sitting(
+        (
+            QuestionnaireItemView("one", "One?", low, high, optional=optional),
+            QuestionnaireItemView("two", "Two?", 1, 5),
+        )
+    )
 
 
 def test_it_begins_with_an_introduction_and_goes_through_all_items() -> None:
@@ -115,7 +120,7 @@ def test_numbers_are_typed_or_reached_with_arrows(
 
 def many(count: int = 10) -> Sitting:
     """On the first of so many items that a digit answers."""
-    seat = Sitting(tuple(Item(f"item-{n}", "How?", 1, 7) for n in range(count)))
+    seat = Sitting(tuple(QuestionnaireItemView(f"item-{n}", "How?", 1, 7) for n in range(count)))
     seat.press("enter")
     return seat
 
@@ -144,8 +149,10 @@ def test_who_presses_the_same_key_too_soon_is_told_and_may_press_again() -> None
     assert (len(seat.sent), seat.taken.complaint) == (2, "")
 
 
-def texts(count: int) -> tuple[Item, ...]:
-    return tuple(Item(f"text-{n}", "Why?", text=True, optional=True) for n in range(count))
+def texts(count: int) -> tuple[QuestionnaireItemView, ...]:
+    return tuple(
+        QuestionnaireItemView(f"text-{n}", "Why?", text=True, optional=True) for n in range(count)
+    )
 
 
 def test_a_held_enter_does_not_leave_out_what_comes_behind_the_introduction() -> None:
@@ -156,8 +163,11 @@ def test_a_held_enter_does_not_leave_out_what_comes_behind_the_introduction() ->
 
 
 ITEMS = (
-    *(Item(f"scale-{n}", "How?", 1, 7, optional=n % 2 == 0) for n in range(3)),
-    *(Item(f"number-{n}", "How much?", 0, 100, optional=n % 2 == 0) for n in range(3)),
+    *(QuestionnaireItemView(f"scale-{n}", "How?", 1, 7, optional=n % 2 == 0) for n in range(3)),
+    *(
+        QuestionnaireItemView(f"number-{n}", "How much?", 0, 100, optional=n % 2 == 0)
+        for n in range(3)
+    ),
     *texts(3),
 )
 #: What is done with one finger: a key, for how many seconds it is held, and the pause behind it.
@@ -175,7 +185,10 @@ PRESSES = st.tuples(
     rate=st.floats(10, 40),
 )
 def test_no_press_ever_answers_two_items(
-    items: list[Item], presses: list[tuple[str, float, float]], delay: float, rate: float
+    items: list[QuestionnaireItemView],
+    presses: list[tuple[str, float, float]],
+    delay: float,
+    rate: float,
 ) -> None:
     seat = Sitting(tuple(items))
     for key, held, pause in presses:
@@ -292,7 +305,10 @@ def test_an_enter_too_many_leaves_nothing_out() -> None:
 
 def test_an_empty_text_is_left_out_only_where_it_may_be() -> None:
     seat = Sitting(
-        (Item("why", "Why?", text=True), Item("else", "Else?", text=True, optional=True))
+        (
+            QuestionnaireItemView("why", "Why?", text=True),
+            QuestionnaireItemView("else", "Else?", text=True, optional=True),
+        )
     )
     seat.press("enter")
     seat.taken.write("   ")

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.config.keys.terminals import PLAIN, TMUX, folded
+from woz_tui.config.keys.terminals import PLAIN, TMUX, merged_chords
 from woz_tui.console.byte_scanner import LONE_ESC_S, PASTE_LIMIT, Scanner
 from woz_tui.console.input_tokens import Key, Paste, Raw, StopToken, TerminalReply, Token
 
@@ -343,8 +343,8 @@ def test_bytes_after_their_silence_leave_nothing_waiting(data: bytes) -> None:
 
 @pytest.mark.parametrize("sequence", [b"\x1b[1;3H", b"\x1b[1;3F", b"\x1b[57423;3u"])
 def test_an_escape_folded_into_the_key_behind_it_is_a_stop(sequence: bytes) -> None:
-    inside = Scanner(folded(TMUX))
+    inside = Scanner(merged_chords(TMUX))
 
     assert inside.feed(sequence) == [StopToken("escape", sequence)]
-    assert isinstance(Scanner(folded(PLAIN)).feed(sequence)[0], Key)
+    assert isinstance(Scanner(merged_chords(PLAIN)).feed(sequence)[0], Key)
     assert inside.feed(b"\x1b[1;3A") == [Key("alt+up", b"\x1b[1;3A", b"\x1b[1;3A")]

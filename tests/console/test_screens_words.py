@@ -9,7 +9,7 @@ from textual.widgets import OptionList
 from tests.console import scenes
 from tests.console.dialogs import busy, entry, opened
 from tests.console.driving import sitting
-from woz_tui.config.keys.console_keys import BUILTIN
+from woz_tui.config.keys.console_keys import BUILTIN_KEYS
 from woz_tui.console.screens.say import complete
 from woz_tui.protocol import requests as r
 
@@ -28,7 +28,7 @@ async def test_type_and_say() -> None:
 
 
 async def test_the_log_has_the_key_that_a_keymap_file_gave_to_saying() -> None:
-    moved = tuple(replace(key, chord=";") if key.id == "say" else key for key in BUILTIN)
+    moved = tuple(replace(key, chord=";") if key.id == "say" else key for key in BUILTIN_KEYS)
     async with sitting(builtins=moved) as seat:
         await seat.press(";")
         await seat.type("hi")

@@ -13,7 +13,7 @@ from tests.console.scripted import raw
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import ActionView, PanelView
-from woz_tui.protocol.welcome import Settings, StudySettings
+from woz_tui.protocol.welcome import StudySettings, WelcomeSettings
 from woz_tui.session.variables import UNTOLD
 
 NOW = scenes.NOW
@@ -57,7 +57,7 @@ def guide(*recent: m.Message, blind: bool = False) -> r.Welcome:
         scenes.welcome(state=[scenes.start(), FILLED, *recent]),
         panels=[PanelView(title="Whales", actions=actions)],
         script=["Show", "Secret"],
-        settings=Settings(study=study),
+        settings=WelcomeSettings(study=study),
     )
 
 

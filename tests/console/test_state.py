@@ -11,7 +11,7 @@ from woz_tui.console.message_feed import Incoming
 from woz_tui.console.view_models import ButtonState
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
-from woz_tui.protocol.welcome import Settings
+from woz_tui.protocol.welcome import WelcomeSettings
 from woz_tui.session.session_plan import panels_changed
 
 NOW = scenes.NOW
@@ -364,10 +364,10 @@ def test_a_reload_replaces_panels_and_keeps_what_runs() -> None:
 
 
 def test_a_reload_brings_every_setting_that_it_can_change() -> None:
-    """A setting that `Settings` gets has to be carried, or named here as one of the robot's."""
+    """A setting of `WelcomeSettings` has to be carried, or named here as one of the robot's."""
     of_the_robot = {"joints", "outlines", "lanes", "replay"}
-    assert of_the_robot == {*Settings.__struct_fields__} - {*r.PANEL_SETTINGS}
-    settings = Settings(
+    assert of_the_robot == {*WelcomeSettings.__struct_fields__} - {*r.PANEL_SETTINGS}
+    settings = WelcomeSettings(
         stale_after=3.0, dead_man=9.0, participant_pattern="Q", sensors=["loudness"]
     )
     told = msgspec.structs.replace(scenes.welcome(), settings=settings)

@@ -16,7 +16,7 @@ from woz_tui.console.message_feed import Incoming
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import PanelView
-from woz_tui.protocol.welcome import Settings
+from woz_tui.protocol.welcome import WelcomeSettings
 
 names = st.sampled_from(["a1", "a2", "Hello", "Map", "voice", "face", "distance", "", "Speech"])
 times = st.integers(-1, 1 << 48)
@@ -77,7 +77,7 @@ _SORTS: dict[object, st.SearchStrategy[object]] = {
     ),
     list[PanelView]: st.just([]),
     tuple[str, ...]: st.lists(st.sampled_from(["condition", "loudness"]), max_size=2).map(tuple),
-    Settings: of(Settings),
+    WelcomeSettings: of(WelcomeSettings),
 }
 
 

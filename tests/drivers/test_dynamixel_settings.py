@@ -11,7 +11,7 @@ import pytest
 from woz_drivers.dynamixel import DynamixelServos, JointSettings, ServoSettings, verbs
 
 from tests.drivers.servo_stand import HEAD
-from woz_tui.config.experiment import Experiment, ExperimentError, Together
+from woz_tui.config.experiment import Experiment, ExperimentError, ParallelCalls
 from woz_tui.config.loading import load
 from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import KINDS
@@ -179,7 +179,7 @@ def test_poses_of_an_action_are_understood_as_the_file_gives_them(tmp_path: Path
     action = experiment.action("Poses")
     assert action is not None
     (step,) = action.steps
-    assert isinstance(step, Together)
+    assert isinstance(step, ParallelCalls)
     frames = verbs.keyframes(GOOD, "poses", step.calls[0].args)
     assert [(dict(frame.joints), frame.seconds) for frame in frames] == [
         ({"pan": 10.0}, 1.0),

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from woz_drivers.simulated.simulated_camera import HEIGHT, WIDTH, Person, Sight, drawn
 
 from tests.drivers.heard import Heard
-from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, Picture, Watched
+from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
 from woz_tui.system.clock import ManualClock
 
 
@@ -51,7 +51,7 @@ async def test_it_looks_while_somebody_watches(tmp_path: Path) -> None:
     sight, feed = Sight(heard.context), heard.context.feed(PICTURE)
     sight.look(None)
     assert feed.latest().serial == 0
-    heard.context.feed(WATCHED).put(Watched(1_000_000, 320, 5.0))
+    heard.context.feed(WATCHED).put(CameraWatched(1_000_000, 320, 5.0))
     for _ in range(20):
         sight.look(None)
         clock.advance(0.1)

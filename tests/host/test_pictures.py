@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from tests.host.rig import WAIT_S, Peer, Served, served
-from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, Picture, Watched
+from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
 
 RED, BLUE = (200, 10, 10), (10, 10, 200)
 
@@ -34,9 +34,9 @@ def give(
     return host.session.hub.t(now)
 
 
-def wish(host: Served) -> Watched:
+def wish(host: Served) -> CameraWatched:
     value = host.session.feeds.feed("robot", WATCHED).latest().value
-    assert isinstance(value, Watched)
+    assert isinstance(value, CameraWatched)
     return value
 
 

@@ -362,7 +362,7 @@ def answers() -> list[r.AnyAnswer]:
             drivers=["voice", "head"],
             state=[_raw(stream[0]), _raw(stream[4])],
             recent=[_raw(stream[2])],
-            settings=s.Settings(
+            settings=s.WelcomeSettings(
                 dead_man=3.0,
                 stale_after=1.5,
                 profiles=["child"],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
-from woz_tui.protocol.welcome import Settings
+from woz_tui.protocol.welcome import WelcomeSettings
 
 SHA = "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"
 
@@ -24,7 +24,7 @@ BEGINNING: tuple[m.AnyMessage, ...] = (
         conditions=["warm", "cold"],
         keyboard="us",
         drivers=["voice"],
-        settings=Settings(dead_man=3.0),
+        settings=WelcomeSettings(dead_man=3.0),
     ),
     m.PreflightChecked(check="head", level="ok", detail="3 servos", source="robot"),
     m.PreflightChecked(check="the camera sees the whole table", level="ok", source="wizard"),

@@ -12,7 +12,7 @@ import msgspec
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import Stage
 from woz_tui.analysis.played_actions import PlayedSession, played_session
-from woz_tui.config.experiment import Call, Place
+from woz_tui.config.experiment import Call, FilePosition
 from woz_tui.log.log_reader import read
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
@@ -23,7 +23,7 @@ from woz_tui.session.action_runner import Origin
 
 KEY = Origin("key", "h", "con1")
 HAND = Origin("key", "h", "con9")
-NOWHERE = Place("", 0, 0)
+NOWHERE = FilePosition("", 0, 0)
 Scenario = Callable[[Stage], Awaitable[None]]
 
 

@@ -15,7 +15,7 @@ from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import ActionView, PanelView
-from woz_tui.protocol.welcome import Settings
+from woz_tui.protocol.welcome import WelcomeSettings
 from woz_tui.replay.player import Incoming, Player, Start
 from woz_tui.replay.recording import Reel
 from woz_tui.system.clock import timestamp
@@ -69,7 +69,7 @@ PLAN = m.SessionPlan(
             "shaping": None,
             "by_condition": {},
         }
-    }, Settings),
+    }, WelcomeSettings),
 )  # fmt: skip
 
 

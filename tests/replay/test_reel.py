@@ -22,7 +22,7 @@ from tests.replay.logs import (
 from woz_tui.log.log_reader import Line
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.welcome import ModelLimits, Restricted, Settings
+from woz_tui.protocol.welcome import ModelLimits, PerceptionView, WelcomeSettings
 from woz_tui.replay.bookmarks import Cuts, steady
 from woz_tui.replay.legacy_plan import plan_from
 from woz_tui.replay.player import Start
@@ -214,7 +214,7 @@ def test_a_plan_of_the_middle_counts_from_then_on() -> None:
         conditions=[],
         keyboard="us",
         drivers=[],
-        settings=Settings(),
+        settings=WelcomeSettings(),
     )
     it = Viewer(reel_of(stamped([(0, START), (1, PLAN), (5, later), (9, m.Marker())])))
     assert it.picture.title == "Museum guide"
@@ -274,9 +274,9 @@ def _blind() -> m.SessionPlan:
     study = msgspec.structs.replace(
         PLAN.settings.study,
         blind={"warm": "A", "cold": "B"},
-        perception=Restricted(hide=["distance"]),
+        perception=PerceptionView(hide=["distance"]),
     )
-    return msgspec.structs.replace(PLAN, settings=Settings(study=study))
+    return msgspec.structs.replace(PLAN, settings=WelcomeSettings(study=study))
 
 
 @pytest.mark.parametrize("reveal", [False, True])

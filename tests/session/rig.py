@@ -14,11 +14,11 @@ from woz_tui.config.experiment import (
     Call,
     DriverSpec,
     Experiment,
+    FilePosition,
     Panel,
-    Place,
+    ParallelCalls,
     SessionSettings,
     Step,
-    Together,
     Wait,
 )
 from woz_tui.drivers.contract import (
@@ -39,7 +39,7 @@ from woz_tui.session.participant_identity import Identity
 from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock
 
-HERE = Place("made.yaml", 1, 1)
+HERE = FilePosition("made.yaml", 1, 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,8 +99,8 @@ def call(verb: str, driver: str = "robot", **args: Json) -> Call:
     return Call(verb, args, driver, HERE)
 
 
-def together(*calls: Call) -> Together:
-    return Together(calls)
+def together(*calls: Call) -> ParallelCalls:
+    return ParallelCalls(calls)
 
 
 def action(name: str, *steps: Step, panel: str = "Speech", locked: bool = False) -> Action:

@@ -14,32 +14,34 @@ from tests.session.rig import Stage, action, call, experiment, together
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.study import (
     Design,
-    Item,
-    Perception,
+    PerceptionLimits,
     Questionnaire,
-    Shaping,
+    QuestionnaireItem,
+    ResponseShaping,
     Study,
 )
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.welcome import Settings
+from woz_tui.protocol.welcome import WelcomeSettings
 from woz_tui.session.participant_identity import Identity
 
 ITEMS = (
-    Item("pleasant", "How pleasant was it?", 1, 5, ("not at all", "very")),
-    Item("else", "Anything else?", text=True, optional=True),
+    QuestionnaireItem("pleasant", "How pleasant was it?", 1, 5, ("not at all", "very")),
+    QuestionnaireItem("else", "Anything else?", text=True, optional=True),
 )
 STUDY = Study(
     design=Design(trials=2, blind={"warm": "A", "cold": "B"}),
     questionnaires=(
-        Questionnaire("each", "Each trial", (Item("hard", "How hard was it?"),), "trial"),
+        Questionnaire(
+            "each", "Each trial", (QuestionnaireItem("hard", "How hard was it?"),), "trial"
+        ),
         Questionnaire("ux", "How was it?", ITEMS, "condition"),
-        Questionnaire("last", "At last", (Item("why", "Why?", text=True),), "end"),
-        Questionnaire("whenever", "Whenever", (Item("now", "Now?", 0, 100),), "hand"),
+        Questionnaire("last", "At last", (QuestionnaireItem("why", "Why?", text=True),), "end"),
+        Questionnaire("whenever", "Whenever", (QuestionnaireItem("now", "Now?", 0, 100),), "hand"),
     ),
     preflight=("the door is shut", "the camera sees the table"),
-    shaping=Shaping(0.8, 0.4, ("speech",)),
-    perception=Perception(("distance",), ("transcript",)),
+    shaping=ResponseShaping(0.8, 0.4, ("speech",)),
+    perception=PerceptionLimits(("distance",), ("transcript",)),
 )
 GREETING = {"warm": "Hello {participant}!", "cold": "Hello."}
 
@@ -99,7 +101,7 @@ def log(
     path = folder / f"{name}.jsonl"
     plan = [m.SessionPlan(
         title=title, panels=[], script=[], verbs={}, variables=[], conditions=[], keyboard="us",
-        drivers=[], settings=Settings(),
+        drivers=[], settings=WelcomeSettings(),
     )] if title is not None else []  # fmt: skip
     start = m.SessionStart(
         session="S01", participant="", experiment="made.yaml", experiment_sha256="0" * 64,

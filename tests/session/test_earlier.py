@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from tests.session.studied import had, log
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.welcome import Settings
+from woz_tui.protocol.welcome import WelcomeSettings
 from woz_tui.session import earlier_sessions
 from woz_tui.session.condition_proposal import Past
 from woz_tui.session.earlier_sessions import Earlier, Found
@@ -181,7 +181,7 @@ def test_of_what_was_shown_only_the_title_is_kept(tmp_path: Path) -> None:
     log(tmp_path, "2026-03-01T10-00-00_S01", had("P01", ORDER, "d"), title="T")
     plan = m.SessionPlan(
         title="T", panels=[], script=["x"] * 9000, verbs={}, variables=["v"] * 9000, conditions=[],
-        keyboard="us", drivers=[], settings=Settings(values={"a": "b" * 9000}),
+        keyboard="us", drivers=[], settings=WelcomeSettings(values={"a": "b" * 9000}),
     )  # fmt: skip
     path = tmp_path / "2026-03-02T10-00-00_S02.jsonl"
     path.write_bytes(codec.encode(msgspec.structs.replace(plan, seq=0, t=0)))

@@ -12,7 +12,7 @@ import pytest
 from tests.session.engaged import PLAIN, WIZARD, Guide, Room, effect, guided, in_room
 from tests.session.rig import call, together
 from woz_tui.config.engagement import STATES, EngagementSettings
-from woz_tui.config.experiment import Choice, Profile, Wait
+from woz_tui.config.experiment import Profile, TextVariants, Wait
 from woz_tui.drivers.contract import DriverError, Health, Job
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
@@ -203,7 +203,7 @@ def test_while_stopped_nothing_is_played_and_then_what_lasts_is_shown_again(
 
 
 def test_what_is_shown_again_after_a_stop_is_chosen_and_filled_in(tmp_path: Path) -> None:
-    by_condition = Choice({"warm": ("{shade}-red",), "cold": ("blue",)})
+    by_condition = TextVariants({"warm": ("{shade}-red",), "cold": ("blue",)})
     eyes = replace(call("eyes"), choices={"color": by_condition})
     experiment = guided(tmp_path, SHOWING, effect("PersonDetected", together(eyes)))
 

@@ -16,7 +16,7 @@ from tests.session.rig import Stage
 from tests.session.studied import STUDY, studied
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.session_reading import read_report
-from woz_tui.config.study import Shaping
+from woz_tui.config.study import ResponseShaping
 from woz_tui.log.verify import verify
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AskAnswer
@@ -102,7 +102,7 @@ async def _whole(tmp_path: Path, seed: int) -> Stage:
     loop = asyncio.get_running_loop()
     failed: list[object] = []
     loop.set_exception_handler(lambda loop, told: failed.append(told))
-    shaped = replace(STUDY, shaping=Shaping(0.8, 2.0, ("speech",)))
+    shaped = replace(STUDY, shaping=ResponseShaping(0.8, 2.0, ("speech",)))
     stage = Stage(tmp_path, identity=Identity(seed=seed), made=studied(tmp_path, shaped))
     await stage.session.open()
     stage.session.bus.unwatched = ""

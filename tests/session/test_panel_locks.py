@@ -14,7 +14,7 @@ from tests.fakes.virtual_time import run_virtual
 from tests.host.rig import served
 from tests.session.rig import HERE, Stage, experiment
 from tests.session.test_asking import Ear, from_a_thread
-from woz_tui.config.experiment import Experiment, Panel, Steps
+from woz_tui.config.experiment import ArrowKeySteps, Experiment, Panel
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.contract import Ask
 from woz_tui.host.panel_views import panel_views
@@ -119,9 +119,9 @@ def test_a_changed_cover_is_among_the_differences(tmp_path: Path) -> None:
 
 
 def test_steps_of_the_arrow_keys_are_settings_of_the_file(tmp_path: Path) -> None:
-    assert read(tmp_path, FILE).steps == Steps()
+    assert read(tmp_path, FILE).steps == ArrowKeySteps()
     found = read(tmp_path, FILE + "steps: {head: 10, drive: 0.25}\n")
-    assert found.steps == Steps(head=10, drive=0.25)
+    assert found.steps == ArrowKeySteps(head=10, drive=0.25)
     assert errors(tmp_path, FILE + "steps: {head: 0}\n") == [
         "8:9: steps.head: 0 is out of range; allowed is 0.1 to 90 °"
     ]
@@ -132,4 +132,4 @@ async def test_consoles_hear_of_the_steps_at_the_start(tmp_path: Path) -> None:
     async with served(tmp_path) as rig:
         peer = await rig.connect()
         welcome = await peer.hello()
-        assert welcome["settings"]["steps"] == asdict(Steps())
+        assert welcome["settings"]["steps"] == asdict(ArrowKeySteps())

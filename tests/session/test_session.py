@@ -11,7 +11,7 @@ import pytest
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import Puppet, Stage
 from woz_tui.config import utterance_template
-from woz_tui.config.experiment import Place, Problem
+from woz_tui.config.experiment import FilePosition, Problem
 from woz_tui.drivers.contract import DeviceLostError, Finding, Job, Scope
 from woz_tui.protocol import messages as m
 from woz_tui.session.action_runner import Origin
@@ -226,7 +226,12 @@ def test_the_preflight_tells_what_is_odd_in_the_file(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
         assert "experiment" not in {one.subject for one in await preflight(stage.session)}
         odd = [
-            Problem(Place("made.yaml", line, 1), "panels[0]", "p plays Plan instead", warning=True)
+            Problem(
+                FilePosition("made.yaml", line, 1),
+                "panels[0]",
+                "p plays Plan instead",
+                warning=True,
+            )
             for line in (7, 9)
         ]
         stage.session.experiment = replace(stage.session.experiment, warnings=tuple(odd))

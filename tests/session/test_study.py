@@ -10,9 +10,9 @@ import pytest
 
 from tests.session.rig import Stage
 from tests.session.studied import STUDY, had, log, on_stage, said, studied
-from woz_tui.config.study import Perception, Study
+from woz_tui.config.study import PerceptionLimits, Study
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.welcome import Check
+from woz_tui.protocol.welcome import PreflightCheck
 from woz_tui.session.action_runner import Origin
 from woz_tui.session.participant_identity import AskError, Identity
 from woz_tui.session.preflight import preflight
@@ -262,7 +262,7 @@ def test_what_shapes_the_answers_is_said_at_the_beginning_and_when_it_changes(
         same = studied(tmp_path)
         stage.session.adopt(same, [])
         stage.session.adopt(
-            replace(same, study=replace(STUDY, shaping=None, perception=Perception())), []
+            replace(same, study=replace(STUDY, shaping=None, perception=PerceptionLimits())), []
         )
 
     stage = on_stage(tmp_path, scenario)
@@ -337,8 +337,8 @@ def test_the_preflight_list_is_ticked_by_hand_and_filled_by_the_robot(tmp_path: 
         found = await preflight(stage.session)
         assert {finding.subject for finding in found} < {*study.state.checks}
         assert study_snapshot(study.settings, study.state).preflight == [
-            Check("the door is shut", ok=True),
-            Check("the camera sees the table", ok=False),
+            PreflightCheck("the door is shut", ok=True),
+            PreflightCheck("the camera sees the table", ok=False),
         ]
 
     stage = on_stage(tmp_path, scenario)

@@ -14,7 +14,7 @@ from msgspec import structs
 
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import Stage, action, call, experiment, together
-from woz_tui.config.experiment import Call, Choice, Experiment
+from woz_tui.config.experiment import Call, Experiment, TextVariants
 from woz_tui.config.study import Design, Study
 from woz_tui.protocol import messages as m
 from woz_tui.replay.rerun_plan import plan_of
@@ -30,7 +30,7 @@ GREETINGS = {"warm": ("How nice, {participant}!", "Welcome!"), "cold": ("Hello."
 
 
 def chosen(texts: Mapping[str, tuple[str, ...]]) -> Call:
-    return replace(call("say"), choices={"text": Choice(texts)})
+    return replace(call("say"), choices={"text": TextVariants(texts)})
 
 
 def made(folder: Path) -> Experiment:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from tests.protocol.examples import messages as examples
 from woz_tui.config.engagement import STATES
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.welcome import Settings, StudySettings
+from woz_tui.protocol.welcome import StudySettings, WelcomeSettings
 
 SECOND = 1_000_000
 #: `settings.study` of what consoles are shown.
@@ -42,7 +42,7 @@ def plan(**settings: Any) -> m.SessionPlan:
     """What consoles are shown."""
     return m.SessionPlan(
         title="Guide", panels=[], script=[], verbs={}, variables=[], conditions=["warm", "cold"],
-        keyboard="us", drivers=["robot"], settings=Settings(study=STUDY, **settings),
+        keyboard="us", drivers=["robot"], settings=WelcomeSettings(study=STUDY, **settings),
     )  # fmt: skip
 
 

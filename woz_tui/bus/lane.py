@@ -135,7 +135,7 @@ class LaneJob:
 
     @property
     def tells(self) -> tuple[str, ...]:
-        """What its arguments tell (see `messages.Worded`)."""
+        """What its arguments tell (see `messages.RestrictedMessage`)."""
         return self._ticket.command.tells
 
     def expects(self, seconds: float) -> None:

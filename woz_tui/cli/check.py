@@ -22,13 +22,13 @@ from woz_tui.config.engagement_effects import ENTERED
 from woz_tui.config.experiment import (
     Action,
     Call,
-    Choice,
     DriverSpec,
     Engagement,
     Experiment,
     ExperimentError,
     Problem,
     Step,
+    TextVariants,
     Wait,
 )
 from woz_tui.config.loading import load
@@ -82,14 +82,18 @@ def check(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     try:
         experiment = load(arguments.file, catalogue)
         layout = arguments.layout or experiment.keyboard
-        builtins = keys.load_keymap(arguments.keymap, layout) if arguments.keymap else keys.BUILTIN
+        builtins = (
+            keys.load_keymap(arguments.keymap, layout) if arguments.keymap else keys.BUILTIN_KEYS
+        )
     except ExperimentError as error:
         _print_errors(error.problems, arguments)
         return 1
     terminal = (
-        keys.TERMINALS[arguments.terminal] if arguments.terminal else keys.detected(os.environ)
+        keys.TERMINALS[arguments.terminal]
+        if arguments.terminal
+        else keys.detect_terminal(os.environ)
     )
-    own = keys.builtins_with([action.name for action in experiment.repairs], builtins)
+    own = keys.builtin_keys_with([action.name for action in experiment.repairs], builtins)
     keymap = keys.key_map(experiment.panels, terminal, layout, own)
     if arguments.format == "json":
         print(json.dumps(_report(experiment, keymap, terminal, layout), indent=2))
@@ -178,7 +182,7 @@ def _keys_table(experiment: Experiment, keymap: keys.KeyMap) -> Table:
             table.add_row(
                 Text(panel.title if index == 0 else ""),
                 Text(f"{found.press}*" if found.reserve else found.press or "-"),
-                Text(keys.spoken(found.data)),
+                Text(keys.describe_bytes(found.data)),
                 Text(action.label),
                 _does(action, found, mains),
                 end_section=index == len(panel.actions) - 1,
@@ -186,7 +190,7 @@ def _keys_table(experiment: Experiment, keymap: keys.KeyMap) -> Table:
     return table
 
 
-def _does(action: Action, found: keys.Assigned, mains: Mapping[str, str]) -> Text:
+def _does(action: Action, found: keys.AssignedKey, mains: Mapping[str, str]) -> Text:
     """What the action does, and what is the matter with its key."""
     text = Text(described(action, mains))
     if action.locked:
@@ -202,7 +206,7 @@ def _does(action: Action, found: keys.Assigned, mains: Mapping[str, str]) -> Tex
 
 def _moved_builtins(keymap: keys.KeyMap) -> Iterator[str]:
     for found in keymap.builtins.values():
-        item = keys.builtin(found.name)
+        item = keys.builtin_key(found.name)
         if item is None or found.press == item.chord:
             continue
         why = f" ({found.wanted}: {found.why})" if found.why else ""
@@ -280,7 +284,7 @@ def _call(call: Call, mains: Mapping[str, str]) -> str:
     return " ".join(words) + who
 
 
-def _chosen(choice: Choice) -> str:
+def _chosen(choice: TextVariants) -> str:
     """Every text with its condition, and variants side by side."""
     each = (
         (f"{condition}: " if condition else "") + " | ".join(map(_value, texts))
@@ -347,7 +351,7 @@ def _problems(problems: list[Problem]) -> list[Json]:
     ]
 
 
-def _key(action: Action, found: keys.Assigned, mains: Mapping[str, str]) -> Json:
+def _key(action: Action, found: keys.AssignedKey, mains: Mapping[str, str]) -> Json:
     return {
         "panel": action.panel,
         "action": action.name,

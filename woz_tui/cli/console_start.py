@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from woz_tui.cli.host_start import Launch, LaunchError, RobotProcess
-from woz_tui.config.keys.console_keys import BUILTIN, Builtin
+from woz_tui.config.keys.console_keys import BUILTIN_KEYS, BuiltinKey
 
 if TYPE_CHECKING:
     from woz_tui.console.app import Console
@@ -40,7 +40,7 @@ class ScreenOptions:
     take_over: bool = False
     ask_participant: bool = False
     restart: Sequence[str] | None = None
-    builtins: Sequence[Builtin] = BUILTIN
+    builtins: Sequence[BuiltinKey] = BUILTIN_KEYS
     pictures: str = "auto"
     theme: str = ""
 
@@ -67,7 +67,7 @@ def make_console(options: ScreenOptions) -> Console:
     """The console, connected and ready to run; nothing has been drawn. Raises `ConnectionError`
     if the robot process has ended already.
     """
-    from woz_tui.config.keys.terminals import detected  # noqa: PLC0415
+    from woz_tui.config.keys.terminals import detect_terminal  # noqa: PLC0415
     from woz_tui.console.app import Console  # noqa: PLC0415
     from woz_tui.console.host_connection import HostConnection  # noqa: PLC0415
     from woz_tui.console.keyboard import Keyboard  # noqa: PLC0415
@@ -88,7 +88,7 @@ def make_console(options: ScreenOptions) -> Console:
         link,
         keyboard,
         look=look,
-        terminal=detected(os.environ),
+        terminal=detect_terminal(os.environ),
         builtins=options.builtins,
         ask_participant=options.ask_participant,
         pictures=options.pictures,

@@ -11,12 +11,12 @@ from pathlib import Path, PurePosixPath
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.config import woz4u
 from woz_tui.config.experiment import ExperimentError
-from woz_tui.config.file_text import Source, SourceError, read
+from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
 from woz_tui.config.loading import TOP_LEVEL, load
-from woz_tui.config.problems import Report
+from woz_tui.config.problems import ProblemReport
 from woz_tui.config.woz4u.woz4u_texts import one_line
-from woz_tui.config.woz4u.yaml_writer import written
-from woz_tui.config.yaml_nodes import Table, tree
+from woz_tui.config.woz4u.yaml_writer import yaml_text
+from woz_tui.config.yaml_nodes import MappingNode, parse_yaml
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver
 from woz_tui.system.file_replacing import replace
@@ -58,10 +58,10 @@ def convert(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
             print(problem, file=sys.stderr)
         count = f"{len(error.problems)} error{'s' if len(error.problems) > 1 else ''}"
         return _told(f"{arguments.file}: {count}; nothing was written")
-    opened = woz4u.opened(source, TOP_LEVEL, _move(arguments.file, output))
+    opened = woz4u.translate_file(source, TOP_LEVEL, _move(arguments.file, output))
     table = opened.root.node
-    assert isinstance(table, Table)  # it was one when it was recognised
-    text = written(table, opened.remarks, _HEAD.format(name=one_line(arguments.file.name)))
+    assert isinstance(table, MappingNode)  # it was one when it was recognised
+    text = yaml_text(table, opened.remarks, _HEAD.format(name=one_line(arguments.file.name)))
     for warning in experiment.warnings:
         print(warning, file=sys.stderr)
     if output is None:
@@ -75,18 +75,18 @@ def convert(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     return 0
 
 
-def _source(file: Path) -> Source:
+def _source(file: Path) -> SourceFile:
     """The file, if it is a WoZ4U file."""
     try:
-        source = read(file, str(file))
-    except SourceError as error:
+        source = read_source(file, str(file))
+    except SourceFileError as error:
         raise ConvertError(f"{file}:{error.line}:{error.column}: {error.message}") from error
-    report = Report()
-    node = tree(source, report, last_wins=True)
+    report = ProblemReport()
+    node = parse_yaml(source, report, last_wins=True)
     if node is None and report.errors:
         raise ConvertError(str(report.errors[0]))
-    if not isinstance(node, Table) or not woz4u.recognised(node, TOP_LEVEL):
-        ours = isinstance(node, Table) and not {"panels", "robot", "robots"}.isdisjoint(
+    if not isinstance(node, MappingNode) or not woz4u.recognised(node, TOP_LEVEL):
+        ours = isinstance(node, MappingNode) and not {"panels", "robot", "robots"}.isdisjoint(
             node.entries
         )
         raise ConvertError(
@@ -111,7 +111,7 @@ def _free(output: Path, original: Path, *, force: bool) -> None:
         raise ConvertError(f"{output}: {error.strerror or error}") from error
 
 
-def _move(original: Path, output: Path | None) -> woz4u.Move:
+def _move(original: Path, output: Path | None) -> woz4u.PathRewriter:
     """Relative paths begin at the file they stand in, so they change with its folder."""
     if output is None:
         return str

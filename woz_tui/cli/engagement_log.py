@@ -17,7 +17,7 @@ import msgspec
 
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.config.engagement import RUNS, EngagementSettings
-from woz_tui.config.engagement_json import plain, settings_from
+from woz_tui.config.engagement_json import settings_from_json, settings_to_json
 from woz_tui.config.session_verbs import ENGAGEMENT
 from woz_tui.log.log_reader import Damage, Line, read
 from woz_tui.protocol import messages as m
@@ -115,13 +115,13 @@ class ModelRerun:
             self.follower = None
             return None
         try:
-            self.settings = self.above.change(settings_from(told.settings))
+            self.settings = self.above.change(settings_from_json(told.settings))
         except ValueError as error:
             self.unreadable.append(str(error))
             return None
         if self.follower is None:
             self._begin(self.settings)
-        return msgspec.structs.replace(told, settings=plain(self.settings))
+        return msgspec.structs.replace(told, settings=settings_to_json(self.settings))
 
     def _begin(self, settings: EngagementSettings) -> None:
         """As live: a model that begins in mid-session is told what holds."""

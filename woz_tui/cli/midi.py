@@ -16,7 +16,7 @@ from typing import Any, Protocol
 from rich.table import Table
 
 from woz_tui.cli.error_sentences import with_error_sentences
-from woz_tui.config.annotated_decoder import settings_of
+from woz_tui.config.annotated_decoder import settings_from_texts
 from woz_tui.console.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver, DriverError
@@ -90,7 +90,7 @@ def _panel(catalogue: Mapping[str, type[Driver]]) -> Any:
 
 
 def _settings(panel: Any, name: str) -> Any:
-    return settings_of(panel.Settings, {"map": name}, Path.cwd())
+    return settings_from_texts(panel.Settings, {"map": name}, Path.cwd())
 
 
 def _show(arguments: Namespace) -> int:

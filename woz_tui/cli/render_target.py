@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from woz_tui.config.experiment import Action, DriverSpec, Experiment, Together
+from woz_tui.config.experiment import Action, DriverSpec, Experiment, ParallelCalls
 from woz_tui.config.loading import load
 from woz_tui.config.problems import hint, listed
-from woz_tui.config.robots import is_robot, load_robot
+from woz_tui.config.robots import is_robot_file, load_robot
 from woz_tui.drivers.contract import Driver, RejectedError
 from woz_tui.motion.body_verbs import BRIEF
 from woz_tui.motion.engine import Engine
@@ -55,7 +55,7 @@ class Stage:
 
         Raises `ExperimentError` for what is wrong with the file, `RenderError` for the body.
         """
-        experiment = None if is_robot(file) else load(file, catalogue)
+        experiment = None if is_robot_file(file) else load(file, catalogue)
         drivers = load_robot(file, catalogue) if experiment is None else experiment.drivers
         bodies = {
             spec.name: (spec, driver)
@@ -139,7 +139,7 @@ class Stage:
     def _steps(self, action: Action, tell: Tell) -> Iterable[Step]:
         left_out: dict[str, None] = {}
         for step in action.steps:
-            if not isinstance(step, Together):
+            if not isinstance(step, ParallelCalls):
                 yield step.seconds
                 continue
             mine = [call for call in step.calls if call.driver == self.body]

@@ -237,7 +237,7 @@ def _plan(experiment: Experiment, catalogue: Catalogue) -> SessionPlan:
 def _console(feed: ReplayFeed, theme: str) -> ReplayConsole:
     """The console, ready to run."""
     from woz_tui.cli.console_start import found_look  # noqa: PLC0415
-    from woz_tui.config.keys.terminals import detected  # noqa: PLC0415
+    from woz_tui.config.keys.terminals import detect_terminal  # noqa: PLC0415
     from woz_tui.console.replay.replay_app import ReplayConsole  # noqa: PLC0415
     from woz_tui.console.replay.replay_commands import ReplayKeyboard  # noqa: PLC0415
     from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
@@ -246,6 +246,6 @@ def _console(feed: ReplayFeed, theme: str) -> ReplayConsole:
         feed,
         ReplayKeyboard(feed),
         look=found_look(theme)[0],
-        terminal=detected(os.environ),
+        terminal=detect_terminal(os.environ),
         driver_class=WizardDriver,
     )

@@ -7,7 +7,7 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from woz_tui.config.keys.console_keys import BUILTIN, Builtin
+from woz_tui.config.keys.console_keys import BUILTIN_KEYS, BuiltinKey
 from woz_tui.session.participant_identity import Identity
 
 
@@ -78,13 +78,13 @@ def add_keymap(parser: ArgumentParser) -> None:
     )
 
 
-def builtins(arguments: Namespace) -> Sequence[Builtin]:
+def builtins(arguments: Namespace) -> Sequence[BuiltinKey]:
     """The console's keys, moved as the file says. Raises `ExperimentError` for a wrong file."""
     file: Path | None = arguments.keymap
     if file is None:
         file = _config() / "woz" / "keymap.yaml"
         if not file.exists():
-            return BUILTIN
+            return BUILTIN_KEYS
     from woz_tui.config.keys import load_keymap  # noqa: PLC0415 - few wizards have a file
 
     return load_keymap(file)

@@ -19,11 +19,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal, TypeVar
 
-from woz_tui.config.experiment import Place, Problem
-from woz_tui.config.file_text import Source
-from woz_tui.config.problems import Report, join
+from woz_tui.config.experiment import FilePosition, Problem
+from woz_tui.config.file_text import SourceFile
+from woz_tui.config.problems import ProblemReport, join
 from woz_tui.config.yaml_cursor import (
-    Spot,
+    Cursor,
     document,
     missing,
     named_source,
@@ -34,11 +34,11 @@ from woz_tui.config.yaml_cursor import (
     read_whole,
     read_word,
 )
-from woz_tui.config.yaml_nodes import Items, Node, Scalar, Table, described
+from woz_tui.config.yaml_nodes import ListNode, MappingNode, Node, ScalarNode, described
 from woz_tui.drivers import fields
 
 #: Stands for a value that could not be read; what is wrong has been reported.
-BAD: Final = object()
+INVALID: Final = object()
 
 N = TypeVar("N")
 
@@ -71,7 +71,7 @@ def _field(item: dataclasses.Field[Any], annotation: Any) -> Field:
         default = item.default_factory()
     elif item.default is not dataclasses.MISSING:
         default = item.default
-    docs = [note.text for note in split(annotation)[1] if isinstance(note, fields.Doc)]
+    docs = [note.text for note in split_annotation(annotation)[1] if isinstance(note, fields.Doc)]
     return Field(
         name=item.name.rstrip("_"),
         attribute=item.name,
@@ -82,7 +82,7 @@ def _field(item: dataclasses.Field[Any], annotation: Any) -> Field:
     )
 
 
-def split(annotation: Any) -> tuple[Any, tuple[Any, ...]]:
+def split_annotation(annotation: Any) -> tuple[Any, tuple[Any, ...]]:
     """The bare type and the notes of `Annotated[type, *notes]`."""
     if typing.get_origin(annotation) is Annotated:
         bare, *notes = typing.get_args(annotation)
@@ -90,27 +90,27 @@ def split(annotation: Any) -> tuple[Any, tuple[Any, ...]]:
     return annotation, ()
 
 
-def note(notes: Sequence[Any], kind: type[N]) -> N | None:
+def find_note(notes: Sequence[Any], kind: type[N]) -> N | None:
     """The first note of one kind."""
     return next((item for item in notes if isinstance(item, kind)), None)
 
 
-def noted(settings: Any, kind: type) -> Iterator[tuple[str, str]]:
+def values_with_note(settings: Any, kind: type) -> Iterator[tuple[str, str]]:
     """Texts among the settings that have a note of this kind, by name; empty ones are left out."""
     shape: type = type(settings)
     for item in fields_of(shape):
         value = getattr(settings, item.attribute)
-        if value and note(split(item.annotation)[1], kind) is not None:
+        if value and find_note(split_annotation(item.annotation)[1], kind) is not None:
             yield item.name, value
 
 
-def read_settings(spot: Spot, shape: type, others: Sequence[str] = ()) -> Any:
-    """An instance of the dataclass `shape`, or `BAD`. Entries that it does not have are errors,
+def read_settings(cursor: Cursor, shape: type, others: Sequence[str] = ()) -> Any:
+    """An instance of the dataclass `shape`, or `INVALID`. Entries that it does not have are errors,
     except for `others`, which somebody else reads.
     """
-    table = spot.table("a mapping of settings")
+    table = cursor.table("a mapping of settings")
     if table is None:
-        return BAD
+        return INVALID
     values: dict[str, Any] = {}
     whole = True
     for item in fields_of(shape):
@@ -119,47 +119,47 @@ def read_settings(spot: Spot, shape: type, others: Sequence[str] = ()) -> Any:
         entry = table.pop(item.name, None)
         if entry is None:
             if item.required:
-                missing({}, item.name, spot, item.doc)
+                missing({}, item.name, cursor, item.doc)
                 whole = False
             continue
-        value = read(entry, item.annotation)
-        whole = whole and value is not BAD
+        value = read_value(entry, item.annotation)
+        whole = whole and value is not INVALID
         values[item.attribute] = value
     for name, entry in table.items():
         if name not in others:
             known = dict.fromkeys([*(item.name for item in fields_of(shape)), *others])
             entry.unknown(known, "settings here are")
             whole = False
-    return _made(spot, shape, values) if whole else BAD
+    return _made(cursor, shape, values) if whole else INVALID
 
 
-def read_section(spot: Spot | None, shape: type[N], others: Sequence[str] = ()) -> N | None:
+def read_section(cursor: Cursor | None, shape: type[N], others: Sequence[str] = ()) -> N | None:
     """A section that is nothing but settings; None if it is not there or wrong."""
-    made: Any = BAD if spot is None else read_settings(spot, shape, others)
-    return None if made is BAD else made
+    made: Any = INVALID if cursor is None else read_settings(cursor, shape, others)
+    return None if made is INVALID else made
 
 
-def _made(spot: Spot, shape: type, values: dict[str, Any]) -> Any:
+def _made(cursor: Cursor, shape: type, values: dict[str, Any]) -> Any:
     """The instance, its own cross rules asked. A stranger's rules may raise anything."""
     try:
         made = shape(**values)
         section = made if isinstance(made, fields.Section) else fields.Section()
         problems = list(section.problems())
         hints = list(section.warnings())
-        included: Included | None = None if problems else section.included()
+        included: IncludedFiles | None = None if problems else section.included()
     except Exception as error:  # noqa: BLE001 - a plug-in's code; its failure is the file's error
-        spot.error(str(error) or type(error).__name__)
-        return BAD
-    for say, said in ((spot.report.error, problems), (spot.report.warning, hints)):
+        cursor.error(str(error) or type(error).__name__)
+        return INVALID
+    for say, said in ((cursor.report.error, problems), (cursor.report.warning, hints)):
         for path, message in said:
-            full = _below(spot.path, path)
-            say(spot.report.place(full, spot.place.file), full, message)
-    if included is not None and not _taken(spot.report, included):
-        return BAD
-    return BAD if problems else made
+            full = _below(cursor.path, path)
+            say(cursor.report.place(full, cursor.place.file), full, message)
+    if included is not None and not _taken(cursor.report, included):
+        return INVALID
+    return INVALID if problems else made
 
 
-class Included(typing.Protocol):
+class IncludedFiles(typing.Protocol):
     """Files that settings name and read themselves (`included()`): what is wrong in them, with
     their lines, and the files, which belong to the experiment from then on.
     """
@@ -169,11 +169,11 @@ class Included(typing.Protocol):
         """Errors and warnings."""
 
     @property
-    def sources(self) -> Sequence[Source]:
+    def sources(self) -> Sequence[SourceFile]:
         """Every file that was read."""
 
 
-def _taken(report: Report, included: Included) -> bool:
+def _taken(report: ProblemReport, included: IncludedFiles) -> bool:
     """Whether all of the files are right."""
     for source in included.sources:
         report.file(source.name)
@@ -191,77 +191,77 @@ def _below(path: str, inner: str) -> str:
     return path + inner if inner.startswith("[") else join(path, inner)
 
 
-def read(spot: Spot, annotation: Any, notes: tuple[Any, ...] = ()) -> Any:
-    """A value of the annotated type, or `BAD`. `notes` are inherited from what holds it."""
-    bare, own = split(annotation)
+def read_value(cursor: Cursor, annotation: Any, notes: tuple[Any, ...] = ()) -> Any:
+    """A value of the annotated type, or `INVALID`. `notes` are inherited from what holds it."""
+    bare, own = split_annotation(annotation)
     notes = (*own, *notes)
     origin = typing.get_origin(bare)
     if origin in (typing.Union, types.UnionType):
-        return _united(spot, typing.get_args(bare), notes)
+        return _united(cursor, typing.get_args(bare), notes)
     if origin is Literal:
-        return _or_bad(read_word(spot, [str(word) for word in typing.get_args(bare)]))
+        return _or_bad(read_word(cursor, [str(word) for word in typing.get_args(bare)]))
     if origin in _SEQUENCES or bare in _SEQUENCES:
-        return _sequence(spot, bare, notes)
+        return _sequence(cursor, bare, notes)
     if origin in _MAPPINGS or bare in _MAPPINGS:
-        return _mapping(spot, bare, notes)
+        return _mapping(cursor, bare, notes)
     if dataclasses.is_dataclass(bare) and isinstance(bare, type):
-        return read_settings(spot, bare)
-    return _simple(spot, bare, notes)
+        return read_settings(cursor, bare)
+    return _simple(cursor, bare, notes)
 
 
-def _simple(spot: Spot, bare: Any, notes: tuple[Any, ...]) -> Any:
+def _simple(cursor: Cursor, bare: Any, notes: tuple[Any, ...]) -> Any:
     if isinstance(bare, type) and issubclass(bare, enum.Enum):
-        return _enumerated(spot, bare)
+        return _enumerated(cursor, bare)
     if bare in (bool, int, float):
-        return _or_bad(_figure(spot, bare, notes))
+        return _or_bad(_figure(cursor, bare, notes))
     if bare is str or (isinstance(bare, type) and issubclass(bare, pathlib.Path)):
-        text = _text(spot, notes, file=bare is not str)
-        return BAD if text is None else bare(text)
+        text = _text(cursor, notes, file=bare is not str)
+        return INVALID if text is None else bare(text)
     if bare is Any or bare is object:
-        return raw(spot.node)
-    spot.error(f"the driver needs a {bare!r} here, which a file cannot contain")
-    return BAD
+        return plain_data(cursor.node)
+    cursor.error(f"the driver needs a {bare!r} here, which a file cannot contain")
+    return INVALID
 
 
-def _figure(spot: Spot, bare: type, notes: tuple[Any, ...]) -> bool | int | float | None:
+def _figure(cursor: Cursor, bare: type, notes: tuple[Any, ...]) -> bool | int | float | None:
     if bare is bool:
-        return read_flag(spot)
+        return read_flag(cursor)
     if bare is int:
-        return read_whole(spot, note(notes, fields.Range))
-    seconds = note(notes, fields.Seconds)
+        return read_whole(cursor, find_note(notes, fields.Range))
+    seconds = find_note(notes, fields.Seconds)
     if seconds is not None:
-        return read_seconds(spot, fields.Range(seconds.low, seconds.high, "s"))
-    return read_number(spot, note(notes, fields.Range))
+        return read_seconds(cursor, fields.Range(seconds.low, seconds.high, "s"))
+    return read_number(cursor, find_note(notes, fields.Range))
 
 
 def _or_bad(value: object) -> Any:
-    return BAD if value is None else value
+    return INVALID if value is None else value
 
 
-def _text(spot: Spot, notes: tuple[Any, ...], *, file: bool) -> str | None:
-    one_of = note(notes, fields.OneOf)
+def _text(cursor: Cursor, notes: tuple[Any, ...], *, file: bool) -> str | None:
+    one_of = find_note(notes, fields.OneOf)
     if one_of is not None:
-        return read_word(spot, one_of.choices)
-    pattern = note(notes, fields.Pattern)
-    text = read_text(spot, pattern.meaning if pattern is not None else "text")
+        return read_word(cursor, one_of.choices)
+    pattern = find_note(notes, fields.Pattern)
+    text = read_text(cursor, pattern.meaning if pattern is not None else "text")
     if text is None:
         return None
     if pattern is not None and not re.fullmatch(pattern.regex, text):
-        spot.error(f"expected {pattern.meaning}, not {text!r}")
+        cursor.error(f"expected {pattern.meaning}, not {text!r}")
         return None
-    path = note(notes, fields.Path) or (fields.Path() if file else None)
-    return text if path is None else resolved(spot, text, must_exist=path.must_exist)
+    path = find_note(notes, fields.Path) or (fields.Path() if file else None)
+    return text if path is None else resolve_path(cursor, text, must_exist=path.must_exist)
 
 
-def resolved(spot: Spot, text: str, *, must_exist: bool) -> str:
+def resolve_path(cursor: Cursor, text: str, *, must_exist: bool) -> str:
     """An absolute path; relative ones start at the file they stand in. Missing files warn."""
     try:
-        base = pathlib.Path(spot.place.file).absolute().parent
+        base = pathlib.Path(cursor.place.file).absolute().parent
         path = base / pathlib.Path(text).expanduser()
         if must_exist and not path.exists():
-            spot.warning(f"there is no file {text!r}")
+            cursor.warning(f"there is no file {text!r}")
     except (OSError, RuntimeError, ValueError) as error:
-        spot.error(f"{text!r} is not a path: {error}")
+        cursor.error(f"{text!r} is not a path: {error}")
         return text
     return str(_straight(path))
 
@@ -277,31 +277,31 @@ def _straight(path: pathlib.Path) -> pathlib.Path:
         return path
 
 
-def _enumerated(spot: Spot, kind: type[enum.Enum]) -> Any:
+def _enumerated(cursor: Cursor, kind: type[enum.Enum]) -> Any:
     members = {str(member.value): member for member in kind}
-    word = read_word(spot, members)
-    return BAD if word is None else members[word]
+    word = read_word(cursor, members)
+    return INVALID if word is None else members[word]
 
 
-def _sequence(spot: Spot, bare: Any, notes: tuple[Any, ...]) -> Any:
-    entries = spot.list()
+def _sequence(cursor: Cursor, bare: Any, notes: tuple[Any, ...]) -> Any:
+    entries = cursor.list()
     if entries is None:
-        return BAD
+        return INVALID
     inner = typing.get_args(bare) or (Any,)
     fixed = typing.get_origin(bare) is tuple and inner[-1] is not Ellipsis
     if fixed and len(entries) != len(inner):
-        spot.error(f"expected {len(inner)} entries, not {len(entries)}")
-        return BAD
+        cursor.error(f"expected {len(inner)} entries, not {len(entries)}")
+        return INVALID
     kinds = inner if fixed else (inner[0],) * len(entries)
-    values = [read(entry, kind, notes) for entry, kind in zip(entries, kinds, strict=True)]
-    if any(value is BAD for value in values):
-        return BAD
-    if note(notes, fields.Unique) is not None and not _different(entries, values):
-        return BAD
+    values = [read_value(entry, kind, notes) for entry, kind in zip(entries, kinds, strict=True)]
+    if any(value is INVALID for value in values):
+        return INVALID
+    if find_note(notes, fields.Unique) is not None and not _different(entries, values):
+        return INVALID
     return values if (typing.get_origin(bare) or bare) is list else tuple(values)
 
 
-def _different(entries: Sequence[Spot], values: Sequence[Any]) -> bool:
+def _different(entries: Sequence[Cursor], values: Sequence[Any]) -> bool:
     """Whether no value stands twice; what does is reported."""
     twice = [entry for at, entry in enumerate(entries) if values[at] in values[:at]]
     for entry in twice:
@@ -309,66 +309,66 @@ def _different(entries: Sequence[Spot], values: Sequence[Any]) -> bool:
     return not twice
 
 
-def _mapping(spot: Spot, bare: Any, notes: tuple[Any, ...]) -> Any:
-    table = spot.table()
+def _mapping(cursor: Cursor, bare: Any, notes: tuple[Any, ...]) -> Any:
+    table = cursor.table()
     if table is None:
-        return BAD
+        return INVALID
     _, inner = typing.get_args(bare) or (str, Any)
-    values = {name: read(entry, inner, notes) for name, entry in table.items()}
-    return BAD if any(value is BAD for value in values.values()) else values
+    values = {name: read_value(entry, inner, notes) for name, entry in table.items()}
+    return INVALID if any(value is INVALID for value in values.values()) else values
 
 
-def _united(spot: Spot, members: tuple[Any, ...], notes: tuple[Any, ...]) -> Any:
+def _united(cursor: Cursor, members: tuple[Any, ...], notes: tuple[Any, ...]) -> Any:
     """The first type that fits, the narrowest first; text fits nearly always, so it is last."""
-    if type(None) in members and isinstance(spot.node, Scalar) and spot.node.null:
+    if type(None) in members and isinstance(cursor.node, ScalarNode) and cursor.node.is_null:
         return None
-    included = note(notes, fields.Included)
-    if included is not None and isinstance(spot.node, Scalar):
-        return _included(spot, members, included.words)
-    fitting = [kind for kind in members if _fits(spot.node, kind)]
+    included = find_note(notes, fields.Included)
+    if included is not None and isinstance(cursor.node, ScalarNode):
+        return _included(cursor, members, included.words)
+    fitting = [kind for kind in members if _fits(cursor.node, kind)]
     fitting.sort(key=_breadth)
     if len(fitting) == 1:
-        return read(spot, fitting[0], notes)
+        return read_value(cursor, fitting[0], notes)
     for kind in fitting:
-        attempt = Report()
-        value = read(Spot(spot.node, spot.path, spot.place, attempt), kind, notes)
-        if value is not BAD:
-            return read(spot, kind, notes)
+        attempt = ProblemReport()
+        value = read_value(Cursor(cursor.node, cursor.path, cursor.place, attempt), kind, notes)
+        if value is not INVALID:
+            return read_value(cursor, kind, notes)
     kinds = " or ".join(_spoken(kind) for kind in members if kind is not type(None))
-    spot.error(f"expected {kinds}, not {described(spot.node)}")
-    return BAD
+    cursor.error(f"expected {kinds}, not {described(cursor.node)}")
+    return INVALID
 
 
-def _included(spot: Spot, members: tuple[Any, ...], words: Sequence[str]) -> Any:
+def _included(cursor: Cursor, members: tuple[Any, ...], words: Sequence[str]) -> Any:
     """One of the words that stand for themselves, or what the file holds."""
-    if isinstance(spot.node, Scalar) and spot.node.text in words:
-        return spot.node.text
-    root = include(spot, words)
-    return BAD if root is None else _united(root, members, ())
+    if isinstance(cursor.node, ScalarNode) and cursor.node.text in words:
+        return cursor.node.text
+    root = read_included(cursor, words)
+    return INVALID if root is None else _united(root, members, ())
 
 
 def _fits(node: Node, annotation: Any) -> bool:
-    bare, _ = split(annotation)
+    bare, _ = split_annotation(annotation)
     origin = typing.get_origin(bare) or bare
     if origin is type(None):
         return False
-    if isinstance(node, Items):
+    if isinstance(node, ListNode):
         return origin in _SEQUENCES
-    if isinstance(node, Table):
+    if isinstance(node, MappingNode):
         return origin in _MAPPINGS or dataclasses.is_dataclass(origin)
     return origin not in _SEQUENCES + _MAPPINGS and not dataclasses.is_dataclass(origin)
 
 
 def _breadth(annotation: Any) -> int:
-    bare, notes = split(annotation)
+    bare, notes = split_annotation(annotation)
     if bare is str or (isinstance(bare, type) and issubclass(bare, pathlib.Path)):
-        return 5 if note(notes, fields.OneOf) is None else 3
+        return 5 if find_note(notes, fields.OneOf) is None else 3
     return {bool: 0, int: 1, float: 2}.get(bare, 3)
 
 
 def _spoken(annotation: Any) -> str:
-    bare, notes = split(annotation)
-    if (one_of := note(notes, fields.OneOf)) is not None:
+    bare, notes = split_annotation(annotation)
+    if (one_of := find_note(notes, fields.OneOf)) is not None:
         return "one of " + ", ".join(one_of.choices)
     if typing.get_origin(bare) is Literal:
         return "one of " + ", ".join(map(str, typing.get_args(bare)))
@@ -381,14 +381,14 @@ def _spoken(annotation: Any) -> str:
     return names.get(bare, getattr(bare, "__name__", str(bare)).lower())
 
 
-def raw(node: Node) -> Any:
+def plain_data(node: Node) -> Any:
     """Plain data without a type to go by: numbers, true, false and null as JSON knows them."""
     match node:
-        case Items():
-            return [raw(item) for item in node.nodes]
-        case Table():
-            return {name: raw(value) for name, _, value in node.items()}
-        case Scalar(plain=True, text=text):
+        case ListNode():
+            return [plain_data(item) for item in node.nodes]
+        case MappingNode():
+            return {name: plain_data(value) for name, _, value in node.items()}
+        case ScalarNode(plain=True, text=text):
             return _guess(text)
         case _:
             return node.text
@@ -406,19 +406,19 @@ def _guess(text: str) -> Any:
     return text
 
 
-def include(spot: Spot, words: Sequence[str] = ()) -> Spot | None:
-    """The root of the file whose path stands at `spot`, or None after saying what is wrong.
+def read_included(cursor: Cursor, words: Sequence[str] = ()) -> Cursor | None:
+    """The root of the file whose path stands at `cursor`, or None after saying what is wrong.
 
     `words` could have stood there too; a misspelt one is no file.
     """
-    text = read_text(spot, " or ".join(("a file", *words)))
+    text = read_text(cursor, " or ".join(("a file", *words)))
     if text is None:
         return None
-    report = spot.report
+    report = cursor.report
     source = named_source(
-        spot,
+        cursor,
         text,
-        pathlib.Path(spot.place.file).absolute().parent,
+        pathlib.Path(cursor.place.file).absolute().parent,
         lambda: report.hint(text, words, or_list="without a file there are"),
     )
     if source is None:
@@ -427,16 +427,16 @@ def include(spot: Spot, words: Sequence[str] = ()) -> Spot | None:
     return document(source, report, "a mapping")
 
 
-def settings_of(shape: type, values: Mapping[str, str], base: Path) -> Any:
+def settings_from_texts(shape: type, values: Mapping[str, str], base: Path) -> Any:
     """An instance of `shape` with the settings `values` as text; relative paths start at `base`.
 
     Raises `ExperimentError` with every problem, also with those of files that are named.
     """
-    report = Report()
-    place = Place(str(base / "command line"), 1, 1)
+    report = ProblemReport()
+    place = FilePosition(str(base / "command line"), 1, 1)
     report.file(place.file)
-    keys = {name: Scalar(place, name, plain=True) for name in values}
-    entries = {name: Scalar(place, text, plain=True) for name, text in values.items()}
-    made = read_settings(Spot(Table(place, dict(entries), keys), "", place, report), shape)
-    report.fail()
+    keys = {name: ScalarNode(place, name, plain=True) for name in values}
+    entries = {name: ScalarNode(place, text, plain=True) for name, text in values.items()}
+    made = read_settings(Cursor(MappingNode(place, dict(entries), keys), "", place, report), shape)
+    report.raise_errors()
     return made

@@ -11,20 +11,20 @@ from typing import TYPE_CHECKING
 
 from woz_tui.config import utterance_template
 from woz_tui.config.condition_texts import Variables
-from woz_tui.config.experiment import Choice
-from woz_tui.config.yaml_cursor import Spot
+from woz_tui.config.experiment import TextVariants
+from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.drivers.contract import UNKNOWN, Finding, Verb, Written
 from woz_tui.drivers.secret_arguments import hidden
 from woz_tui.protocol.messages import Json
 
 if TYPE_CHECKING:
-    from woz_tui.config.robots import Offer
+    from woz_tui.config.robots import VerbOffer
 
 Values = Mapping[str, str]
 
 
 @dataclass(frozen=True, slots=True)
-class Looker:
+class CommandChecker:
     """Looks at commands with their variables filled in.
 
     Attributes:
@@ -37,7 +37,7 @@ class Looker:
     values: Mapping[str, Values]
 
     @classmethod
-    def of(cls, folder: Path, variables: Variables, conditions: Sequence[str]) -> Looker:
+    def of(cls, folder: Path, variables: Variables, conditions: Sequence[str]) -> CommandChecker:
         """With the experiment's own variables."""
         always = variables.always
         each = {
@@ -52,27 +52,27 @@ class Looker:
 
     def look(
         self,
-        offer: Offer,
+        offer: VerbOffer,
         args: Mapping[str, Json],
-        spots: Mapping[str, Spot],
-        verb: Spot,
-        choices: Mapping[str, Choice],
+        cursors: Mapping[str, Cursor],
+        verb: Cursor,
+        choices: Mapping[str, TextVariants],
     ) -> None:
-        """Report what is odd about a command. `spots`: where each argument stands."""
-        if verb.report.hopeless:
+        """Report what is odd about a command. `cursors`: where each argument stands."""
+        if verb.report.has_too_many:
             return
         for given in self._renderings(args, choices):
             told = {
                 finding.subject
                 for finding in _findings(offer, Written(offer.verb.name, given, self.folder), verb)
-                if _say(finding, spots.get(finding.subject, verb))
+                if _say(finding, cursors.get(finding.subject, verb))
             }
-            for name in tells(offer.verb, given):
+            for name in hidden_arguments(offer.verb, given):
                 if name not in told:
-                    spots.get(name, verb).error(SECRET)
+                    cursors.get(name, verb).error(SECRET)
 
     def _renderings(
-        self, args: Mapping[str, Json], choices: Mapping[str, Choice]
+        self, args: Mapping[str, Json], choices: Mapping[str, TextVariants]
     ) -> Iterator[dict[str, Json]]:
         """The arguments as conditions and variants make them, each only once."""
         found: list[dict[str, Json]] = []
@@ -90,7 +90,7 @@ class Looker:
 SECRET = "this looks like a password or another secret, and each log contains this file; remove it"
 
 
-def _findings(offer: Offer, written: Written, verb: Spot) -> Iterable[Finding]:
+def _findings(offer: VerbOffer, written: Written, verb: Cursor) -> Iterable[Finding]:
     """What the driver says. Its code may be a stranger's."""
     if offer.look is None:
         return ()
@@ -101,18 +101,18 @@ def _findings(offer: Offer, written: Written, verb: Spot) -> Iterable[Finding]:
         return ()
 
 
-def _say(finding: Finding, spot: Spot) -> bool:
+def _say(finding: Finding, cursor: Cursor) -> bool:
     """Report it, unless it has been said here already; whether it is an error."""
     message = f"{finding.text}; {finding.remedy}" if finding.remedy else finding.text
     if finding.level == "error":
-        spot.error(message)
+        cursor.error(message)
         return True
-    if finding.level == "warning" and not spot.report.says(spot.place, finding.text):
-        spot.warning(message)
+    if finding.level == "warning" and not cursor.report.has_problem(cursor.place, finding.text):
+        cursor.warning(message)
     return False
 
 
-def tells(verb: Verb | None, given: Mapping[str, Json]) -> list[str]:
+def hidden_arguments(verb: Verb | None, given: Mapping[str, Json]) -> list[str]:
     """Names of the arguments with something in them that the verb hides."""
     known = {name: _guessed(value) for name, value in given.items()}
     shown = hidden(verb, known)

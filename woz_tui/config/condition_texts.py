@@ -16,10 +16,10 @@ from dataclasses import dataclass, field
 from typing import TypeVar
 
 from woz_tui.config import utterance_template
-from woz_tui.config.experiment import Choice
+from woz_tui.config.experiment import TextVariants
 from woz_tui.config.problems import quoted
-from woz_tui.config.yaml_cursor import Spot, read_text
-from woz_tui.config.yaml_nodes import Table
+from woz_tui.config.yaml_cursor import Cursor, read_text
+from woz_tui.config.yaml_nodes import MappingNode
 
 #: What lists variants, where a condition's name could stand.
 ANY = "any"
@@ -41,10 +41,10 @@ class Variables:
 
 
 def read_variables(
-    spot: Spot | None, filled: Collection[str], conditions: Sequence[str]
+    cursor: Cursor | None, filled: Collection[str], conditions: Sequence[str]
 ) -> Variables:
     """The experiment's own; those that are `filled` in are not among them."""
-    table = spot.table("a mapping of names to texts") if spot is not None else None
+    table = cursor.table("a mapping of names to texts") if cursor is not None else None
     always: dict[str, str] = {}
     depending: dict[str, dict[str, str]] = {}
     for name, entry in (table or {}).items():
@@ -54,7 +54,7 @@ def read_variables(
             entry.error(
                 "a variable's name can have letters, digits and _, and cannot begin with a digit"
             )
-        elif isinstance(entry.node, Table):
+        elif isinstance(entry.node, MappingNode):
             depending[name] = texts(entry, conditions)
         else:
             always[name] = read_text(entry, "text, or a text for each condition") or ""
@@ -64,22 +64,22 @@ def read_variables(
     return Variables(always, depending)
 
 
-def is_choice(spot: Spot, conditions: Collection[str]) -> bool:
+def is_choice(cursor: Cursor, conditions: Collection[str]) -> bool:
     """Whether a mapping says what is chosen, and not something else."""
-    return isinstance(spot.node, Table) and any(
-        name == ANY or name in conditions for name in spot.node.entries
+    return isinstance(cursor.node, MappingNode) and any(
+        name == ANY or name in conditions for name in cursor.node.entries
     )
 
 
 def read_choice(
-    spot: Spot, conditions: Sequence[str], read: Callable[[Spot], str | None]
-) -> Choice | None:
+    cursor: Cursor, conditions: Sequence[str], read: Callable[[Cursor], str | None]
+) -> TextVariants | None:
     """Texts by condition, variants, or variants by condition; None if any of it is wrong. `read`
     reads one text.
     """
     wrong = False
 
-    def variants(entry: Spot) -> tuple[str, ...]:
+    def variants(entry: Cursor) -> tuple[str, ...]:
         nonlocal wrong
         table = dict(entry.entries())
         listed = table[ANY].list("a list of variants") if set(table) == {ANY} else [entry]
@@ -89,7 +89,7 @@ def read_choice(
         wrong = wrong or not found or None in found
         return tuple(text for text in found if text is not None)
 
-    table = dict(spot.entries())
+    table = dict(cursor.entries())
     if ANY in table and ANY in conditions:
         table[ANY].error(
             f"{ANY!r} lists variants here and cannot be a condition; rename the condition"
@@ -101,32 +101,32 @@ def read_choice(
         )
         table[ANY].error(f"stands alone{under}")
         return None
-    chosen = {"": variants(spot)} if ANY in table else _each(spot, conditions, variants)
-    return None if wrong or set(chosen) not in ({""}, {*conditions}) else Choice(chosen)
+    chosen = {"": variants(cursor)} if ANY in table else _each(cursor, conditions, variants)
+    return None if wrong or set(chosen) not in ({""}, {*conditions}) else TextVariants(chosen)
 
 
-def texts(spot: Spot, conditions: Sequence[str]) -> dict[str, str]:
+def texts(cursor: Cursor, conditions: Sequence[str]) -> dict[str, str]:
     """A text for each condition, none left out; what is wrong is reported."""
-    return _each(spot, conditions, lambda entry: read_text(entry) or "")
+    return _each(cursor, conditions, lambda entry: read_text(entry) or "")
 
 
-def _each(spot: Spot, conditions: Sequence[str], read: Callable[[Spot], T]) -> dict[str, T]:
+def _each(cursor: Cursor, conditions: Sequence[str], read: Callable[[Cursor], T]) -> dict[str, T]:
     if not conditions:
-        spot.error(
+        cursor.error(
             "depends on the condition, but the file has no conditions; add conditions: [...]"
         )
         return {}
-    table = spot.table("a text for each condition") or {}
+    table = cursor.table("a text for each condition") or {}
     found: dict[str, T] = {}
     unknown = False
     for condition, entry in table.items():
         if condition in conditions:
             found[condition] = read(entry)
         else:
-            near = spot.report.hint(condition, conditions, or_list="there are")
+            near = cursor.report.hint(condition, conditions, or_list="there are")
             entry.error(f"there is no condition {quoted(condition)}{near}")
             unknown = True
     absent = [condition for condition in conditions if condition not in found]
     if absent and not unknown:
-        spot.error(f"has nothing for {' and '.join(map(quoted, absent))}")
+        cursor.error(f"has nothing for {' and '.join(map(quoted, absent))}")
     return found

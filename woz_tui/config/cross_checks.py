@@ -9,15 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-from woz_tui.config.actions import Drafted
-from woz_tui.config.annotated_decoder import noted
+from woz_tui.config.actions import ActionDraft
+from woz_tui.config.annotated_decoder import values_with_note
 from woz_tui.config.experiment import Action, Experiment
 from woz_tui.config.keys.keymap import FileKeys, typeable
-from woz_tui.config.problems import Report, quoted
+from woz_tui.config.problems import ProblemReport, quoted
 from woz_tui.drivers.fields import Port
 
 
-def across(experiment: Experiment, drafts: Sequence[Drafted], report: Report) -> None:
+def check_across(
+    experiment: Experiment, drafts: Sequence[ActionDraft], report: ProblemReport
+) -> None:
     """Check what no single entry can know of; `drafts` are all actions with their paths."""
     _ports(experiment, report)
     _panel_titles(experiment, report)
@@ -27,11 +29,11 @@ def across(experiment: Experiment, drafts: Sequence[Drafted], report: Report) ->
     _then(drafts, report)
 
 
-def _ports(experiment: Experiment, report: Report) -> None:
+def _ports(experiment: Experiment, report: ProblemReport) -> None:
     """A serial port has one owner; two would read half of each other's bytes."""
     owner: dict[str, str] = {}
     for spec in experiment.drivers:
-        for name, port in noted(spec.settings, Port):
+        for name, port in values_with_note(spec.settings, Port):
             if port in owner:
                 report.error(
                     spec.place,
@@ -41,7 +43,7 @@ def _ports(experiment: Experiment, report: Report) -> None:
             owner.setdefault(port, spec.name)
 
 
-def _panel_titles(experiment: Experiment, report: Report) -> None:
+def _panel_titles(experiment: Experiment, report: ProblemReport) -> None:
     first: dict[str, int] = {}
     for index, panel in enumerate(experiment.panels):
         if not panel.title:
@@ -54,7 +56,7 @@ def _panel_titles(experiment: Experiment, report: Report) -> None:
         first.setdefault(panel.title, panel.place.line)
 
 
-def _names(drafts: Sequence[Drafted], report: Report) -> None:
+def _names(drafts: Sequence[ActionDraft], report: ProblemReport) -> None:
     first: dict[str, Action] = {}
     for draft in drafts:
         name = draft.action.name
@@ -74,7 +76,9 @@ def _names(drafts: Sequence[Drafted], report: Report) -> None:
         first.setdefault(name, draft.action)
 
 
-def covers(experiment: Experiment, verbs: Collection[str] | None, report: Report) -> None:
+def check_covers(
+    experiment: Experiment, verbs: Collection[str] | None, report: ProblemReport
+) -> None:
     """Verbs that a panel's lock covers are offered by somebody; None: not all are known."""
     for index, panel in enumerate(experiment.panels):
         for number, verb in enumerate(panel.covers):
@@ -83,7 +87,7 @@ def covers(experiment: Experiment, verbs: Collection[str] | None, report: Report
                 report.error_at(path, f"no driver offers {quoted(verb)}{report.hint(verb, verbs)}")
 
 
-def _keys(drafts: Sequence[Drafted], layout: str, report: Report) -> None:
+def _keys(drafts: Sequence[ActionDraft], layout: str, report: ProblemReport) -> None:
     """Two things on one key, in the file's order."""
     keys = FileKeys(layout)
     for draft in drafts:
@@ -104,7 +108,7 @@ def _keys(drafts: Sequence[Drafted], layout: str, report: Report) -> None:
                 )
 
 
-def _script(experiment: Experiment, report: Report) -> None:
+def _script(experiment: Experiment, report: ProblemReport) -> None:
     actions = {action.name: action for panel in experiment.panels for action in panel.actions}
     for index, name in enumerate(experiment.script):
         path = f"script[{index}]"
@@ -115,7 +119,7 @@ def _script(experiment: Experiment, report: Report) -> None:
             report.warning_at(path, f"{quoted(name)} is locked and cannot be played")
 
 
-def _then(drafts: Sequence[Drafted], report: Report) -> None:
+def _then(drafts: Sequence[ActionDraft], report: ProblemReport) -> None:
     actions = {draft.action.name: draft.action for draft in drafts}
     for draft in drafts:
         for name in draft.action.then:

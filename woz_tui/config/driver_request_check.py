@@ -10,10 +10,10 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from woz_tui.config.command_remarks import SECRET, tells
-from woz_tui.config.experiment import Place
-from woz_tui.config.problems import Report, join, quoted
-from woz_tui.config.robots import Asking, Offer, Robots
+from woz_tui.config.command_remarks import SECRET, hidden_arguments
+from woz_tui.config.experiment import FilePosition
+from woz_tui.config.problems import ProblemReport, join, quoted
+from woz_tui.config.robots import DriverRequests, Robots, VerbOffer
 from woz_tui.drivers.contract import Argument, Ask, Verb
 from woz_tui.drivers.fields import Range
 from woz_tui.protocol.messages import Json
@@ -24,12 +24,12 @@ class _Known:
     """What can be asked for in this experiment."""
 
     robots: Robots
-    own: Mapping[str, Offer]
+    own: Mapping[str, VerbOffer]
     actions: Collection[str]
 
 
 def check_asks(
-    robots: Robots, own: Mapping[str, Offer], actions: Collection[str], report: Report
+    robots: Robots, own: Mapping[str, VerbOffer], actions: Collection[str], report: ProblemReport
 ) -> None:
     """Report what nobody could carry out. What stands in no file of the user is only warned of."""
     if robots.incomplete:
@@ -38,7 +38,7 @@ def check_asks(
     for asking in robots.asking:
         for path, ask in asking.asks:
             offers = _offers(ask, asking, known) if ask.what == "verb" else ()
-            if tells(offers[0].verb if len(offers) == 1 else None, ask.args):
+            if hidden_arguments(offers[0].verb if len(offers) == 1 else None, ask.args):
                 full, place, _ = _where(asking, path, report)
                 report.error(place, full, SECRET)
             for message in _wrong(ask, offers, known, report):
@@ -46,19 +46,23 @@ def check_asks(
                 (report.error if written else report.warning)(place, full, message)
 
 
-def _where(asking: Asking, path: str, report: Report) -> tuple[str, Place, bool]:
+def _where(
+    asking: DriverRequests, path: str, report: ProblemReport
+) -> tuple[str, FilePosition, bool]:
     """The path and place of a setting, and whether it stands in a file: its own, or included."""
     full = join(asking.path, path)
-    if report.knows(full, asking.file):
+    if report.has_place(full, asking.file):
         return full, report.place(full, asking.file), "." in path
     inner = path.partition(".")[2]
     for source in report.included:
-        if inner and report.knows(inner, source.name):
+        if inner and report.has_place(inner, source.name):
             return inner, report.place(inner, source.name), True
     return full, report.place(full, asking.file), False
 
 
-def _wrong(ask: Ask, offers: Sequence[Offer], known: _Known, report: Report) -> Iterator[str]:
+def _wrong(
+    ask: Ask, offers: Sequence[VerbOffer], known: _Known, report: ProblemReport
+) -> Iterator[str]:
     if ask.what == "action" and ask.name not in known.actions:
         near = report.hint(ask.name, known.actions, or_list="actions are")
         yield f"there is no action {quoted(ask.name)}{near}"
@@ -75,7 +79,7 @@ def _wrong(ask: Ask, offers: Sequence[Offer], known: _Known, report: Report) -> 
         yield f"{whom} {ask.name!r}{report.hint(ask.name, verbs)}"
 
 
-def _arguments(verb: Verb, args: Mapping[str, Json], report: Report) -> Iterator[str]:
+def _arguments(verb: Verb, args: Mapping[str, Json], report: ProblemReport) -> Iterator[str]:
     takes = {argument.name: argument for argument in verb.arguments}
     for name, value in args.items():
         if name in takes:
@@ -88,7 +92,7 @@ def _arguments(verb: Verb, args: Mapping[str, Json], report: Report) -> Iterator
             yield f"{verb.name} needs {name!r}"
 
 
-def _offers(ask: Ask, asking: Asking, known: _Known) -> Sequence[Offer]:
+def _offers(ask: Ask, asking: DriverRequests, known: _Known) -> Sequence[VerbOffer]:
     """Who would carry it out: robots of an experiment keep to themselves."""
     if not ask.on and ask.name in known.own:
         return [known.own[ask.name]]
@@ -102,7 +106,7 @@ def _offers(ask: Ask, asking: Asking, known: _Known) -> Sequence[Offer]:
     return [one for one in offers if one.driver == on or one.driver.startswith(f"{on}.")]
 
 
-def _value(argument: Argument, value: Json, report: Report) -> Iterator[str]:
+def _value(argument: Argument, value: Json, report: ProblemReport) -> Iterator[str]:
     if argument.choices and value not in argument.choices:
         near = report.hint(str(value), argument.choices, or_list="there are")
         yield f"{quoted(str(value))} is no {argument.name}{near}"

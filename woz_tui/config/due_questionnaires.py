@@ -6,7 +6,7 @@ from __future__ import annotations
 OVER = ("done", "excluded")
 
 
-def due_behind(trial: int, outcome: str, *, trials: int, planned: int) -> tuple[str, ...]:
+def due_after_trial(trial: int, outcome: str, *, trials: int, planned: int) -> tuple[str, ...]:
     """The `when` of the questionnaires that are due behind this trial, in the order in which they
     are put; none behind one that will be run again.
 

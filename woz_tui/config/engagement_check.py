@@ -7,11 +7,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from woz_tui.config import utterance_template
-from woz_tui.config.actions import Drafted
+from woz_tui.config.actions import ActionDraft
 from woz_tui.config.engagement import CONDITION, SIGNS, EngagementSettings, SoundSettings
 from woz_tui.config.engagement_effects import effect_name
-from woz_tui.config.experiment import Action, Engagement, Together
-from woz_tui.config.problems import Report, join, quoted
+from woz_tui.config.experiment import Action, Engagement, ParallelCalls
+from woz_tui.config.problems import ProblemReport, join, quoted
 from woz_tui.config.robots import Robots
 from woz_tui.config.sensor_names import published_names
 from woz_tui.config.session_verbs import ENGAGEMENT, ENGAGEMENT_VERBS
@@ -23,7 +23,7 @@ SECTION = "engagement"
 
 
 def check_engagement(
-    engagement: Engagement, robots: Robots, drafts: Sequence[Drafted], report: Report
+    engagement: Engagement, robots: Robots, drafts: Sequence[ActionDraft], report: ProblemReport
 ) -> None:
     """Report what does not fit together; `drafts` are all actions of the panels."""
     _names(engagement, drafts, report)
@@ -41,14 +41,15 @@ def check_engagement(
     _handshake(engagement.settings, robots, published, report)
 
 
-def _names(engagement: Engagement, drafts: Sequence[Drafted], report: Report) -> None:
+def _names(engagement: Engagement, drafts: Sequence[ActionDraft], report: ProblemReport) -> None:
     taken = {effect_name(state) for state in engagement.effects}
     for draft in drafts:
         if draft.action.name in taken:
             path = next(
                 path
                 for name in ("name", "label", "")
-                if report.knows(path := join(draft.path, name), draft.action.place.file) or not name
+                if report.has_place(path := join(draft.path, name), draft.action.place.file)
+                or not name
             )
             report.error_at(
                 path,
@@ -57,7 +58,7 @@ def _names(engagement: Engagement, drafts: Sequence[Drafted], report: Report) ->
             )
 
 
-def _confirmation(settings: EngagementSettings, report: Report) -> None:
+def _confirmation(settings: EngagementSettings, report: ProblemReport) -> None:
     """Nobody can say whether a name was understood that they have not heard."""
     if "name" not in utterance_template.names(settings.handshake.confirm):
         path = f"{SECTION}.handshake.confirm"
@@ -65,7 +66,7 @@ def _confirmation(settings: EngagementSettings, report: Report) -> None:
         report.warning_at(path, said)
 
 
-def _verbs(robots: Robots, report: Report) -> None:
+def _verbs(robots: Robots, report: ProblemReport) -> None:
     for name in ENGAGEMENT_VERBS:
         for offer in robots.offers.get(name, ()):
             report.warning_at(
@@ -74,7 +75,7 @@ def _verbs(robots: Robots, report: Report) -> None:
             )
 
 
-def _sensors(settings: EngagementSettings, published: list[str], report: Report) -> None:
+def _sensors(settings: EngagementSettings, published: list[str], report: ProblemReport) -> None:
     """Sensors that the section names must be there, and each can give one thing only."""
     names = {sign: settings.sign(sign).sensor or sign for sign in SIGNS}
     names["sound"] = settings.sound.sensor
@@ -91,7 +92,7 @@ def _sensors(settings: EngagementSettings, published: list[str], report: Report)
 
 
 def _signs(
-    settings: EngagementSettings, given: set[str], published: list[str], report: Report
+    settings: EngagementSettings, given: set[str], published: list[str], report: ProblemReport
 ) -> None:
     """Somebody must give each sign of the condition: a sensor or the wizard."""
     path = f"{SECTION}.signs"
@@ -110,7 +111,7 @@ def _signs(
         )
 
 
-def _choices(settings: EngagementSettings, published: list[str], report: Report) -> None:
+def _choices(settings: EngagementSettings, published: list[str], report: ProblemReport) -> None:
     """Where several robots give the same, one of them must be named."""
     wanted = {sign: sign for sign in (*settings.signs, "identity")}
     wanted = {part: name for part, name in wanted.items() if not settings.sign(part).sensor}
@@ -128,7 +129,7 @@ def _choices(settings: EngagementSettings, published: list[str], report: Report)
 
 
 def _handshake(
-    settings: EngagementSettings, robots: Robots, published: list[str], report: Report
+    settings: EngagementSettings, robots: Robots, published: list[str], report: ProblemReport
 ) -> None:
     """A robot that asks for names must be able to ask, to hear the answer, to know them again."""
     path = f"{SECTION}.handshake.by"
@@ -158,7 +159,7 @@ def _several(name: str, published: list[str]) -> list[str]:
     return [each for each in published if each.endswith(f".{name}")]
 
 
-def _given(drafts: Sequence[Drafted]) -> Iterator[str]:
+def _given(drafts: Sequence[ActionDraft]) -> Iterator[str]:
     """Signs that some action gives."""
     for draft in drafts:
         yield from signs_given(draft.action)
@@ -167,7 +168,7 @@ def _given(drafts: Sequence[Drafted]) -> Iterator[str]:
 def signs_given(action: Action) -> Iterator[str]:
     """Signs that an action gives by the wizard's hand."""
     for step in action.steps:
-        for call in step.calls if isinstance(step, Together) else ():
+        for call in step.calls if isinstance(step, ParallelCalls) else ():
             if call.driver == ENGAGEMENT:
                 yield from _of_verb(call.verb, call.args)
 

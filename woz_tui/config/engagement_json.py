@@ -9,7 +9,7 @@ from typing import Any
 
 import msgspec
 
-from woz_tui.config.annotated_decoder import fields_of, note, split
+from woz_tui.config.annotated_decoder import fields_of, find_note, split_annotation
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.drivers.fields import OneOf
 from woz_tui.protocol.envelope import Json
@@ -18,7 +18,7 @@ from woz_tui.protocol.envelope import Json
 _LEFT_OUT = "visitors"
 
 
-def plain(settings: EngagementSettings) -> dict[str, Json]:
+def settings_to_json(settings: EngagementSettings) -> dict[str, Json]:
     """Every setting, also where it has its default: what a log says holds whatever the defaults of
     later versions are. Only `visitors` is left out, a path that belongs to the machine.
     """
@@ -27,7 +27,7 @@ def plain(settings: EngagementSettings) -> dict[str, Json]:
     return values
 
 
-def settings_from(values: dict[str, Json]) -> EngagementSettings:
+def settings_from_json(values: dict[str, Json]) -> EngagementSettings:
     """The settings again; what a later version has added is passed over, what is missing has its
     default. Raises `ValueError` with a sentence if they are no settings.
     """
@@ -46,8 +46,8 @@ def settings_from(values: dict[str, Json]) -> EngagementSettings:
 
 def _strange(value: object, annotation: Any, path: str) -> Iterator[tuple[str, str]]:
     """Words that are not in their list of choices: only the decoder of files looks at those."""
-    bare, notes = split(annotation)
-    one_of = note(notes, OneOf)
+    bare, notes = split_annotation(annotation)
+    one_of = find_note(notes, OneOf)
     if one_of is not None and value is not None and value not in one_of.choices:
         yield path, f"{value!r} is none of {', '.join(one_of.choices)}"
     elif isinstance(value, tuple):

@@ -20,7 +20,7 @@ from woz_tui.protocol.welcome import QuestionnaireWords
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class FilePosition:
     """Where something stands: file, line and column, both counted from 1."""
 
     file: str
@@ -35,7 +35,7 @@ class Place:
 class Problem:
     """One error or warning in a file."""
 
-    place: Place
+    place: FilePosition
     path: str
     message: str
     warning: bool = False
@@ -64,11 +64,11 @@ class DriverSpec:
     settings: Any
     verbs: tuple[Verb, ...]
     sensors: tuple[str, ...]
-    place: Place
+    place: FilePosition
 
 
 @dataclass(frozen=True, slots=True)
-class Choice:
+class TextVariants:
     """A text that is chosen when its action is played: condition -> its variants. One that does not
     depend on the condition has them under an empty name.
     """
@@ -101,10 +101,10 @@ class Call:
     verb: str
     args: Mapping[str, Json]
     driver: str
-    place: Place
+    place: FilePosition
     tells: tuple[str, ...] = ()
     unfilled: Mapping[str, Json] = field(default_factory=dict)
-    choices: Mapping[str, Choice] = field(default_factory=dict)
+    choices: Mapping[str, TextVariants] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,13 +115,13 @@ class Wait:
 
 
 @dataclass(frozen=True, slots=True)
-class Together:
+class ParallelCalls:
     """Calls that begin at the same moment; the step ends when the last one has ended."""
 
     calls: tuple[Call, ...]
 
 
-Step = Together | Wait
+Step = ParallelCalls | Wait
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,7 +138,7 @@ class Action:
     key: str
     panel: str
     steps: tuple[Step, ...]
-    place: Place
+    place: FilePosition
     when_busy: str = "queue"
     help: str = ""
     locked: bool = False
@@ -147,7 +147,9 @@ class Action:
     @property
     def calls(self) -> list[Call]:
         """All calls of all its steps, in their order."""
-        return [call for step in self.steps if isinstance(step, Together) for call in step.calls]
+        return [
+            call for step in self.steps if isinstance(step, ParallelCalls) for call in step.calls
+        ]
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,7 +162,7 @@ class Panel:
 
     title: str
     actions: tuple[Action, ...]
-    place: Place
+    place: FilePosition
     locked: bool = False
     covers: tuple[str, ...] = ()
 
@@ -215,7 +217,7 @@ class Profile:
 
 
 @dataclass(frozen=True, slots=True)
-class Steps:
+class ArrowKeySteps:
     """How far one press of an arrow key goes."""
 
     head: Annotated[float, Range(0.1, 90, "°"), Doc("angle of the head for one step")] = 5.0
@@ -289,7 +291,7 @@ class Experiment:
     #: Sensors, and `engagement` or `pose`, that stand first among the meters.
     sensors: tuple[str, ...] = ()
     #: Of the arrow keys.
-    steps: Steps = field(default_factory=Steps)
+    steps: ArrowKeySteps = field(default_factory=ArrowKeySteps)
     #: What wizards may use, by name of the profile.
     profiles: Mapping[str, Profile] = field(default_factory=dict)
     #: How the robot tells whether somebody is with it; None: it does not.

@@ -30,7 +30,7 @@ class AppendError(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Appended:
+class AppendedFile:
     """All bytes of the new file, the lines that came in, and behind which line of the old one."""
 
     data: bytes
@@ -49,7 +49,7 @@ def quoted(text: str) -> str:
     return _ESCAPED.sub(lambda found: f"\\u{ord(found[0]):04x}", written)
 
 
-def appended(data: bytes, title: str, actions: Sequence[str]) -> Appended:
+def append_actions(data: bytes, title: str, actions: Sequence[str]) -> AppendedFile:
     """The file with these actions (`{key: "1", ...}`) at the end of the panel `title`, which is
     made behind the last one if there is none. Raises `AppendError`.
     """
@@ -73,7 +73,7 @@ def _in_one_line(title: str, actions: Sequence[str]) -> str:
     return f"{{title: {title}, actions: [{', '.join(actions)}]}}"
 
 
-def _within(mark: bytes, text: str, target: yaml.SequenceNode, items: str) -> Appended:
+def _within(mark: bytes, text: str, target: yaml.SequenceNode, items: str) -> AppendedFile:
     """Into a list between brackets, behind its last entry."""
     if target.value:
         at = target.value[-1].end_mark.index
@@ -82,12 +82,12 @@ def _within(mark: bytes, text: str, target: yaml.SequenceNode, items: str) -> Ap
         at = target.end_mark.index - 1
         piece = items
     line = len(_BREAK.findall(text[:at])) + 1
-    return Appended(mark + (text[:at] + piece + text[at:]).encode(), (piece,), line)
+    return AppendedFile(mark + (text[:at] + piece + text[at:]).encode(), (piece,), line)
 
 
 def _below(
     mark: bytes, text: str, target: yaml.SequenceNode, blocks: Sequence[Sequence[str]]
-) -> Appended:
+) -> AppendedFile:
     """Below the last entry of a list with a line for each, and below its comments."""
     column = target.start_mark.column
     indent = " " * column
@@ -103,7 +103,7 @@ def _below(
     end = found[0] if found else "\n"
     before = text[:at] if not at or text[:at].endswith(("\n", "\r")) else text[:at] + end
     new = before + "".join(line + end for line in lines) + text[at:]
-    return Appended(mark + new.encode(), tuple(lines), len(_BREAK.findall(before)))
+    return AppendedFile(mark + new.encode(), tuple(lines), len(_BREAK.findall(before)))
 
 
 def _behind(text: str, target: yaml.SequenceNode, column: int) -> int:

@@ -19,7 +19,7 @@ _FORBIDDEN = re.compile(
 )
 
 
-class SourceError(Exception):
+class SourceFileError(Exception):
     """The file has no usable text; `line` and `column` count from 1."""
 
     def __init__(self, message: str, line: int = 1, column: int = 1) -> None:
@@ -30,7 +30,7 @@ class SourceError(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class SourceFile:
     """A file as it was read: `name` as the user wrote it, all its bytes, its text."""
 
     name: str
@@ -39,12 +39,12 @@ class Source:
     text: str
 
 
-def read(path: Path, name: str, data: bytes | None = None) -> Source:
+def read_source(path: Path, name: str, data: bytes | None = None) -> SourceFile:
     """Read a regular file of at most `MAX_BYTES`, or `data` as if it held that. Raises
-    `SourceError`.
+    `SourceFileError`.
     """
     data = _bytes(path) if data is None else _small(data)
-    return Source(name, path, data, text_of(data))
+    return SourceFile(name, path, data, decode_utf8(data))
 
 
 def _bytes(path: Path) -> bytes:
@@ -52,41 +52,43 @@ def _bytes(path: Path) -> bytes:
         with open_regular(path) as file:
             data = file.read(MAX_BYTES + 1)
     except FileNotFoundError:
-        raise SourceError("there is no such file") from None
+        raise SourceFileError("there is no such file") from None
     except IsADirectoryError:
-        raise SourceError("this is a folder, not a file") from None
+        raise SourceFileError("this is a folder, not a file") from None
     except NotRegularError:
-        raise SourceError("this is not a file") from None
+        raise SourceFileError("this is not a file") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise SourceError(f"cannot be read: {reason}") from error
+        raise SourceFileError(f"cannot be read: {reason}") from error
     return _small(data)
 
 
 def _small(data: bytes) -> bytes:
     if len(data) > MAX_BYTES:
-        raise SourceError(
+        raise SourceFileError(
             f"the file is larger than {MAX_BYTES >> 20} MiB; check that it is the right file"
         )
     return data
 
 
-def text_of(data: bytes) -> str:
-    """The text in UTF-8, a byte order mark dropped. Raises `SourceError` with the place."""
+def decode_utf8(data: bytes) -> str:
+    """The text in UTF-8, a byte order mark dropped. Raises `SourceFileError` with the place."""
     if data.startswith(_UTF16):
-        raise SourceError("the file is saved as UTF-16; save it as UTF-8")
+        raise SourceFileError("the file is saved as UTF-16; save it as UTF-8")
     data = data.removeprefix(codecs.BOM_UTF8)
     try:
         text = data.decode("utf-8")
     except UnicodeDecodeError as error:
         line, column = _position(data[: error.start].decode("utf-8"))
-        raise SourceError(
+        raise SourceFileError(
             f"byte 0x{data[error.start]:02X} is not UTF-8; save the file as UTF-8", line, column
         ) from None
     if match := _FORBIDDEN.search(text):
         line, column = _position(text[: match.start()])
         character = f"U+{ord(match.group()):04X}"
-        raise SourceError(f"the invisible character {character} is not allowed here", line, column)
+        raise SourceFileError(
+            f"the invisible character {character} is not allowed here", line, column
+        )
     return text
 
 

@@ -17,18 +17,25 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Literal
 
 from woz_tui.config.actions import WHEN_BUSY
-from woz_tui.config.annotated_decoder import fields_of, note, split
+from woz_tui.config.annotated_decoder import fields_of, find_note, split_annotation
 from woz_tui.config.condition_texts import ANY
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_effects import ENTERED, ON_ENTER
-from woz_tui.config.experiment import Phase, SessionSettings, Steps
+from woz_tui.config.experiment import ArrowKeySteps, Phase, SessionSettings
 from woz_tui.config.keys.keyboard_layouts import LAYOUTS
 from woz_tui.config.languages import DEFAULT, SPOKEN, Language
 from woz_tui.config.profiles import FIELDS as PROFILE_FIELDS
 from woz_tui.config.robots import SIMULATED
 from woz_tui.config.session_verbs import WAIT, engagement_verbs, session_verbs
-from woz_tui.config.study import CUES, SORTS, Design, Perception, Shaping, Training
-from woz_tui.config.study_sections import CODE, WHENS
+from woz_tui.config.study import (
+    CUES,
+    TRAINING_CUES,
+    Design,
+    PerceptionLimits,
+    ResponseShaping,
+    Training,
+)
+from woz_tui.config.study_sections import NAME_PATTERN, WHENS
 from woz_tui.drivers import fields
 from woz_tui.drivers.contract import Argument, Driver, Verb
 from woz_tui.protocol.messages import Json
@@ -95,7 +102,7 @@ def required(shape: type) -> tuple[str, ...]:
 
 
 def _type(annotation: Any, notes: tuple[Any, ...] = ()) -> Schema:
-    bare, own = split(annotation)
+    bare, own = split_annotation(annotation)
     notes = (*own, *notes)
     origin = typing.get_origin(bare) or bare
     if origin in (typing.Union, types.UnionType):
@@ -116,13 +123,13 @@ def _type(annotation: Any, notes: tuple[Any, ...] = ()) -> Schema:
 def _simple(bare: Any, notes: tuple[Any, ...]) -> Schema:
     if isinstance(bare, type) and issubclass(bare, enum.Enum):
         return {"enum": [str(member.value) for member in bare]}
-    if (one_of := note(notes, fields.OneOf)) is not None and bare is str:
+    if (one_of := find_note(notes, fields.OneOf)) is not None and bare is str:
         return {"enum": list(one_of.choices)}
-    if note(notes, fields.Seconds) is not None and bare is float:
+    if find_note(notes, fields.Seconds) is not None and bare is float:
         return SECONDS
     if bare in (int, float) and bare is not bool:
         kind = "integer" if bare is int else "number"
-        return {"type": kind, **bounds(note(notes, fields.Range))}
+        return {"type": kind, **bounds(find_note(notes, fields.Range))}
     if isinstance(bare, type) and issubclass(bare, pathlib.Path):
         return {"type": "string"}
     return {bool: FLAG, str: TEXT, type(None): {"type": "null"}}.get(bare, {})
@@ -131,7 +138,7 @@ def _simple(bare: Any, notes: tuple[Any, ...]) -> Schema:
 _ONE_OR_MORE: Schema = {"oneOf": [TEXT, {"type": "array", "items": TEXT, "minItems": 1}]}
 _NAME: Schema = {
     "type": "string",
-    "pattern": f"^{CODE.pattern}$",
+    "pattern": f"^{NAME_PATTERN.pattern}$",
     "description": "name in logs and tables (default: made from the words)",
 }
 #: A text for each condition, by its name.
@@ -154,7 +161,7 @@ def study_properties() -> Schema:
             "description": "what a person checks before the first participant",
         },
         "shaping": {
-            **settings_schema(Shaping),
+            **settings_schema(ResponseShaping),
             "description": "delays before the robot answers a cue",
         },
         "answers": {
@@ -170,7 +177,7 @@ def study_properties() -> Schema:
             "description": "verbs or panels that answer a cue in the figures (default: say)",
         },
         "perception": {
-            **settings_schema(Perception),
+            **settings_schema(PerceptionLimits),
             "description": "sensor values that are hidden from the wizard",
         },
         "training": _training(),
@@ -240,7 +247,7 @@ def _questionnaire() -> Schema:
 def _training() -> Schema:
     cue = mapping(
         {
-            "cue": {"enum": list(SORTS), "description": "what the visitor does"},
+            "cue": {"enum": list(TRAINING_CUES), "description": "what the visitor does"},
             "says": {**_ONE_OR_MORE, "description": "what the visitor says; one of several"},
             "answers": {**_ONE_OR_MORE, "description": "names of the correct actions"},
             "window": {**SECONDS, "description": "time limit for the answer, in seconds"},
@@ -356,7 +363,7 @@ def experiment_schema(
                     " names, engagement, pose",
                 },
                 "steps": {
-                    **settings_schema(Steps),
+                    **settings_schema(ArrowKeySteps),
                     "description": "size of one step of an arrow key",
                 },
                 "engagement": _engagement(),
@@ -409,7 +416,9 @@ def included_schema(driver: type[Driver], setting: str) -> Schema:
         item for item in fields_of(driver.Settings) if item.name == setting
     ).annotation
     shape = next(
-        kind for kind in typing.get_args(split(annotation)[0]) if dataclasses.is_dataclass(kind)
+        kind
+        for kind in typing.get_args(split_annotation(annotation)[0])
+        if dataclasses.is_dataclass(kind)
     )
     assert isinstance(shape, type)
     return {"$schema": _DIALECT, "title": f"woz-tui {setting}", **settings_schema(shape)}
@@ -640,7 +649,7 @@ def _sample_verbs(driver: type[Driver]) -> Iterable[Verb]:
     sample = _sample(driver.Settings)
     offered = [*driver.verbs(sample)]
     for item in fields_of(driver.Settings):
-        if split(item.annotation)[0] is bool and item.default is False:
+        if split_annotation(item.annotation)[0] is bool and item.default is False:
             # Not every switch goes with this sample; then it has nothing to say here.
             with contextlib.suppress(Exception):
                 offered += driver.verbs(dataclasses.replace(sample, **{item.attribute: True}))
@@ -672,7 +681,7 @@ def _sample(shape: type) -> Any:
 
 def _part(annotation: Any) -> type | None:
     """The dataclass of an annotation such as `FaceShape | None`."""
-    bare, _ = split(annotation)
+    bare, _ = split_annotation(annotation)
     if typing.get_origin(bare) not in (typing.Union, types.UnionType):
         return None
     kinds = (kind for kind in typing.get_args(bare) if isinstance(kind, type))
@@ -680,10 +689,10 @@ def _part(annotation: Any) -> type | None:
 
 
 def _sample_value(annotation: Any) -> Any:
-    bare, notes = split(annotation)
-    if (one_of := note(notes, fields.OneOf)) is not None:
+    bare, notes = split_annotation(annotation)
+    if (one_of := find_note(notes, fields.OneOf)) is not None:
         return one_of.choices[0]
-    if (allowed := note(notes, fields.Range)) is not None and bare in (int, float):
+    if (allowed := find_note(notes, fields.Range)) is not None and bare in (int, float):
         return bare(allowed.low if allowed.low is not None else allowed.high or 0)
     if (part := _part(annotation)) is not None:
         return _sample(part)

@@ -13,9 +13,9 @@ from pathlib import Path
 
 import msgspec
 
-from woz_tui.config.file_text import Source, SourceError, read
-from woz_tui.config.problems import Report, quoted
-from woz_tui.config.yaml_cursor import Spot, document, read_filled, read_text
+from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
+from woz_tui.config.problems import ProblemReport, quoted
+from woz_tui.config.yaml_cursor import Cursor, document, read_filled, read_text
 from woz_tui.protocol.welcome import ENGLISH, QuestionnaireWords
 
 FOLDER = Path(__file__).parents[1] / "languages"
@@ -35,42 +35,42 @@ def shipped() -> tuple[str, ...]:
 class Language:
     """Reads `language` and the files of it; `sources` collects those beside the experiment."""
 
-    def __init__(self, spot: Spot | None, base: Path, sources: list[Source]) -> None:
+    def __init__(self, cursor: Cursor | None, base: Path, sources: list[SourceFile]) -> None:
         self.code = DEFAULT
         self._base, self._sources = base, sources
-        self._sections: list[Mapping[str, Spot]] = []
-        code = read_text(spot, "a language, such as de") if spot is not None else None
-        if spot is None or code is None:
+        self._sections: list[Mapping[str, Cursor]] = []
+        code = read_text(cursor, "a language, such as de") if cursor is not None else None
+        if cursor is None or code is None:
             return
         self.code = code
         own = base / f"{code}{_SUFFIX}"
         beside = _is_code(code) and own.is_file()
         if beside:
-            self._open(spot, own)
+            self._open(cursor, own)
         if code in shipped():
             self._sections.append(_ours(code))
         elif not beside:
-            known = spot.report.hint(code, shipped(), or_list="there are")
+            known = cursor.report.hint(code, shipped(), or_list="there are")
             file = f"; {own.name} beside the experiment would add it" if _is_code(code) else ""
-            spot.error(f"{quoted(code)} is not known{known}{file}")
+            cursor.error(f"{quoted(code)} is not known{known}{file}")
 
-    def other(self, spot: Spot) -> Language:
+    def other(self, cursor: Cursor) -> Language:
         """Another language for a part of the same experiment."""
-        return Language(spot, self._base, self._sources)
+        return Language(cursor, self._base, self._sources)
 
-    def _open(self, spot: Spot, path: Path) -> None:
+    def _open(self, cursor: Cursor, path: Path) -> None:
         try:
-            source = read(path, str(path))
-        except SourceError as error:
-            spot.error(f"{path.name}: {error.message}")
+            source = read_source(path, str(path))
+        except SourceFileError as error:
+            cursor.error(f"{path.name}: {error.message}")
             return
         if all(known.path != path for known in self._sources):
             self._sources.append(source)
-        root = document(source, spot.report, "sections of words, such as questionnaire: {...}")
+        root = document(source, cursor.report, "sections of words, such as questionnaire: {...}")
         if root is not None and (table := root.fields(SECTIONS, "sections are", "sections")):
             self._sections.append(table)
 
-    def section(self, name: str) -> Iterator[Spot]:
+    def section(self, name: str) -> Iterator[Cursor]:
         """This section of each file, that beside the experiment first."""
         return (table[name] for table in self._sections if name in table)
 
@@ -97,13 +97,13 @@ class Language:
                     said.setdefault(name, text)
         if len(said) < len(SPOKEN):
             english = _ours(DEFAULT)[REPAIRS].table() or {}
-            said = {name: read_filled(spot) or "" for name, spot in english.items()} | said
+            said = {name: read_filled(cursor) or "" for name, cursor in english.items()} | said
         return said
 
 
-def _ours(code: str) -> Mapping[str, Spot]:
+def _ours(code: str) -> Mapping[str, Cursor]:
     """The sections of a language that comes along; it is right, as a test says."""
-    root = document(read(FOLDER / f"{code}.yaml", code), Report(), "sections")
+    root = document(read_source(FOLDER / f"{code}.yaml", code), ProblemReport(), "sections")
     return dict(root.entries()) if root is not None else {}
 
 
@@ -112,7 +112,7 @@ def _is_code(text: str) -> bool:
     return text.replace("-", "").isalnum()
 
 
-def _fits(spot: Spot, text: str, english: str) -> bool:
+def _fits(cursor: Cursor, text: str, english: str) -> bool:
     """Whether all that stands between braces can be filled in."""
     known = {name for _, name, _, _ in string.Formatter().parse(english) if name}
     try:
@@ -122,5 +122,5 @@ def _fits(spot: Spot, text: str, english: str) -> bool:
     if wanted <= known:
         return True
     allowed = ", ".join(f"{{{name}}}" for name in sorted(known)) or "nothing"
-    spot.error(f"between braces may stand here: {allowed}")
+    cursor.error(f"between braces may stand here: {allowed}")
     return False

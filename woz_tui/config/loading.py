@@ -13,28 +13,28 @@ from dataclasses import replace
 from pathlib import Path
 
 from woz_tui.config import cross_checks, participant_pattern, utterance_template, woz4u
-from woz_tui.config.actions import PanelReader, StepReader, titles
+from woz_tui.config.actions import PanelReader, StepReader, panel_titles
 from woz_tui.config.annotated_decoder import read_section
-from woz_tui.config.command_remarks import Looker
+from woz_tui.config.command_remarks import CommandChecker
 from woz_tui.config.condition_texts import read_variables
 from woz_tui.config.driver_request_check import check_asks
 from woz_tui.config.engagement_check import check_engagement
 from woz_tui.config.engagement_effects import EngagementReader
-from woz_tui.config.experiment import Action, Experiment, SessionSettings, Steps
-from woz_tui.config.file_text import Source
+from woz_tui.config.experiment import Action, ArrowKeySteps, Experiment, SessionSettings
+from woz_tui.config.file_text import SourceFile
 from woz_tui.config.keys.keyboard_layouts import LAYOUTS
 from woz_tui.config.languages import Language
 from woz_tui.config.phases import read_phases
-from woz_tui.config.problems import Report, quoted
-from woz_tui.config.profiles import Known, read_profiles
+from woz_tui.config.problems import ProblemReport, quoted
+from woz_tui.config.profiles import ProfileTargets, read_profiles
 from woz_tui.config.repairs import SAY, RepairReader
-from woz_tui.config.robots import Offer, RobotReader, Robots
+from woz_tui.config.robots import RobotReader, Robots, VerbOffer
 from woz_tui.config.sensor_names import published_names, read_shown
 from woz_tui.config.session_verbs import ENGAGEMENT, SESSION, engagement_verbs, session_verbs
-from woz_tui.config.study_sections import SECTIONS, Around, read_study
+from woz_tui.config.study_sections import SECTIONS, StudyReferences, read_study
 from woz_tui.config.verb_calls import Vocabulary
 from woz_tui.config.yaml_cursor import (
-    Spot,
+    Cursor,
     document,
     missing,
     read_text,
@@ -42,7 +42,7 @@ from woz_tui.config.yaml_cursor import (
     read_word,
     source_of,
 )
-from woz_tui.config.yaml_nodes import Table
+from woz_tui.config.yaml_nodes import MappingNode
 from woz_tui.drivers.contract import Driver, Verb
 
 #: Everything that an experiment file may say at its top level.
@@ -62,36 +62,41 @@ def load(
     Raises `ExperimentError` with every problem of this file and of the robot files that it names,
     sorted by place. Nothing else is raised, whatever the files hold.
     """
-    report = Report()
+    report = ProblemReport()
     source = source_of(path, report, data)
     wanted = "title, robot and panels, such as title: Museum guide"
     root = None if source is None else document(source, report, wanted)
-    if source and root and isinstance(root.node, Table) and woz4u.recognised(root.node, TOP_LEVEL):
-        made = woz4u.opened(source, TOP_LEVEL)
+    if (
+        source
+        and root
+        and isinstance(root.node, MappingNode)
+        and woz4u.recognised(root.node, TOP_LEVEL)
+    ):
+        made = woz4u.translate_file(source, TOP_LEVEL)
         root, report = made.root, made.report
     else:
-        report.fail()
-    assert source is not None  # `fail` has raised otherwise
+        report.raise_errors()
+    assert source is not None  # `raise_errors` has raised otherwise
     assert root is not None
-    experiment = _Decoder(path, catalogue, report, [source]).read(root)
-    report.fail()
+    experiment = _ExperimentDecoder(path, catalogue, report, [source]).read(root)
+    report.raise_errors()
     return experiment
 
 
-class _Decoder:
+class _ExperimentDecoder:
     def __init__(
         self,
         path: Path,
         catalogue: Mapping[str, type[Driver]],
-        report: Report,
-        sources: list[Source],
+        report: ProblemReport,
+        sources: list[SourceFile],
     ) -> None:
         self._path = path
         self._report = report
         self._sources = sources
         self._robots = RobotReader(catalogue, path.parent, report, sources)
 
-    def read(self, root: Spot) -> Experiment:
+    def read(self, root: Cursor) -> Experiment:
         table = root.fields(TOP_LEVEL, "an experiment has", "a mapping") or {}
         title = missing(table, "title", root)
         robots = self._robots.read(root, table)
@@ -106,19 +111,19 @@ class _Decoder:
         words = language.questionnaire()
         keyboard = table.get("keyboard")
         layout = (keyboard and read_word(keyboard, LAYOUTS)) or "us"
-        panels_spot = missing(table, "panels", root)
+        panels_cursor = missing(table, "panels", root)
         vocabulary = Vocabulary(
             robots,
-            _own(session_verbs(conditions, titles(panels_spot)), section),
+            _own(session_verbs(conditions, panel_titles(panels_cursor)), section),
             dict.fromkeys((*filled, *variables.names)),
-            Looker.of(self._path.absolute().parent, variables, conditions),
+            CommandChecker.of(self._path.absolute().parent, variables, conditions),
             conditions,
         )
         steps = StepReader(vocabulary)
         panels = PanelReader(steps, layout)
-        read = tuple(panels.read(panels_spot)) if panels_spot is not None else ()
+        read = tuple(panels.read(panels_cursor)) if panels_cursor is not None else ()
         offered = [verb for spec in robots.drivers for verb in spec.verbs]
-        known = Known.of(
+        known = ProfileTargets.of(
             read,
             [*offered, *(offer.verb for offer in vocabulary.own.values())],
             complete=not robots.incomplete,
@@ -127,7 +132,9 @@ class _Decoder:
         reader = EngagementReader(vocabulary, steps, actions)
         engagement = reader.read(section) if section is not None else None
         playable = {*known.verbs, *(panel.title for panel in read)} if known.complete else None
-        around = Around(conditions, actions, _published(robots), playable, section is not None)
+        around = StudyReferences(
+            conditions, actions, _published(robots), playable, section is not None
+        )
         experiment = Experiment(
             title=(title and read_text(title)) or "",
             path=self._path.absolute(),
@@ -150,7 +157,7 @@ class _Decoder:
             ),
             session=read_section(table.get("session"), SessionSettings) or SessionSettings(),
             sensors=read_shown(table.get("sensors"), _published(robots), section is not None),
-            steps=read_section(table.get("steps"), Steps) or Steps(),
+            steps=read_section(table.get("steps"), ArrowKeySteps) or ArrowKeySteps(),
             profiles=read_profiles(table.get("profiles"), known),
             engagement=engagement,
             study=read_study(table, around),
@@ -160,8 +167,8 @@ class _Decoder:
         check_asks(robots, vocabulary.own, actions, self._report)
         if engagement is not None:
             check_engagement(engagement, robots, panels.drafts, self._report)
-        cross_checks.across(experiment, panels.drafts, self._report)
-        cross_checks.covers(experiment, known.verbs if known.complete else None, self._report)
+        cross_checks.check_across(experiment, panels.drafts, self._report)
+        cross_checks.check_covers(experiment, known.verbs if known.complete else None, self._report)
         return replace(experiment, warnings=tuple(self._report.warnings))
 
 
@@ -172,11 +179,11 @@ def _wordings(action: Action) -> Iterable[tuple[str, ...]]:
             yield from choice.texts.values()
 
 
-def _own(session: Iterable[Verb], engagement: Spot | None) -> dict[str, Offer]:
+def _own(session: Iterable[Verb], engagement: Cursor | None) -> dict[str, VerbOffer]:
     """Verbs that need no driver: the session's, and with its section the engagement model's."""
-    own = {verb.name: Offer(SESSION, verb) for verb in session}
+    own = {verb.name: VerbOffer(SESSION, verb) for verb in session}
     if engagement is not None:
-        own |= {verb.name: Offer(ENGAGEMENT, verb) for verb in engagement_verbs()}
+        own |= {verb.name: VerbOffer(ENGAGEMENT, verb) for verb in engagement_verbs()}
     return own
 
 
@@ -187,10 +194,12 @@ def _published(robots: Robots) -> set[str] | None:
     return {name for own in published_names(robots.drivers).values() for name in own.values()}
 
 
-def _pattern(spot: Spot | None) -> str:
+def _pattern(cursor: Cursor | None) -> str:
     default = str(Experiment.__dataclass_fields__["participant_pattern"].default)
     example = "a mapping, such as {pattern: 'P\\d\\d'}"
-    table = spot.fields(("pattern",), "participants have", example) if spot is not None else None
+    table = (
+        cursor.fields(("pattern",), "participants have", example) if cursor is not None else None
+    )
     entry = (table or {}).get("pattern")
     text = read_text(entry, "a regular expression") if entry is not None else None
     if entry is None or not text:

@@ -41,7 +41,7 @@ def example(pattern: str) -> str:
         return ""
 
 
-def looks_like(pattern: str) -> str:
+def describe_pattern(pattern: str) -> str:
     """What a code must look like, for a person."""
     found = example(pattern)
     return f"the code must look like {found}" if found else f"the code must match {pattern}"

@@ -11,11 +11,11 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
-from woz_tui.config.annotated_decoder import BAD, fields_of, read
+from woz_tui.config.annotated_decoder import INVALID, fields_of, read_value
 from woz_tui.config.experiment import PLANNED, Action, Phase
 from woz_tui.config.problems import quoted
 from woz_tui.config.yaml_cursor import (
-    Spot,
+    Cursor,
     is_set,
     missing,
     one_or_more,
@@ -28,15 +28,15 @@ FIELDS = tuple(item.name for item in fields_of(Phase))
 
 
 def read_phases(
-    spot: Spot | None, panels: Collection[str], actions: Mapping[str, Action]
+    cursor: Cursor | None, panels: Collection[str], actions: Mapping[str, Action]
 ) -> tuple[Phase, ...]:
     """The section `phases`; what is wrong with it is reported where it stands.
 
     `panels` are the titles of all panels, `actions` all actions by name.
     """
-    entries = spot.list("a list of phases") if spot is not None else None
-    if spot is not None and entries == []:
-        spot.error("the list has no phase; add one, or remove phases")
+    entries = cursor.list("a list of phases") if cursor is not None else None
+    if cursor is not None and entries == []:
+        cursor.error("the list has no phase; add one, or remove phases")
     found = [(entry, phase) for entry in entries or () if (phase := _phase(entry)) is not None]
     names = [phase.name for _, phase in found]
     first: dict[str, int] = {}
@@ -55,18 +55,18 @@ def read_phases(
     return tuple(phase for _, phase in found)
 
 
-def _phase(spot: Spot) -> Phase | None:
-    table = spot.fields(FIELDS, "a phase has", "a phase, such as {name: opening, panels: [...]}")
+def _phase(cursor: Cursor) -> Phase | None:
+    table = cursor.fields(FIELDS, "a phase has", "a phase, such as {name: opening, panels: [...]}")
     if table is None:
         return None
     title, name = read_filled(table.get("title")), read_filled(table.get("name"))
     if title is None and name is None and not {"title", "name"} & table.keys():
-        missing({}, "name", spot, "name in logs and tables")
+        missing({}, "name", cursor, "name in logs and tables")
 
     def texts(field: str, expected: str) -> tuple[str, ...]:
         return tuple(text for _, text in one_or_more(table.get(field), expected))
 
-    planned: Any = read(table["planned"], float, (PLANNED,)) if "planned" in table else 0.0
+    planned: Any = read_value(table["planned"], float, (PLANNED,)) if "planned" in table else 0.0
     return Phase(
         name=name or title or "",
         title=title or "",
@@ -74,29 +74,29 @@ def _phase(spot: Spot) -> Phase | None:
         script=tuple(text for _, text in read_texts(table.get("script"))),
         on_enter=texts("on_enter", "the name of an action, or a list of them"),
         after=texts("after", "the name of a phase, or a list of them"),
-        planned=0.0 if planned is BAD else planned,
+        planned=0.0 if planned is INVALID else planned,
         lock_others=is_set(table.get("lock_others")),
     )
 
 
-def _listed(spot: Spot | None) -> Iterator[tuple[Spot, str]]:
+def _listed(cursor: Cursor | None) -> Iterator[tuple[Cursor, str]]:
     """What was read from a text or a list, without another report."""
-    if spot is not None:
-        for entry in (*spot.items(),) or (spot,):
+    if cursor is not None:
+        for entry in (*cursor.items(),) or (cursor,):
             text = getattr(entry.node, "text", "")
             if text.strip():
                 yield entry, text
 
 
-def _check_names(spot: Spot | None, known: Collection[str], what: str) -> None:
-    for entry, name in _listed(spot):
+def _check_names(cursor: Cursor | None, known: Collection[str], what: str) -> None:
+    for entry, name in _listed(cursor):
         if name not in known:
             near = entry.report.hint(name, known, or_list=f"{what}s are")
             entry.error(f"there is no {what} {quoted(name)}{near}")
 
 
-def _check_actions(spot: Spot | None, actions: Mapping[str, Action], phase: Phase) -> None:
-    for entry, name in _listed(spot):
+def _check_actions(cursor: Cursor | None, actions: Mapping[str, Action], phase: Phase) -> None:
+    for entry, name in _listed(cursor):
         action = actions.get(name)
         if action is None:
             near = entry.report.hint(name, actions)
@@ -108,7 +108,7 @@ def _check_actions(spot: Spot | None, actions: Mapping[str, Action], phase: Phas
             entry.warning(f"{panel}; add it to panels: [...]")
 
 
-def _check_reachable(found: Sequence[tuple[Spot, Phase]]) -> None:
+def _check_reachable(found: Sequence[tuple[Cursor, Phase]]) -> None:
     """Warn of phases that can never begin; the first one begins by itself."""
     reached = {phase.name for _, phase in found[:1]}
     reached |= {phase.name for _, phase in found if not phase.after}

@@ -5,8 +5,8 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
-from woz_tui.config.experiment import ExperimentError, Place, Problem
-from woz_tui.config.file_text import Source
+from woz_tui.config.experiment import ExperimentError, FilePosition, Problem
+from woz_tui.config.file_text import SourceFile
 from woz_tui.drivers.secret_arguments import without_passwords
 
 #: A file with more errors than this is another kind of file; the rest is counted, not listed.
@@ -17,33 +17,33 @@ MAX_LISTED = 14
 MAX_COMPARED = 500
 
 
-class Report:
+class ProblemReport:
     """Problems and places of one experiment and the files it names."""
 
     def __init__(self) -> None:
         self._problems: dict[Problem, None] = {}
         self._files: dict[str, int] = {}
-        self._places: dict[tuple[str, str], Place] = {}
+        self._places: dict[tuple[str, str], FilePosition] = {}
         #: Problems that say what is missing, by file and path of it; and what was there, misspelt.
         self._missing: dict[Problem, tuple[str, str]] = {}
         self._misspelt: set[tuple[str, str]] = set()
-        self._said: set[tuple[Place, str]] = set()
+        self._messages: set[tuple[FilePosition, str]] = set()
         #: Files that settings stand in, in the order in which they were read.
-        self.included: list[Source] = []
+        self.included: list[SourceFile] = []
 
     def file(self, name: str) -> None:
         """Files are reported in the order in which they were read."""
         self._files.setdefault(name, len(self._files))
 
-    def put(self, path: str, place: Place) -> None:
+    def set_place(self, path: str, place: FilePosition) -> None:
         """Remember where `path` stands in its file."""
         self._places[place.file, path] = place
 
-    def knows(self, path: str, file: str) -> bool:
+    def has_place(self, path: str, file: str) -> bool:
         """Whether `path` itself stands in this file."""
         return (file, path) in self._places
 
-    def place(self, path: str, file: str | None = None) -> Place:
+    def place(self, path: str, file: str | None = None) -> FilePosition:
         """Where `path` stands, or the nearest thing that holds it.
 
         `file` is a name as reported; without it the first file read is meant.
@@ -52,11 +52,11 @@ class Report:
         while (name, path) not in self._places:
             cut = max(path.rfind("."), path.rfind("["))
             if cut < 0:
-                return Place(name, 1, 1)
+                return FilePosition(name, 1, 1)
             path = path[:cut]
         return self._places[name, path]
 
-    def error(self, place: Place, path: str, message: str) -> None:
+    def error(self, place: FilePosition, path: str, message: str) -> None:
         """One more reason why the file cannot be used."""
         self._add(place, path, message)
 
@@ -68,7 +68,7 @@ class Report:
         """`warning` where `path` stands."""
         self.warning(self.place(path), path, message)
 
-    def missing(self, place: Place, path: str, message: str, absent: str) -> None:
+    def missing(self, place: FilePosition, path: str, message: str, absent: str) -> None:
         """Like `error`; not shown if `absent`, the path of what is missing, is there misspelt."""
         self._missing[self._add(place, path, message)] = (place.file, absent)
 
@@ -76,13 +76,13 @@ class Report:
         """`path` is there after all under a name near to its own, which is reported as such."""
         self._misspelt.add((file, path))
 
-    def warning(self, place: Place, path: str, message: str) -> None:
+    def warning(self, place: FilePosition, path: str, message: str) -> None:
         """Something that works but is probably not meant."""
         self._add(place, path, message, warning=True)
 
-    def says(self, place: Place, message: str) -> bool:
+    def has_problem(self, place: FilePosition, message: str) -> bool:
         """Whether just this has been said of what stands there, by whatever name."""
-        return (place, _shown(message)) in self._said
+        return (place, _printable(message)) in self._messages
 
     @property
     def errors(self) -> list[Problem]:
@@ -111,21 +111,21 @@ class Report:
 
     def choices(self, what: str, words: Iterable[str]) -> str:
         """`; <what>: a, b, c`, as long as anybody will read it."""
-        shown = "" if self.hopeless else listed(words)
+        shown = "" if self.has_too_many else listed(words)
         return f"; {what}: {shown}" if shown else ""
 
     def nearest(self, wrong: str, known: Iterable[str]) -> str | None:
         """The known word that was probably meant, as long as anybody will read it: looking for
         near words takes its time.
         """
-        return None if self.hopeless else nearest(wrong, known)
+        return None if self.has_too_many else nearest_word(wrong, known)
 
     @property
-    def hopeless(self) -> bool:
+    def has_too_many(self) -> bool:
         """Whether there is more than anybody will read: what takes its time is left out then."""
         return len(self._problems) > MAX_PROBLEMS
 
-    def fail(self) -> None:
+    def raise_errors(self) -> None:
         """Raise `ExperimentError` if there was any error."""
         errors = self.errors
         if len(errors) > MAX_PROBLEMS:
@@ -135,14 +135,16 @@ class Report:
         if errors:
             raise ExperimentError(errors)
 
-    def _add(self, place: Place, path: str, message: str, *, warning: bool = False) -> Problem:
-        name = _shown(self._named(place, path)) or "file"
-        problem = Problem(place, name, _shown(message), warning)
+    def _add(
+        self, place: FilePosition, path: str, message: str, *, warning: bool = False
+    ) -> Problem:
+        name = _printable(self._named(place, path)) or "file"
+        problem = Problem(place, name, _printable(message), warning)
         self._problems.setdefault(problem)
-        self._said.add((place, problem.message))
+        self._messages.add((place, problem.message))
         return problem
 
-    def _named(self, place: Place, path: str) -> str:
+    def _named(self, place: FilePosition, path: str) -> str:
         """What stands there by the name that the file itself has for it."""
         return path
 
@@ -154,7 +156,7 @@ class Report:
         return sorted((p for p in self._problems if p.warning is warning), key=rank)
 
 
-def _shown(text: str) -> str:
+def _printable(text: str) -> str:
     """Names in a file may hold anything; a line of a report may not. It is read by others, too."""
     text = without_passwords(text)
     if text.isprintable():
@@ -171,7 +173,7 @@ def join(path: str, name: str) -> str:
 
 def hint(wrong: str, known: Iterable[str]) -> str:
     """`; did you mean 'x'?` for the nearest known word, or nothing."""
-    near = nearest(wrong, known)
+    near = nearest_word(wrong, known)
     return "" if near is None else f"; did you mean {near!r}?"
 
 
@@ -218,7 +220,7 @@ _MEANT = {
 }
 
 
-def nearest(wrong: str, known: Iterable[str]) -> str | None:
+def nearest_word(wrong: str, known: Iterable[str]) -> str | None:
     """The known word that was probably meant, if one means the same or is near enough."""
     words = list(dict.fromkeys(known))
     said = wrong.casefold().replace("-", "_")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from woz_tui.config.experiment import Panel, Profile
 from woz_tui.config.problems import quoted
-from woz_tui.config.yaml_cursor import Spot, is_set, read_texts
+from woz_tui.config.yaml_cursor import Cursor, is_set, read_texts
 from woz_tui.drivers.contract import Verb
 
 #: What a profile may say.
@@ -17,7 +17,7 @@ CONTROL = "control"
 
 
 @dataclass(frozen=True, slots=True)
-class Known:
+class ProfileTargets:
     """Everything that a profile can name.
 
     `complete`: the robot files are right. Else a driver is missing here, and what only it knows
@@ -31,7 +31,9 @@ class Known:
     complete: bool = True
 
     @classmethod
-    def of(cls, panels: Iterable[Panel], verbs: Iterable[Verb], *, complete: bool = True) -> Known:
+    def of(
+        cls, panels: Iterable[Panel], verbs: Iterable[Verb], *, complete: bool = True
+    ) -> ProfileTargets:
         """Of these panels and of the verbs of all drivers."""
         offered, rows = [*verbs], [*panels]
         controls = [
@@ -49,9 +51,9 @@ class Known:
         )
 
 
-def read_profiles(spot: Spot | None, known: Known) -> dict[str, Profile]:
+def read_profiles(cursor: Cursor | None, known: ProfileTargets) -> dict[str, Profile]:
     """The section `profiles`: profiles by name. What is wrong is reported where it stands."""
-    table = spot.table("a mapping of profiles by name") if spot is not None else None
+    table = cursor.table("a mapping of profiles by name") if cursor is not None else None
     return {
         name: profile
         for name, entry in (table or {}).items()
@@ -59,12 +61,12 @@ def read_profiles(spot: Spot | None, known: Known) -> dict[str, Profile]:
     }
 
 
-def _profile(name: str, spot: Spot, known: Known) -> Profile | None:
-    table = spot.fields(FIELDS, "a profile has", "a mapping, such as {panels: [Speech]}")
+def _profile(name: str, cursor: Cursor, known: ProfileTargets) -> Profile | None:
+    table = cursor.fields(FIELDS, "a profile has", "a mapping, such as {panels: [Speech]}")
     if table is None:
         return None
     if not name.strip():
-        spot.error("a profile needs a name")
+        cursor.error("a profile needs a name")
 
     def names(field: str, there: Sequence[str], what: Callable[[str], str]) -> frozenset[str]:
         surely = known.complete or field in ("panels", "actions")
@@ -79,15 +81,15 @@ def _profile(name: str, spot: Spot, known: Known) -> Profile | None:
         hide=is_set(table.get("hide")),
     )
     if not any(field in table for field in FIELDS[:-1]):
-        spot.error(f"allows nothing; name some of {', '.join(FIELDS[:-1])}")
+        cursor.error(f"allows nothing; name some of {', '.join(FIELDS[:-1])}")
     return profile
 
 
 def _names(
-    spot: Spot | None, there: Sequence[str], unknown: Callable[[str], str] | None
+    cursor: Cursor | None, there: Sequence[str], unknown: Callable[[str], str] | None
 ) -> Iterable[str]:
     """A list of names; those that are not `there` are `unknown`, if that can be said."""
-    for entry, name in read_texts(spot, "a list of names"):
+    for entry, name in read_texts(cursor, "a list of names"):
         if unknown is not None and name not in there:
             near = entry.report.hint(name, there, or_list="there are")
             entry.error(f"{unknown(quoted(name))}{near}")

@@ -19,7 +19,7 @@ from woz_tui.config.study import Study
 
 
 @dataclass(frozen=True, slots=True)
-class Difference:
+class ReloadChanges:
     """`changes`: every difference in words, those of the drivers first; `telling`: those of them
     that may tell which condition is which.
 
@@ -37,11 +37,11 @@ class Difference:
         return not self.drivers
 
 
-def compare(old: Experiment, new: Experiment) -> Difference:
+def compare(old: Experiment, new: Experiment) -> ReloadChanges:
     """The differences between two readings."""
     drivers = tuple(_drivers(old, new))
     telling = (*_conditions(old, new), *_part("design", old.study, new.study))
-    return Difference((*drivers, *_rest(old, new)), drivers, telling)
+    return ReloadChanges((*drivers, *_rest(old, new)), drivers, telling)
 
 
 def _drivers(old: Experiment, new: Experiment) -> Iterable[str]:

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping
 
 from woz_tui.config.actions import StepReader
-from woz_tui.config.experiment import Action, Place, Step
+from woz_tui.config.experiment import Action, FilePosition, Step
 from woz_tui.config.languages import SPOKEN, Language
 from woz_tui.config.verb_calls import Vocabulary
-from woz_tui.config.yaml_cursor import Spot, read_texts
-from woz_tui.config.yaml_nodes import Scalar, Table
+from woz_tui.config.yaml_cursor import Cursor, read_texts
+from woz_tui.config.yaml_nodes import MappingNode, ScalarNode
 
 #: The panel of these actions in the log.
 PANEL = "Repairs"
@@ -47,22 +47,24 @@ class RepairReader:
         self._steps = steps
         self._language = language
 
-    def read(self, spot: Spot | None, place: Place, variants: bool) -> tuple[Action, ...]:
+    def read(
+        self, cursor: Cursor | None, place: FilePosition, variants: bool
+    ) -> tuple[Action, ...]:
         """All repairs of the file; none where nobody can speak. `variants`: some sentence of
         the file has several wordings.
         """
         if not self._vocabulary.offers(SAY):
-            if spot is not None and not self._vocabulary.robots.incomplete:
-                spot.error(f"no driver of this robot offers {SAY!r}")
+            if cursor is not None and not self._vocabulary.robots.incomplete:
+                cursor.error(f"no driver of this robot offers {SAY!r}")
             return ()
-        spoken = list(self._spoken(spot)) if spot is not None else []
+        spoken = list(self._spoken(cursor)) if cursor is not None else []
         found = [_action(REPEAT, place)]
-        if variants and spot is not None:
+        if variants and cursor is not None:
             found.append(_action(REWORD, place))
         return (*found, *spoken, _action(INTERRUPT, place))
 
-    def _spoken(self, spot: Spot) -> Iterator[Action]:
-        table = spot.fields(FIELDS, "repairs have", "a mapping, such as {language: en}") or {}
+    def _spoken(self, cursor: Cursor) -> Iterator[Action]:
+        table = cursor.fields(FIELDS, "repairs have", "a mapping, such as {language: en}") or {}
         language = table.get("language")
         chosen = self._language if language is None else self._language.other(language)
         lines = chosen.repairs()
@@ -71,26 +73,30 @@ class RepairReader:
             if name in left_out:
                 continue
             given = table.get(name)
-            at = given or spot.at(name, Scalar(spot.place, lines[name], plain=False), spot.place)
+            at = given or cursor.at(
+                name, ScalarNode(cursor.place, lines[name], plain=False), cursor.place
+            )
             step = self._step(at, table.get("on"))
             if step is not None:
                 yield _action(f"repair {name}", at.place, step)
 
-    def _left_out(self, spot: Spot | None) -> Iterable[str]:
-        for entry, name in read_texts(spot, f"a list of {', '.join(SPOKEN)}", "a repair"):
+    def _left_out(self, cursor: Cursor | None) -> Iterable[str]:
+        for entry, name in read_texts(cursor, f"a list of {', '.join(SPOKEN)}", "a repair"):
             if name not in SPOKEN:
                 entry.unknown(SPOKEN, "repairs are")
             yield name
 
-    def _step(self, spot: Spot, on: Spot | None) -> Step | None:
+    def _step(self, cursor: Cursor, on: Cursor | None) -> Step | None:
         """A sentence, with its wordings if it has several, or verbs that begin together."""
         verbs: Collection[str] = self._vocabulary.names
-        if isinstance(spot.node, Table) and any(name in verbs for name in spot.node.entries):
-            table = dict(spot.entries())
+        if isinstance(cursor.node, MappingNode) and any(
+            name in verbs for name in cursor.node.entries
+        ):
+            table = dict(cursor.entries())
         else:
-            table = {SAY: spot}
-        return self._steps.together(spot, table, on)
+            table = {SAY: cursor}
+        return self._steps.together(cursor, table, on)
 
 
-def _action(name: str, place: Place, *steps: Step) -> Action:
+def _action(name: str, place: FilePosition, *steps: Step) -> Action:
     return Action(name, LABELS[name], "", PANEL, steps, place)

@@ -8,34 +8,34 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from woz_tui.config.annotated_decoder import BAD, noted, read_settings
+from woz_tui.config.annotated_decoder import INVALID, read_settings, values_with_note
 from woz_tui.config.experiment import DriverSpec
-from woz_tui.config.file_text import Source, SourceError, read
-from woz_tui.config.problems import Report, join, quoted
+from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
+from woz_tui.config.problems import ProblemReport, join, quoted
 from woz_tui.config.session_verbs import PERFORMERS, SESSION
 from woz_tui.config.yaml_cursor import (
-    Spot,
+    Cursor,
     document,
     missing,
     named_source,
     read_text,
     source_of,
 )
-from woz_tui.config.yaml_nodes import Node, Table, tree
+from woz_tui.config.yaml_nodes import MappingNode, Node, parse_yaml
 from woz_tui.drivers.contract import Ask, Driver, Finding, Verb, Written
 from woz_tui.drivers.fields import Range, Sibling
 
 #: A robot that needs no hardware and no file: one driver of the same type, called `robot`.
 SIMULATED = "simulated"
 
-Look = Callable[[Written], Iterable[Finding]]
+RemarkFunction = Callable[[Written], Iterable[Finding]]
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,31}")
 _NAME_RULE = "a name has letters, digits, _ and -, and begins with a letter"
 
 
 @dataclass(frozen=True, slots=True)
-class Offer:
+class VerbOffer:
     """A verb of one driver; `joints` with their ranges in degrees if the driver tells, and `look`,
     what it says of a command that is only written (`experiment.remarks`).
     """
@@ -43,11 +43,11 @@ class Offer:
     driver: str
     verb: Verb
     joints: Mapping[str, Range] | None = None
-    look: Look | None = None
+    look: RemarkFunction | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class Asking:
+class DriverRequests:
     """What a driver will ask for, each ask with the path of its setting below `path` in `file`."""
 
     driver: str
@@ -61,8 +61,8 @@ class Robots:
     """Everything the robots of an experiment bring along."""
 
     drivers: list[DriverSpec] = field(default_factory=list)
-    offers: dict[str, list[Offer]] = field(default_factory=dict)
-    asking: list[Asking] = field(default_factory=list)
+    offers: dict[str, list[VerbOffer]] = field(default_factory=dict)
+    asking: list[DriverRequests] = field(default_factory=list)
     #: Robot names, if there are several robots.
     names: list[str] = field(default_factory=list)
     #: Whether some driver could not be decoded, so that verbs may be missing.
@@ -76,8 +76,8 @@ class RobotReader:
         self,
         catalogue: Mapping[str, type[Driver]],
         base: Path,
-        report: Report,
-        sources: list[Source],
+        report: ProblemReport,
+        sources: list[SourceFile],
     ) -> None:
         self._catalogue = catalogue
         self._base = base
@@ -85,7 +85,7 @@ class RobotReader:
         self._sources = sources
         self._robots = Robots()
 
-    def read(self, root: Spot, table: dict[str, Spot]) -> Robots:
+    def read(self, root: Cursor, table: dict[str, Cursor]) -> Robots:
         """Takes `robot` and `robots` out of the experiment's top level."""
         one, many = table.pop("robot", None), table.pop("robots", None)
         if one is not None and many is not None:
@@ -100,45 +100,47 @@ class RobotReader:
             self._robots.incomplete = True
         return self._robots
 
-    def read_file(self, root: Spot) -> Robots:
+    def read_file(self, root: Cursor) -> Robots:
         """The drivers of a robot file, whose top level `root` is."""
         self._drivers(root, "")
         return self._robots
 
-    def _several(self, spot: Spot) -> None:
-        table = spot.table("a mapping such as {left: robots/a.yaml, right: simulated}")
+    def _several(self, cursor: Cursor) -> None:
+        table = cursor.table("a mapping such as {left: robots/a.yaml, right: simulated}")
         if table is None:
             self._robots.incomplete = True
             return
         if not table:
-            spot.error("a robot is missing here")
+            cursor.error("a robot is missing here")
         for name, entry in table.items():
             if _named(entry, name):
                 self._robots.names.append(name)
             self._robot(entry, f"{name}.")
 
-    def _robot(self, spot: Spot, prefix: str) -> None:
+    def _robot(self, cursor: Cursor, prefix: str) -> None:
         """One robot: a word, a file or a mapping."""
         before = len(self._robots.drivers)
-        if isinstance(spot.node, Table):
-            self._drivers(spot, prefix)
+        if isinstance(cursor.node, MappingNode):
+            self._drivers(cursor, prefix)
         else:
-            self._robot_by_name(spot, prefix)
+            self._robot_by_name(cursor, prefix)
         if len(self._robots.drivers) == before:
             self._robots.incomplete = True
 
-    def _robot_by_name(self, spot: Spot, prefix: str) -> None:
-        text = read_text(spot, "a robot file, the word simulated, or a mapping of drivers")
+    def _robot_by_name(self, cursor: Cursor, prefix: str) -> None:
+        text = read_text(cursor, "a robot file, the word simulated, or a mapping of drivers")
         if text == SIMULATED:
-            settings: Node = Table(spot.place)
+            settings: Node = MappingNode(cursor.place)
             self._driver(
-                Spot(settings, spot.path, spot.place, spot.report), f"{prefix}robot", SIMULATED
+                Cursor(settings, cursor.path, cursor.place, cursor.report),
+                f"{prefix}robot",
+                SIMULATED,
             )
         elif text is not None:
-            self._file(spot, text, prefix)
+            self._file(cursor, text, prefix)
 
-    def _file(self, spot: Spot, text: str, prefix: str) -> None:
-        source = named_source(spot, text, self._base, lambda: self._file_hint(text))
+    def _file(self, cursor: Cursor, text: str, prefix: str) -> None:
+        source = named_source(cursor, text, self._base, lambda: self._file_hint(text))
         if source is None:
             return
         self._opened(source)
@@ -146,7 +148,7 @@ class RobotReader:
         if root is not None:
             self._drivers(root, prefix)
 
-    def _opened(self, source: Source) -> None:
+    def _opened(self, source: SourceFile) -> None:
         """A file that belongs to the experiment from now on."""
         if all(known.path != source.path for known in self._sources):
             self._sources.append(source)
@@ -167,14 +169,14 @@ class RobotReader:
             found = []
         return self._report.hint(text, [SIMULATED, *found])
 
-    def _drivers(self, spot: Spot, prefix: str) -> None:
+    def _drivers(self, cursor: Cursor, prefix: str) -> None:
         """`{name: ..., drivers: {head: {type: ..., settings}, ...}}`."""
-        table = spot.fields(("name", "drivers"), "a robot has", "a mapping with drivers")
+        table = cursor.fields(("name", "drivers"), "a robot has", "a mapping with drivers")
         if table is None:
             return
         if "name" in table:
             read_text(table["name"])
-        drivers = missing(table, "drivers", spot, "drivers: {head: {type: ...}}")
+        drivers = missing(table, "drivers", cursor, "drivers: {head: {type: ...}}")
         before = len(self._robots.drivers)
         entries = drivers.table("a mapping of drivers by name") if drivers is not None else None
         if drivers is not None and entries is not None and not entries:
@@ -189,7 +191,7 @@ class RobotReader:
     def _siblings(self, spec: DriverSpec, path: str, own: str, known: list[str]) -> None:
         """Settings that name another driver of the same robot."""
         others = [driver for driver in known if driver != own]
-        for setting, name in noted(spec.settings, Sibling):
+        for setting, name in values_with_note(spec.settings, Sibling):
             if name not in others:
                 near = self._report.hint(name, others, or_list="there are")
                 self._report.error_at(
@@ -198,34 +200,36 @@ class RobotReader:
                     spec.place.file,
                 )
 
-    def _typed_driver(self, spot: Spot, name: str) -> None:
+    def _typed_driver(self, cursor: Cursor, name: str) -> None:
         before = len(self._robots.drivers)
-        table = spot.table("a mapping with type and settings")
-        kind_spot = None if table is None else missing(table, "type", spot, "which driver it is")
-        kind = None if kind_spot is None else read_text(kind_spot, "the driver's type")
-        if kind_spot is not None and kind is not None:
+        table = cursor.table("a mapping with type and settings")
+        kind_cursor = (
+            None if table is None else missing(table, "type", cursor, "which driver it is")
+        )
+        kind = None if kind_cursor is None else read_text(kind_cursor, "the driver's type")
+        if kind_cursor is not None and kind is not None:
             if kind in self._catalogue:
-                self._driver(spot, name, kind)
+                self._driver(cursor, name, kind)
             else:
                 near = self._report.hint(kind, self._catalogue, or_list="installed are")
-                kind_spot.error(f"there is no driver of type {quoted(kind)}{near}")
+                kind_cursor.error(f"there is no driver of type {quoted(kind)}{near}")
         if len(self._robots.drivers) == before:
             self._robots.incomplete = True
 
-    def _driver(self, spot: Spot, name: str, kind: str) -> None:
+    def _driver(self, cursor: Cursor, name: str, kind: str) -> None:
         """Settings, verbs and sensors of one driver. Its code may be a stranger's."""
         try:
             driver = self._catalogue[kind]
         except KeyError:
-            spot.error(f"there is no driver of type {quoted(kind)}")
+            cursor.error(f"there is no driver of type {quoted(kind)}")
             return
         except Exception as error:  # noqa: BLE001 - a plug-in that cannot be imported
-            spot.error(str(error) or type(error).__name__)
+            cursor.error(str(error) or type(error).__name__)
             return
-        settings = read_settings(spot, driver.Settings, others=("type",))
+        settings = read_settings(cursor, driver.Settings, others=("type",))
         for source in self._report.included:
             self._opened(source)
-        if settings is BAD:
+        if settings is INVALID:
             self._robots.incomplete = True
             return
         try:
@@ -235,29 +239,29 @@ class RobotReader:
                 settings=settings,
                 verbs=tuple(driver.verbs(settings)),
                 sensors=tuple(driver.sensors(settings)),
-                place=spot.place,
+                place=cursor.place,
             )
             joints = driver.joints(settings)
             asks = tuple(driver.asks(settings))
         except Exception as error:  # noqa: BLE001 - a plug-in's code
-            spot.error(f"the driver {kind!r} fails with these settings: {error!r}")
+            cursor.error(f"the driver {kind!r} fails with these settings: {error!r}")
             return
         self._robots.drivers.append(spec)
         if asks:
-            self._robots.asking.append(Asking(name, spot.path, spot.place.file, asks))
+            self._robots.asking.append(DriverRequests(name, cursor.path, cursor.place.file, asks))
         look = functools.partial(driver.remarks, settings)
         for verb in spec.verbs:
-            offer = Offer(name, verb, joints, look)
+            offer = VerbOffer(name, verb, joints, look)
             self._robots.offers.setdefault(verb.name, []).append(offer)
 
 
-def _named(spot: Spot, name: str) -> bool:
+def _named(cursor: Cursor, name: str) -> bool:
     if name in PERFORMERS:
         itself = "the session itself" if name == SESSION else "the engagement model"
-        spot.error(f"{name!r} is already the name of {itself}; choose another name")
+        cursor.error(f"{name!r} is already the name of {itself}; choose another name")
         return False
     if not _NAME.fullmatch(name):
-        spot.error(_NAME_RULE)
+        cursor.error(_NAME_RULE)
         return False
     return True
 
@@ -265,17 +269,19 @@ def _named(spot: Spot, name: str) -> bool:
 # -- a robot file by itself ------------------------------------------------------------------------
 
 
-def is_robot(path: Path) -> bool:
+def is_robot_file(path: Path) -> bool:
     """Whether a file is a robot's (a mapping with `drivers`) and not an experiment.
 
     What cannot be read is neither; whoever loads it then says what is wrong with it.
     """
     try:
-        source = read(path, str(path))
-    except SourceError:
+        source = read_source(path, str(path))
+    except SourceFileError:
         return False
-    node = tree(source, Report())
-    return isinstance(node, Table) and "drivers" in node.entries and "panels" not in node.entries
+    node = parse_yaml(source, ProblemReport())
+    return (
+        isinstance(node, MappingNode) and "drivers" in node.entries and "panels" not in node.entries
+    )
 
 
 def load_robot(path: Path, catalogue: Mapping[str, type[Driver]]) -> tuple[DriverSpec, ...]:
@@ -283,12 +289,12 @@ def load_robot(path: Path, catalogue: Mapping[str, type[Driver]]) -> tuple[Drive
 
     Raises `ExperimentError` with every problem of the file, sorted by place, and nothing else.
     """
-    report = Report()
+    report = ProblemReport()
     source = source_of(path, report)
     root = None if source is None else document(source, report, "a mapping with drivers")
-    report.fail()
-    assert source is not None  # `fail` has raised otherwise
+    report.raise_errors()
+    assert source is not None  # `raise_errors` has raised otherwise
     assert root is not None
     robots = RobotReader(catalogue, path.parent, report, [source]).read_file(root)
-    report.fail()
+    report.raise_errors()
     return tuple(robots.drivers)

@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 
 from woz_tui.config.experiment import DriverSpec
 from woz_tui.config.problems import quoted
-from woz_tui.config.yaml_cursor import Spot, read_texts
+from woz_tui.config.yaml_cursor import Cursor, read_texts
 
 #: What may be named among the sensors though it is none: the model, and all joints.
 ENGAGEMENT, POSE = "engagement", "pose"
@@ -45,14 +45,14 @@ def _name(spec: DriverSpec, sensor: str, everywhere: int, in_robot: int) -> str:
 
 
 def read_shown(
-    spot: Spot | None, published: Collection[str] | None, has_model: bool
+    cursor: Cursor | None, published: Collection[str] | None, has_model: bool
 ) -> tuple[str, ...]:
     """The section `sensors`: what stands first among the meters.
 
     `published`: names of all sensors; None where a driver is missing. What none of them is near to
     may be something that only the running robot knows.
     """
-    wanted = read_texts(spot, "a list, such as [engagement, distance, loudness]", once=True)
+    wanted = read_texts(cursor, "a list, such as [engagement, distance, loudness]", once=True)
     known = {ENGAGEMENT, POSE}
     for name in published or ():
         known |= {name, name.rpartition(".")[2], name.rpartition(".")[0]} - {""}

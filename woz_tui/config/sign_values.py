@@ -15,7 +15,7 @@ SENSOR = "sensor"
 _VERDICTS = {"on": True, "off": False}
 
 
-def sensed(sign: str, value: str) -> bool | float | str | None:
+def sign_value(sign: str, value: str) -> bool | float | str | None:
     """The verdict (True, False), metres, a name, or None for the sensor's own.
 
     Raises `ValueError` with a sentence for what makes no sense of this sign.
@@ -44,11 +44,11 @@ def _metres(value: str) -> float:
 
 
 def identity_of(value: str) -> str:
-    """The name that the wizard gives, or "Unknown". Raises `BadNameError` for what is neither."""
+    """The name that the wizard gives, or "Unknown". Raises `VisitorNameError`."""
     return UNKNOWN if value.strip().casefold() == UNKNOWN.casefold() else name_of(value)
 
 
-def nonsense(verb: str, args: Mapping[str, Json]) -> str:
+def argument_problem(verb: str, args: Mapping[str, Json]) -> str:
     """Why a call of the engagement model makes no sense, as far as its arguments tell; or empty.
 
     Values with a variable in them are known only when the call is made.
@@ -69,7 +69,7 @@ def _sensed_well(args: Mapping[str, Json]) -> None:
     sign, value = args.get("sign"), _fixed(args, "value")
     if not isinstance(sign, str) or value is None:
         return
-    meant = sensed(sign, value)
+    meant = sign_value(sign, value)
     if sign == "identity" and isinstance(meant, str):
         identity_of(meant)
 

@@ -23,7 +23,7 @@ PERCEIVED = (
 )
 BLURRED = ("transcript", "distance", "loudness")
 #: What a simulated visitor can do that wants an answer.
-SORTS = ("approach", "question", "silence", "turn-away", "leave")
+TRAINING_CUES = ("approach", "question", "silence", "turn-away", "leave")
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,7 @@ class Design:
 
 
 @dataclass(frozen=True, slots=True)
-class Item:
+class QuestionnaireItem:
     """One item of a questionnaire: a scale from `low` to `high` (whole numbers), or a free text.
 
     `ends` is what the scale's ends are called. `optional`: may be left out.
@@ -72,13 +72,13 @@ class Questionnaire:
 
     name: str
     title: str
-    items: tuple[Item, ...]
+    items: tuple[QuestionnaireItem, ...]
     when: str = "end"
     introduction: str = ""
 
 
 @dataclass(frozen=True, slots=True)
-class Shaping:
+class ResponseShaping:
     """How soon the robot may answer a cue: not before `floor`, and up to `jitter` later at random,
     so that a wizard's quickness does not tell. An answer that comes later anyway is not held up.
     """
@@ -95,7 +95,7 @@ class Shaping:
 
 
 @dataclass(frozen=True, slots=True)
-class Perception:
+class PerceptionLimits:
     """What the wizard does not get to see, so as to know no more than the robot could."""
 
     hide: Annotated[tuple[str, ...], OneOf(PERCEIVED), Unique(), Doc("what is hidden")] = ()
@@ -134,9 +134,9 @@ class Study:
     questionnaires: tuple[Questionnaire, ...] = ()
     #: What a human has to see to before the first participant, in words.
     preflight: tuple[str, ...] = ()
-    shaping: Shaping | None = None
+    shaping: ResponseShaping | None = None
     #: Cue -> verbs and titles of panels that answer it, for the figures; others are answered by
     #: speech.
     answers: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    perception: Perception = field(default_factory=Perception)
+    perception: PerceptionLimits = field(default_factory=PerceptionLimits)
     training: Training = field(default_factory=Training)

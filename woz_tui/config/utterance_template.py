@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Collection
 
-from woz_tui.config.yaml_cursor import Spot
+from woz_tui.config.yaml_cursor import Cursor
 
 #: Variables that the session itself fills in.
 BUILT_IN = ("participant", "condition", "session", "trial", "wizard")
@@ -45,13 +45,13 @@ def fill(text: str, value_of: Callable[[str], str]) -> str:
     return _PART.sub(part, text)
 
 
-def check(spot: Spot, text: str, known: Collection[str]) -> None:
+def check(cursor: Cursor, text: str, known: Collection[str]) -> None:
     """Report every variable in `text` that is not `known`, and braces that do not match."""
     for match in _PART.finditer(text):
         name = match["name"]
         if match["brace"]:
             brace = match["brace"]
-            spot.error(f"a {brace!r} without its counterpart; write {brace * 2} for a brace")
+            cursor.error(f"a {brace!r} without its counterpart; write {brace * 2} for a brace")
         elif name is not None and name not in known:
-            nearest = spot.report.hint(name, known, or_list="known are")
-            spot.error(f"there is no variable {{{name}}}{nearest}")
+            nearest = cursor.report.hint(name, known, or_list="known are")
+            cursor.error(f"there is no variable {{{name}}}{nearest}")

@@ -10,16 +10,16 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from woz_tui.config import utterance_template
-from woz_tui.config.annotated_decoder import resolved
-from woz_tui.config.command_remarks import Looker
+from woz_tui.config.annotated_decoder import resolve_path
+from woz_tui.config.command_remarks import CommandChecker
 from woz_tui.config.condition_texts import is_choice, read_choice
-from woz_tui.config.experiment import Call, Choice, Together
+from woz_tui.config.experiment import Call, ParallelCalls, TextVariants
 from woz_tui.config.problems import join, listed, quoted
-from woz_tui.config.robots import Offer, Robots
+from woz_tui.config.robots import Robots, VerbOffer
 from woz_tui.config.session_verbs import ENGAGEMENT, ENGAGEMENT_VERBS, PERFORMERS, WAIT
-from woz_tui.config.sign_values import nonsense, without_a_sign
+from woz_tui.config.sign_values import argument_problem, without_a_sign
 from woz_tui.config.yaml_cursor import (
-    Spot,
+    Cursor,
     read_flag,
     read_number,
     read_seconds,
@@ -27,7 +27,7 @@ from woz_tui.config.yaml_cursor import (
     read_whole,
     read_word,
 )
-from woz_tui.config.yaml_nodes import Items, Scalar, Table
+from woz_tui.config.yaml_nodes import ListNode, MappingNode, ScalarNode
 from woz_tui.drivers.contract import Argument
 from woz_tui.drivers.fields import Range
 from woz_tui.protocol.messages import Json
@@ -36,11 +36,11 @@ from woz_tui.protocol.messages import Json
 _LONGEST = Range(0.0, 86_400.0, "s")
 #: Kinds of arguments for which another text may stand in each condition, or several variants.
 _CHOSEN = ("text", "choice", "file")
-_FIGURES: Mapping[str, Callable[[Spot, Range | None], Json]] = {
+_FIGURES: Mapping[str, Callable[[Cursor, Range | None], Json]] = {
     "number": read_number,
     "whole": read_whole,
-    "flag": lambda spot, _: read_flag(spot),
-    "seconds": lambda spot, allowed: read_seconds(spot, allowed or _LONGEST),
+    "flag": lambda cursor, _: read_flag(cursor),
+    "seconds": lambda cursor, allowed: read_seconds(cursor, allowed or _LONGEST),
 }
 
 
@@ -49,12 +49,12 @@ class Vocabulary:
     """All verbs of an experiment, and what their arguments may refer to."""
 
     robots: Robots
-    own: Mapping[str, Offer]
+    own: Mapping[str, VerbOffer]
     variables: Collection[str]
-    looker: Looker
+    looker: CommandChecker
     conditions: Sequence[str] = ()
 
-    def offers(self, verb: str) -> Sequence[Offer]:
+    def offers(self, verb: str) -> Sequence[VerbOffer]:
         """Who offers the verb; those that need no driver come before any driver's."""
         if verb in self.own:
             return (self.own[verb],)
@@ -85,8 +85,8 @@ class CallReader:
         self._vocabulary = vocabulary
 
     def read(
-        self, spot: Spot, table: dict[str, Spot], on: Spot | None, others: Collection[str]
-    ) -> Together | None:
+        self, cursor: Cursor, table: dict[str, Cursor], on: Cursor | None, others: Collection[str]
+    ) -> ParallelCalls | None:
         """`table` holds verbs and their arguments; `others` are the names that stand apart."""
         known = set(self._vocabulary.names)
         verbs = {name: entry for name, entry in table.items() if name in known}
@@ -100,23 +100,23 @@ class CallReader:
         shares = self._share(verbs, beside, others)
         if not table and not self._vocabulary.robots.incomplete:
             verbs_known = listed(self._vocabulary.names)
-            spot.error(f"does nothing; add a verb: {verbs_known}")
+            cursor.error(f"does nothing; add a verb: {verbs_known}")
         calls: list[Call] = []
         for name, entry in verbs.items():
             for offer in chosen[name]:
                 arguments = _Arguments(self._vocabulary, offer, entry)
                 args = arguments.read(shares.get(name, {}))
-                if offer.driver == ENGAGEMENT and (why := nonsense(name, args)):
+                if offer.driver == ENGAGEMENT and (why := argument_problem(name, args)):
                     entry.error(why)
                 choices = arguments.choices
                 calls.append(Call(name, args, offer.driver, entry.place, choices=choices))
         self._same_lane(calls, verbs, chosen)
-        return Together(tuple(calls))
+        return ParallelCalls(tuple(calls))
 
-    def _targets(self, on: Spot | None) -> list[Spot] | None:
+    def _targets(self, on: Cursor | None) -> list[Cursor] | None:
         if on is None:
             return None
-        entries = [*on.items()] if isinstance(on.node, Items) else [on]
+        entries = [*on.items()] if isinstance(on.node, ListNode) else [on]
         if not entries:
             on.error("names no driver and no robot")
         known = self._vocabulary.targets
@@ -130,7 +130,7 @@ class CallReader:
                 entry.error(f"there is no driver or robot {quoted(name)}{near}")
         return wanted
 
-    def _choose(self, verb: Spot, name: str, outer: list[Spot] | None) -> list[Offer]:
+    def _choose(self, verb: Cursor, name: str, outer: list[Cursor] | None) -> list[VerbOffer]:
         """The drivers that this verb goes to: one, or one for each target.
 
         `on` under the verb (`say: {text: Hello, on: left}`) comes before the one beside it, unless
@@ -143,14 +143,14 @@ class CallReader:
             return list(offers)
         if targets is None:
             return self._only(verb, name, offers)
-        chosen: list[Offer] = []
+        chosen: list[VerbOffer] = []
         for target in targets:
             found = self._aimed(target, verb, name, offers)
             if found is not None and found not in chosen:
                 chosen.append(found)
         return chosen
 
-    def _only(self, verb: Spot, name: str, offers: Sequence[Offer]) -> list[Offer]:
+    def _only(self, verb: Cursor, name: str, offers: Sequence[VerbOffer]) -> list[VerbOffer]:
         if len(offers) > 1:
             drivers = [offer.driver for offer in offers]
             verb.error(
@@ -159,8 +159,10 @@ class CallReader:
             return []
         return list(offers)
 
-    def _aimed(self, target: Spot, verb: Spot, name: str, offers: Sequence[Offer]) -> Offer | None:
-        wanted = target.node.text if isinstance(target.node, Scalar) else ""
+    def _aimed(
+        self, target: Cursor, verb: Cursor, name: str, offers: Sequence[VerbOffer]
+    ) -> VerbOffer | None:
+        wanted = target.node.text if isinstance(target.node, ScalarNode) else ""
         fitting = [offer for offer in offers if _matches(offer.driver, wanted)]
         if len(fitting) == 1:
             return fitting[0]
@@ -176,8 +178,8 @@ class CallReader:
         return None
 
     def _share(
-        self, verbs: Mapping[str, Spot], beside: Mapping[str, Spot], others: Collection[str]
-    ) -> dict[str, dict[str, Spot]]:
+        self, verbs: Mapping[str, Cursor], beside: Mapping[str, Cursor], others: Collection[str]
+    ) -> dict[str, dict[str, Cursor]]:
         """Give each argument that stands beside the verbs to the one verb that takes it."""
         takes = {name: self._arguments_of(name) for name in verbs}
         for name, entry in verbs.items():
@@ -186,7 +188,7 @@ class CallReader:
                     f"is a verb and an argument of {rival!r}; write it as"
                     f" {rival}: {{..., {name}: ...}}, or put the verbs into steps"
                 )
-        shares: dict[str, dict[str, Spot]] = {}
+        shares: dict[str, dict[str, Cursor]] = {}
         sectionless = self._sectionless(beside)
         for name, entry in beside.items():
             if name in sectionless:
@@ -203,7 +205,7 @@ class CallReader:
                 self._unknown(entry, name, takes, others)
         return shares
 
-    def _sectionless(self, beside: Mapping[str, Spot]) -> set[str]:
+    def _sectionless(self, beside: Mapping[str, Cursor]) -> set[str]:
         """Verbs of the engagement model where there is none (reported), and their arguments."""
         found: set[str] = set()
         for name, entry in beside.items():
@@ -225,7 +227,7 @@ class CallReader:
 
     def _unknown(
         self,
-        entry: Spot,
+        entry: Cursor,
         name: str,
         takes: Mapping[str, Mapping[str, Argument]],
         others: Collection[str],
@@ -244,8 +246,8 @@ class CallReader:
     def _same_lane(
         self,
         calls: Sequence[Call],
-        verbs: Mapping[str, Spot],
-        chosen: Mapping[str, Sequence[Offer]],
+        verbs: Mapping[str, Cursor],
+        chosen: Mapping[str, Sequence[VerbOffer]],
     ) -> None:
         """Two verbs of one lane cannot run together, whatever the file hopes for."""
         lanes = {
@@ -272,20 +274,20 @@ def _matches(driver: str, wanted: str) -> bool:
 class _Arguments:
     """The arguments of one verb, from under it and from beside it."""
 
-    def __init__(self, vocabulary: Vocabulary, offer: Offer, spot: Spot) -> None:
+    def __init__(self, vocabulary: Vocabulary, offer: VerbOffer, cursor: Cursor) -> None:
         self._variables = vocabulary.variables
         self._conditions = vocabulary.conditions
         self._looker = vocabulary.looker
         self._offer = offer
         self._verb = offer.verb
-        self._spot = spot
+        self._cursor = cursor
         self._known = {argument.name: argument for argument in offer.verb.arguments}
         # What moves the engagement model on is checked when the file is read.
         self._chosen = () if offer.driver == ENGAGEMENT else _CHOSEN
         #: The arguments that are chosen when the verb is played; known once it has been read.
-        self.choices: dict[str, Choice] = {}
+        self.choices: dict[str, TextVariants] = {}
 
-    def read(self, beside: Mapping[str, Spot]) -> dict[str, Json]:
+    def read(self, beside: Mapping[str, Cursor]) -> dict[str, Json]:
         given = self._under()
         for name, entry in beside.items():
             if name in given:
@@ -301,14 +303,16 @@ class _Arguments:
                 whole = self._take(given[argument.name], argument, args) and whole
             elif argument.required and argument.name not in given:
                 what = f" ({argument.summary})" if argument.summary else ""
-                spot, absent = self._spot, join(self._spot.path, argument.name)
-                spot.report.missing(spot.place, spot.path, f"needs {argument.name!r}{what}", absent)
+                cursor, absent = self._cursor, join(self._cursor.path, argument.name)
+                cursor.report.missing(
+                    cursor.place, cursor.path, f"needs {argument.name!r}{what}", absent
+                )
                 whole = False
         if whole and None not in args.values():
-            self._looker.look(self._offer, args, given, self._spot, self.choices)
+            self._looker.look(self._offer, args, given, self._cursor, self.choices)
         return args
 
-    def _take(self, entry: Spot, argument: Argument, args: dict[str, Json]) -> bool:
+    def _take(self, entry: Cursor, argument: Argument, args: dict[str, Json]) -> bool:
         """Read one argument; whether it is right, as far as no None among `args` says so."""
         if not self._is_choice(entry, argument):
             args[argument.name] = self._value(entry, argument)
@@ -318,52 +322,54 @@ class _Arguments:
             return False
         return True
 
-    def _is_choice(self, entry: Spot, argument: Argument) -> bool:
+    def _is_choice(self, entry: Cursor, argument: Argument) -> bool:
         """Whether the text is another one in each condition, or one of several."""
         return argument.kind in self._chosen and is_choice(entry, self._conditions)
 
-    def _choice(self, entry: Spot, argument: Argument) -> Choice | None:
-        def read(one: Spot) -> str | None:
+    def _choice(self, entry: Cursor, argument: Argument) -> TextVariants | None:
+        def read(one: Cursor) -> str | None:
             text = self._value(one, argument)
             return text if isinstance(text, str) else None
 
         return read_choice(entry, self._conditions, read)
 
-    def _misplaced(self, entry: Spot) -> bool:
+    def _misplaced(self, entry: Cursor) -> bool:
         """Whether the verb's main argument holds what belongs to another one; reported."""
-        text = entry.node.text if entry is self._spot and isinstance(entry.node, Scalar) else ""
+        text = (
+            entry.node.text if entry is self._cursor and isinstance(entry.node, ScalarNode) else ""
+        )
         why = without_a_sign(self._verb.name, text)
         if why:
             entry.error(why)
         return bool(why)
 
-    def _under(self) -> dict[str, Spot]:
-        node = self._spot.node
+    def _under(self) -> dict[str, Cursor]:
+        node = self._cursor.node
         main = self._verb.arguments[0] if self._verb.arguments else None
-        if isinstance(node, Scalar) and node.nothing:
+        if isinstance(node, ScalarNode) and node.is_empty:
             return {}
-        if isinstance(node, Table):
+        if isinstance(node, MappingNode):
             return self._mapping(node, main)
         if main is None:
-            if not (isinstance(node, Scalar) and node.text == "true"):
-                self._spot.error(f"takes no arguments; write only {self._verb.name}:")
+            if not (isinstance(node, ScalarNode) and node.text == "true"):
+                self._cursor.error(f"takes no arguments; write only {self._verb.name}:")
             return {}
-        return {main.name: self._spot}
+        return {main.name: self._cursor}
 
-    def _mapping(self, node: Table, main: Argument | None) -> dict[str, Spot]:
+    def _mapping(self, node: MappingNode, main: Argument | None) -> dict[str, Cursor]:
         """A mapping names arguments; for joints it may hold them directly, arguments between."""
-        entries = dict(self._spot.entries())
+        entries = dict(self._cursor.entries())
         if "on" not in self._known:
             entries.pop("on", None)  # whom it is for, see `CallReader`
         given = {name: entries.pop(name) for name in self._known if name in entries}
-        if not given and main is not None and self._is_choice(self._spot, main):
-            return {main.name: self._spot}
+        if not given and main is not None and self._is_choice(self._cursor, main):
+            return {main.name: self._cursor}
         if entries and main is not None and main.kind == "joints" and main.name not in given:
-            joints = Table(
+            joints = MappingNode(
                 node.place, {name: node.entries[name] for name in entries}, dict(node.keys)
             )
-            spot = self._spot
-            given[main.name] = Spot(joints, spot.path, spot.place, spot.report)
+            cursor = self._cursor
+            given[main.name] = Cursor(joints, cursor.path, cursor.place, cursor.report)
             return given
         chosen = self._conditions if main is not None and main.kind in self._chosen else ()
         for name, entry in entries.items():
@@ -375,40 +381,40 @@ class _Arguments:
 
     # -- from a node to the value that a driver is given ------------------------------------------
 
-    def _value(self, spot: Spot, argument: Argument) -> Json:
+    def _value(self, cursor: Cursor, argument: Argument) -> Json:
         """The checked value; None if it is wrong (and reported)."""
         allowed = argument.range
         match argument.kind:
             case "text" | "choice" if argument.choices:
-                return read_word(spot, argument.choices)
+                return read_word(cursor, argument.choices)
             case "text" | "choice" | "file" as kind:
-                return self._text(spot, file=kind == "file")
+                return self._text(cursor, file=kind == "file")
             case "joints":
-                table = spot.table("joint names with degrees, such as {pan: 20}")
-                return None if table is None else self._angles(spot, table, allowed)
+                table = cursor.table("joint names with degrees, such as {pan: 20}")
+                return None if table is None else self._angles(cursor, table, allowed)
             case "poses":
-                entries = spot.list("a list of poses, such as [{pan: 20, seconds: 1}]")
+                entries = cursor.list("a list of poses, such as [{pan: 20, seconds: 1}]")
                 if entries == []:
-                    spot.error("a pose is missing here")
+                    cursor.error("a pose is missing here")
                 return None if entries is None else [self._pose(each, allowed) for each in entries]
         if argument.kind in _FIGURES:
-            return _FIGURES[argument.kind](spot, allowed)
-        spot.error(f"the driver names an unknown kind of argument: {argument.kind!r}")
+            return _FIGURES[argument.kind](cursor, allowed)
+        cursor.error(f"the driver names an unknown kind of argument: {argument.kind!r}")
         return None
 
-    def _text(self, spot: Spot, *, file: bool) -> Json:
-        text = read_text(spot, "a file" if file else "text")
+    def _text(self, cursor: Cursor, *, file: bool) -> Json:
+        text = read_text(cursor, "a file" if file else "text")
         if text is None or (file and "://" in text):
             return text
-        utterance_template.check(spot, text, self._variables)
+        utterance_template.check(cursor, text, self._variables)
         if file:
             # Only looked for: it stays as written, so that no home folder gets into the log.
-            resolved(spot, text, must_exist=not utterance_template.names(text))
+            resolve_path(cursor, text, must_exist=not utterance_template.names(text))
         return text
 
-    def _angles(self, spot: Spot, table: Mapping[str, Spot], allowed: Range | None) -> Json:
+    def _angles(self, cursor: Cursor, table: Mapping[str, Cursor], allowed: Range | None) -> Json:
         if not table:
-            spot.error("the joints are missing here")
+            cursor.error("the joints are missing here")
         joints = self._offer.joints
         angles: dict[str, Json] = {}
         for name, entry in table.items():
@@ -419,19 +425,19 @@ class _Arguments:
                 angles[name] = read_number(entry, allowed if joints is None else joints[name])
         return angles
 
-    def _pose(self, spot: Spot, allowed: Range | None) -> Json:
+    def _pose(self, cursor: Cursor, allowed: Range | None) -> Json:
         """`{joints: {pan: 20}, seconds: 1}`, or shorter `{pan: 20, seconds: 1}`."""
-        table = spot.table("a pose, such as {pan: 20, seconds: 1}")
+        table = cursor.table("a pose, such as {pan: 20, seconds: 1}")
         if table is None:
             return None
         seconds, nested = table.pop("seconds", None), table.get("joints")
         angles = table
-        if nested is not None and isinstance(nested.node, Table):
+        if nested is not None and isinstance(nested.node, MappingNode):
             angles = dict(nested.entries())
             for name, entry in table.items():
                 if name != "joints":
                     entry.unknown(("joints", "seconds"), "a pose has")
-        pose = {"joints": self._angles(spot, angles, allowed)}
+        pose = {"joints": self._angles(cursor, angles, allowed)}
         if seconds is not None:
             pose["seconds"] = read_seconds(seconds, _LONGEST)
         return pose

@@ -16,7 +16,7 @@ _JOINERS = "\u200c\u200d"
 _UNSEEN = {"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"}
 
 
-class BadNameError(ValueError):
+class VisitorNameError(ValueError):
     """This cannot be a name; `reason` says why, `remedy` what to do."""
 
     def __init__(self, reason: str, remedy: str) -> None:
@@ -27,33 +27,35 @@ class BadNameError(ValueError):
 
 def name_of(text: str) -> str:
     """The name that `text` means: composed (NFC), without blanks around it, with single blanks
-    inside. Raises `BadNameError` if it is empty, longer than 64 characters, without any letter or
-    digit, reserved, or holds control characters or marks that turn the direction of writing.
+    inside. Raises `VisitorNameError` if it is empty, longer than 64 characters, without any letter
+    or digit, reserved, or holds control characters or marks that turn the direction of writing.
     """
     name = _tidy(text)
     if not name:
-        raise BadNameError("a visitor's name is empty", "give a code or a name")
+        raise VisitorNameError("a visitor's name is empty", "give a code or a name")
     _check(name, "a visitor's name", LONGEST)
     if not any(character.isalnum() for character in name):
-        raise BadNameError(f"{shown(name)} has no letters and no digits", "give a code or a name")
+        raise VisitorNameError(
+            f"{shown(name)} has no letters and no digits", "give a code or a name"
+        )
     reason = RESERVED.get(key_of(name))
     if reason is not None:
-        raise BadNameError(f"{shown(name)} cannot be a name: {reason}", "choose another name")
+        raise VisitorNameError(f"{shown(name)} cannot be a name: {reason}", "choose another name")
     return name
 
 
 def word_of(text: str, what: str) -> str:
-    """A word of a profile, tidied like a name; may be empty. `what` names it in `BadNameError`."""
+    """A word of a profile, tidied like a name; may be empty. `VisitorNameError` names `what`."""
     word = _tidy(text)
     _check(word, what, LONGEST_WORD)
     return word
 
 
 def label_of(text: str) -> str:
-    """What a recogniser calls a face, tidied like a name; it must not be empty. `BadNameError`."""
+    """A recogniser's name of a face, tidied like a name; `VisitorNameError` if it is empty."""
     label = _tidy(text)
     if not label:
-        raise BadNameError("a face's label is empty", "give the text that the recogniser sends")
+        raise VisitorNameError("a face's label is empty", "give the text that the recogniser sends")
     _check(label, "a face's label", LONGEST)
     return label
 
@@ -87,12 +89,12 @@ def _tidy(text: str) -> str:
 
 def _check(text: str, what: str, longest: int) -> None:
     if len(text) > longest:
-        raise BadNameError(
+        raise VisitorNameError(
             f"{what} has {len(text)} characters, {longest} are allowed", "shorten it"
         )
     for character in text:
         if character not in _JOINERS and unicodedata.category(character) in _UNSEEN:
-            raise BadNameError(
+            raise VisitorNameError(
                 f"{what} holds the character U+{ord(character):04X}, which is invisible",
                 "type it again",
             )

@@ -11,10 +11,10 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from woz_tui.config.experiment import Place
-from woz_tui.config.file_text import Source, SourceError, read
-from woz_tui.config.problems import Report, join, quoted
-from woz_tui.config.yaml_nodes import Items, Node, Scalar, Table, described, tree
+from woz_tui.config.experiment import FilePosition
+from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
+from woz_tui.config.problems import ProblemReport, join, quoted
+from woz_tui.config.yaml_nodes import ListNode, MappingNode, Node, ScalarNode, described, parse_yaml
 from woz_tui.drivers.fields import Range
 
 _NUMBER = re.compile(r"[-+]?(\d{1,30}(\.\d{0,60})?|\.\d{1,60})([eE][-+]?\d{1,3})?")
@@ -28,13 +28,13 @@ _FLAGS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Spot:
+class Cursor:
     """One value in a file: its node, its path, where its name stands."""
 
     node: Node
     path: str
-    place: Place
-    report: Report
+    place: FilePosition
+    report: ProblemReport
 
     def error(self, message: str) -> None:
         """Something is wrong with this value."""
@@ -48,30 +48,30 @@ class Spot:
         """`expected text, not a list`."""
         self.error(f"expected {expected}, not {described(self.node)}")
 
-    def at(self, name: str, node: Node, place: Place) -> Spot:
+    def at(self, name: str, node: Node, place: FilePosition) -> Cursor:
         """The entry `name` of this mapping."""
         return self._child(join(self.path, name), node, place)
 
-    def entries(self) -> Iterator[tuple[str, Spot]]:
+    def entries(self) -> Iterator[tuple[str, Cursor]]:
         """Names and values, if this is a mapping."""
-        if isinstance(self.node, Table):
+        if isinstance(self.node, MappingNode):
             for name, key, node in self.node.items():
                 yield name, self.at(name, node, key.place)
 
-    def items(self) -> Iterator[Spot]:
+    def items(self) -> Iterator[Cursor]:
         """Each entry, if this is a list."""
-        if isinstance(self.node, Items):
+        if isinstance(self.node, ListNode):
             for index, node in enumerate(self.node.nodes):
                 yield self._child(f"{self.path}[{index}]", node, node.place)
 
-    def table(self, expected: str = "a mapping") -> dict[str, Spot] | None:
+    def table(self, expected: str = "a mapping") -> dict[str, Cursor] | None:
         """The mapping's entries by name."""
-        if not isinstance(self.node, Table):
+        if not isinstance(self.node, MappingNode):
             self.wrong(expected)
             return None
         return dict(self.entries())
 
-    def fields(self, known: Collection[str], what: str, expected: str) -> dict[str, Spot] | None:
+    def fields(self, known: Collection[str], what: str, expected: str) -> dict[str, Cursor] | None:
         """The mapping's entries by name; those that are not `known` are reported."""
         table = self.table(expected)
         for name, entry in (table or {}).items():
@@ -79,16 +79,16 @@ class Spot:
                 entry.unknown(known, what)
         return table
 
-    def list(self, expected: str = "a list") -> list[Spot] | None:
+    def list(self, expected: str = "a list") -> list[Cursor] | None:
         """The list's entries."""
-        if not isinstance(self.node, Items):
+        if not isinstance(self.node, ListNode):
             self.wrong(expected)
             return None
         return [*self.items()]
 
-    def _child(self, path: str, node: Node, place: Place) -> Spot:
-        self.report.put(path, place)
-        return Spot(node, path, place, self.report)
+    def _child(self, path: str, node: Node, place: FilePosition) -> Cursor:
+        self.report.set_place(path, place)
+        return Cursor(node, path, place, self.report)
 
     def unknown(
         self, known: Iterable[str], what: str = "known here", listing: Iterable[str] | None = None
@@ -106,32 +106,32 @@ class Spot:
         self.error(f"unknown; did you mean {near!r}?")
 
 
-def read_text(spot: Spot, expected: str = "text") -> str | None:
+def read_text(cursor: Cursor, expected: str = "text") -> str | None:
     """Text exactly as typed: `No`, `12:30` and `007` stay what they are."""
-    if not isinstance(spot.node, Scalar) or spot.node.nothing:
-        spot.wrong(expected)
+    if not isinstance(cursor.node, ScalarNode) or cursor.node.is_empty:
+        cursor.wrong(expected)
         return None
-    if "\0" in spot.node.text:
-        spot.error("text cannot contain a NUL character")
+    if "\0" in cursor.node.text:
+        cursor.error("text cannot contain a NUL character")
         return None
-    return spot.node.text
+    return cursor.node.text
 
 
-def read_filled(spot: Spot | None, expected: str = "text") -> str | None:
+def read_filled(cursor: Cursor | None, expected: str = "text") -> str | None:
     """Text that is more than blanks, if it is there; blanks are reported, and come back."""
-    text = read_text(spot, expected) if spot is not None else None
-    if spot is not None and text is not None and not text.strip():
-        spot.error("is empty")
+    text = read_text(cursor, expected) if cursor is not None else None
+    if cursor is not None and text is not None and not text.strip():
+        cursor.error("is empty")
     return text
 
 
 def read_texts(
-    spot: Spot | None, expected: str = "a list", each: str = "text", *, once: bool = False
-) -> list[tuple[Spot, str]]:
+    cursor: Cursor | None, expected: str = "a list", each: str = "text", *, once: bool = False
+) -> list[tuple[Cursor, str]]:
     """A list's texts with where they stand; `once`: none of them twice."""
-    entries = spot.list(expected) if spot is not None else None
-    found: dict[str, Spot] = {}
-    texts: list[tuple[Spot, str]] = []
+    entries = cursor.list(expected) if cursor is not None else None
+    found: dict[str, Cursor] = {}
+    texts: list[tuple[Cursor, str]] = []
     for entry in entries or ():
         text = read_text(entry, each)
         if text is not None and once and text in found:
@@ -142,135 +142,139 @@ def read_texts(
     return texts
 
 
-def one_or_more(spot: Spot | None, expected: str) -> Iterator[tuple[Spot, str]]:
+def one_or_more(cursor: Cursor | None, expected: str) -> Iterator[tuple[Cursor, str]]:
     """A text, or each of a list of texts, with where it stands."""
-    if spot is None:
+    if cursor is None:
         return
-    for entry in spot.items() if isinstance(spot.node, Items) else (spot,):
+    for entry in cursor.items() if isinstance(cursor.node, ListNode) else (cursor,):
         text = read_filled(entry, expected)
         if text is not None and text.strip():
             yield entry, text
 
 
-def read_word(spot: Spot, choices: Iterable[str], expected: str = "one of") -> str | None:
+def read_word(cursor: Cursor, choices: Iterable[str], expected: str = "one of") -> str | None:
     """One of `choices`."""
     words = tuple(choices)
     listed = f"{expected} {', '.join(words)}"
-    text = read_text(spot, listed if len(listed) < 120 else "one of the known words")
+    text = read_text(cursor, listed if len(listed) < 120 else "one of the known words")
     if text is None or text in words:
         return text
-    spot.error(f"{quoted(text)} is not known{spot.report.hint(text, words, or_list='it can be')}")
+    cursor.error(
+        f"{quoted(text)} is not known{cursor.report.hint(text, words, or_list='it can be')}"
+    )
     return None
 
 
-def is_set(spot: Spot | None) -> bool:
+def is_set(cursor: Cursor | None) -> bool:
     """Whether a flag is there, and true."""
-    return bool(spot is not None and read_flag(spot))
+    return bool(cursor is not None and read_flag(cursor))
 
 
-def read_flag(spot: Spot) -> bool | None:
+def read_flag(cursor: Cursor) -> bool | None:
     """True or false, yes or no, on or off."""
-    node = spot.node
-    if isinstance(node, Scalar) and (flag := _FLAGS.get(node.text.lower())) is not None:
+    node = cursor.node
+    if isinstance(node, ScalarNode) and (flag := _FLAGS.get(node.text.lower())) is not None:
         return flag
-    spot.wrong("true or false")
+    cursor.wrong("true or false")
     return None
 
 
-def read_number(spot: Spot, allowed: Range | None = None) -> float | None:
+def read_number(cursor: Cursor, allowed: Range | None = None) -> float | None:
     """A finite number inside `allowed`."""
-    text = spot.node.text if isinstance(spot.node, Scalar) else ""
+    text = cursor.node.text if isinstance(cursor.node, ScalarNode) else ""
     expected = "a number" + (f" ({allowed})" if allowed is not None else "")
     if not _NUMBER.fullmatch(text):
         if _NUMBER.fullmatch(text.replace(",", ".", 1)):
-            spot.error(f"write {text.replace(',', '.', 1)!r}: the decimal sign is a point")
+            cursor.error(f"write {text.replace(',', '.', 1)!r}: the decimal sign is a point")
         elif (number := _NUMBER.match(text)) and number.group():
-            spot.error(f"expected {expected} alone, not {quoted(text)}")
+            cursor.error(f"expected {expected} alone, not {quoted(text)}")
         else:
-            spot.wrong(expected)
+            cursor.wrong(expected)
         return None
-    return _inside(spot, float(text), text, allowed)
+    return _inside(cursor, float(text), text, allowed)
 
 
-def read_whole(spot: Spot, allowed: Range | None = None) -> int | None:
+def read_whole(cursor: Cursor, allowed: Range | None = None) -> int | None:
     """A whole number inside `allowed`."""
-    text = spot.node.text if isinstance(spot.node, Scalar) else ""
+    text = cursor.node.text if isinstance(cursor.node, ScalarNode) else ""
     if not _WHOLE.fullmatch(text):
-        spot.wrong("a whole number" + (f" ({allowed})" if allowed is not None else ""))
+        cursor.wrong("a whole number" + (f" ({allowed})" if allowed is not None else ""))
         return None
-    return None if _inside(spot, int(text), text, allowed) is None else int(text)
+    return None if _inside(cursor, int(text), text, allowed) is None else int(text)
 
 
-def read_seconds(spot: Spot, allowed: Range) -> float | None:
+def read_seconds(cursor: Cursor, allowed: Range) -> float | None:
     """A duration in seconds: `2`, `2 s`, `250 ms`, `10 min`, `1 h`."""
-    text = spot.node.text.strip() if isinstance(spot.node, Scalar) else ""
+    text = cursor.node.text.strip() if isinstance(cursor.node, ScalarNode) else ""
     match = _SECONDS.fullmatch(text)
     factor = _UNITS.get(match["unit"]) if match else None
     if match is None or factor is None:
-        spot.wrong("a duration (a number of seconds, or 250 ms, 2 s, 10 min, 1 h)")
+        cursor.wrong("a duration (a number of seconds, or 250 ms, 2 s, 10 min, 1 h)")
         return None
-    return _inside(spot, float(match["number"]) * factor, text, allowed)
+    return _inside(cursor, float(match["number"]) * factor, text, allowed)
 
 
-def _inside(spot: Spot, number: float, text: str, allowed: Range | None) -> float | None:
+def _inside(cursor: Cursor, number: float, text: str, allowed: Range | None) -> float | None:
     if abs(number) == float("inf"):
-        spot.error(f"{text} is too large")
+        cursor.error(f"{text} is too large")
         return None
     if allowed is not None and not allowed.contains(number):
-        spot.error(f"{text} is out of range; allowed is {allowed}")
+        cursor.error(f"{text} is out of range; allowed is {allowed}")
         return None
     return number
 
 
-def missing(table: Mapping[str, Spot], name: str, parent: Spot, why: str = "") -> Spot | None:
+def missing(table: Mapping[str, Cursor], name: str, parent: Cursor, why: str = "") -> Cursor | None:
     """The entry `name`, or None after saying that it is missing."""
-    spot = table.get(name)
-    if spot is None:
+    cursor = table.get(name)
+    if cursor is None:
         because = f" ({why})" if why else ""
         path = join(parent.path, name)
         parent.report.missing(parent.place, path, f"is missing{because}", path)
-    return spot
+    return cursor
 
 
-def document(source: Source, report: Report, expected: str) -> Spot | None:
+def document(source: SourceFile, report: ProblemReport, expected: str) -> Cursor | None:
     """The root of a file that holds a mapping; None after saying what it holds instead."""
     report.file(source.name)
-    start = Place(source.name, 1, 1)
+    start = FilePosition(source.name, 1, 1)
     broken = len(report.errors)
-    node = tree(source, report)
-    if isinstance(node, Table):
-        return Spot(node, "", start, report)
+    node = parse_yaml(source, report)
+    if isinstance(node, MappingNode):
+        return Cursor(node, "", start, report)
     if len(report.errors) == broken:
         found = "nothing" if node is None else described(node)
         report.error(start, "file", f"expected {expected}, not {found}")
     return None
 
 
-def source_of(path: Path, report: Report, data: bytes | None = None) -> Source | None:
+def source_of(path: Path, report: ProblemReport, data: bytes | None = None) -> SourceFile | None:
     """A file that was named on a command line, or None after saying why it cannot be read; `data`
     stands for what it holds.
     """
     report.file(str(path))
     try:
-        return read(path, str(path), data)
-    except SourceError as error:
-        report.error(Place(str(path), error.line, error.column), "file", error.message)
+        return read_source(path, str(path), data)
+    except SourceFileError as error:
+        report.error(FilePosition(str(path), error.line, error.column), "file", error.message)
     return None
 
 
-def named_source(spot: Spot, text: str, base: Path, meant: Callable[[], str]) -> Source | None:
-    """The file that `text` names at `spot`, seen from `base`, or None after saying what is wrong;
+def named_source(
+    cursor: Cursor, text: str, base: Path, meant: Callable[[], str]
+) -> SourceFile | None:
+    """The file that `text` names at `cursor`, seen from `base`, or None after saying what is wrong;
     `meant` is asked for a hint where it is not there.
     """
     try:
         path = base / Path(text).expanduser()
-        return read(path, str(path))
-    except SourceError as error:
+        return read_source(path, str(path))
+    except SourceFileError as error:
         if (error.line, error.column) == (1, 1):
-            spot.error(f"{quoted(text)}: {error.message}{meant()}")
+            cursor.error(f"{quoted(text)}: {error.message}{meant()}")
         else:
-            place = Place(str(path), error.line, error.column)
-            spot.report.error(place, "file", error.message)
+            place = FilePosition(str(path), error.line, error.column)
+            cursor.report.error(place, "file", error.message)
     except (RuntimeError, ValueError) as error:  # expanduser without a home, a NUL
-        spot.error(f"{quoted(text)}: {error}")
+        cursor.error(f"{quoted(text)}: {error}")
     return None

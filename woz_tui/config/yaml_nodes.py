@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 
 import yaml
 
-from woz_tui.config.experiment import Place
-from woz_tui.config.file_text import Source
-from woz_tui.config.problems import Report, join, quoted
+from woz_tui.config.experiment import FilePosition
+from woz_tui.config.file_text import SourceFile
+from woz_tui.config.problems import ProblemReport, join, quoted
 
 #: Lists and mappings inside each other; a real file needs eight.
 MAX_DEPTH = 40
@@ -31,67 +31,69 @@ _Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 @dataclass(slots=True)
-class Scalar:
+class ScalarNode:
     """One piece of text as it was typed; `plain` if it stood without quotes."""
 
-    place: Place
+    place: FilePosition
     text: str
     plain: bool
     size: int = 1
     depth: int = 0
 
     @property
-    def nothing(self) -> bool:
+    def is_empty(self) -> bool:
         """`key:` with nothing after it."""
         return self.plain and not self.text
 
     @property
-    def null(self) -> bool:
+    def is_null(self) -> bool:
         """Nothing, or one of YAML's words for it."""
         return self.plain and self.text in ("", "~", "null", "Null", "NULL")
 
 
 @dataclass(slots=True)
-class Items:
+class ListNode:
     """A list."""
 
-    place: Place
+    place: FilePosition
     nodes: list[Node] = field(default_factory=list)
     size: int = 1
     depth: int = 1
 
 
 @dataclass(slots=True)
-class Table:
+class MappingNode:
     """A mapping, in the file's order; `keys` holds each key's own scalar."""
 
-    place: Place
+    place: FilePosition
     entries: dict[str, Node] = field(default_factory=dict)
-    keys: dict[str, Scalar] = field(default_factory=dict)
+    keys: dict[str, ScalarNode] = field(default_factory=dict)
     size: int = 1
     depth: int = 1
 
-    def items(self) -> Iterator[tuple[str, Scalar, Node]]:
+    def items(self) -> Iterator[tuple[str, ScalarNode, Node]]:
         """Name, key and value of each entry."""
         for name, value in self.entries.items():
             yield name, self.keys[name], value
 
 
-Node = Scalar | Items | Table
+Node = ScalarNode | ListNode | MappingNode
 
 
 def described(node: Node) -> str:
     """What a node is, for `expected text, not a list`."""
     match node:
-        case Items():
+        case ListNode():
             return "a list"
-        case Table():
+        case MappingNode():
             return "a mapping"
         case _:
-            return "nothing" if node.nothing else quoted(node.text)
+            return "nothing" if node.is_empty else quoted(node.text)
 
 
-def tree(source: Source, report: Report, *, last_wins: bool = False) -> Node | None:
+def parse_yaml(
+    source: SourceFile, report: ProblemReport, *, last_wins: bool = False
+) -> Node | None:
     """The document's root, or None if it is empty or broken; reports what is wrong.
 
     `last_wins`: of two equal keys the last one counts, as PyYAML has it, with a warning; else the
@@ -100,40 +102,40 @@ def tree(source: Source, report: Report, *, last_wins: bool = False) -> Node | N
     try:
         return _Composer(source, report, last_wins=last_wins).compose()
     except yaml.YAMLError as error:
-        line, column, message = explained(error, source.text)
-        report.error(Place(source.name, line, column), "YAML", message)
-    except _HopelessError as error:
+        line, column, message = explain_yaml_error(error, source.text)
+        report.error(FilePosition(source.name, line, column), "YAML", message)
+    except _UnreadableYamlError as error:
         report.error(error.place, "YAML", error.message)
     return None
 
 
-class _HopelessError(Exception):
+class _UnreadableYamlError(Exception):
     """Reading on makes no sense."""
 
-    def __init__(self, place: Place, message: str) -> None:
+    def __init__(self, place: FilePosition, message: str) -> None:
         super().__init__(message)
         self.place = place
         self.message = message
 
 
 @dataclass(slots=True)
-class _Open:
+class _UnfinishedNode:
     """A list or mapping whose end has not come yet, and the key that waits for its value."""
 
-    node: Items | Table
+    node: ListNode | MappingNode
     path: str
     anchor: str | None
-    key: Scalar | None = None
-    merged: list[Table] = field(default_factory=list)
+    key: ScalarNode | None = None
+    merged: list[MappingNode] = field(default_factory=list)
     dropped: bool = False
 
 
 class _Composer:
-    def __init__(self, source: Source, report: Report, *, last_wins: bool) -> None:
+    def __init__(self, source: SourceFile, report: ProblemReport, *, last_wins: bool) -> None:
         self._source = source
         self._report = report
         self._last_wins = last_wins
-        self._stack: list[_Open] = []
+        self._stack: list[_UnfinishedNode] = []
         self._anchors: dict[str, Node | None] = {}
         self._root: Node | None = None
         self._documents = 0
@@ -151,7 +153,7 @@ class _Composer:
         match event:
             case yaml.ScalarEvent():
                 plain = event.style in (None, "")
-                scalar = Scalar(self._place(event), event.value, plain)
+                scalar = ScalarNode(self._place(event), event.value, plain)
                 self._tag(event, scalar.place, scalar)
                 self._anchor(event.anchor, scalar)
                 self._add(scalar)
@@ -164,30 +166,30 @@ class _Composer:
             case yaml.DocumentStartEvent():
                 self._documents += 1
                 if self._documents > 1:
-                    raise _HopelessError(
+                    raise _UnreadableYamlError(
                         self._place(event),
                         "a second document begins here; a file can have only one",
                     )
 
-    def _place(self, event: yaml.Event) -> Place:
+    def _place(self, event: yaml.Event) -> FilePosition:
         mark = event.start_mark
         line, column = (mark.line, mark.column) if mark is not None else (0, 0)
-        return Place(self._source.name, line + 1, column + 1)
+        return FilePosition(self._source.name, line + 1, column + 1)
 
     def _begin(self, event: yaml.MappingStartEvent | yaml.SequenceStartEvent) -> None:
         place = self._place(event)
         if len(self._stack) >= MAX_DEPTH:
-            raise _HopelessError(place, _TOO_DEEP)
+            raise _UnreadableYamlError(place, _TOO_DEEP)
         mapping = isinstance(event, yaml.MappingStartEvent)
-        node: Items | Table = Table(place) if mapping else Items(place)
+        node: ListNode | MappingNode = MappingNode(place) if mapping else ListNode(place)
         self._tag(event, place, None)
         if event.anchor is not None:
             self._anchors[event.anchor] = None
-        self._stack.append(_Open(node, self._path_of_next(), event.anchor))
+        self._stack.append(_UnfinishedNode(node, self._path_of_next(), event.anchor))
 
     def _end(self) -> None:
         done = self._stack.pop()
-        if isinstance(done.node, Table):
+        if isinstance(done.node, MappingNode):
             for base in done.merged:
                 _merge(done.node, base)
         self._anchor(done.anchor, done.node)
@@ -196,20 +198,20 @@ class _Composer:
     def _alias(self, event: yaml.AliasEvent) -> None:
         place = self._place(event)
         if event.anchor not in self._anchors:
-            raise _HopelessError(
+            raise _UnreadableYamlError(
                 place,
                 f"nothing is called &{event.anchor} here; text that begins with * needs quotes",
             )
         node = self._anchors[event.anchor]
         if node is None:
-            raise _HopelessError(place, f"*{event.anchor} contains itself")
+            raise _UnreadableYamlError(place, f"*{event.anchor} contains itself")
         self._add(node)
 
     def _anchor(self, anchor: str | None, node: Node) -> None:
         if anchor is not None:
             self._anchors[anchor] = node
 
-    def _tag(self, event: yaml.NodeEvent, place: Place, scalar: Scalar | None) -> None:
+    def _tag(self, event: yaml.NodeEvent, place: FilePosition, scalar: ScalarNode | None) -> None:
         tag = getattr(event, "tag", None)
         if tag is None or tag in _HARMLESS:
             return
@@ -223,7 +225,7 @@ class _Composer:
         if not self._stack:
             return ""
         top = self._stack[-1]
-        if isinstance(top.node, Items):
+        if isinstance(top.node, ListNode):
             return f"{top.path}[{len(top.node.nodes)}]"
         return join(top.path, top.key.text) if top.key is not None else top.path
 
@@ -232,7 +234,7 @@ class _Composer:
             self._root = node
             return
         top = self._stack[-1]
-        if isinstance(top.node, Items):
+        if isinstance(top.node, ListNode):
             top.node.nodes.append(node)
             self._grow(top.node, node)
         elif top.key is None and not top.dropped:
@@ -240,17 +242,19 @@ class _Composer:
         else:
             self._value(top, top.node, node)
 
-    def _grow(self, parent: Items | Table, child: Node) -> None:
+    def _grow(self, parent: ListNode | MappingNode, child: Node) -> None:
         """An alias repeats everything below it, so ten lines can stand for a billion nodes."""
         parent.size += child.size
         parent.depth = max(parent.depth, child.depth + 1)
         if parent.size > MAX_NODES:
-            raise _HopelessError(child.place, f"more than {MAX_NODES} entries, aliases counted out")
+            raise _UnreadableYamlError(
+                child.place, f"more than {MAX_NODES} entries, aliases counted out"
+            )
         if parent.depth > MAX_DEPTH:
-            raise _HopelessError(child.place, _TOO_DEEP)
+            raise _UnreadableYamlError(child.place, _TOO_DEEP)
 
-    def _key(self, top: _Open, node: Node) -> None:
-        if isinstance(node, Scalar):
+    def _key(self, top: _UnfinishedNode, node: Node) -> None:
+        if isinstance(node, ScalarNode):
             top.key = node
             return
         self._report.error(
@@ -260,7 +264,7 @@ class _Composer:
         )
         top.dropped = True
 
-    def _value(self, top: _Open, table: Table, node: Node) -> None:
+    def _value(self, top: _UnfinishedNode, table: MappingNode, node: Node) -> None:
         key, top.key = top.key, None
         if key is None:
             top.dropped = False
@@ -278,10 +282,10 @@ class _Composer:
             table.keys[key.text] = key
             table.entries[key.text] = node
 
-    def _merge_later(self, top: _Open, node: Node) -> None:
-        bases = node.nodes if isinstance(node, Items) else [node]
+    def _merge_later(self, top: _UnfinishedNode, node: Node) -> None:
+        bases = node.nodes if isinstance(node, ListNode) else [node]
         for base in bases:
-            if isinstance(base, Table):
+            if isinstance(base, MappingNode):
                 top.merged.append(base)
             else:
                 self._report.error(
@@ -289,7 +293,7 @@ class _Composer:
                 )
 
 
-def _merge(table: Table, base: Table) -> None:
+def _merge(table: MappingNode, base: MappingNode) -> None:
     """YAML's merge key: what the mapping says itself wins, then the first base that says it."""
     for name, key, value in base.items():
         table.keys.setdefault(name, key)
@@ -300,7 +304,7 @@ def _merge(table: Table, base: Table) -> None:
 
 
 #: (part of the parser's sentence, ours). First match wins.
-_SAID = (
+_EXPLANATIONS = (
     ("tab character that violates", "a tab character; indent YAML with spaces"),
     ("alphabetic or numeric", "text that begins with * or & needs quotes"),
     ("mapping values are not allowed", "one colon too many: text that contains ': ' needs quotes"),
@@ -322,7 +326,7 @@ _SAID = (
 )
 
 
-def explained(error: yaml.YAMLError, text: str) -> tuple[int, int, str]:
+def explain_yaml_error(error: yaml.YAMLError, text: str) -> tuple[int, int, str]:
     """Line and column (from 1) of the error in `text`, and a sentence."""
     if not isinstance(error, yaml.MarkedYAMLError):
         return 1, 1, " ".join(str(error).split())
@@ -333,7 +337,7 @@ def explained(error: yaml.YAMLError, text: str) -> tuple[int, int, str]:
         mark = begun
     if mark is None:
         return 1, 1, said
-    message = next((ours for theirs, ours in _SAID if theirs in said), said)
+    message = next((ours for theirs, ours in _EXPLANATIONS if theirs in said), said)
     closing = text.splitlines()[mark.line : mark.line + 1]
     found = closing[0][mark.column : mark.column + 1] if closing else ""
     if found and found in "}]" and "',' or '" not in said:

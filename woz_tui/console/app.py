@@ -12,7 +12,7 @@ from textual import events
 from textual.app import ComposeResult
 from textual.screen import Screen
 
-from woz_tui.config.keys.console_keys import Builtin, builtins_with
+from woz_tui.config.keys.console_keys import BuiltinKey, builtin_keys_with
 from woz_tui.config.keys.keymap import key_map
 from woz_tui.config.keys.terminals import PLAIN, STOPS, Terminal
 from woz_tui.config.keys.textual_names import from_textual
@@ -69,7 +69,7 @@ class Console(ScreenApp):
         keyboard: Keyboard,
         *,
         terminal: Terminal = PLAIN,
-        builtins: Sequence[Builtin] = (),
+        builtins: Sequence[BuiltinKey] = (),
         commands: Sequence[ConsoleCommand] = COMMANDS,
         restart: Callable[[], None] | None = None,
         ask_participant: bool = False,
@@ -235,7 +235,7 @@ class Console(ScreenApp):
         """A new set of panels: bind its keys and show their caps."""
         picture = self.picture
         repairs = [action.name for action in picture.settings.repairs]
-        own = builtins_with(repairs, self._builtins)
+        own = builtin_keys_with(repairs, self._builtins)
         self.keymap = key_map(picture.panels, self.terminal, picture.keyboard, own)
         self._surface.repairs.keys = {
             name: self._key(name.replace(" ", "_", 1)) for name in repairs

@@ -77,7 +77,7 @@ class Scanner:
 
     Args:
         folded: Chords that are an escape and a key, put together on their way here
-            (`woz_tui.config.keys.terminals.folded`).
+            (`woz_tui.config.keys.terminals.merged_chords`).
     """
 
     def __init__(self, folded: Collection[str] = ()) -> None:

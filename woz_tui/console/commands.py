@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pkgutil import resolve_name
 from typing import Any
 
-from woz_tui.config.keys.console_keys import Builtin, builtin
+from woz_tui.config.keys.console_keys import BuiltinKey, builtin_key
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.keyboard import KeyPress
 from woz_tui.console.screens.dialog import (
@@ -71,7 +71,7 @@ def hints(picture: ConsoleState, commands: Mapping[str, ConsoleCommand]) -> list
 
 
 def _row(ids: str, run: Run | None = None, **more: Any) -> ConsoleCommand:
-    keys = tuple(key for name in ids.split() if (key := builtin(name)) is not None)
+    keys = tuple(key for name in ids.split() if (key := builtin_key(name)) is not None)
     return ConsoleCommand(keys, run, **more)
 
 
@@ -171,7 +171,7 @@ def _colours(name: str, choice: str, words: str) -> ConsoleCommand:
     def run(app: ConsoleApp) -> None:
         _use_colours(app, choice)
 
-    return ConsoleCommand((Builtin(name, "", words),), run, users=WATCHER)
+    return ConsoleCommand((BuiltinKey(name, "", words),), run, users=WATCHER)
 
 
 _INTERRUPT = "repair_interrupt"
@@ -269,11 +269,15 @@ COMMANDS = (
     _row("suspend", _suspend, users=WATCHER),
     _row("leave", opens("screens.leave:LeaveDialog"), hint=KeyHint(13, "leave"), users=WATCHER),
     ConsoleCommand(
-        (Builtin("keep_typed", "", "put the typed sentences into a copy of the experiment file"),),
+        (
+            BuiltinKey(
+                "keep_typed", "", "put the typed sentences into a copy of the experiment file"
+            ),
+        ),
         opens("screens.typed:KeepTypedDialog"),
     ),
     ConsoleCommand(
-        (Builtin("questionnaire", "", "go on with the questionnaire that is being asked"),),
+        (BuiltinKey("questionnaire", "", "go on with the questionnaire that is being asked"),),
         opens("screens.questionnaire:QuestionnaireDialog"),
         found=False,
     ),

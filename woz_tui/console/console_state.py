@@ -33,7 +33,7 @@ from woz_tui.protocol.action_messages import HANDS
 from woz_tui.protocol.codec import WireError, decode_message
 from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
 from woz_tui.protocol.robot_outline import RobotOutline
-from woz_tui.protocol.welcome import Settings
+from woz_tui.protocol.welcome import WelcomeSettings
 from woz_tui.session.redactor import Perception, Redactor
 from woz_tui.timeline.episodes import StopEpisode, keep_latest
 from woz_tui.timeline.session_state import SessionState
@@ -73,7 +73,7 @@ class ConsoleState:
     variables: tuple[str, ...] = ()
     conditions: tuple[str, ...] = ()
     keyboard: str = "us"
-    settings: Settings = field(default_factory=Settings)
+    settings: WelcomeSettings = field(default_factory=WelcomeSettings)
     #: What the wizard does not get to see.
     perception: Perception = field(default_factory=Perception)
     #: What drivers look like.

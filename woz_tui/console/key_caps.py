@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from woz_tui.config.keys.keymap import Assigned
+from woz_tui.config.keys.keymap import AssignedKey
 from woz_tui.console.glyphs import Glyphs
 
 _NAMES = {
@@ -34,7 +34,7 @@ class KeyCap:
     why: str = ""
 
 
-def cap_of(assigned: Assigned) -> KeyCap:
+def cap_of(assigned: AssignedKey) -> KeyCap:
     """The cap for what the key map assigned."""
     return KeyCap(assigned.press, assigned.reserve, assigned.why)
 

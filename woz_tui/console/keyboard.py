@@ -12,7 +12,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from woz_tui.config.keys.console_keys import Builtin
+from woz_tui.config.keys.console_keys import BuiltinKey
 from woz_tui.config.keys.terminals import STOPS
 from woz_tui.console.message_feed import MessageFeed
 from woz_tui.protocol.requests import (
@@ -70,7 +70,7 @@ class ConsoleKey:
         once: Held down, or pressed again at once, it counts once.
     """
 
-    keys: tuple[Builtin, ...]
+    keys: tuple[BuiltinKey, ...]
     sends: Callable[[KeyPress], AnyRequest] | None = field(default=None, kw_only=True)
     verb: str = field(default="", kw_only=True)
     opens: bool = field(default=True, kw_only=True)

@@ -27,7 +27,7 @@ from textual._xterm_parser import XTermParser
 from textual.app import App
 from textual.drivers.linux_driver import LinuxDriver
 
-from woz_tui.config.keys.terminals import KITTY, PLAIN, Terminal, detected, folded
+from woz_tui.config.keys.terminals import KITTY, PLAIN, Terminal, detect_terminal, merged_chords
 from woz_tui.console.byte_scanner import INTRODUCER_S, Scanner
 from woz_tui.console.camera.terminal_graphics import Side, question
 from woz_tui.console.cells import clean, clean_paste
@@ -217,7 +217,7 @@ class WizardDriver(LinuxDriver):
     def run_input_thread(self) -> None:
         """Read until told to end, or until the terminal is gone."""
         ask_for_short_turns()
-        scanner = self._scanner = Scanner(folded(detected(os.environ)))
+        scanner = self._scanner = Scanner(merged_chords(detect_terminal(os.environ)))
         scanner.expects_graphics = bool(question(os.environ))
         scanner.expects_ground = True  # asked for before this began: its answer may be late
         self._line.reset()
@@ -345,7 +345,7 @@ class WizardDriver(LinuxDriver):
 
 def _terminal(kitty: bool) -> Terminal:
     """The terminal by its environment and by its answer."""
-    guess = detected(os.environ)
+    guess = detect_terminal(os.environ)
     if guess.multiplexer or guess.linux:
         return replace(guess, kitty=kitty)
     return KITTY if kitty else PLAIN

@@ -21,7 +21,7 @@ from woz_tui.host.panel_views import (
 )
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.welcome import Settings, StudySettings
+from woz_tui.protocol.welcome import StudySettings, WelcomeSettings
 from woz_tui.session.session import Session
 from woz_tui.session.session_start import without_home
 from woz_tui.session.study_settings import study_settings, study_snapshot
@@ -65,7 +65,7 @@ def plan_of(shown: Shown) -> m.SessionPlan:
         conditions=list(experiment.conditions),
         keyboard=experiment.keyboard,
         drivers=[spec.name for spec in experiment.drivers],
-        settings=Settings(
+        settings=WelcomeSettings(
             stale_after=experiment.session.stale_after,
             dead_man=experiment.session.dead_man,
             participant_pattern=experiment.participant_pattern,

@@ -17,9 +17,9 @@ from woz_tui.protocol.camera_pictures import (
     MOST_RATE,
     PICTURE,
     WATCHED,
+    CameraWatched,
     Picture,
     PictureShown,
-    Watched,
 )
 from woz_tui.protocol.requests import AskPicture, Reply
 from woz_tui.session.session import Session
@@ -40,7 +40,7 @@ class Pictures:
     def __init__(self, session: Session) -> None:
         self._session = session
         self._asking: dict[Client, asyncio.Task[None]] = {}
-        self._watching: dict[tuple[str, str], Watched] = {}
+        self._watching: dict[tuple[str, str], CameraWatched] = {}
         self._one = asyncio.Lock()  # scaling takes a core: one picture after the other
 
     @property
@@ -85,11 +85,11 @@ class Pictures:
     def _watch(self, client: Client, driver: str, request: AskPicture) -> None:
         """Tell the camera that somebody watches, with the wishes of all who do."""
         now = self._session.clock.now_us()
-        mine = Watched(now + round(WATCHED_S * 1_000_000), request.width, request.rate)
+        mine = CameraWatched(now + round(WATCHED_S * 1_000_000), request.width, request.rate)
         self._watching[driver, client.name] = mine
         self._watching = {who: one for who, one in self._watching.items() if one.until_us > now}
         all_of = [one for (of, _), one in self._watching.items() if of == driver]
-        together = Watched(
+        together = CameraWatched(
             mine.until_us, max(one.width for one in all_of), max(one.rate for one in all_of)
         )
         self._session.feeds.feed(driver, WATCHED).put(together)

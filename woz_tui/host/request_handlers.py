@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 import msgspec
 from msgspec.structs import replace
 
-from woz_tui.config.experiment import Call, Experiment, ExperimentError, Place
+from woz_tui.config.experiment import Call, Experiment, ExperimentError, FilePosition
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.contract import Finding
 from woz_tui.host.client_connection import Client
@@ -64,7 +64,7 @@ PARTICIPANT_MAY = (AskQuestionnaire, AskAnswer)
 Slow = AskReload | AskKeepTyped | AskPreflight | AskProposal
 #: So many of one kind may wait for each client, while the one before is worked on.
 SLOW_WAITING = 16
-_NOWHERE = Place("", 0, 0)
+_NOWHERE = FilePosition("", 0, 0)
 
 
 class Desk:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from woz_tui.bus.bus import STOP_WAIT_S
-from woz_tui.config.experiment import Call, Experiment, Place
+from woz_tui.config.experiment import Call, Experiment, FilePosition
 from woz_tui.host.server import Host
 from woz_tui.protocol import messages as m
 from woz_tui.replay.rerun_plan import REPLAY, Plan, plan_of
@@ -29,7 +29,7 @@ WARNING_US = 3_000_000
 SESSION_END = "the re-run is over"
 #: Begins the reason of a re-run of which nothing was sent.
 NOT_BEGUN = "not begun: "
-_NOWHERE = Place("", 0, 0)
+_NOWHERE = FilePosition("", 0, 0)
 
 
 @dataclass(frozen=True, slots=True)

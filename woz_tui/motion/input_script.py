@@ -10,7 +10,7 @@ import json
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from woz_tui.config.problems import nearest
+from woz_tui.config.problems import nearest_word
 from woz_tui.motion.modes import Operator, operator_of
 from woz_tui.motion.rendering import BEYOND_VERBS, FREEZE, RESUME, Input
 from woz_tui.motion.safety import finite_number
@@ -96,7 +96,7 @@ class _Reader:
         if not isinstance(verb, str):
             raise InputLineError(f'{place}: "input" is missing: which verb')
         if verb not in self._verbs:
-            near = nearest(verb, self._verbs)
+            near = nearest_word(verb, self._verbs)
             means = f"did you mean {near!r}?" if near else f"there are {', '.join(self._verbs)}"
             raise InputLineError(f"{place}: no input is called {verb!r}; {means}")
         given = read.pop("t", None)

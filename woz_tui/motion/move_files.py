@@ -19,12 +19,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from woz_tui.config.annotated_decoder import resolved
-from woz_tui.config.experiment import Place, Problem
-from woz_tui.config.file_text import Source, SourceError, read
-from woz_tui.config.problems import Report, quoted
+from woz_tui.config.annotated_decoder import resolve_path
+from woz_tui.config.experiment import FilePosition, Problem
+from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
+from woz_tui.config.problems import ProblemReport, quoted
 from woz_tui.config.yaml_cursor import (
-    Spot,
+    Cursor,
     missing,
     read_flag,
     read_number,
@@ -32,7 +32,7 @@ from woz_tui.config.yaml_cursor import (
     read_text,
     read_word,
 )
-from woz_tui.config.yaml_nodes import Items, Table, described, tree
+from woz_tui.config.yaml_nodes import ListNode, MappingNode, described, parse_yaml
 from woz_tui.drivers.fields import Range
 from woz_tui.motion.body_shape import ROLES, BodyShape, JointShape
 from woz_tui.motion.body_verbs import EMOTIONS
@@ -79,11 +79,11 @@ class MoveLayerReader:
         self._relative = relative
         self.named: set[str] = set()
 
-    def read(self, spot: Spot) -> tuple[KeyFrame, ...]:
+    def read(self, cursor: Cursor) -> tuple[KeyFrame, ...]:
         """All frames that are right."""
-        entries = spot.list("a list of frames, such as [{seconds: 0.3, nod: 12}]")
+        entries = cursor.list("a list of frames, such as [{seconds: 0.3, nod: 12}]")
         if entries is not None and not entries:
-            spot.error("no frame stands here")
+            cursor.error("no frame stands here")
         frames: list[KeyFrame] = []
         before = 0.0
         for index, entry in enumerate(entries or ()):
@@ -98,7 +98,7 @@ class MoveLayerReader:
     # -- when -----------------------------------------------------------------------------------
 
     def _place(
-        self, spot: Spot, table: dict[str, Spot], before: float, *, first: bool
+        self, cursor: Cursor, table: dict[str, Cursor], before: float, *, first: bool
     ) -> float | None:
         unit, other = ("beats", "seconds") if self._beats else ("seconds", "beats")
         if (wrong := table.get(other)) is not None:
@@ -112,7 +112,7 @@ class MoveLayerReader:
         if at is not None:
             return self._moment(at, before, first=first)
         if took is None:
-            missing(table, unit, spot, "how long it takes from the frame before")
+            missing(table, unit, cursor, "how long it takes from the frame before")
             return None
         length = self._duration(took)
         if length is not None and length <= 0 and not first:
@@ -120,19 +120,19 @@ class MoveLayerReader:
             return None
         return None if length is None else round(before + length, PLACE_DECIMALS)
 
-    def _moment(self, spot: Spot, before: float, *, first: bool) -> float | None:
-        at = self._duration(spot)
+    def _moment(self, cursor: Cursor, before: float, *, first: bool) -> float | None:
+        at = self._duration(cursor)
         if at is None or (first and at >= 0) or at > before:
             return None if at is None else round(at, PLACE_DECIMALS)
-        spot.error(f"{at:g} is not after the frame before, which is at {before:g}")
+        cursor.error(f"{at:g} is not after the frame before, which is at {before:g}")
         return None
 
-    def _duration(self, spot: Spot) -> float | None:
-        return read_number(spot, LENGTHS) if self._beats else read_seconds(spot, LENGTHS)
+    def _duration(self, cursor: Cursor) -> float | None:
+        return read_number(cursor, LENGTHS) if self._beats else read_seconds(cursor, LENGTHS)
 
     # -- what -----------------------------------------------------------------------------------
 
-    def _frame(self, table: dict[str, Spot], at: float) -> KeyFrame:
+    def _frame(self, table: dict[str, Cursor], at: float) -> KeyFrame:
         roles, joints = self._angles(table)
         eyes = _known(table.get("eyes"), ("x", "y"), "eyes have", _EYES)
         sound = _given(table, "sound", "", read_text, "a sound file")
@@ -148,14 +148,14 @@ class MoveLayerReader:
             x=_given(eyes, "x", None, read_number, BOTH),
             y=_given(eyes, "y", None, read_number, BOTH),
             lid=_given(table, "lid", None, read_number, UNIT),
-            sound=sound and resolved(table["sound"], sound, must_exist=True),
+            sound=sound and resolve_path(table["sound"], sound, must_exist=True),
             volume=_given(table, "volume", 1.0, read_number, UNIT),
         )
 
-    def _angles(self, table: dict[str, Spot]) -> tuple[dict[str, float], dict[str, float]]:
+    def _angles(self, table: dict[str, Cursor]) -> tuple[dict[str, float], dict[str, float]]:
         """Those of roles and of joints."""
-        roles: dict[str, Spot] = {}
-        joints: dict[str, Spot] = {}
+        roles: dict[str, Cursor] = {}
+        joints: dict[str, Cursor] = {}
         for name, entry in table.items():
             if self.is_joint(name):
                 joints[name] = entry
@@ -175,24 +175,26 @@ class MoveLayerReader:
         known = name in self._joints and name not in FRAME
         return known and (name not in ROLES or not self._relative)
 
-    def joint(self, spot: Spot, name: str) -> float | None:
+    def joint(self, cursor: Cursor, name: str) -> float | None:
         """An angle of a joint: inside its range if it is absolute."""
-        angle = read_number(spot, ANGLES)
+        angle = read_number(cursor, ANGLES)
         if angle is not None:
-            self.check(spot, name, self._joints[name], (angle,))
+            self.check(cursor, name, self._joints[name], (angle,))
         return angle
 
-    def check(self, spot: Spot, name: str, joint: JointShape, angles: tuple[float, ...]) -> None:
+    def check(
+        self, cursor: Cursor, name: str, joint: JointShape, angles: tuple[float, ...]
+    ) -> None:
         """Report the first angle that the joint cannot have."""
         for angle in angles:
             if not self._relative and not joint.min <= angle <= joint.max:
-                spot.error(
+                cursor.error(
                     f"{angle:g} lies outside the joint's range,"
                     f" {joint.min:g} to {joint.max:g} degrees"
                 )
                 return
             if self._relative and abs(angle) > joint.max - joint.min:
-                spot.warning(
+                cursor.warning(
                     f"{angle:g} degrees are more than {name!r} can turn in all"
                     f" ({joint.max - joint.min:g})"
                 )
@@ -200,13 +202,13 @@ class MoveLayerReader:
 
     # -- samples --------------------------------------------------------------------------------
 
-    def samples(self, spot: Spot, table: dict[str, Spot]) -> LayerSamples | None:
+    def samples(self, cursor: Cursor, table: dict[str, Cursor]) -> LayerSamples | None:
         """The dense part of a layer; None if it has none."""
         if not table.keys() & {"joints", "roles", "face"}:
             if "rate" in table:
                 table["rate"].error("there are no samples: joints, roles or face are missing")
             return None
-        missing(table, "rate", spot, "samples each second, or beat")
+        missing(table, "rate", cursor, "samples each second, or beat")
         rate = _given(table, "rate", 1.0, read_number, RATES)
         roles = _lists(table.get("roles"), dict.fromkeys(ROLES, ANGLES), "roles are")
         face = _lists(table.get("face"), FEATURE_RANGES, "samples of a face are")
@@ -219,19 +221,19 @@ class MoveLayerReader:
 
 
 def _given(
-    table: Mapping[str, Spot], name: str, default: T, read: Callable[..., T | None], *allowed: Any
+    table: Mapping[str, Cursor], name: str, default: T, read: Callable[..., T | None], *allowed: Any
 ) -> T:
     """What an entry says; the default if it is missing, or wrong, which is reported."""
-    spot = table.get(name)
-    value = None if spot is None else read(spot, *allowed)
+    cursor = table.get(name)
+    value = None if cursor is None else read(cursor, *allowed)
     return default if value is None else value
 
 
 def _known(
-    spot: Spot | None, names: Collection[str], listing: str, expected: str = "a mapping"
-) -> dict[str, Spot]:
+    cursor: Cursor | None, names: Collection[str], listing: str, expected: str = "a mapping"
+) -> dict[str, Cursor]:
     """The entries of a mapping that have one of these names; others are reported."""
-    table = (spot.table(expected) if spot is not None else None) or {}
+    table = (cursor.table(expected) if cursor is not None else None) or {}
     for name, entry in table.items():
         if name not in names:
             entry.unknown(names, listing)
@@ -243,31 +245,32 @@ def _read(angles: Mapping[str, float | None]) -> dict[str, float]:
 
 
 def _lists(
-    spot: Spot | None, ranges: Mapping[str, Range], listing: str
+    cursor: Cursor | None, ranges: Mapping[str, Range], listing: str
 ) -> dict[str, tuple[float, ...]]:
     lists = {
-        name: _numbers(entry, ranges[name]) for name, entry in _known(spot, ranges, listing).items()
+        name: _numbers(entry, ranges[name])
+        for name, entry in _known(cursor, ranges, listing).items()
     }
     return {name: values for name, values in lists.items() if values}
 
 
-def _numbers(spot: Spot, allowed: Range) -> tuple[float, ...]:
+def _numbers(cursor: Cursor, allowed: Range) -> tuple[float, ...]:
     """A list of numbers, or a text of numbers with blanks between them."""
-    if not isinstance(spot.node, Items):
-        return _written(spot, read_text(spot, "numbers") or "", allowed)
-    if not spot.node.nodes:
-        spot.error("no number stands here")
-    read = [read_number(entry, allowed) for entry in spot.items()]
-    return tuple(number for number in read if number is not None)
+    if not isinstance(cursor.node, ListNode):
+        return _written(cursor, read_text(cursor, "numbers") or "", allowed)
+    if not cursor.node.nodes:
+        cursor.error("no number stands here")
+    read_source = [read_number(entry, allowed) for entry in cursor.items()]
+    return tuple(number for number in read_source if number is not None)
 
 
-def _written(spot: Spot, text: str, allowed: Range) -> tuple[float, ...]:
+def _written(cursor: Cursor, text: str, allowed: Range) -> tuple[float, ...]:
     values = []
     for index, word in enumerate(text.split()):
         number = float(word) if _SAMPLE.fullmatch(word) else None
         if number is None or not allowed.contains(number):
             wrong = "is no number" if number is None else f"is out of range; allowed is {allowed}"
-            spot.error(f"sample {index + 1}: {quoted(word)} {wrong}")
+            cursor.error(f"sample {index + 1}: {quoted(word)} {wrong}")
             return ()
         values.append(number)
     return tuple(values)
@@ -303,7 +306,7 @@ class MoveFolder:
 
     moves: Mapping[str, KeyframeMove]
     problems: tuple[Problem, ...]
-    sources: tuple[Source, ...] = ()
+    sources: tuple[SourceFile, ...] = ()
 
 
 def read_moves(folder: Path, shape: BodyShape) -> Mapping[str, KeyframeMove]:
@@ -320,7 +323,7 @@ def read_moves(folder: Path, shape: BodyShape) -> Mapping[str, KeyframeMove]:
 
 def read_folder(folder: Path, shape: BodyShape) -> MoveFolder:
     """As `read_moves`, with the errors and warnings instead of an exception."""
-    report = Report()
+    report = ProblemReport()
     try:
         files = sorted(
             path
@@ -329,9 +332,9 @@ def read_folder(folder: Path, shape: BodyShape) -> MoveFolder:
         )
     except OSError as error:
         reason = error.strerror or str(error)
-        return MoveFolder({}, (Problem(Place(str(folder), 1, 1), "moves", reason),))
+        return MoveFolder({}, (Problem(FilePosition(str(folder), 1, 1), "moves", reason),))
     moves: dict[str, KeyframeMove] = {}
-    sources: list[Source] = []
+    sources: list[SourceFile] = []
     where: dict[str, str] = {}
     for path in files:
         broken = len(report.errors)
@@ -351,7 +354,7 @@ def read_folder(folder: Path, shape: BodyShape) -> MoveFolder:
 
 def read_move(path: Path, shape: BodyShape) -> KeyframeMove:
     """The move of one file. Raises `MoveFileError`."""
-    report = Report()
+    report = ProblemReport()
     _, root = _root(path, report)
     move = None if root is None else decode(root, path, shape)
     if move is None or report.errors:
@@ -359,26 +362,26 @@ def read_move(path: Path, shape: BodyShape) -> KeyframeMove:
     return move
 
 
-def _root(path: Path, report: Report) -> tuple[Source | None, Spot | None]:
+def _root(path: Path, report: ProblemReport) -> tuple[SourceFile | None, Cursor | None]:
     name = str(path)
     report.file(name)
     try:
-        source = read(path, name)
-    except SourceError as error:
-        report.error(Place(name, error.line, error.column), "file", error.message)
+        source = read_source(path, name)
+    except SourceFileError as error:
+        report.error(FilePosition(name, error.line, error.column), "file", error.message)
         return None, None
     broken = len(report.errors)
-    node = tree(source, report)
-    start = Place(name, 1, 1)
-    if isinstance(node, Table):
-        return source, Spot(node, "", start, report)
+    node = parse_yaml(source, report)
+    start = FilePosition(name, 1, 1)
+    if isinstance(node, MappingNode):
+        return source, Cursor(node, "", start, report)
     if len(report.errors) == broken:
         said = "nothing" if node is None else described(node)
         report.error(start, "file", f"expected a move, such as name: greet, not {said}")
     return source, None
 
 
-def decode(root: Spot, path: Path, shape: BodyShape) -> KeyframeMove | None:
+def decode(root: Cursor, path: Path, shape: BodyShape) -> KeyframeMove | None:
     """The move, or None after reporting what is wrong. Its name is by default the file's."""
     broken = len(root.report.errors)
     move = _MoveDecoder(root, shape).move(path)
@@ -386,7 +389,7 @@ def decode(root: Spot, path: Path, shape: BodyShape) -> KeyframeMove | None:
 
 
 class _MoveDecoder:
-    def __init__(self, root: Spot, shape: BodyShape) -> None:
+    def __init__(self, root: Cursor, shape: BodyShape) -> None:
         self._root = root
         self._shape = shape
         self._broken = len(root.report.errors)
@@ -410,13 +413,13 @@ class _MoveDecoder:
         return move
 
     def _name(self, path: Path) -> str:
-        spot = self._table.get("name")
-        name = path.stem if spot is None else read_text(spot, "the move's name")
-        spot = spot or self._root
+        cursor = self._table.get("name")
+        name = path.stem if cursor is None else read_text(cursor, "the move's name")
+        cursor = cursor or self._root
         if name is not None and not NAME.fullmatch(name):
-            spot.error(f"{quoted(name)} cannot be a move's name; {NAME_RULE}")
+            cursor.error(f"{quoted(name)} cannot be a move's name; {NAME_RULE}")
         elif name in BUILT_IN:
-            spot.warning(f"takes the place of the built-in move {name!r}")
+            cursor.warning(f"takes the place of the built-in move {name!r}")
         return name or ""
 
     def _layers(self) -> list[MoveLayer]:
@@ -436,22 +439,22 @@ class _MoveDecoder:
             layers.append(layer)
         return layers
 
-    def _layer(self, spot: Spot) -> MoveLayer | None:
-        table = spot.table("a layer, such as {name: head, frames: [...]}")
+    def _layer(self, cursor: Cursor) -> MoveLayer | None:
+        table = cursor.table("a layer, such as {name: head, frames: [...]}")
         if table is None:
             return None
         for key, entry in table.items():
             if key not in LAYER:
                 entry.unknown(LAYER, "a layer has")
-        missing(table, "name", spot)
+        missing(table, "name", cursor)
         relative = _given(table, "relative", self._relative, read_flag)
         reader = MoveLayerReader(self._shape, beats=self._beats, relative=relative)
         frames = reader.read(table["frames"]) if "frames" in table else ()
-        samples = reader.samples(spot, table)
+        samples = reader.samples(cursor, table)
         if "frames" not in table and samples is None:
-            spot.error("has neither frames nor samples (rate and joints, roles or face)")
+            cursor.error("has neither frames nor samples (rate and joints, roles or face)")
         for twice in reader.named & ({*samples.roles, *samples.joints} if samples else set()):
-            spot.error(f"{twice} is in this layer's frames and in its samples; use two layers")
+            cursor.error(f"{twice} is in this layer's frames and in its samples; use two layers")
         return MoveLayer(
             _given(table, "name", "", read_text),
             frames,
@@ -463,10 +466,10 @@ class _MoveDecoder:
         )
 
     def _length(self, move: KeyframeMove) -> None:
-        spot = self._table.get("frames") or self._table.get("layers")
-        if spot is None:
+        cursor = self._table.get("frames") or self._table.get("layers")
+        if cursor is None:
             return
         if move.length <= 0:
-            spot.error("takes no time; a frame after the beginning is missing")
+            cursor.error("takes no time; a frame after the beginning is missing")
         elif move.length > LONGEST and not move.beats:
-            spot.warning(f"takes {move.length:g} s; play waits for {LONGEST:g} s at most")
+            cursor.warning(f"takes {move.length:g} s; play waits for {LONGEST:g} s at most")

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import msgspec
 
-from woz_tui.protocol.envelope import Json, Message, Worded
+from woz_tui.protocol.envelope import Json, Message, RestrictedMessage
 
 #: Verbs with which a robot shows by itself how the engagement model stands.
 SIGNALS = frozenset({"eyes", "screen", "sound"})
@@ -33,7 +33,7 @@ class ActionRequested(
     console: str = ""
 
 
-class ActionEnd(Worded, frozen=True, kw_only=True, omit_defaults=True):
+class ActionEnd(RestrictedMessage, frozen=True, kw_only=True, omit_defaults=True):
     """How the run of an action ended; each `action.requested` has exactly one such line."""
 
     run: str
@@ -65,7 +65,9 @@ class ActionRefused(ActionEnd, frozen=True, kw_only=True, omit_defaults=True, ta
     """Nothing of the action was tried: unknown, locked, stale, stopped, or a value missing."""
 
 
-class Command(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="command.requested"):
+class Command(
+    RestrictedMessage, frozen=True, kw_only=True, omit_defaults=True, tag="command.requested"
+):
     """One verb with its arguments, for one driver, on its way to the bus.
 
     `deadline_us`, on the session's `t` axis, is the moment after which it may no longer begin
@@ -124,7 +126,7 @@ class ActionsFilled(Message, frozen=True, kw_only=True, omit_defaults=True, tag=
         return msgspec.structs.replace(self, actions={**known, **self.actions})
 
 
-class Ack(Worded, frozen=True, kw_only=True, omit_defaults=True):
+class Ack(RestrictedMessage, frozen=True, kw_only=True, omit_defaults=True):
     """What became of a command. Only the subclasses are sent."""
 
     command: str

@@ -2,8 +2,8 @@
 
 They are not messages: nobody wants two megabytes a second in a log or on the stream. A driver with
 a camera puts a `Picture` into its feed `PICTURE` whenever it has one, and takes pictures only while
-its feed `WATCHED` holds a `Watched` that is not over. A driver that names the feed `PICTURE` has a
-camera; it does so when it is made, or when it is opened.
+its feed `WATCHED` holds a `CameraWatched` that is not over. A driver that names the feed `PICTURE`
+has a camera; it does so when it is made, or when it is opened.
 
 A console asks for each picture (`requests.AskPicture`) and gets it as a `PictureShown`.
 """
@@ -36,7 +36,7 @@ class Picture:
 
 
 @dataclass(frozen=True, slots=True)
-class Watched:
+class CameraWatched:
     """Somebody watches until `until_us` of the clock, and wants pictures at least `width` wide (as
     far as the camera can) and `rate` a second at most.
     """

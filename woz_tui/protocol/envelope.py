@@ -18,7 +18,7 @@ class Message(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag
     ts: str = ""
 
 
-class Worded(Message, frozen=True, kw_only=True, omit_defaults=True):
+class RestrictedMessage(Message, frozen=True, kw_only=True, omit_defaults=True):
     """A message whose words may tell something that is kept from some.
 
     `tells`: what that is: `condition`, `request` (the words quote what was asked for), or what a

@@ -53,7 +53,7 @@ from woz_tui.protocol.driver_health import (
     LaneFaulted,
     LaneRecovered,
 )
-from woz_tui.protocol.envelope import Json, Message, Worded
+from woz_tui.protocol.envelope import Json, Message, RestrictedMessage
 from woz_tui.protocol.study_messages import (
     ActionHeld,
     BreakEnded,
@@ -161,6 +161,7 @@ __all__ = [
     "RerunSent",
     "RerunSkipped",
     "RerunStarted",
+    "RestrictedMessage",
     "ScriptMoved",
     "SessionPlan",
     "SettingsShown",
@@ -181,7 +182,6 @@ __all__ = [
     "TrialEnded",
     "TrialStarted",
     "VisitorChanged",
-    "Worded",
 ]
 
 FORMAT = "woz-session"
@@ -220,7 +220,9 @@ class SessionChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag
     trial: int | None = None
 
 
-class SessionEnd(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="session.end"):
+class SessionEnd(
+    RestrictedMessage, frozen=True, kw_only=True, omit_defaults=True, tag="session.end"
+):
     """Last line of a log. `sha256` covers every line of actions before it, each once and in the
     order of `seq`: in a session of one segment, every byte of the file.
     """
@@ -274,7 +276,7 @@ class RecorderState(Message, frozen=True, kw_only=True, omit_defaults=True, tag=
     remedy: str = ""
 
 
-class Notice(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="notice"):
+class Notice(RestrictedMessage, frozen=True, kw_only=True, omit_defaults=True, tag="notice"):
     """A sentence for the wizard. `level`: info, warning or error; `driver`: whose it is."""
 
     level: str

@@ -13,7 +13,7 @@ import msgspec
 from woz_tui.protocol.camera_pictures import PictureFormat, PictureShown
 from woz_tui.protocol.envelope import Json
 from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
-from woz_tui.protocol.welcome import Allowance, ModelLimits, Settings, StudySettings
+from woz_tui.protocol.welcome import Allowance, ModelLimits, StudySettings, WelcomeSettings
 
 PROTOCOL = 1
 
@@ -386,7 +386,7 @@ class Welcome(
     drivers: list[str]
     state: list[msgspec.Raw] = []
     recent: list[msgspec.Raw] = []
-    settings: Settings = Settings()
+    settings: WelcomeSettings = WelcomeSettings()
     boot_id: str = ""
 
 
@@ -428,8 +428,8 @@ class PanelsChanged(
     msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="panels"
 ):
     """After a reload or a change of profile: the panels and the script as they are now, and the
-    variables' present values. What is called as in `Settings` (`PANEL_SETTINGS`) takes the place of
-    what the welcome said there; null: as before.
+    variables' present values. A field of `WelcomeSettings` (`PANEL_SETTINGS`) replaces what the
+    welcome had there; null: as before.
     """
 
     title: str
@@ -456,7 +456,7 @@ class PanelsChanged(
 
 #: The settings that may be others after a reload.
 PANEL_SETTINGS = tuple(
-    name for name in PanelsChanged.__struct_fields__ if name in Settings.__struct_fields__
+    name for name in PanelsChanged.__struct_fields__ if name in WelcomeSettings.__struct_fields__
 )
 
 

@@ -10,9 +10,9 @@ from typing import Any
 
 import msgspec
 
-from woz_tui.protocol.envelope import Message, Worded
+from woz_tui.protocol.envelope import Message, RestrictedMessage
 from woz_tui.protocol.panels import PanelView
-from woz_tui.protocol.welcome import Settings
+from woz_tui.protocol.welcome import WelcomeSettings
 
 # -- a log that needs nothing beside it -----------------------------------------------------------
 
@@ -43,7 +43,7 @@ class SessionPlan(Message, frozen=True, kw_only=True, omit_defaults=True, tag="s
     conditions: list[str]
     keyboard: str
     drivers: list[str]
-    settings: Settings
+    settings: WelcomeSettings
 
 
 # -- conditions and trials ------------------------------------------------------------------------
@@ -73,7 +73,9 @@ class TrialStarted(Message, frozen=True, kw_only=True, omit_defaults=True, tag="
     planned: int = 0
 
 
-class TrialEnded(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="trial.ended"):
+class TrialEnded(
+    RestrictedMessage, frozen=True, kw_only=True, omit_defaults=True, tag="trial.ended"
+):
     """It is over. `outcome`: done, aborted (to be run again) or excluded (not to be analysed)."""
 
     trial: int
@@ -81,13 +83,17 @@ class TrialEnded(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="tri
     text: str = ""
 
 
-class BreakStarted(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="break.started"):
+class BreakStarted(
+    RestrictedMessage, frozen=True, kw_only=True, omit_defaults=True, tag="break.started"
+):
     """A break: what happens now belongs to no trial."""
 
     text: str = ""
 
 
-class BreakEnded(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="break.ended"):
+class BreakEnded(
+    RestrictedMessage, frozen=True, kw_only=True, omit_defaults=True, tag="break.ended"
+):
     """The break is over."""
 
     text: str = ""
@@ -258,7 +264,9 @@ class RerunSent(Message, frozen=True, kw_only=True, omit_defaults=True, tag="rer
     late_us: int
 
 
-class RerunSkipped(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="rerun.skipped"):
+class RerunSkipped(
+    RestrictedMessage, frozen=True, kw_only=True, omit_defaults=True, tag="rerun.skipped"
+):
     """A command of the original that is not sent again, and why."""
 
     original_command: str

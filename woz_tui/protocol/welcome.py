@@ -49,7 +49,7 @@ class DesignView(msgspec.Struct, frozen=True):
     trials: int = 0
 
 
-class Item(msgspec.Struct, frozen=True):
+class QuestionnaireItemView(msgspec.Struct, frozen=True):
     """One question: a scale of whole numbers from `low` to `high`, or a free text.
 
     `ends` is what the scale's ends are called; `optional`: may be left out.
@@ -69,14 +69,14 @@ class Item(msgspec.Struct, frozen=True):
         return self.low >= 0 and self.high <= _DIGIT
 
 
-class Questionnaire(msgspec.Struct, frozen=True):
+class QuestionnaireView(msgspec.Struct, frozen=True):
     """Items asked together; `when` is end, trial, condition or hand."""
 
     name: str
     title: str = ""
     introduction: str = ""
     when: str = "end"
-    items: tuple[Item, ...] = ()
+    items: tuple[QuestionnaireItemView, ...] = ()
 
     @property
     def heading(self) -> str:
@@ -84,14 +84,14 @@ class Questionnaire(msgspec.Struct, frozen=True):
         return self.title or self.name
 
 
-class Check(msgspec.Struct, frozen=True):
+class PreflightCheck(msgspec.Struct, frozen=True):
     """What a human has to see to before the first participant, and whether it is ticked."""
 
     check: str
     ok: bool = False
 
 
-class Restricted(msgspec.Struct, frozen=True):
+class PerceptionView(msgspec.Struct, frozen=True):
     """What is not shown to the wizard (`hide`), or not legibly (`blur`)."""
 
     hide: list[str] = []
@@ -161,9 +161,9 @@ class StudySettings(msgspec.Struct, frozen=True):
 
     design: DesignView | None = None
     blind: dict[str, str] = {}
-    questionnaires: list[Questionnaire] = []
-    preflight: list[Check] = []
-    perception: Restricted = Restricted()
+    questionnaires: list[QuestionnaireView] = []
+    preflight: list[PreflightCheck] = []
+    perception: PerceptionView = PerceptionView()
     shaping: ShapingView | None = None
     answers: dict[str, list[str]] = {}
     by_condition: dict[str, dict[str, str]] = {}
@@ -191,7 +191,7 @@ class ReplayedLog(msgspec.Struct, frozen=True):
     coder: str = ""
 
 
-class Settings(msgspec.Struct, frozen=True, kw_only=True):
+class WelcomeSettings(msgspec.Struct, frozen=True, kw_only=True):
     """See `docs/reference/protocol.md`. `outlines` are as the drivers' classes give them; `replay`
     is there in a replay alone.
     """

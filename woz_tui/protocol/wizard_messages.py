@@ -7,23 +7,23 @@ from __future__ import annotations
 
 import msgspec
 
-from woz_tui.protocol.envelope import Message, Worded
+from woz_tui.protocol.envelope import Message, RestrictedMessage
 
 
-class Marker(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="marker"):
+class Marker(RestrictedMessage, frozen=True, kw_only=True, omit_defaults=True, tag="marker"):
     """A moment worth finding again."""
 
     text: str = ""
     source: str = msgspec.field(default_factory=lambda: "key")
 
 
-class Note(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="note"):
+class Note(RestrictedMessage, frozen=True, kw_only=True, omit_defaults=True, tag="note"):
     """A sentence the wizard typed."""
 
     text: str
 
 
-class Mistake(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="mistake"):
+class Mistake(RestrictedMessage, frozen=True, kw_only=True, omit_defaults=True, tag="mistake"):
     """The wizard says that the run `run` of `action` was a mistake."""
 
     run: str

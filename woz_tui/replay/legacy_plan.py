@@ -8,7 +8,7 @@ from pathlib import PurePath
 
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
-from woz_tui.protocol.welcome import Settings
+from woz_tui.protocol.welcome import WelcomeSettings
 from woz_tui.timeline.episodes import (
     ActionEpisode,
     CommandEpisode,
@@ -76,7 +76,7 @@ def plan_from(messages: Iterable[object]) -> m.SessionPlan:
         conditions=[condition for condition in conditions if condition],
         keyboard="us",
         drivers=[*drivers],
-        settings=Settings(),
+        settings=WelcomeSettings(),
     )
 
 

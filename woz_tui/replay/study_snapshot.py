@@ -5,7 +5,7 @@ from __future__ import annotations
 import msgspec
 
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.welcome import Restricted, StudySettings
+from woz_tui.protocol.welcome import PerceptionView, StudySettings
 
 
 def last_blind(before: StudySettings | None, plan: m.SessionPlan) -> StudySettings:
@@ -16,6 +16,6 @@ def last_blind(before: StudySettings | None, plan: m.SessionPlan) -> StudySettin
 
 def revealed(plan: m.SessionPlan) -> m.SessionPlan:
     """The plan with nothing kept from whoever sees it."""
-    study = msgspec.structs.replace(plan.settings.study, blind={}, perception=Restricted())
+    study = msgspec.structs.replace(plan.settings.study, blind={}, perception=PerceptionView())
     settings = msgspec.structs.replace(plan.settings, study=study)
     return msgspec.structs.replace(plan, settings=settings)

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from woz_tui.config.engagement import CONDITION, SIGNS
-from woz_tui.config.sign_values import SENSOR, identity_of, nonsense, sensed
+from woz_tui.config.sign_values import SENSOR, argument_problem, identity_of, sign_value
 from woz_tui.config.visitor_names import name_of
 from woz_tui.protocol.messages import Json
 from woz_tui.sensing.engagement_model import EngagementModel, Transition
@@ -41,7 +41,7 @@ def _toggle(model: EngagementModel, args: Args) -> dict[str, Json]:
 
 def _sense(model: EngagementModel, args: Args) -> dict[str, Json]:
     sign, value = args["sign"], args["value"].strip()
-    meant = sensed("presence" if sign == ALL else sign, value)
+    meant = sign_value("presence" if sign == ALL else sign, value)
     if sign == "identity" and isinstance(meant, str):
         value = identity_of(meant)
     return {"sign": sign, "value": value}
@@ -68,7 +68,7 @@ def _run(model: EngagementModel, args: Args) -> dict[str, Json]:
 
 
 def _filter(model: EngagementModel, args: Args) -> dict[str, Json]:
-    wrong = nonsense("filter", args)
+    wrong = argument_problem("filter", args)
     if wrong:
         raise ValueError(wrong)
     return dict(args)
@@ -143,7 +143,7 @@ def _give(model: EngagementModel, sign: str, value: str) -> None:
         for each in SIGNS if value == SENSOR else CONDITION:
             _give(model, each, value)
         return
-    meant = sensed(sign, value)
+    meant = sign_value(sign, value)
     model.override(sign, meant, meant if isinstance(meant, str) else "")
 
 

@@ -27,7 +27,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from woz_tui.config.engagement import SIGNS, UNKNOWN, EngagementSettings
-from woz_tui.config.engagement_json import settings_from
+from woz_tui.config.engagement_json import settings_from_json
 from woz_tui.config.session_verbs import ENGAGEMENT
 from woz_tui.drivers.contract import SPEECH as SEGMENTS
 from woz_tui.protocol import messages as m
@@ -265,7 +265,7 @@ class EngagementFollower:
         whoever has this follower.
         """
         if message.settings:
-            self.adopt(settings_from(message.settings))
+            self.adopt(settings_from_json(message.settings))
         return None
 
     def _nothing(self, message: m.Message) -> Transition | None:

@@ -30,7 +30,7 @@ from dataclasses import dataclass
 
 from woz_tui.config.engagement import HandshakeSettings
 from woz_tui.config.utterance_template import fill
-from woz_tui.config.visitor_names import BadNameError, name_of, shown
+from woz_tui.config.visitor_names import VisitorNameError, name_of, shown
 from woz_tui.sensing.answer_parsing import NameAnswer, NameAnswerParser
 
 _SECOND = 1_000_000
@@ -232,7 +232,7 @@ class Handshake:
     def _take_up(self, answer: NameAnswer) -> Order:
         try:
             self.name = name_of(answer.name)
-        except BadNameError as error:
+        except VisitorNameError as error:
             self.stage, self.name = HandshakeStage.NAME, ""
             return self._again(error.reason)
         return self._ask_back()

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from functools import lru_cache
 
-from woz_tui.config.visitor_names import BadNameError, label_of
+from woz_tui.config.visitor_names import VisitorNameError, label_of
 
 #: A face that nobody knows; an identity, but nobody's.
 UNKNOWN = "Unknown"
@@ -110,6 +110,6 @@ def _label(text: str) -> str | None:
         return UNKNOWN
     try:
         label = label_of(text)
-    except BadNameError:
+    except VisitorNameError:
         return None
     return UNKNOWN if label.casefold() == UNKNOWN.casefold() else label

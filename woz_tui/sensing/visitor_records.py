@@ -14,7 +14,7 @@ from typing import Any
 import msgspec
 from msgspec.structs import replace
 
-from woz_tui.config.visitor_names import BadNameError, key_of, label_of, name_of, shown, word_of
+from woz_tui.config.visitor_names import VisitorNameError, key_of, label_of, name_of, shown, word_of
 
 FORMAT = "woz-tui visitors"
 VERSION = 1
@@ -244,7 +244,7 @@ def visitors_in(text: str, place: str) -> dict[str, Visitor]:
         try:
             _check(visitor)
             _claim(owners, visitor)
-        except (BadNameError, VisitorRefusedError, ValueError) as error:
+        except (VisitorNameError, VisitorRefusedError, ValueError) as error:
             reason = getattr(error, "reason", str(error))
             raise _unreadable(f"{place}: visitors[{number}]: {reason}") from None
         people[key_of(visitor.name)] = visitor
@@ -277,7 +277,7 @@ def _check_kind(content: Any, place: str) -> None:
 
 
 def _check(visitor: Visitor) -> None:
-    """Whether it is written as this program writes it; `BadNameError` or `ValueError` if not."""
+    """Raise `VisitorNameError` or `ValueError` unless it is written as this program does it."""
     tidy = replace(
         visitor,
         name=name_of(visitor.name),

@@ -30,7 +30,7 @@ from pathlib import Path
 
 from msgspec.structs import replace
 
-from woz_tui.config.visitor_names import BadNameError, key_of, label_of, name_of, word_of
+from woz_tui.config.visitor_names import VisitorNameError, key_of, label_of, name_of, word_of
 from woz_tui.sensing import visitor_records as changes
 from woz_tui.sensing.visitor_records import (
     Change,
@@ -249,7 +249,7 @@ def _made(pending: Iterable[Change], people: People) -> tuple[People, list[str]]
 def _bad_names_refused() -> Iterator[None]:
     try:
         yield
-    except BadNameError as error:
+    except VisitorNameError as error:
         raise VisitorRefusedError(error.reason, error.remedy) from None
 
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 from woz_tui.bus.hub import Hub
-from woz_tui.config.experiment import Action, Call, Experiment, Together, Wait
+from woz_tui.config.experiment import Action, Call, Experiment, ParallelCalls, Wait
 from woz_tui.config.utterance_template import VISITOR
 from woz_tui.protocol import messages as m
 from woz_tui.session.variables import MissingError, Values, call_with
@@ -103,7 +103,7 @@ class Wording:
             if call.driver != said.driver or call.verb != said.verb or len(texts) < 2:
                 continue
             if said.args["text"] in [_spoken(call, values, text) for text in texts]:
-                return self.play(replace(action, steps=(Together((call,)),)))
+                return self.play(replace(action, steps=(ParallelCalls((call,)),)))
         return None
 
     def tell(self) -> None:
@@ -144,7 +144,7 @@ class Wording:
             match step:
                 case Wait(seconds=seconds):
                     steps.append(seconds)
-                case Together(calls=calls):
+                case ParallelCalls(calls=calls):
                     steps.append(tuple(call_with(call, values, pick) for call in calls))
         return steps
 

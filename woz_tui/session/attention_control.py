@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from woz_tui.config.engagement import EngagementSettings
-from woz_tui.config.experiment import Call, DriverSpec, Experiment, Place
+from woz_tui.config.experiment import Call, DriverSpec, Experiment, FilePosition
 from woz_tui.config.sensor_names import published_names
 from woz_tui.drivers.contract import Verb
 from woz_tui.protocol import messages as m
@@ -21,7 +21,7 @@ from woz_tui.session.engagement_robot import ORIGIN, Robot
 from woz_tui.session.wake_up import Alarm
 
 GAZE, DIRECTION = "gaze", "direction"
-_NOWHERE = Place("", 0, 0)
+_NOWHERE = FilePosition("", 0, 0)
 
 
 class Attending:

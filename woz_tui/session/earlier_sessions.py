@@ -16,7 +16,7 @@ from woz_tui.log.file_names import FileName
 from woz_tui.log.log_files import files_of
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.welcome import Settings
+from woz_tui.protocol.welcome import WelcomeSettings
 from woz_tui.session.condition_proposal import Past
 from woz_tui.system.files import open_regular
 from woz_tui.timeline.episodes import EpisodeOutcome
@@ -138,7 +138,7 @@ def _bare(plan: m.SessionPlan) -> m.SessionPlan:
         conditions=[],
         keyboard="",
         drivers=[],
-        settings=Settings(),
+        settings=WelcomeSettings(),
     )
 
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from woz_tui.config.experiment import Call, Place
+from woz_tui.config.experiment import Call, FilePosition
 from woz_tui.drivers.contract import LEARN_FACE
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_model import Transition
 from woz_tui.session.engagement_robot import Robot
 from woz_tui.session.robot_handshake import IDENTITY
 
-_NOWHERE = Place("", 0, 0)
+_NOWHERE = FilePosition("", 0, 0)
 
 
 def introduced(robot: Robot, change: Transition) -> None:

@@ -17,8 +17,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from woz_tui.config.engagement import EngagementSettings
-from woz_tui.config.engagement_json import plain
-from woz_tui.config.experiment import Action, Engagement, Together
+from woz_tui.config.engagement_json import settings_to_json
+from woz_tui.config.experiment import Action, Engagement, ParallelCalls
 from woz_tui.config.session_verbs import ENGAGEMENT, engagement_verbs
 from woz_tui.config.utterance_template import VISITOR
 from woz_tui.drivers.contract import Job, RejectedError, Scope, Verb
@@ -117,7 +117,7 @@ class LiveEngagement:
         calls = [
             call
             for step in (action.steps if action else ())
-            for call in (step.calls if isinstance(step, Together) else ())
+            for call in (step.calls if isinstance(step, ParallelCalls) else ())
         ]
         return bool(calls) and all(call.driver == ENGAGEMENT for call in calls)
 
@@ -219,7 +219,7 @@ class LiveEngagement:
         heard: whoever reads the log later takes them over at the same place.
         """
         engagement = self._robot.experiment().engagement
-        settings = plain(engagement.settings) if engagement else {}
+        settings = settings_to_json(engagement.settings) if engagement else {}
         if settings == self._told:
             return False
         self._told = settings

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from woz_tui.config.participant_pattern import SIMPLER, looks_like, matches
+from woz_tui.config.participant_pattern import SIMPLER, describe_pattern, matches
 
 if TYPE_CHECKING:
     from woz_tui.config.experiment import Experiment
@@ -96,7 +96,7 @@ def check_participant(code: str, pattern: str) -> None:
             SIMPLER,
         ) from None
     if not fits:
-        raise AskError(f"{code!r} is not a code of this study", looks_like(pattern))
+        raise AskError(f"{code!r} is not a code of this study", describe_pattern(pattern))
 
 
 def check_condition(condition: str, known: tuple[str, ...]) -> None:

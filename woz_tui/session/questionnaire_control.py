@@ -7,7 +7,7 @@ from typing import Any
 
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AskAnswer
-from woz_tui.protocol.welcome import Item
+from woz_tui.protocol.welcome import QuestionnaireItemView
 from woz_tui.session.participant_identity import AskError
 from woz_tui.timeline.study_history import StudyState
 
@@ -124,7 +124,7 @@ class Questioning:
         )
 
 
-def _as_asked(item: Item) -> dict[str, Any]:
+def _as_asked(item: QuestionnaireItemView) -> dict[str, Any]:
     """An item as in `questionnaire.started`: a scale's points and ends, or `text`."""
     seen: dict[str, Any] = {"name": item.name, "question": item.question}
     if item.text:

@@ -52,13 +52,13 @@ _FACE = frozenset(("emotion", "intensity", "valence", "arousal", "eye_x", "eye_y
 _EYES = frozenset(("eyes", "eyes_brightness"))
 
 #: The words of a message that tells something.
-_TEXTS: tuple[tuple[type[m.Worded], tuple[str, ...]], ...] = (
+_TEXTS: tuple[tuple[type[m.RestrictedMessage], tuple[str, ...]], ...] = (
     (m.ActionEnd, ("reason",)),
     (m.End, ("reason", "remedy")),
     (m.SessionEnd, ("reason",)),
     (m.RerunSkipped, ("reason",)),
     (m.Notice, ("text", "remedy")),
-    (m.Worded, ("text",)),
+    (m.RestrictedMessage, ("text",)),
 )
 #: What a participant's terminal gets of the stream.
 _ASKED = (
@@ -188,7 +188,7 @@ class Redactor:
             conditions=self.labels(changed.conditions),
         )
 
-    def _shown(self, shown: Any, settings: s.Settings) -> Any:
+    def _shown(self, shown: Any, settings: s.WelcomeSettings) -> Any:
         """A welcome, or a plan."""
         if not self:
             return shown
@@ -253,7 +253,7 @@ class Redactor:
         if self.blind:
             change = _BLINDED.get(type(message))
             seen = change(self, message) if change is not None else message
-        if isinstance(seen, m.Worded):
+        if isinstance(seen, m.RestrictedMessage):
             seen = self._worded(seen)
         elif isinstance(seen, m.ActionsFilled):
             seen = self._filled(seen)
@@ -262,7 +262,7 @@ class Redactor:
             seen = hide(self, seen) if hide is not None else seen
         return seen
 
-    def _worded(self, message: m.Worded) -> m.Message | None:
+    def _worded(self, message: m.RestrictedMessage) -> m.Message | None:
         """Without its words, if they tell what is kept."""
         if not message.tells or not any(map(self._keeps, message.tells)):
             return message
@@ -496,7 +496,7 @@ class ParticipantRedactor(Redactor):
                 return replace(message, condition=None)
             case m.ConditionsAssigned(order=order):
                 return replace(message, order=_numbered(order), why="")
-            case m.Worded():
+            case m.RestrictedMessage():
                 return replace(message, **dict.fromkeys(_words(message), ""))
         return message
 
@@ -512,7 +512,7 @@ class ParticipantRedactor(Redactor):
             variables=[],
             conditions=[],
             drivers=[],
-            settings=s.Settings(
+            settings=s.WelcomeSettings(
                 stale_after=settings.stale_after,
                 dead_man=settings.dead_man,
                 study=_asked(settings.study),
@@ -555,7 +555,7 @@ def marked(message: m.AnyMessage, schema: int) -> m.AnyMessage:
             return replace(message, tells=("condition",), unfilled=texts) if texts else message
         case m.ExperimentReloaded(changes=changes):
             return replace(message, telling=changes)
-        case m.Worded() if _may_tell(message):
+        case m.RestrictedMessage() if _may_tell(message):
             return replace(message, tells=("condition",))
     return message
 
@@ -606,12 +606,12 @@ def _unique(labels: Mapping[str, str]) -> dict[str, str]:
     return found
 
 
-def _words(message: m.Worded) -> tuple[str, ...]:
+def _words(message: m.RestrictedMessage) -> tuple[str, ...]:
     """The fields of its words."""
     return next(names for kind, names in _TEXTS if isinstance(message, kind))
 
 
-def _may_tell(message: m.Worded) -> bool:
+def _may_tell(message: m.RestrictedMessage) -> bool:
     """Whether a message of a log that does not say so may tell the condition."""
     match message:
         case m.Marker(source="wizard" | "watcher" | "preflight"):
@@ -666,7 +666,7 @@ def _asked(study: s.StudySettings) -> s.StudySettings:
         study,
         blind={},
         preflight=[],
-        perception=s.Restricted(),
+        perception=s.PerceptionView(),
         shaping=None,
         by_condition={},
         assigned=_numbered(study.assigned),

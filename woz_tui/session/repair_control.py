@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
-from woz_tui.config.experiment import Action, Call, Experiment, Place
+from woz_tui.config.experiment import Action, Call, Experiment, FilePosition
 from woz_tui.config.repairs import INTERRUPT, PANEL, REWORD
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_stream import SPEECH
@@ -14,7 +14,7 @@ from woz_tui.session.action_texts import Steps, Wording
 from woz_tui.session.participant_identity import AskError
 from woz_tui.timeline.episodes import CommandEpisode
 
-_NOWHERE = Place("", 0, 0)
+_NOWHERE = FilePosition("", 0, 0)
 
 
 @dataclass

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from woz_tui.config.engagement import HandshakeSettings
-from woz_tui.config.experiment import Call, Place
+from woz_tui.config.experiment import Call, FilePosition
 from woz_tui.config.session_verbs import ENGAGEMENT
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.name_handshake import (
@@ -23,7 +23,7 @@ from woz_tui.sensing.name_handshake import (
 from woz_tui.session.engagement_robot import Robot
 from woz_tui.session.wake_up import Alarm
 
-_NOWHERE = Place("", 0, 0)
+_NOWHERE = FilePosition("", 0, 0)
 #: What is said and sent here tells who stands there.
 IDENTITY = ("identity",)
 

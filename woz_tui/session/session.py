@@ -13,7 +13,7 @@ from typing import NoReturn
 
 from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
-from woz_tui.config.experiment import Action, Call, Experiment, Phase, Place
+from woz_tui.config.experiment import Action, Call, Experiment, FilePosition, Phase
 from woz_tui.drivers.contract import Ask, Driver, Performer
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.log.file_names import media_folder
@@ -76,7 +76,7 @@ class Session:
     typed: tuple[Action, ...] = field(init=False, default=())
     #: Those of them that stand in a copy of the file, and which.
     kept: tuple[tuple[Action, ...], str] = field(init=False, default=((), ""))
-    #: What the reason of the end tells (see `messages.Worded`).
+    #: What the reason of the end tells (see `messages.RestrictedMessage`).
     end_tells: tuple[str, ...] = field(init=False, default=())
     #: Tells how old a request without a time stamp may be.
     standstill: Standstill = field(init=False)
@@ -362,7 +362,7 @@ class Session:
     def _call(self, verb: str, args: Mapping[str, m.Json], on: str) -> Call:
         if self.ended:
             raise AskError("the session is ending")
-        return Call(verb, dict(args), self._driver_for(verb, on), Place("", 0, 0))
+        return Call(verb, dict(args), self._driver_for(verb, on), FilePosition("", 0, 0))
 
     def _asked(self, driver: str, ask: Ask, done: Told | None) -> None:
         """A driver asks for something; drivers are made before the session is whole."""
@@ -464,7 +464,7 @@ class Session:
     # -- marks and settings ------------------------------------------------------------------
 
     def mark(self, text: str, source: str, tells: tuple[str, ...] = ()) -> None:
-        """A marker in the log; `tells` as in `messages.Worded`."""
+        """A marker in the log; `tells` as in `messages.RestrictedMessage`."""
         self.hub.publish(m.Marker(text=text, source=source, tells=tells))
 
     def note(self, text: str, tells: tuple[str, ...] = ()) -> None:

@@ -32,8 +32,8 @@ VERBS: tuple[Verb, ...] = (
     Verb("unlock", "unlock a panel", (Argument("panel", "text", "its title", required=True),)),
 )
 
-#: Carries one verb out, whose arguments tell something (see `messages.Worded`); raises `ValueError`
-#: with a sentence if it makes no sense.
+#: Carries one verb out, whose arguments tell something (see `messages.RestrictedMessage`); raises
+#: `ValueError` with a sentence if it makes no sense.
 Carry = Callable[[Mapping[str, Json], tuple[str, ...]], None]
 
 

@@ -18,7 +18,7 @@ import dataclasses
 from collections import deque
 from collections.abc import Iterable, Mapping
 
-from woz_tui.config.experiment import Action, Call, Step, Together
+from woz_tui.config.experiment import Action, Call, ParallelCalls, Step
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_model import Transition
 from woz_tui.sensing.engagement_stream import SPEECH
@@ -210,11 +210,11 @@ def _silent(action: Action) -> Action:
     """Without what is said, and without what waits for it."""
     steps: list[Step] = []
     for step in action.steps:
-        if isinstance(step, Together):
+        if isinstance(step, ParallelCalls):
             calls = tuple(call for call in step.calls if call.verb not in SPEECH)
-            steps += [Together(calls)] if calls else []
+            steps += [ParallelCalls(calls)] if calls else []
         else:
             steps.append(step)
-    if not any(isinstance(step, Together) for step in steps):
+    if not any(isinstance(step, ParallelCalls) for step in steps):
         steps = []
     return dataclasses.replace(action, steps=tuple(steps))

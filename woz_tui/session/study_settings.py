@@ -21,8 +21,8 @@ def study_settings(experiment: Experiment) -> s.StudySettings:
         design=s.DesignView(design.order, design.within, design.trials) if design else None,
         blind=dict(design.blind) if design else {},
         questionnaires=[*map(questionnaire_view, study.questionnaires)],
-        preflight=[*map(s.Check, study.preflight)],
-        perception=s.Restricted([*study.perception.hide], [*study.perception.blur]),
+        preflight=[*map(s.PreflightCheck, study.preflight)],
+        perception=s.PerceptionView([*study.perception.hide], [*study.perception.blur]),
         shaping=s.ShapingView(shaping.floor, shaping.jitter, [*shaping.cues]) if shaping else None,
         words=experiment.words,
         answers={cue: [*names] for cue, names in study.answers.items()},
@@ -39,7 +39,9 @@ def study_snapshot(settings: s.StudySettings, study: StudyState) -> s.StudySetti
     """
     return msgspec.structs.replace(
         settings,
-        preflight=[s.Check(each.check, study.ticked(each.check)) for each in settings.preflight],
+        preflight=[
+            s.PreflightCheck(each.check, study.ticked(each.check)) for each in settings.preflight
+        ],
         assigned=[*study.order],
         planned=study.planned,
         trial=study.next_trial,
@@ -49,6 +51,6 @@ def study_snapshot(settings: s.StudySettings, study: StudyState) -> s.StudySetti
     )
 
 
-def questionnaire_view(questionnaire: Questionnaire) -> s.Questionnaire:
+def questionnaire_view(questionnaire: Questionnaire) -> s.QuestionnaireView:
     """A questionnaire of the file."""
-    return msgspec.convert(questionnaire, s.Questionnaire, from_attributes=True)
+    return msgspec.convert(questionnaire, s.QuestionnaireView, from_attributes=True)

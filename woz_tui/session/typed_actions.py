@@ -13,11 +13,17 @@ from woz_tui.config.experiment import (
     Call,
     Experiment,
     ExperimentError,
+    FilePosition,
     Panel,
-    Place,
-    Together,
+    ParallelCalls,
 )
-from woz_tui.config.file_additions import AppendError, appended, copy_names, quoted, write_copy
+from woz_tui.config.file_additions import (
+    AppendError,
+    append_actions,
+    copy_names,
+    quoted,
+    write_copy,
+)
 from woz_tui.config.reload_changes import compare
 from woz_tui.session.participant_identity import AskError
 
@@ -27,7 +33,7 @@ PANEL = "Typed"
 MOST = 40
 #: Letters of a sentence on its button and in its name.
 LABEL = 40
-_NOWHERE = Place("", 0, 0)
+_NOWHERE = FilePosition("", 0, 0)
 _KEYS = (*string.digits[1:], "0", *string.ascii_lowercase, *string.ascii_uppercase)
 
 
@@ -79,7 +85,7 @@ def added(
         name, number = f"{NAME}{label} ({number})", number + 1
     call = Call("say", {"text": text}, driver, _NOWHERE)
     key = _free_key(experiment, key)
-    action = Action(name, label, key, PANEL, (Together((call,)),), _NOWHERE, help="typed")
+    action = Action(name, label, key, PANEL, (ParallelCalls((call,)),), _NOWHERE, help="typed")
     return (*typed, action)[-MOST:]
 
 
@@ -122,7 +128,7 @@ def copied(path: Path, typed: Sequence[Action], read: Reader) -> Copied:
         return Copied(path, 0)
     copy = next((name for name in copy_names(path) if not os.path.lexists(name)), path)
     try:
-        result = appended(data, PANEL, [_line(base, action) for action in actions])
+        result = append_actions(data, PANEL, [_line(base, action) for action in actions])
     except AppendError as error:
         raise AskError(str(error)) from error
     _check(base, actions, result.data, read)

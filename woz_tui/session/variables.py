@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from woz_tui.config.experiment import Call, Choice
+from woz_tui.config.experiment import Call, TextVariants
 from woz_tui.config.utterance_template import fill, names
 from woz_tui.protocol.messages import Json
 
@@ -17,7 +17,7 @@ UNTOLD = "..."
 
 class Values(dict[str, str]):
     """Values by name; `why` says of some that have none what they wait for, `tells` what some of
-    them tell (see `messages.Worded`).
+    them tell (see `messages.RestrictedMessage`).
     """
 
     def __init__(
@@ -83,7 +83,7 @@ def call_with(call: Call, values: Mapping[str, str], pick: Pick = lambda texts: 
 
 
 def _chosen(
-    choices: Mapping[str, Choice], values: Mapping[str, str], pick: Pick
+    choices: Mapping[str, TextVariants], values: Mapping[str, str], pick: Pick
 ) -> dict[str, Json]:
     found: dict[str, Json] = {}
     for name, choice in choices.items():
@@ -98,7 +98,7 @@ def _chosen(
     return found
 
 
-def _tells(choice: Choice, values: Mapping[str, str]) -> set[str]:
+def _tells(choice: TextVariants, values: Mapping[str, str]) -> set[str]:
     """What its variables tell, in whichever condition."""
     known = values.tells if isinstance(values, Values) else {}
     inner = {name for text in choice.every for name in names(text)}

@@ -9,7 +9,7 @@ from typing import Protocol, TypeVar
 
 from msgspec.structs import replace
 
-from woz_tui.config.due_questionnaires import OVER, due_behind
+from woz_tui.config.due_questionnaires import OVER, due_after_trial
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings
 from woz_tui.timeline.episodes import (
@@ -172,7 +172,7 @@ class StudyState:
         if over is None:
             return []
         planned = self._planned(self._order_then)
-        whens = due_behind(over.trial, over.outcome, trials=self.trials, planned=planned)
+        whens = due_after_trial(over.trial, over.outcome, trials=self.trials, planned=planned)
         return [
             DueQuestionnaire(name, -1 if when == "end" else over.trial)
             for when in whens

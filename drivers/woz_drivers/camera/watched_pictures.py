@@ -6,7 +6,7 @@ import numpy as np
 
 from woz_drivers.camera.settings import CameraSettings
 from woz_tui.drivers.contract import DriverContext
-from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, Picture, Watched
+from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
 
 #: Of the pictures that are wanted a second so many times as many are offered: who asks at any
 #: moment gets one that is young.
@@ -27,7 +27,7 @@ class PictureFeed:
     def look_at(self, data: bytes, now_us: int) -> None:
         """Offer the raw picture `data`, if it is time for one."""
         wish = self._watched.latest().value
-        if not isinstance(wish, Watched) or wish.until_us <= now_us:
+        if not isinstance(wish, CameraWatched) or wish.until_us <= now_us:
             return
         last = self._offered_us
         if last is not None and now_us - last < 1_000_000 / (_AHEAD * wish.rate):

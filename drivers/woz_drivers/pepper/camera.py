@@ -26,7 +26,7 @@ from woz_tui.drivers.contract import (
     RejectedError,
     Verb,
 )
-from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, Picture, Watched
+from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
 from woz_tui.protocol.messages import Json
 
 #: What ALVideoDevice knows us by; it adds a number of its own to each.
@@ -131,14 +131,14 @@ class Camera(Part):
                 continue
             await asyncio.sleep(max(0.0, begun + 1 / wish.rate - loop.time()))
 
-    def _wish(self) -> Watched | None:
+    def _wish(self) -> CameraWatched | None:
         """What is wanted now, by those who watch."""
         wish = self._watched.latest().value
-        if not isinstance(wish, Watched) or wish.until_us <= self._context.clock.now_us():
+        if not isinstance(wish, CameraWatched) or wish.until_us <= self._context.clock.now_us():
             return None
         return wish if wish.rate > 0 and math.isfinite(wish.rate) else None
 
-    async def _show(self, wish: Watched) -> None:
+    async def _show(self, wish: CameraWatched) -> None:
         size, rate = resolution(wish.width), max(1, min(math.ceil(wish.rate), _FASTEST))
         loop = asyncio.get_running_loop()
         if self._subscribed is None or self._subscribed[1] != (size, rate):

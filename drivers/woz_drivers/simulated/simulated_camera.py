@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from woz_tui.drivers.contract import DriverContext
-from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, Picture, Watched
+from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
 
 #: Pixels of a picture, and degrees that it shows from left to right.
 WIDTH, HEIGHT, VIEW = 96, 72, 60.0
@@ -48,7 +48,7 @@ class Sight:
         """Give a picture, if one is wanted now."""
         now = self._clock.now_us()
         wish = self._watched.latest().value
-        if not isinstance(wish, Watched) or wish.until_us <= now:
+        if not isinstance(wish, CameraWatched) or wish.until_us <= now:
             return
         if self._given_us is not None and now - self._given_us < 1_000_000 / (2 * wish.rate):
             return

@@ -11,11 +11,11 @@ from woz_drivers.pepper import Pepper
 from woz_drivers.pepper.settings import PepperSettings
 
 from woz_tui.config.experiment import Action, Experiment, ExperimentError, Panel
-from woz_tui.config.file_text import read as read_source
+from woz_tui.config.file_text import read_source
 from woz_tui.config.loading import TOP_LEVEL, load
-from woz_tui.config.woz4u import opened
-from woz_tui.config.woz4u.yaml_writer import written
-from woz_tui.config.yaml_nodes import Table
+from woz_tui.config.woz4u import translate_file
+from woz_tui.config.woz4u.yaml_writer import yaml_text
+from woz_tui.config.yaml_nodes import MappingNode
 from woz_tui.drivers.contract import Driver
 
 #: The shortest file that is one.
@@ -50,9 +50,9 @@ def messages(folder: Path, text: str, start: str = START) -> list[str]:
 
 def converted(path: Path) -> str:
     """A WoZ4U file as text of our own format."""
-    made = opened(read_source(path, str(path)), TOP_LEVEL)
-    assert isinstance(made.root.node, Table)
-    return written(made.root.node, made.remarks)
+    made = translate_file(read_source(path, str(path)), TOP_LEVEL)
+    assert isinstance(made.root.node, MappingNode)
+    return yaml_text(made.root.node, made.remarks)
 
 
 def settings(experiment: Experiment) -> PepperSettings:

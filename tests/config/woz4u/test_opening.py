@@ -16,11 +16,11 @@ from tests.config.woz4u.reading import (
     titles,
 )
 from woz_tui.config.experiment import ExperimentError
-from woz_tui.config.file_text import Source
+from woz_tui.config.file_text import SourceFile
 from woz_tui.config.loading import TOP_LEVEL, load
-from woz_tui.config.problems import Report
+from woz_tui.config.problems import ProblemReport
 from woz_tui.config.woz4u import recognised
-from woz_tui.config.yaml_nodes import Table, tree
+from woz_tui.config.yaml_nodes import MappingNode, parse_yaml
 
 
 @pytest.mark.parametrize(
@@ -39,8 +39,8 @@ from woz_tui.config.yaml_nodes import Table, tree
     ],
 )
 def test_what_is_taken_for_a_woz4u_file(text: str, theirs: bool) -> None:
-    node = tree(Source("x", Path("x"), b"", text), Report())
-    assert isinstance(node, Table)
+    node = parse_yaml(SourceFile("x", Path("x"), b"", text), ProblemReport())
+    assert isinstance(node, MappingNode)
     assert recognised(node, TOP_LEVEL) is theirs
 
 

@@ -13,12 +13,12 @@ from hypothesis import strategies as st
 
 from tests.config.woz4u.reading import CATALOGUE, converted, essence
 from woz_tui.config.experiment import Experiment, ExperimentError
-from woz_tui.config.file_text import read as read_source
+from woz_tui.config.file_text import read_source
 from woz_tui.config.loading import TOP_LEVEL, load
-from woz_tui.config.problems import Report
-from woz_tui.config.woz4u import opened
+from woz_tui.config.problems import ProblemReport
+from woz_tui.config.woz4u import translate_file
 from woz_tui.config.woz4u.woz4u_keys import AUTONOMY, LOCKS, STEPS, VOICE
-from woz_tui.config.yaml_nodes import Table, tree
+from woz_tui.config.yaml_nodes import MappingNode, parse_yaml
 
 EXAMPLE = Path(__file__).parents[3] / "experiments" / "woz4u" / "config.yaml"
 _ONE_FOLDER = settings(
@@ -117,20 +117,20 @@ def test_a_file_that_was_legal_opens_and_its_conversion_is_the_same(
 @given(files)
 def test_the_text_reads_as_the_very_tree(tmp_path: Path, data: dict[str, Any]) -> None:
     path = written(tmp_path, yaml.safe_dump(data, allow_unicode=True))
-    made = opened(read_source(path, str(path)), TOP_LEVEL).root.node
+    made = translate_file(read_source(path, str(path)), TOP_LEVEL).root.node
     ours = tmp_path / "ours.yaml"
     ours.write_text(converted(path), encoding="utf-8")
-    report = Report()
-    again = tree(read_source(ours, "ours"), report)
+    report = ProblemReport()
+    again = parse_yaml(read_source(ours, "ours"), report)
     assert report.errors == []
-    assert isinstance(made, Table)
-    assert isinstance(again, Table)
+    assert isinstance(made, MappingNode)
+    assert isinstance(again, MappingNode)
     assert bare(again) == bare(made)
 
 
 def bare(node: Any) -> Any:
     """A tree without places, spellings and quotes."""
-    if isinstance(node, Table):
+    if isinstance(node, MappingNode):
         return {name: bare(value) for name, _, value in node.items()}
     return [bare(inner) for inner in node.nodes] if hasattr(node, "nodes") else node.text
 

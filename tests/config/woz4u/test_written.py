@@ -8,14 +8,14 @@ import pytest
 import yaml
 
 from tests.config.woz4u.reading import converted, read
-from woz_tui.config.experiment import Place
-from woz_tui.config.file_text import Source
-from woz_tui.config.problems import Report
+from woz_tui.config.experiment import FilePosition
+from woz_tui.config.file_text import SourceFile
+from woz_tui.config.problems import ProblemReport
 from woz_tui.config.woz4u import made_nodes
-from woz_tui.config.woz4u.yaml_writer import written
-from woz_tui.config.yaml_nodes import Items, Node, Table, tree
+from woz_tui.config.woz4u.yaml_writer import yaml_text
+from woz_tui.config.yaml_nodes import ListNode, MappingNode, Node, parse_yaml
 
-HERE = Place("x", 1, 1)
+HERE = FilePosition("x", 1, 1)
 TEXTS = [
     *("Yes", "no", "on", "y", "null", "~", "true", "12:30", "007", "1e3", "0x1F", "1_000", ".5"),
     *("-", "- a", "a: b", "x # y", "'", '"', "it's \"so\"", "\\vct=50\\", 'a\\b "c"', "\\\n"),
@@ -30,18 +30,22 @@ def test_text_is_read_as_text_by_every_reader_of_yaml(text: str) -> None:
     table = made_nodes.table(
         [
             ("alone", HERE, made_nodes.node(text, HERE)),
-            ("many", HERE, Items(HERE, [made_nodes.node(text, HERE), made_nodes.node("b", HERE)])),
+            (
+                "many",
+                HERE,
+                ListNode(HERE, [made_nodes.node(text, HERE), made_nodes.node("b", HERE)]),
+            ),
             ("deep", HERE, nested(text)),
         ],
         HERE,
     )
-    out = written(table, {})
+    out = yaml_text(table, {})
     inner = {"c": {"d": {"e": {"f": text}}}}
     assert yaml.safe_load(out) == {"alone": text, "many": [text, "b"], "deep": inner}
-    report = Report()
-    again = tree(Source("x", Path("x"), b"", out), report)
+    report = ProblemReport()
+    again = parse_yaml(SourceFile("x", Path("x"), b"", out), report)
     assert report.errors == []
-    assert isinstance(again, Table)
+    assert isinstance(again, MappingNode)
     assert getattr(again.entries["alone"], "text", None) == text
 
 
@@ -63,7 +67,7 @@ def test_numbers_and_flags_are_numbers_and_flags() -> None:
         ],
         HERE,
     )
-    assert written(table, {}) == 'whole: 20\npart: 0.15\nsmall: 4e-07\n"on": true\n'
+    assert yaml_text(table, {}) == 'whole: 20\npart: 0.15\nsmall: 4e-07\n"on": true\n'
 
 
 def test_the_layout_of_a_file(tmp_path: Path) -> None:

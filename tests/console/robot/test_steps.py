@@ -12,7 +12,7 @@ import pytest
 from tests.console.driving import sitting
 from tests.console.robot import pepper
 from tests.console.still_feed import StillFeed
-from woz_tui.config.experiment import Steps
+from woz_tui.config.experiment import ArrowKeySteps
 from woz_tui.console.keyboard import ArrowSizes as Pressed
 from woz_tui.console.keyboard import Keyboard
 from woz_tui.console.robot_settings.step_sizes import STEPS, ArrowSteps, steps_offered
@@ -28,14 +28,14 @@ def arrows() -> tuple[ArrowSteps, Keyboard]:
 
 
 def test_limits_are_those_of_an_experiment_file() -> None:
-    hints = get_type_hints(Steps, include_extras=True)
+    hints = get_type_hints(ArrowKeySteps, include_extras=True)
     limits = {}
     for name, hint in hints.items():
         assert get_origin(hint) is Annotated
         (limit,) = [each for each in get_args(hint) if isinstance(each, Range)]
         limits[name] = (limit.low, limit.high)
     assert limits == {setting.name: (setting.low, setting.high) for setting in STEPS}
-    assert dataclasses.asdict(Steps()) == dataclasses.asdict(Pressed())
+    assert dataclasses.asdict(ArrowKeySteps()) == dataclasses.asdict(Pressed())
 
 
 def test_the_files_steps_are_adopted_and_the_wizards_stay() -> None:

@@ -17,7 +17,7 @@ from woz_drivers.camera.settings import CameraSettings
 from tests.drivers.camera.pictures import PipedCamera, planes, with_block
 from tests.drivers.heard import Heard, until
 from woz_tui.motion.body_feeds import SEEN
-from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, Picture, Watched
+from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
 from woz_tui.system.clock import ManualClock
 
 SMALL = {"width": 20, "height": 15, "format": "rgb24"}
@@ -35,7 +35,7 @@ class Seat:
         self._count = 0
 
     def watch(self, seconds: float, width: int = 20, rate: float = 5.0) -> None:
-        wish = Watched(self.clock.now_us() + round(seconds * 1_000_000), width, rate)
+        wish = CameraWatched(self.clock.now_us() + round(seconds * 1_000_000), width, rate)
         self.heard.context.feed(WATCHED).put(wish)
 
     async def film(self, picture: Pixels | bytes) -> None:

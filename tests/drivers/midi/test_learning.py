@@ -12,7 +12,7 @@ from woz_drivers.midi.panel_maps import BUILT_IN, ControlMapping, PanelMap
 from woz_drivers.midi.resolved_map import mapped_controls
 from woz_drivers.midi.settings import MidiSettings
 
-from woz_tui.config.annotated_decoder import settings_of
+from woz_tui.config.annotated_decoder import settings_from_texts
 
 PANEL = PanelMap(
     title="a panel",
@@ -30,7 +30,7 @@ def knob(number: int, *values: int) -> bytes:
 
 def read_back(lesson: MapLearning, folder: Path) -> PanelMap:
     (folder / "learnt.yaml").write_text(lesson.text(), encoding="utf-8")
-    settings: MidiSettings = settings_of(MidiSettings, {"map": "learnt.yaml"}, folder)
+    settings: MidiSettings = settings_from_texts(MidiSettings, {"map": "learnt.yaml"}, folder)
     assert settings.problems() == []
     return settings.panel
 

@@ -12,7 +12,7 @@ from woz_drivers.midi.panel_maps import BUILT_IN
 from woz_drivers.midi.resolved_map import mapped_controls
 from woz_drivers.midi.settings import MidiSettings
 
-from woz_tui.config.annotated_decoder import settings_of
+from woz_tui.config.annotated_decoder import settings_from_texts
 from woz_tui.config.experiment import Experiment, ExperimentError
 from woz_tui.config.json_schema import included_schema
 from woz_tui.config.loading import load
@@ -64,7 +64,7 @@ def test_a_built_in_map_fits_the_body(tmp_path: Path, name: str) -> None:
 @pytest.mark.parametrize("name", BUILT_IN)
 def test_the_files_to_begin_with_say_what_is_built_in(name: str) -> None:
     file = ROOT / "experiments" / "midi" / f"{name}.yaml"
-    found: MidiSettings = settings_of(MidiSettings, {"map": str(file)}, ROOT)
+    found: MidiSettings = settings_from_texts(MidiSettings, {"map": str(file)}, ROOT)
     assert found.map == BUILT_IN[name]
     written = MidiPanel.map_file(MidiSettings(map=name))
     assert file.read_text(encoding="utf-8").endswith(written)

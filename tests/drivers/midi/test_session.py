@@ -15,8 +15,8 @@ from woz_drivers.midi.settings import MidiSettings
 from tests.drivers.heard import PATIENCE_S
 from tests.drivers.midi.test_maps import BODY
 from tests.fakes.midi_panel import MidiPanelFake
-from woz_tui.config.experiment import Call, Together
-from woz_tui.config.keys.console_keys import builtin
+from woz_tui.config.experiment import Call, ParallelCalls
+from woz_tui.config.keys.console_keys import builtin_key
 from woz_tui.config.loading import load
 from woz_tui.drivers import plugins
 from woz_tui.drivers.argument_check import checked
@@ -197,7 +197,7 @@ def test_everything_a_control_of_a_panel_does_a_key_does_too(tmp_path: Path) -> 
     keyed = {name: ask for name, (_, ask) in TARGETS.items() if ask.what == "verb"}
     rest = [ask for _, ask in TARGETS.values() if ask.what != "verb"]
     assert rest
-    assert all(builtin(KEYS[ask.what]) is not None for ask in rest)
+    assert all(builtin_key(KEYS[ask.what]) is not None for ask in rest)
     actions = "".join(
         f"      - {{label: {name!r}, {ask.name}: {dict(ask.args)!r}}}\n"
         for name, ask in keyed.items()
@@ -212,7 +212,7 @@ def test_everything_a_control_of_a_panel_does_a_key_does_too(tmp_path: Path) -> 
     assert set(by_name) == set(keyed)
     for name, ask in keyed.items():
         [step] = by_name[name].steps
-        assert isinstance(step, Together)
+        assert isinstance(step, ParallelCalls)
         [call] = step.calls
         assert call == Call(ask.name, dict(ask.args), ask.on, call.place)
         assert checked(verbs[ask.name], call.args)

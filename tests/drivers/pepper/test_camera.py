@@ -14,12 +14,12 @@ from tests.drivers.heard import until
 from tests.drivers.pepper.wired import Wired, wired
 from tests.fakes.naoqi import StandIn, stand_in
 from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError, Scope
-from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, Picture, Watched
+from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
 
 
 def _watch(it: Wired[Camera], width: int = 320, rate: float = 30.0, seconds: float = 60.0) -> None:
     now = it.heard.clock.now_us()
-    watched = Watched(now + round(seconds * 1e6), width, rate)
+    watched = CameraWatched(now + round(seconds * 1e6), width, rate)
     it.heard.context.feed(WATCHED).put(watched)
 
 

@@ -1,15 +1,20 @@
-"""Keys: what people write, what terminals send, what plays what. The door to this subject.
+"""Keys: how files name them, what terminals send for them, and which key plays which action.
 
-`normal` gives the one form in which keys are compared; `reach` says what a terminal makes of one;
-`key_map` gives every action a key that works; `BUILTIN` lists the console's own.
+`normal_key` gives the one form in which keys are compared; `deliver` says what a terminal makes of
+one; `key_map` gives every action a key that works; `BUILTIN_KEYS` lists the console's own.
 """
 
 from __future__ import annotations
 
-from woz_tui.config.keys.chords import KeyNameError, normal
-from woz_tui.config.keys.console_keys import BUILTIN, Builtin, builtin, builtins_with
+from woz_tui.config.keys.chords import KeyNameError, normal_key
+from woz_tui.config.keys.console_keys import (
+    BUILTIN_KEYS,
+    BuiltinKey,
+    builtin_key,
+    builtin_keys_with,
+)
 from woz_tui.config.keys.keyboard_layouts import LAYOUTS
-from woz_tui.config.keys.keymap import Assigned, KeyMap, key_map, load_keymap
+from woz_tui.config.keys.keymap import AssignedKey, KeyMap, key_map, load_keymap
 from woz_tui.config.keys.terminals import (
     KITTY,
     LINUX,
@@ -18,18 +23,18 @@ from woz_tui.config.keys.terminals import (
     STOPS,
     TERMINALS,
     TMUX,
-    Reach,
+    KeyDelivery,
+    KeyOutcome,
     Terminal,
-    Verdict,
-    detected,
+    deliver,
+    describe_bytes,
+    detect_terminal,
     is_stop,
-    reach,
-    spoken,
 )
 from woz_tui.config.keys.textual_names import from_textual
 
 __all__ = [
-    "BUILTIN",
+    "BUILTIN_KEYS",
     "KITTY",
     "LAYOUTS",
     "LINUX",
@@ -38,21 +43,21 @@ __all__ = [
     "STOPS",
     "TERMINALS",
     "TMUX",
-    "Assigned",
-    "Builtin",
+    "AssignedKey",
+    "BuiltinKey",
+    "KeyDelivery",
     "KeyMap",
     "KeyNameError",
-    "Reach",
+    "KeyOutcome",
     "Terminal",
-    "Verdict",
-    "builtin",
-    "builtins_with",
-    "detected",
+    "builtin_key",
+    "builtin_keys_with",
+    "deliver",
+    "describe_bytes",
+    "detect_terminal",
     "from_textual",
     "is_stop",
     "key_map",
     "load_keymap",
-    "normal",
-    "reach",
-    "spoken",
+    "normal_key",
 ]

@@ -14,7 +14,7 @@ import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from woz_tui.config.keys.keyboard_layouts import Layout, layout_of
+from woz_tui.config.keys.keyboard_layouts import KeyboardLayout, layout_of
 from woz_tui.config.problems import hint, quoted
 
 FUNCTION_KEYS = tuple(f"f{number}" for number in range(1, 13))
@@ -78,7 +78,7 @@ class Chord:
         return len(self.base) > 1
 
 
-def normal(written: object, layout: str = "us") -> str:
+def normal_key(written: object, layout: str = "us") -> str:
     """The normal form of a key, a chord or two keys one after the other.
 
     `written` is text (`Ctrl-A`, `F1`, `c r`, `^A`), a digit, or a list of keys held down together
@@ -94,7 +94,7 @@ def normal(written: object, layout: str = "us") -> str:
     raise KeyNameError(f"a key is text such as a, F1 or ctrl+a, not {type(written).__name__}")
 
 
-def parsed(chord: str) -> Chord:
+def parse_chord(chord: str) -> Chord:
     """The parts of one chord that is in normal form already."""
     held = set()
     while (cut := chord.find("+", 1)) > 0 and chord[:cut] in ("ctrl", "alt", "shift"):
@@ -204,7 +204,7 @@ def _unicode_named(text: str) -> str | None:
     return plain if printable and not unicodedata.combining(plain) else None
 
 
-def _typed(chord: Chord, layout: Layout) -> Chord:
+def _typed(chord: Chord, layout: KeyboardLayout) -> Chord:
     """The chord as this keyboard types it: shift folded in or out."""
     if chord.named:
         return chord

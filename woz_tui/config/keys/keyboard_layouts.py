@@ -14,7 +14,7 @@ from types import MappingProxyType
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class KeyboardLayout:
     """One keyboard. `shifted` maps a key's character to the one it gives with shift."""
 
     name: str
@@ -40,9 +40,9 @@ class Layout:
         return self.shifted.get(character, upper if len(upper) == 1 else character)
 
 
-def _layout(name: str, plain: str, shifted: str, altgr: str = "", dead: str = "") -> Layout:
+def _layout(name: str, plain: str, shifted: str, altgr: str = "", dead: str = "") -> KeyboardLayout:
     keys = dict(zip("".join(plain.split()), "".join(shifted.split()), strict=True))
-    return Layout(
+    return KeyboardLayout(
         name,
         MappingProxyType(keys),
         MappingProxyType({upper: lower for lower, upper in keys.items()}),
@@ -51,7 +51,7 @@ def _layout(name: str, plain: str, shifted: str, altgr: str = "", dead: str = ""
     )
 
 
-LAYOUTS: Mapping[str, Layout] = MappingProxyType(
+LAYOUTS: Mapping[str, KeyboardLayout] = MappingProxyType(
     {
         layout.name: layout
         for layout in (
@@ -92,6 +92,6 @@ LAYOUTS: Mapping[str, Layout] = MappingProxyType(
 )
 
 
-def layout_of(name: str) -> Layout:
+def layout_of(name: str) -> KeyboardLayout:
     """The layout called `name`; an unknown one is taken for the American."""
     return LAYOUTS.get(name, LAYOUTS["us"])

@@ -23,14 +23,22 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Protocol
 
-from woz_tui.config.experiment import Place
-from woz_tui.config.keys.chords import FUNCTION_KEYS, KeyNameError, normal, parsed
-from woz_tui.config.keys.console_keys import BUILTIN, Builtin
+from woz_tui.config.experiment import FilePosition
+from woz_tui.config.keys.chords import FUNCTION_KEYS, KeyNameError, normal_key, parse_chord
+from woz_tui.config.keys.console_keys import BUILTIN_KEYS, BuiltinKey
 from woz_tui.config.keys.keyboard_layouts import layout_of
-from woz_tui.config.keys.terminals import NOBODYS, STOPS, Reach, Terminal, Verdict, is_stop, reach
-from woz_tui.config.problems import Report, quoted
-from woz_tui.config.yaml_cursor import Spot, read_text, source_of
-from woz_tui.config.yaml_nodes import Scalar, tree
+from woz_tui.config.keys.terminals import (
+    STOPS,
+    UNUSED_CODES,
+    KeyDelivery,
+    KeyOutcome,
+    Terminal,
+    deliver,
+    is_stop,
+)
+from woz_tui.config.problems import ProblemReport, quoted
+from woz_tui.config.yaml_cursor import Cursor, read_text, source_of
+from woz_tui.config.yaml_nodes import ScalarNode, parse_yaml
 
 #: Keys that may stand in for others: they arrive on every terminal and belong to experiments.
 _RESERVES = (
@@ -42,7 +50,7 @@ _RESERVES = (
 )
 
 
-class Keyed(Protocol):
+class KeyedAction(Protocol):
     """An action as the key map needs it; `shape.Action` and the console's view of one are."""
 
     @property
@@ -53,15 +61,15 @@ class Keyed(Protocol):
     def key(self) -> str: ...  # noqa: D102
 
 
-class Group(Protocol):
+class KeyedPanel(Protocol):
     """A panel as the key map needs it."""
 
     @property
-    def actions(self) -> Sequence[Keyed]: ...  # noqa: D102
+    def actions(self) -> Sequence[KeyedAction]: ...  # noqa: D102
 
 
 @dataclass(frozen=True, slots=True)
-class Assigned:
+class AssignedKey:
     """The key of one action (`name`) or of one of the console's own (`name` is its id).
 
     `wanted` is what the file says; `press` is the key to press here, empty if there is none;
@@ -82,8 +90,8 @@ class Assigned:
 class KeyMap:
     """Every key on one terminal. The tables are looked up by what arrives (`c r` for two keys)."""
 
-    actions: Mapping[str, Assigned]
-    builtins: Mapping[str, Assigned]
+    actions: Mapping[str, AssignedKey]
+    builtins: Mapping[str, AssignedKey]
     #: What arrives -> name of the action.
     table: Mapping[str, str]
     #: What arrives -> id of the console's own key.
@@ -92,10 +100,10 @@ class KeyMap:
 
 
 def key_map(
-    panels: Iterable[Group],
+    panels: Iterable[KeyedPanel],
     terminal: Terminal,
     layout: str = "us",
-    builtins: Sequence[Builtin] = BUILTIN,
+    builtins: Sequence[BuiltinKey] = BUILTIN_KEYS,
 ) -> KeyMap:
     """Give every action its key; see the module's text for the rules. Never raises."""
     actions = [action for panel in panels for action in panel.actions]
@@ -108,12 +116,12 @@ class _Assignment:
         self._layout = layout
         self._owners: dict[str, str] = dict.fromkeys(STOPS, "the stop")
         self._firsts: dict[str, str] = {}
-        self._actions: dict[str, Assigned] = {}
-        self._builtins: dict[str, Assigned] = {}
+        self._actions: dict[str, AssignedKey] = {}
+        self._builtins: dict[str, AssignedKey] = {}
         self._why: dict[str, str] = {}
         self._warnings: list[str] = []
 
-    def run(self, actions: Sequence[Keyed], builtins: Sequence[Builtin]) -> KeyMap:
+    def run(self, actions: Sequence[KeyedAction], builtins: Sequence[BuiltinKey]) -> KeyMap:
         keyed = {action.name: action for action in actions if action.key}
         self._place_builtins(builtins, {action.key for action in keyed.values()})
         for nobodys in (False, True):
@@ -135,10 +143,10 @@ class _Assignment:
                         f"no key is left for {action.label!r} ({action.key}: {given.why})"
                     )
         for action in actions:
-            self._actions.setdefault(action.name, Assigned(action.name, "", ""))
+            self._actions.setdefault(action.name, AssignedKey(action.name, "", ""))
         return self._result(actions)
 
-    def _result(self, actions: Sequence[Keyed]) -> KeyMap:
+    def _result(self, actions: Sequence[KeyedAction]) -> KeyMap:
         ordered = {action.name: self._actions[action.name] for action in actions}
         return KeyMap(
             actions=ordered,
@@ -150,12 +158,12 @@ class _Assignment:
             warnings=tuple(self._warnings),
         )
 
-    def _place_builtins(self, builtins: Sequence[Builtin], wanted: set[str]) -> None:
+    def _place_builtins(self, builtins: Sequence[BuiltinKey], wanted: set[str]) -> None:
         """The console's keys where they arrive; one moved onto an action's key goes home.
 
         Those that yield do so to actions, and to others that were moved onto theirs.
         """
-        homes = {item.id: item.chord for item in BUILTIN}
+        homes = {item.id: item.chord for item in BUILTIN_KEYS}
         begun = {chord.split(" ")[0] for chord in wanted}
         for item in sorted(builtins, key=lambda item: item.yields):
             chord = item.chord
@@ -171,37 +179,41 @@ class _Assignment:
             if item.yields and chord in begun:
                 self._why[item.id] = f"the experiment has an action on {chord}"
                 continue
-            found = reach(chord, self._terminal, self._layout)
-            if found.verdict is Verdict.STOP and not item.movable:
-                self._builtins[item.id] = Assigned(item.id, chord, chord, found.arrives, found.data)
+            found = deliver(chord, self._terminal, self._layout)
+            if found.verdict is KeyOutcome.STOP and not item.movable:
+                self._builtins[item.id] = AssignedKey(
+                    item.id, chord, chord, found.arrives, found.data
+                )
             elif self._free(found):
                 self._own(found.arrives, item.description)
-                self._builtins[item.id] = Assigned(item.id, chord, chord, found.arrives, found.data)
+                self._builtins[item.id] = AssignedKey(
+                    item.id, chord, chord, found.arrives, found.data
+                )
             else:
                 self._why[item.id] = found.why
 
-    def _place(self, action: Keyed, *, nobodys: bool) -> None:
+    def _place(self, action: KeyedAction, *, nobodys: bool) -> None:
         """The action's own key, if it arrives and is free."""
         if action.name in self._actions:
             return
         if is_stop(action.key, self._layout):
             self._why[action.name] = f"{action.key} means stop"
             return
-        found = reach(action.key, self._terminal, self._layout)
-        harmless = found.verdict is Verdict.ARRIVES or (
-            nobodys and found.verdict is Verdict.SAME and _harmless(action.key, found)
+        found = deliver(action.key, self._terminal, self._layout)
+        harmless = found.verdict is KeyOutcome.ARRIVES or (
+            nobodys and found.verdict is KeyOutcome.SAME and _harmless(action.key, found)
         )
         taken = self._taken(found.arrives)
         self._why[action.name] = found.why or taken
         if not harmless or taken:
             return
         self._own(found.arrives, action.label)
-        self._actions[action.name] = Assigned(
+        self._actions[action.name] = AssignedKey(
             action.name, action.key, action.key, found.arrives, found.data, why=found.why
         )
 
-    def _free(self, found: Reach) -> bool:
-        return found.verdict is Verdict.ARRIVES and not self._taken(found.arrives)
+    def _free(self, found: KeyDelivery) -> bool:
+        return found.verdict is KeyOutcome.ARRIVES and not self._taken(found.arrives)
 
     def _taken(self, arrives: str) -> str:
         """Why nothing can be put on this key any more, or nothing."""
@@ -220,36 +232,38 @@ class _Assignment:
         if " " in arrives:
             self._firsts.setdefault(arrives.split(" ", maxsplit=1)[0], repr(owner))
 
-    def _reserve(self, name: str, wanted: str, owner: str, candidates: Iterable[str]) -> Assigned:
+    def _reserve(
+        self, name: str, wanted: str, owner: str, candidates: Iterable[str]
+    ) -> AssignedKey:
         """The first candidate that arrives, is free and no part of a stop."""
         why = self._why.get(name, "")
         for chord in candidates:
-            found = reach(chord, self._terminal, self._layout)
+            found = deliver(chord, self._terminal, self._layout)
             if found.why or not self._free(found) or is_stop(chord, self._layout):
                 continue
             self._own(found.arrives, owner)
             own = chord == wanted
-            return Assigned(
+            return AssignedKey(
                 *(name, wanted, chord, found.arrives, found.data),
                 reserve=not own,
                 why="" if own else why,
             )
-        return Assigned(name, wanted, "", why=why)
+        return AssignedKey(name, wanted, "", why=why)
 
 
-def _harmless(chord: str, found: Reach) -> bool:
+def _harmless(chord: str, found: KeyDelivery) -> bool:
     """Whether all bytes of the chord belong to it or to no key that people press for itself."""
     parts = zip(chord.split(" "), found.arrives.split(" "), strict=True)
-    return all(arrives == part or arrives in NOBODYS for part, arrives in parts)
+    return all(arrives == part or arrives in UNUSED_CODES for part, arrives in parts)
 
 
-def _candidates(action: Keyed) -> Iterator[str]:
+def _candidates(action: KeyedAction) -> Iterator[str]:
     """Reserve keys in the order in which this action would like them.
 
     The wanted key without its modifiers, then letters of the label, then an order of its own that
     is drawn from the name.
     """
-    base = parsed(action.key.split(" ")[-1]).base
+    base = parse_chord(action.key.split(" ")[-1]).base
     liked = [base, base.upper(), *action.label, *action.label.swapcase()]
     seen = set()
     for chord in liked:
@@ -269,7 +283,7 @@ class FileKeys:
 
     def __init__(self, layout: str) -> None:
         self._layout = layout
-        self._builtin = {item.chord: item.description for item in BUILTIN if not item.yields}
+        self._builtin = {item.chord: item.description for item in BUILTIN_KEYS if not item.yields}
         self._played: dict[str, str] = {}
         self._begun: dict[str, tuple[str, str]] = {}
 
@@ -294,7 +308,7 @@ class FileKeys:
             return f"{key!r} begins {whole!r}, which plays {who}"
         return ""
 
-    def take(self, key: str, label: str, place: Place) -> None:
+    def take(self, key: str, label: str, place: FilePosition) -> None:
         """This action has it."""
         who = f"{quoted(label)} (line {place.line})"
         self._played[key] = who
@@ -308,65 +322,67 @@ def typeable(chord: str, layout: str) -> bool:
     keyboard = layout_of(layout)
     return all(
         press.named or keyboard.gives(press.base)
-        for press in (parsed(part) for part in chord.split(" "))
+        for press in (parse_chord(part) for part in chord.split(" "))
     )
 
 
 # -- a wizard's own keymap -------------------------------------------------------------------------
 
 
-def load_keymap(path: Path, layout: str = "us") -> tuple[Builtin, ...]:
+def load_keymap(path: Path, layout: str = "us") -> tuple[BuiltinKey, ...]:
     """The console's keys with this file's changes (`say: ctrl+g`, ids and keys as `woz check` lists
     them). Raises `ExperimentError` with every problem.
 
     The stop cannot be moved, and nothing can be put on its bytes.
     """
-    report = Report()
+    report = ProblemReport()
     moved = _read(path, layout, report)
-    result = tuple(replace(item, chord=moved.get(item.id, item.chord)) for item in BUILTIN)
+    result = tuple(replace(item, chord=moved.get(item.id, item.chord)) for item in BUILTIN_KEYS)
     _no_two_alike(result, moved, report)
-    report.fail()
+    report.raise_errors()
     return result
 
 
-def _read(path: Path, layout: str, report: Report) -> dict[str, str]:
+def _read(path: Path, layout: str, report: ProblemReport) -> dict[str, str]:
     source = source_of(path, report)
-    root = tree(source, report) if source is not None else None
-    if root is None or (isinstance(root, Scalar) and root.nothing):
+    root = parse_yaml(source, report) if source is not None else None
+    if root is None or (isinstance(root, ScalarNode) and root.is_empty):
         return {}
-    start = Place(str(path), 1, 1)
-    table = Spot(root, "", start, report).table("a mapping of ids to keys") or {}
-    known = {item.id: item for item in BUILTIN}
+    start = FilePosition(str(path), 1, 1)
+    table = Cursor(root, "", start, report).table("a mapping of ids to keys") or {}
+    known = {item.id: item for item in BUILTIN_KEYS}
     moved: dict[str, str] = {}
-    for name, spot in table.items():
+    for name, cursor in table.items():
         if name not in known:
-            spot.unknown(known, "known are")
+            cursor.unknown(known, "known are")
         elif not known[name].movable:
-            spot.error("the key of the stop cannot be changed")
-        elif (chord := _chord(spot, layout)) is not None:
+            cursor.error("the key of the stop cannot be changed")
+        elif (chord := _chord(cursor, layout)) is not None:
             moved[name] = chord
     return moved
 
 
-def _chord(spot: Spot, layout: str) -> str | None:
-    text = read_text(spot, "a key")
+def _chord(cursor: Cursor, layout: str) -> str | None:
+    text = read_text(cursor, "a key")
     if text is None:
         return None
     try:
-        chord = normal(text, layout)
+        chord = normal_key(text, layout)
     except KeyNameError as error:
-        spot.error(str(error))
+        cursor.error(str(error))
         return None
     if is_stop(chord, layout):
-        spot.error(f"{quoted(text)} means stop, and nothing else")
+        cursor.error(f"{quoted(text)} means stop, and nothing else")
         return None
     if " " in chord:
-        spot.error("only one key is possible here, not two after each other")
+        cursor.error("only one key is possible here, not two after each other")
         return None
     return chord
 
 
-def _no_two_alike(builtins: tuple[Builtin, ...], moved: dict[str, str], report: Report) -> None:
+def _no_two_alike(
+    builtins: tuple[BuiltinKey, ...], moved: dict[str, str], report: ProblemReport
+) -> None:
     for item in builtins:
         if item.id not in moved:
             continue

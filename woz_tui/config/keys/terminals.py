@@ -11,8 +11,8 @@ import enum
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from woz_tui.config.keys.chords import ARROWS, FUNCTION_KEYS, PEDALS, Chord, parsed
-from woz_tui.config.keys.keyboard_layouts import Layout, layout_of
+from woz_tui.config.keys.chords import ARROWS, FUNCTION_KEYS, PEDALS, Chord, parse_chord
+from woz_tui.config.keys.keyboard_layouts import KeyboardLayout, layout_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +43,7 @@ TERMINALS: Mapping[str, Terminal] = {
 _KITTY_TERMS = ("xterm-kitty", "foot", "foot-extra", "xterm-ghostty")
 
 
-def detected(environment: Mapping[str, str]) -> Terminal:
+def detect_terminal(environment: Mapping[str, str]) -> Terminal:
     """The terminal by its environment. A terminal asked directly knows better (kitty protocol)."""
     term = environment.get("TERM", "")
     if environment.get("TMUX") or term.startswith("tmux"):
@@ -55,12 +55,12 @@ def detected(environment: Mapping[str, str]) -> Terminal:
     return KITTY if term in _KITTY_TERMS else PLAIN
 
 
-def folded(terminal: Terminal) -> frozenset[str]:
+def merged_chords(terminal: Terminal) -> frozenset[str]:
     """Chords that may be an escape with a key right behind it, and so must count as the stop."""
     return _FOLDED if terminal.multiplexer else frozenset()
 
 
-class Verdict(enum.Enum):
+class KeyOutcome(enum.Enum):
     """What becomes of a key press."""
 
     ARRIVES = "arrives"
@@ -72,14 +72,14 @@ class Verdict(enum.Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Reach:
+class KeyDelivery:
     """What a terminal sends for a key.
 
     `data` are the bytes. `arrives` names the key that a program takes them for: the chord itself,
     another one, `escape`, or nothing. `why` says what is the matter, if anything is.
     """
 
-    verdict: Verdict
+    verdict: KeyOutcome
     data: bytes = b""
     arrives: str = ""
     why: str = ""
@@ -101,7 +101,7 @@ CONTROL_CODES: Mapping[int, str] = {
 }
 
 #: Keys that no keyboard has by themselves: who sends their bytes takes nobody's key away.
-NOBODYS = frozenset(
+UNUSED_CODES = frozenset(
     name
     for name in CONTROL_CODES.values()
     if name not in ("backspace", "tab", "enter", "escape", "ctrl+c")
@@ -134,22 +134,22 @@ _LINUX_SHIFTED = (25, 26, 28, 29, 31, 32, 33, 34)
 _ALT = "alt sends escape first, which is the stop (or another character)"
 
 
-def reach(chord: str, terminal: Terminal, layout: str = "us") -> Reach:
+def deliver(chord: str, terminal: Terminal, layout: str = "us") -> KeyDelivery:
     """What happens when `chord` (in normal form) is pressed on this terminal and keyboard.
 
     Two keys one after the other arrive if both do.
     """
     keyboard = layout_of(layout)
-    reaches = [_single(parsed(part), terminal, keyboard) for part in chord.split(" ")]
+    reaches = [_single(parse_chord(part), terminal, keyboard) for part in chord.split(" ")]
     if len(reaches) == 1:
         return reaches[0]
-    for verdict in (Verdict.STOP, Verdict.NEVER):
+    for verdict in (KeyOutcome.STOP, KeyOutcome.NEVER):
         for found in reaches:
             if found.verdict is verdict:
                 return found
     verdicts = {found.verdict for found in reaches}
-    return Reach(
-        Verdict.SAME if Verdict.SAME in verdicts else Verdict.ARRIVES,
+    return KeyDelivery(
+        KeyOutcome.SAME if KeyOutcome.SAME in verdicts else KeyOutcome.ARRIVES,
         b"".join(found.data for found in reaches),
         " ".join(found.arrives for found in reaches),
         "; ".join(found.why for found in reaches if found.why),
@@ -159,7 +159,7 @@ def reach(chord: str, terminal: Terminal, layout: str = "us") -> Reach:
 def is_stop(chord: str, layout: str = "us") -> bool:
     """Whether the chord, or a part of it, means stop or sends its bytes on some terminal."""
     for part in chord.split(" "):
-        press = parsed(part)
+        press = parse_chord(part)
         if press.base == "escape" or str(press) in _FOLDED:
             return True
         found = _single(replace(press, alt=False), PLAIN, layout_of(layout))
@@ -168,7 +168,7 @@ def is_stop(chord: str, layout: str = "us") -> bool:
     return False
 
 
-def spoken(data: bytes) -> str:
+def describe_bytes(data: bytes) -> str:
     """Bytes as a person reads them: `ESC [ A`, `^A`, `é`."""
     names = {0x1B: "ESC", 0x7F: "DEL", 0x20: "space", 0x0D: "CR", 0x09: "TAB", 0x00: "NUL"}
     text = data.decode("utf-8", "replace")
@@ -178,10 +178,10 @@ def spoken(data: bytes) -> str:
     )
 
 
-def _single(chord: Chord, terminal: Terminal, layout: Layout) -> Reach:
+def _single(chord: Chord, terminal: Terminal, layout: KeyboardLayout) -> KeyDelivery:
     held = _multiplexer_key(chord, terminal)
     if held:
-        return Reach(Verdict.NEVER, why=held)
+        return KeyDelivery(KeyOutcome.NEVER, why=held)
     if not chord.named:
         return _character(chord, terminal, layout)
     if chord.base in _SIMPLE:
@@ -196,21 +196,23 @@ def _multiplexer_key(chord: Chord, terminal: Terminal) -> str:
     return f"{terminal.multiplexer} uses {prefix} itself"
 
 
-def _character(chord: Chord, terminal: Terminal, layout: Layout) -> Reach:
+def _character(chord: Chord, terminal: Terminal, layout: KeyboardLayout) -> KeyDelivery:
     if not layout.gives(chord.base):
-        return Reach(Verdict.NEVER, why=f"no key of the {layout.name} keyboard gives {chord.base}")
+        return KeyDelivery(
+            KeyOutcome.NEVER, why=f"no key of the {layout.name} keyboard gives {chord.base}"
+        )
     if not (chord.ctrl or chord.alt):
         why = "an accent key: press it, then space" if chord.base in layout.dead else ""
-        return Reach(Verdict.ARRIVES, chord.base.encode(), chord.base, why)
+        return KeyDelivery(KeyOutcome.ARRIVES, chord.base.encode(), chord.base, why)
     if terminal.kitty:
         return _kitty(chord, ord(chord.base))
     character = layout.with_shift(chord.base) if chord.shift else chord.base
     if chord.alt:
-        return Reach(Verdict.NEVER, _ESCAPE + character.encode(), why=_ALT)
+        return KeyDelivery(KeyOutcome.NEVER, _ESCAPE + character.encode(), why=_ALT)
     return _control(chord, character)
 
 
-def _control(chord: Chord, character: str) -> Reach:
+def _control(chord: Chord, character: str) -> KeyDelivery:
     """Ctrl on a plain terminal, by the rule of Xlib's XLookupString, which all others copied."""
     code = ord(character)
     if 0x40 <= code < 0x7F or character == " ":
@@ -228,23 +230,23 @@ def _control(chord: Chord, character: str) -> Reach:
     return _same(chord, bytes([byte]), CONTROL_CODES[byte])
 
 
-def _same(chord: Chord, data: bytes, arrives: str) -> Reach:
+def _same(chord: Chord, data: bytes, arrives: str) -> KeyDelivery:
     if arrives in STOPS:
         why = f"sends the same bytes as {arrives}, the stop"
-        return Reach(Verdict.STOP, data, arrives, why)
+        return KeyDelivery(KeyOutcome.STOP, data, arrives, why)
     if arrives == str(chord):
-        return Reach(Verdict.ARRIVES, data, arrives)
-    return Reach(Verdict.SAME, data, arrives, f"sends the same bytes as {arrives}")
+        return KeyDelivery(KeyOutcome.ARRIVES, data, arrives)
+    return KeyDelivery(KeyOutcome.SAME, data, arrives, f"sends the same bytes as {arrives}")
 
 
-def _simple(chord: Chord, terminal: Terminal) -> Reach:
+def _simple(chord: Chord, terminal: Terminal) -> KeyDelivery:
     """Tab, enter, backspace, escape and space."""
     data = _SIMPLE[chord.base]
     if chord.base == "escape":
         why = "escape is the stop, whatever is held down with it"
-        return Reach(Verdict.STOP, data, "escape", why)
+        return KeyDelivery(KeyOutcome.STOP, data, "escape", why)
     if chord == Chord(chord.base):
-        return Reach(Verdict.ARRIVES, data, chord.base)
+        return KeyDelivery(KeyOutcome.ARRIVES, data, chord.base)
     if chord.base == "tab" and (chord.alt or not chord.ctrl):
         return _tab(chord)
     if terminal.kitty:
@@ -252,47 +254,49 @@ def _simple(chord: Chord, terminal: Terminal) -> Reach:
     return _legacy_simple(chord, data)
 
 
-def _tab(chord: Chord) -> Reach:
+def _tab(chord: Chord) -> KeyDelivery:
     if chord.alt:
-        return Reach(Verdict.NEVER, why="the desktop uses alt+tab itself")
-    return Reach(Verdict.ARRIVES, b"\x1b[Z", "shift+tab")
+        return KeyDelivery(KeyOutcome.NEVER, why="the desktop uses alt+tab itself")
+    return KeyDelivery(KeyOutcome.ARRIVES, b"\x1b[Z", "shift+tab")
 
 
-def _legacy_simple(chord: Chord, data: bytes) -> Reach:
+def _legacy_simple(chord: Chord, data: bytes) -> KeyDelivery:
     if chord.alt:
-        return Reach(Verdict.NEVER, _ESCAPE + data, why=_ALT)
+        return KeyDelivery(KeyOutcome.NEVER, _ESCAPE + data, why=_ALT)
     if chord.base == "space" and chord.ctrl:
         return _same(chord, b"\0", CONTROL_CODES[0])
     return _same(chord, data, chord.base)
 
 
-def _function(chord: Chord, terminal: Terminal) -> Reach:
+def _function(chord: Chord, terminal: Terminal) -> KeyDelivery:
     """Arrows, F-keys and the six above the arrows."""
     kept = _kept(chord, terminal)
     if kept:
-        return Reach(Verdict.NEVER, why=kept)
+        return KeyDelivery(KeyOutcome.NEVER, why=kept)
     if chord.base in PEDALS:
         return _pedal(chord, terminal)
-    if str(chord) in folded(terminal):
+    if str(chord) in merged_chords(terminal):
         why = f"{terminal.name} sends the same for escape, the stop, and {chord.base} behind it"
-        return Reach(Verdict.STOP, _sequence(chord), "escape", why)
+        return KeyDelivery(KeyOutcome.STOP, _sequence(chord), "escape", why)
     if terminal.linux:
         return _linux(chord)
-    return Reach(Verdict.ARRIVES, _sequence(chord), str(chord))
+    return KeyDelivery(KeyOutcome.ARRIVES, _sequence(chord), str(chord))
 
 
-def _pedal(chord: Chord, terminal: Terminal) -> Reach:
+def _pedal(chord: Chord, terminal: Terminal) -> KeyDelivery:
     """F13 to F24: every terminal knows them by themselves, or not at all."""
     if terminal.kitty:
         return _kitty(chord, _KITTY_F13 + PEDALS.index(chord.base))
     if terminal.multiplexer:
         why = f"{terminal.name} hands {chord.base} on as another key, or not at all"
-        return Reach(Verdict.NEVER, why=why)
+        return KeyDelivery(KeyOutcome.NEVER, why=why)
     number = int(chord.base[1:])
     if chord != Chord(chord.base) or (terminal.linux and number > 20):
-        return Reach(Verdict.NEVER, why="few terminals send anything for it")
+        return KeyDelivery(KeyOutcome.NEVER, why="few terminals send anything for it")
     doubt = "" if terminal.linux else f"some terminals send it as shift+f{number - 12}; try it"
-    return Reach(Verdict.ARRIVES, f"\x1b[{_PEDALS[chord.base]}~".encode(), str(chord), doubt)
+    return KeyDelivery(
+        KeyOutcome.ARRIVES, f"\x1b[{_PEDALS[chord.base]}~".encode(), str(chord), doubt
+    )
 
 
 def _kept(chord: Chord, terminal: Terminal) -> str:
@@ -319,25 +323,25 @@ def _sequence(chord: Chord) -> bytes:
     return f"\x1b[{_NUMBERS[chord.base]}{suffix}~".encode()
 
 
-def _linux(chord: Chord) -> Reach:
+def _linux(chord: Chord) -> KeyDelivery:
     """The Linux console knows shift only on F1 to F8, and no ctrl on keys with names."""
     bare = Chord(chord.base)
     data = _LINUX_FUNCTION.get(chord.base) or _sequence(bare)
     if chord == bare:
-        return Reach(Verdict.ARRIVES, data, str(chord))
+        return KeyDelivery(KeyOutcome.ARRIVES, data, str(chord))
     if chord.base in FUNCTION_KEYS:
         number = int(chord.base[1:])
         if chord == Chord(chord.base, shift=True) and number <= len(_LINUX_SHIFTED):
             code = f"\x1b[{_LINUX_SHIFTED[number - 1]}~".encode()
-            return Reach(Verdict.ARRIVES, code, f"f{number + 12}")
-        return Reach(Verdict.NEVER, why="the Linux console sends nothing for it")
+            return KeyDelivery(KeyOutcome.ARRIVES, code, f"f{number + 12}")
+        return KeyDelivery(KeyOutcome.NEVER, why="the Linux console sends nothing for it")
     return _same(chord, data, chord.base)
 
 
-def _kitty(chord: Chord, code: int) -> Reach:
+def _kitty(chord: Chord, code: int) -> KeyDelivery:
     modifiers = 1 + chord.shift + 2 * chord.alt + 4 * chord.ctrl
     data = f"\x1b[{code};{modifiers}u".encode()
     if chord.base == "c" and chord.ctrl:
         why = "ctrl+c is the stop, whatever is held down with it"
-        return Reach(Verdict.STOP, data, "ctrl+c", why)
-    return Reach(Verdict.ARRIVES, data, str(chord))
+        return KeyDelivery(KeyOutcome.STOP, data, "ctrl+c", why)
+    return KeyDelivery(KeyOutcome.ARRIVES, data, str(chord))

@@ -10,42 +10,46 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
-from woz_tui.config.experiment import Place
-from woz_tui.config.file_text import Source
-from woz_tui.config.problems import Report
-from woz_tui.config.woz4u.buttons import Move
-from woz_tui.config.woz4u.translation import OwnNames, translated
+from woz_tui.config.experiment import FilePosition
+from woz_tui.config.file_text import SourceFile
+from woz_tui.config.problems import ProblemReport
+from woz_tui.config.woz4u.buttons import PathRewriter
+from woz_tui.config.woz4u.translation import OriginalNamesReport, translate
 from woz_tui.config.woz4u.woz4u_keys import recognised
-from woz_tui.config.yaml_cursor import Spot
-from woz_tui.config.yaml_nodes import Table, tree
+from woz_tui.config.yaml_cursor import Cursor
+from woz_tui.config.yaml_nodes import MappingNode, parse_yaml
 
-__all__ = ["Move", "Opened", "opened", "recognised"]
+__all__ = ["PathRewriter", "TranslatedFile", "recognised", "translate_file"]
 
 
 @dataclass(frozen=True, slots=True)
-class Opened:
+class TranslatedFile:
     """A WoZ4U file as a tree of our own format, with the report that its decoder goes on with.
 
     `remarks`: what the text of a node should be explained by, by the node's identity.
     """
 
-    root: Spot
-    report: Report
+    root: Cursor
+    report: ProblemReport
     remarks: Mapping[int, str]
 
 
-def opened(source: Source, own: Collection[str], move: Move = str) -> Opened:
+def translate_file(
+    source: SourceFile, own: Collection[str], move: PathRewriter = str
+) -> TranslatedFile:
     """Translate a file that is `recognised`.
 
     `own`: the names of our own format's top level. `move`: how a path relative to the file's folder
     is to be written, for text that is kept in another folder.
     """
-    report = OwnNames()
+    report = OriginalNamesReport()
     report.file(source.name)
-    start = Place(source.name, 1, 1)
-    node = tree(source, report, last_wins=True)
-    made = translated(
-        Spot(node if isinstance(node, Table) else Table(start), "", start, report), own, move
+    start = FilePosition(source.name, 1, 1)
+    node = parse_yaml(source, report, last_wins=True)
+    made = translate(
+        Cursor(node if isinstance(node, MappingNode) else MappingNode(start), "", start, report),
+        own,
+        move,
     )
     report.done()
-    return Opened(Spot(made.table, "", start, report), report, made.remarks)
+    return TranslatedFile(Cursor(made.table, "", start, report), report, made.remarks)

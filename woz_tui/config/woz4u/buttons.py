@@ -6,40 +6,40 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import PurePosixPath
 
-from woz_tui.config.annotated_decoder import resolved
-from woz_tui.config.experiment import Place
+from woz_tui.config.annotated_decoder import resolve_path
+from woz_tui.config.experiment import FilePosition
 from woz_tui.config.woz4u import made_nodes, woz4u_values
 from woz_tui.config.woz4u.woz4u_keys import ITEMS
 from woz_tui.config.woz4u.woz4u_texts import decoded, literal, one_line
-from woz_tui.config.yaml_cursor import Spot
-from woz_tui.config.yaml_nodes import Node, Scalar, Table
+from woz_tui.config.yaml_cursor import Cursor
+from woz_tui.config.yaml_nodes import MappingNode, Node, ScalarNode
 
 #: Characters of a path that somebody may have meant; file systems refuse longer names.
 _LONGEST_NAME = 240
 
 #: How a path that is relative to the file's folder is to be written.
-Move = Callable[[str], str]
+PathRewriter = Callable[[str], str]
 
 
 @dataclass(slots=True)
-class Button:
+class ButtonDraft:
     """One action on its way: its verbs with their arguments, and what else it says.
 
     `key` and `why` are filled in when keys are given out, `name` when names are.
     """
 
     title: str
-    place: Place
+    place: FilePosition
     does: list[made_nodes.Entry]
-    title_place: Place
+    title_place: FilePosition
     help: str = ""
-    help_place: Place | None = None
-    comb: Spot | None = None
+    help_place: FilePosition | None = None
+    comb: Cursor | None = None
     key: str = ""
     why: str = ""
     name: str = ""
 
-    def node(self) -> Table:
+    def node(self) -> MappingNode:
         """The action as our own format has it."""
         where = self.comb.place if self.comb is not None else self.place
         texts = (
@@ -53,56 +53,56 @@ class Button:
 
 
 @dataclass(frozen=True, slots=True)
-class Item:
+class ListEntry:
     """One entry of a list: its fields by name."""
 
-    spot: Spot
-    fields: Mapping[str, Spot] = field(default_factory=dict)
+    cursor: Cursor
+    fields: Mapping[str, Cursor] = field(default_factory=dict)
 
-    def needed(self, name: str, otherwise: str) -> tuple[Spot, str] | None:
+    def needed(self, name: str, otherwise: str) -> tuple[Cursor, str] | None:
         """A field without which the item does nothing, and its text; None, after saying so."""
         found = self.fields.get(name)
         if found is None or woz4u_values.empty(found):
-            where = self.spot if found is None else found
+            where = self.cursor if found is None else found
             where.warning(f"without {name!r} {otherwise}; {woz4u_values.LEFT_OUT}")
             return None
-        if not isinstance(found.node, Scalar):
+        if not isinstance(found.node, ScalarNode):
             found.wrong("text")
             return None
         return found, woz4u_values.text(found) or ""
 
-    def button(self, fallback: str, *does: made_nodes.Entry) -> Button:
+    def button(self, fallback: str, *does: made_nodes.Entry) -> ButtonDraft:
         """Its button; `fallback` is the label if it has no title."""
         title, tip = self.fields.get("title"), self.fields.get("tooltip")
         label = _words(title, f"its button is called {fallback!r}")
         if not label and (title is None or woz4u_values.empty(title)):
-            self.spot.warning(f"without 'title' its button is called {fallback!r}")
-        return Button(
+            self.cursor.warning(f"without 'title' its button is called {fallback!r}")
+        return ButtonDraft(
             title=label or one_line(fallback) or fallback,
-            place=self.spot.place,
+            place=self.cursor.place,
             does=[*does],
-            title_place=(title or self.spot).place,
+            title_place=(title or self.cursor).place,
             help=_words(tip, woz4u_values.LEFT_OUT),
             help_place=tip.place if tip is not None else None,
             comb=self.fields.get("key_comb"),
         )
 
 
-def _words(spot: Spot | None, otherwise: str) -> str:
+def _words(cursor: Cursor | None, otherwise: str) -> str:
     """What stands on the page, in plain characters; empty if it is not there."""
-    typed = woz4u_values.text(spot, otherwise)
-    return one_line(decoded(spot, typed)) if spot is not None and typed else ""
+    typed = woz4u_values.text(cursor, otherwise)
+    return one_line(decoded(cursor, typed)) if cursor is not None and typed else ""
 
 
-def entries(table: Mapping[str, Spot], section: str, example: str) -> Iterator[Item]:
+def entries(table: Mapping[str, Cursor], section: str, example: str) -> Iterator[ListEntry]:
     """The items of a section; what they should not say is a warning."""
-    for spot in woz4u_values.items(table.get(section), example):
-        fields = dict(spot.entries())
+    for cursor in woz4u_values.items(table.get(section), example):
+        fields = dict(cursor.entries())
         warn_unknown(fields, ITEMS[section])
-        yield Item(spot, fields)
+        yield ListEntry(cursor, fields)
 
 
-def warn_unknown(fields: Mapping[str, Spot], known: tuple[str, ...]) -> None:
+def warn_unknown(fields: Mapping[str, Cursor], known: tuple[str, ...]) -> None:
     """Warn of fields that nothing reads."""
     for name, entry in fields.items():
         if name not in known:
@@ -110,7 +110,7 @@ def warn_unknown(fields: Mapping[str, Spot], known: tuple[str, ...]) -> None:
             entry.warning(f"this key is not used{near}")
 
 
-def speech(table: Mapping[str, Spot], move: Move) -> list[Button]:
+def speech(table: Mapping[str, Cursor], move: PathRewriter) -> list[ButtonDraft]:
     """`animated_speech`: texts to say, and text files to read out."""
     buttons = []
     example = "{title: Hello, string: 'Hello!', key_comb: [h]}"
@@ -118,29 +118,29 @@ def speech(table: Mapping[str, Spot], move: Move) -> list[Button]:
         found = item.needed("string", "there is nothing to say")
         if found is None:
             continue
-        spot, typed = found
+        cursor, typed = found
         verb, words, fallback = "say", typed, f"Speech {number}"
-        if _names_file(spot, typed):
+        if _names_file(cursor, typed):
             verb, words = "read", move(typed.strip().replace("\\", "/"))
             fallback = PurePosixPath(words).stem or fallback
         else:
-            words = decoded(spot, typed)
-        buttons.append(item.button(fallback, made_nodes.entry(verb, literal(words), spot.place)))
+            words = decoded(cursor, typed)
+        buttons.append(item.button(fallback, made_nodes.entry(verb, literal(words), cursor.place)))
     return buttons
 
 
-def _names_file(spot: Spot, typed: str) -> bool:
+def _names_file(cursor: Cursor, typed: str) -> bool:
     """Whether a text is the name of a text file, by its end."""
     name = typed.strip()
     if not name.endswith(".txt"):
         return False
     if len(name) > _LONGEST_NAME or "\n" in name:
-        spot.warning("ends in .txt, but this is not a file name; it is spoken as text")
+        cursor.warning("ends in .txt, but this is not a file name; it is spoken as text")
         return False
     return True
 
 
-def gestures(table: Mapping[str, Spot]) -> list[Button]:
+def gestures(table: Mapping[str, Cursor]) -> list[ButtonDraft]:
     """`gestures`: animations of the robot."""
     buttons = []
     example = "{title: Hello, gesture: animations/Stand/Gestures/Hey_1}"
@@ -152,7 +152,7 @@ def gestures(table: Mapping[str, Spot]) -> list[Button]:
     return buttons
 
 
-def sounds(table: Mapping[str, Spot], volume: Scalar | None) -> list[Button]:
+def sounds(table: Mapping[str, Cursor], volume: ScalarNode | None) -> list[ButtonDraft]:
     """`audio_files`: sound files on the robot, as loud as its speech."""
     buttons = []
     for item in entries(table, "audio_files", "{title: Bell, location: /home/nao/bell.wav}"):
@@ -160,7 +160,7 @@ def sounds(table: Mapping[str, Spot], volume: Scalar | None) -> list[Button]:
         if found is None:
             continue
         place, path = found[0].place, found[1].strip()
-        file: str | Table = literal(path)
+        file: str | MappingNode = literal(path)
         if volume is not None:
             louder = ("volume", volume.place, volume)
             file = made_nodes.table([made_nodes.entry("file", file, place), louder], place)
@@ -170,44 +170,44 @@ def sounds(table: Mapping[str, Spot], volume: Scalar | None) -> list[Button]:
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
+class TabletContents:
     """What `tablet_items` come to: buttons, and what is shown when nothing else is."""
 
-    buttons: list[Button]
+    buttons: list[ButtonDraft]
     default: Node | None
 
 
-def tablet(table: Mapping[str, Spot], move: Move) -> Shown:
+def tablet(table: Mapping[str, Cursor], move: PathRewriter) -> TabletContents:
     """`tablet_items`: pictures, videos and pages; files lie in `tablet_root_location`."""
     root = tablet_root(table, move)
-    shown = Shown([], None)
+    shown = TabletContents([], None)
     for item in entries(table, "tablet_items", "{title: Map, file_name: map.png}"):
         found = item.needed("file_name", "there is nothing to show")
         if found is None:
             continue
-        spot = found[0]
+        cursor = found[0]
         path = _shown_path(found[1].strip(), root, move)
         if "://" not in path:
-            resolved(spot, path, must_exist=True)
-        does = made_nodes.entry("screen", literal(path), spot.place)
+            resolve_path(cursor, path, must_exist=True)
+        does = made_nodes.entry("screen", literal(path), cursor.place)
         shown.buttons.append(item.button(PurePosixPath(path).stem or path, does))
         mark = item.fields.get("is_default_img")
         if woz4u_values.flag(mark) and mark is not None:
             if shown.default is None:
-                shown = Shown(shown.buttons, made_nodes.node(path, mark.place))
+                shown = TabletContents(shown.buttons, made_nodes.node(path, mark.place))
             else:
                 mark.warning("an item above is the default already; that one is shown")
     return shown
 
 
-def tablet_root(table: Mapping[str, Spot], move: Move) -> str:
+def tablet_root(table: Mapping[str, Cursor], move: PathRewriter) -> str:
     """The folder of the tablet's files; empty if none is named."""
     typed = woz4u_values.text(table.get("tablet_root_location")) or ""
     path = typed.strip().replace("\\", "/")
     return move(path) if path else ""
 
 
-def _shown_path(typed: str, root: str, move: Move) -> str:
+def _shown_path(typed: str, root: str, move: PathRewriter) -> str:
     if typed.lower().startswith(("http://", "https://")):
         return typed
     return str(PurePosixPath(root) / typed) if root else move(typed)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from woz_tui.config.experiment import Place
+from woz_tui.config.experiment import FilePosition
 from woz_tui.config.woz4u import made_nodes, woz4u_values
-from woz_tui.config.woz4u.buttons import Button, Item, entries, warn_unknown
+from woz_tui.config.woz4u.buttons import ButtonDraft, ListEntry, entries, warn_unknown
 from woz_tui.config.woz4u.woz4u_keys import ANIMATION_FIELDS
-from woz_tui.config.yaml_cursor import Spot
+from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.config.yaml_nodes import Node
 from woz_tui.drivers.fields import Range
 
@@ -24,7 +24,7 @@ _DURATION = Range(0.1, 3600, "s")
 class Colour:
     """One item of `colors`: its button and `#rrggbb`."""
 
-    button: Button
+    button: ButtonDraft
     code: str
 
 
@@ -36,19 +36,20 @@ class Colours:
     default: Node | None = None
 
     @property
-    def buttons(self) -> list[Button]:
+    def buttons(self) -> list[ButtonDraft]:
         """Their buttons."""
         return [colour.button for colour in self.each]
 
 
-def colours(table: Mapping[str, Spot]) -> Colours:
+def colours(table: Mapping[str, Cursor]) -> Colours:
     """`colors`: each fades the eyes to it. Of several defaults the last one stays, as there."""
     each: list[Colour] = []
     default: Node | None = None
     for item in entries(table, "colors", "{title: Red, red: 1.0, green: 0, blue: 0}"):
         code = _code(item)
         place = next(
-            (item.fields[name].place for name in _CHANNELS if name in item.fields), item.spot.place
+            (item.fields[name].place for name in _CHANNELS if name in item.fields),
+            item.cursor.place,
         )
         does = (
             made_nodes.entry("eyes", code, place),
@@ -63,7 +64,7 @@ def colours(table: Mapping[str, Spot]) -> Colours:
     return Colours(each, default)
 
 
-def _code(item: Item) -> str:
+def _code(item: ListEntry) -> str:
     """`#rrggbb`; a channel that cannot be read is dark."""
     channels = [_channel(item, name) for name in _CHANNELS]
     top = 1.0
@@ -76,18 +77,18 @@ def _code(item: Item) -> str:
     return "#" + "".join(f"{round(255 * min(value, top) / top):02x}" for value in channels)
 
 
-def _channel(item: Item, name: str) -> float:
-    spot = item.fields.get(name)
-    if spot is None or woz4u_values.empty(spot):
-        item.spot.warning(f"without {name!r} there is no {name} in it")
+def _channel(item: ListEntry, name: str) -> float:
+    cursor = item.fields.get(name)
+    if cursor is None or woz4u_values.empty(cursor):
+        item.cursor.warning(f"without {name!r} there is no {name} in it")
         return 0.0
-    value = woz4u_values.number(spot, _ANY, f"there is no {name} in it") or 0.0
+    value = woz4u_values.number(cursor, _ANY, f"there is no {name} in it") or 0.0
     if value < 0.0:
-        spot.warning(f"below 0; there is no {name} in it")
+        cursor.warning(f"below 0; there is no {name} in it")
     return max(0.0, value)
 
 
-def animations(table: Mapping[str, Spot], colours: Colours) -> list[Button]:
+def animations(table: Mapping[str, Cursor], colours: Colours) -> list[ButtonDraft]:
     """`rasta_anim`, `random_anim`, `rotate_anim`. The last one turns in the first colour, which
     the program proposes, by its key, and in every other one without a key.
     """
@@ -105,33 +106,37 @@ def animations(table: Mapping[str, Spot], colours: Colours) -> list[Button]:
 
 
 def _animation(
-    table: Mapping[str, Spot], section: str, title: str, kind: str, colour: str | None
-) -> list[Button]:
-    spot = table.get(section)
-    if spot is None or woz4u_values.empty(spot):
+    table: Mapping[str, Cursor], section: str, title: str, kind: str, colour: str | None
+) -> list[ButtonDraft]:
+    cursor = table.get(section)
+    if cursor is None or woz4u_values.empty(cursor):
         return []
-    fields = woz4u_values.mapping(spot, "{duration: 3, key_comb: [e, r]}")
+    fields = woz4u_values.mapping(cursor, "{duration: 3, key_comb: [e, r]}")
     warn_unknown(fields, ANIMATION_FIELDS)
     duration = woz4u_values.number(
         fields.get("duration"), _DURATION, "it takes the robot's own time"
     )
     return [
-        Button(
+        ButtonDraft(
             title=title,
-            place=spot.place,
-            does=_playing(spot.place, kind, fields.get("duration"), duration, colour),
-            title_place=spot.place,
+            place=cursor.place,
+            does=_playing(cursor.place, kind, fields.get("duration"), duration, colour),
+            title_place=cursor.place,
             comb=fields.get("key_comb"),
         )
     ]
 
 
 def _playing(
-    place: Place, kind: str, spot: Spot | None, duration: float | None, colour: str | None
+    place: FilePosition,
+    kind: str,
+    cursor: Cursor | None,
+    duration: float | None,
+    colour: str | None,
 ) -> list[made_nodes.Entry]:
     entries = [made_nodes.entry("eyes_animation", kind, place)]
-    if duration is not None and spot is not None:
-        entries.append(made_nodes.entry("seconds", duration, spot.place))
+    if duration is not None and cursor is not None:
+        entries.append(made_nodes.entry("seconds", duration, cursor.place))
     if colour is not None:
         entries.append(made_nodes.entry("color", colour, place))
     return entries

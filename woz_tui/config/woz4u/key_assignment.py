@@ -12,12 +12,12 @@ import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from woz_tui.config.experiment import Place
-from woz_tui.config.keys.chords import FUNCTION_KEYS, KeyNameError, normal
+from woz_tui.config.experiment import FilePosition
+from woz_tui.config.keys.chords import FUNCTION_KEYS, KeyNameError, normal_key
 from woz_tui.config.keys.keymap import FileKeys
 from woz_tui.config.problems import quoted
-from woz_tui.config.yaml_cursor import Spot
-from woz_tui.config.yaml_nodes import Items, Node, Scalar, described
+from woz_tui.config.yaml_cursor import Cursor
+from woz_tui.config.yaml_nodes import ListNode, Node, ScalarNode, described
 
 _LETTERS = frozenset(string.ascii_lowercase + string.digits)
 #: Every keyboard has them.
@@ -30,23 +30,23 @@ RESERVES = (
 
 
 @dataclass(slots=True)
-class Wish:
+class KeyRequest:
     """An action's title, and its `key_comb`. `key` is what it gets, as our own files write it;
     `why`: why not what it wished for.
     """
 
     title: str
-    comb: Spot
+    comb: Cursor
     key: str = ""
     why: str = ""
 
     @property
-    def place(self) -> Place:
+    def place(self) -> FilePosition:
         """Where the wish stands."""
         return self.comb.place
 
 
-def grant(wishes: Iterable[Wish], layout: str) -> None:
+def grant(wishes: Iterable[KeyRequest], layout: str) -> None:
     """Give every wish its key, and a warning to each that does not get the one it wished for."""
     ordered = sorted(wishes, key=lambda wish: (wish.place.line, wish.place.column))
     keys = FileKeys(layout)
@@ -61,13 +61,13 @@ def grant(wishes: Iterable[Wish], layout: str) -> None:
         wish.comb.warning(f"{wish.why}; {instead if wish.key else nothing}")
 
 
-def _granted(wish: Wish, keys: FileKeys, layout: str) -> bool:
+def _granted(wish: KeyRequest, keys: FileKeys, layout: str) -> bool:
     """Whether the wish has got its key, or wishes for none."""
     try:
         written = comb(wish.comb.node)
         if not written:
             return True
-        key = normal(written, layout)
+        key = normal_key(written, layout)
     except KeyNameError as error:
         wish.why = str(error)
         return False
@@ -85,10 +85,10 @@ def _liked(title: str) -> Iterator[str]:
     yield from dict.fromkeys([*(sign for sign in plain if sign in _LETTERS), *RESERVES])
 
 
-def layout_of(spot: Spot | None, known: Sequence[str]) -> str:
+def layout_of(cursor: Cursor | None, known: Sequence[str]) -> str:
     """The keyboard of a section `keyboard`, which is checked where it is decoded."""
-    if spot is not None and isinstance(spot.node, Scalar):
-        return spot.node.text if spot.node.text in known else "us"
+    if cursor is not None and isinstance(cursor.node, ScalarNode):
+        return cursor.node.text if cursor.node.text in known else "us"
     return "us"
 
 
@@ -142,13 +142,13 @@ def _chord(held: list[str], key: str) -> str:
 
 def _tokens(node: Node) -> Iterator[str]:
     """Every key and modifier, in their order, names in lower case."""
-    if isinstance(node, Items):
+    if isinstance(node, ListNode):
         for entry in node.nodes:
-            if not isinstance(entry, Scalar):
+            if not isinstance(entry, ScalarNode):
                 raise KeyNameError(f"expected a key, not {described(entry)}")
             yield from _tokens(entry)
-    elif isinstance(node, Scalar):
-        if not node.null:
+    elif isinstance(node, ScalarNode):
+        if not node.is_null:
             yield from _split(node.text)
     else:
         raise KeyNameError(f"expected a list of keys such as [ctrl, 1], not {described(node)}")

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from woz_tui.config.experiment import Place
-from woz_tui.config.problems import Report, quoted
+from woz_tui.config.experiment import FilePosition
+from woz_tui.config.problems import ProblemReport, quoted
 from woz_tui.config.woz4u import made_nodes, woz4u_values
-from woz_tui.config.woz4u.buttons import Move, warn_unknown
+from woz_tui.config.woz4u.buttons import PathRewriter, warn_unknown
 from woz_tui.config.woz4u.woz4u_keys import AUTONOMY
-from woz_tui.config.yaml_cursor import Spot
-from woz_tui.config.yaml_nodes import Items, Node, Scalar, Table
+from woz_tui.config.yaml_cursor import Cursor
+from woz_tui.config.yaml_nodes import ListNode, MappingNode, Node, ScalarNode
 from woz_tui.drivers.fields import Range
 
 #: The driver's word for a robot that it starts itself.
@@ -51,16 +51,16 @@ _STEPS = {
 #: Degrees that the hip bends by with one key press: 0.2 rad in WoZ4U's program.
 _HIP_DEGREES = 11.46
 
-Figures = Mapping[str, Scalar]
+Figures = Mapping[str, ScalarNode]
 
 
 def robot(
-    root: Spot,
+    root: Cursor,
     speech: Figures,
     shown: tuple[str, Node | None],
     eyes: Node | None,
-    move: Move,
-) -> Table:
+    move: PathRewriter,
+) -> MappingNode:
     """`{name: pepper, drivers: {pepper: {type: pepper, ...}}}`.
 
     `speech`: what `voice` has read. `shown`: folder and default of the tablet. `eyes`: their
@@ -91,93 +91,97 @@ def robot(
     )
 
 
-def _robots(spot: Spot | None, start: Place, report: Report) -> tuple[Place, Items]:
+def _robots(
+    cursor: Cursor | None, start: FilePosition, report: ProblemReport
+) -> tuple[FilePosition, ListNode]:
     """`pepper_ips`, each once. None at all: a simulated robot, so that the file can be tried."""
     found: dict[str, Node] = {}
-    if spot is not None and not woz4u_values.empty(spot):
-        entries = [*spot.items()] if isinstance(spot.node, Items) else [spot]
-        if isinstance(spot.node, Scalar):
-            spot.warning("expected a list of addresses; this one is read as a list of one")
+    if cursor is not None and not woz4u_values.empty(cursor):
+        entries = [*cursor.items()] if isinstance(cursor.node, ListNode) else [cursor]
+        if isinstance(cursor.node, ScalarNode):
+            cursor.warning("expected a list of addresses; this one is read as a list of one")
         for entry in entries:
             address = _address(entry)
             if address in found:
                 entry.warning(f"{quoted(address)} appears twice")
             elif address:
                 found[address] = made_nodes.node(address, entry.place)
-    place = start if spot is None else spot.place
+    place = start if cursor is None else cursor.place
     if not found:
         where = f"pepper_ips: [{SIMULATED}]"
-        if not (spot is not None and isinstance(spot.node, Table)):  # that is an error already
+        if not (
+            cursor is not None and isinstance(cursor.node, MappingNode)
+        ):  # that is an error already
             message = f"no robot is named; a simulated one is used ({where})"
             report.warning(place, "pepper_ips", message)
         found[SIMULATED] = made_nodes.node(SIMULATED, place)
-    return place, Items(place, [*found.values()])
+    return place, ListNode(place, [*found.values()])
 
 
-def _address(entry: Spot) -> str:
+def _address(entry: Cursor) -> str:
     if woz4u_values.empty(entry):
         return ""
-    if not isinstance(entry.node, Scalar):
+    if not isinstance(entry.node, ScalarNode):
         entry.wrong("a robot's address, such as 192.168.1.20")
         return ""
     return (woz4u_values.text(entry) or "").strip()
 
 
-def _autonomy(spot: Spot | None) -> Table | None:
+def _autonomy(cursor: Cursor | None) -> MappingNode | None:
     """`autonomous_life_config`; None if it leaves everything as it is."""
-    if spot is None:
+    if cursor is None:
         return None
-    fields = woz4u_values.mapping(spot, "{autonomous_state: solitary}")
+    fields = woz4u_values.mapping(cursor, "{autonomous_state: solitary}")
     warn_unknown(fields, AUTONOMY)
     entries: list[made_nodes.Entry] = []
     for name, entry in fields.items():
         found = _life(name, entry)
         if found is not None and found[1] is not None:
             entries.append(made_nodes.entry(found[0], found[1], entry.place))
-    return made_nodes.table(entries, spot.place) if entries else None
+    return made_nodes.table(entries, cursor.place) if entries else None
 
 
-def _life(name: str, spot: Spot) -> tuple[str, str | float | bool | None] | None:
+def _life(name: str, cursor: Cursor) -> tuple[str, str | float | bool | None] | None:
     """The driver's name and the value of one setting (None: left as it is); None: there is none."""
     if name in _WORDS:
         ours, choices = _WORDS[name]
-        return ours, woz4u_values.word(spot, choices, _AS_IT_IS)
+        return ours, woz4u_values.word(cursor, choices, _AS_IT_IS)
     if name in _DISTANCES:
-        return _DISTANCES[name], woz4u_values.number(spot, _METRES, _AS_IT_IS)
-    return (_FLAGS[name], woz4u_values.flag(spot, _AS_IT_IS)) if name in _FLAGS else None
+        return _DISTANCES[name], woz4u_values.number(cursor, _METRES, _AS_IT_IS)
+    return (_FLAGS[name], woz4u_values.flag(cursor, _AS_IT_IS)) if name in _FLAGS else None
 
 
-def voice(table: Mapping[str, Spot]) -> dict[str, Scalar]:
+def voice(table: Mapping[str, Cursor]) -> dict[str, ScalarNode]:
     """`volume`, `voice_speed` and `voice_pitch` by the driver's names."""
     found = {}
     for name, (ours, allowed) in _VOICE.items():
-        spot = table.get(name)
-        value = woz4u_values.number(spot, allowed, _AS_IT_IS)
-        if spot is None or value is None:
+        cursor = table.get(name)
+        value = woz4u_values.number(cursor, allowed, _AS_IT_IS)
+        if cursor is None or value is None:
             continue
         if ours == "pitch" and 0.0 < value < 1.0:
-            spot.warning(f"{value:g} is not a pitch: allowed are 0 and 1 to 4; {_AS_IT_IS}")
+            cursor.warning(f"{value:g} is not a pitch: allowed are 0 and 1 to 4; {_AS_IT_IS}")
             continue
-        found[ours] = Scalar(spot.place, f"{value:.6g}", plain=True)
+        found[ours] = ScalarNode(cursor.place, f"{value:.6g}", plain=True)
     return found
 
 
-def steps(table: Mapping[str, Spot], start: Place) -> Table:
+def steps(table: Mapping[str, Cursor], start: FilePosition) -> MappingNode:
     """How far a press of an arrow key goes; centimetres become metres."""
     entries: list[made_nodes.Entry] = []
     for name, (ours, allowed, factor) in _STEPS.items():
-        spot = table.get(name)
-        value = woz4u_values.number(spot, allowed, "the usual step is taken")
-        if spot is not None and value is not None:
-            entries.append(made_nodes.entry(ours, value * factor, spot.place))
+        cursor = table.get(name)
+        value = woz4u_values.number(cursor, allowed, "the usual step is taken")
+        if cursor is not None and value is not None:
+            entries.append(made_nodes.entry(ours, value * factor, cursor.place))
     return made_nodes.table([*entries, made_nodes.entry("hip", _HIP_DEGREES, start)], start)
 
 
-def _tablet(table: Mapping[str, Spot], root: str, default: Node | None) -> list[made_nodes.Entry]:
-    spot = table.get("tablet_root_location")
+def _tablet(table: Mapping[str, Cursor], root: str, default: Node | None) -> list[made_nodes.Entry]:
+    cursor = table.get("tablet_root_location")
     entries: list[made_nodes.Entry] = []
-    if spot is not None and root:
-        entries.append(made_nodes.entry("root", root, spot.place))
+    if cursor is not None and root:
+        entries.append(made_nodes.entry("root", root, cursor.place))
     if default is not None:
         entries.append(("default", default.place, default))
     if not entries:
@@ -186,8 +190,8 @@ def _tablet(table: Mapping[str, Spot], root: str, default: Node | None) -> list[
     return [("tablet", where, made_nodes.table(entries, where))]
 
 
-def _folder(spot: Spot | None, ours: str, move: Move) -> list[made_nodes.Entry]:
-    typed = woz4u_values.text(spot)
-    if spot is None or typed is None:
+def _folder(cursor: Cursor | None, ours: str, move: PathRewriter) -> list[made_nodes.Entry]:
+    typed = woz4u_values.text(cursor)
+    if cursor is None or typed is None:
         return []
-    return [made_nodes.entry(ours, move(typed.strip()), spot.place)]
+    return [made_nodes.entry(ours, move(typed.strip()), cursor.place)]

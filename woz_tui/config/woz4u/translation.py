@@ -6,51 +6,51 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from woz_tui.config.experiment import Place
+from woz_tui.config.experiment import FilePosition
 from woz_tui.config.keys.keyboard_layouts import LAYOUTS
-from woz_tui.config.problems import Report
+from woz_tui.config.problems import ProblemReport
 from woz_tui.config.woz4u import eye_colours, made_nodes, pepper_robot, woz4u_panels
 from woz_tui.config.woz4u.buttons import (
-    Button,
-    Move,
+    ButtonDraft,
+    PathRewriter,
     gestures,
     sounds,
     speech,
     tablet,
     tablet_root,
 )
-from woz_tui.config.woz4u.key_assignment import Wish, grant, layout_of
+from woz_tui.config.woz4u.key_assignment import KeyRequest, grant, layout_of
 from woz_tui.config.woz4u.woz4u_keys import OLDER, TOP_LEVEL
-from woz_tui.config.woz4u.woz4u_panels import Panel
+from woz_tui.config.woz4u.woz4u_panels import PanelDraft
 from woz_tui.config.woz4u.woz4u_texts import one_line
-from woz_tui.config.yaml_cursor import Spot
-from woz_tui.config.yaml_nodes import Items, Node, Table
+from woz_tui.config.yaml_cursor import Cursor
+from woz_tui.config.yaml_nodes import ListNode, MappingNode, Node
 
 
-class OwnNames(Report):
+class OriginalNamesReport(ProblemReport):
     """A report that learns names while the original is read, and uses them from `done` on: whoever
     wrote `animated_speech[2].string` is not told of `panels[0].actions[2].say`.
     """
 
     def __init__(self) -> None:
         super().__init__()
-        self._names: dict[Place, str] = {}
+        self._names: dict[FilePosition, str] = {}
         self._reading = True
 
     def done(self) -> None:
         """The original has been read; what comes now has paths of our own format."""
         self._reading = False
 
-    def put(self, path: str, place: Place) -> None:
+    def set_place(self, path: str, place: FilePosition) -> None:
         """Remember where `path` stands. An entry of a list has its first key's place: the entry
         comes first and names it. The file's first place is also that of whatever comes from nowhere
         in it, and so names nothing.
         """
-        super().put(path, place)
+        super().set_place(path, place)
         if self._reading and (place.line, place.column) != (1, 1):
             self._names.setdefault(place, path)
 
-    def _named(self, place: Place, path: str) -> str:
+    def _named(self, place: FilePosition, path: str) -> str:
         return path if self._reading else self._names.get(place, path)
 
 
@@ -68,11 +68,11 @@ _SECTIONS = {
 class Translation:
     """The tree, and remarks for readers of its text by the identity of the node they belong to."""
 
-    table: Table
+    table: MappingNode
     remarks: Mapping[int, str] = field(default_factory=dict)
 
 
-def translated(root: Spot, own: Collection[str], move: Move) -> Translation:
+def translate(root: Cursor, own: Collection[str], move: PathRewriter) -> Translation:
     """Translate the file whose top level `root` is; what is wrong or odd goes to its report.
 
     `own`: what our own format says at its top level. What the file has of it is taken over as it
@@ -85,35 +85,37 @@ def translated(root: Spot, own: Collection[str], move: Move) -> Translation:
     woz4u_panels.name_apart(found)
     _keys(found, layout_of(kept.get("keyboard"), tuple(LAYOUTS)))
     start = root.place
-    sections: dict[str, tuple[Place, Node]] = {"title": (start, _title(start))}
-    sections |= {name: (spot.place, spot.node) for name, spot in kept.items()}
+    sections: dict[str, tuple[FilePosition, Node]] = {"title": (start, _title(start))}
+    sections |= {name: (cursor.place, cursor.node) for name, cursor in kept.items()}
     sections["robot"] = (start, robot)
     sections["steps"] = (start, pepper_robot.steps(table, start))
     nodes = [(panel, panel.node()) for panel in found if panel.shown]
-    sections["panels"] = (start, Items(start, [node for _, node in nodes]))
+    sections["panels"] = (start, ListNode(start, [node for _, node in nodes]))
     made_table = made_nodes.table([(name, *entry) for name, entry in sections.items()], start)
     return Translation(made_table, _remarks(made_table, nodes))
 
 
-def _title(start: Place) -> Node:
+def _title(start: FilePosition) -> Node:
     name = one_line(Path(start.file).name) or "config"  # a name may hold bytes that are no text
     return made_nodes.node(f"WoZ4U: {name}", start)
 
 
-def _unknown(table: Mapping[str, Spot], own: Collection[str]) -> None:
-    for name, spot in table.items():
+def _unknown(table: Mapping[str, Cursor], own: Collection[str]) -> None:
+    for name, cursor in table.items():
         if name in OLDER and name not in TOP_LEVEL:
-            spot.warning(f"this key is no longer used; the new key is {OLDER[name]!r}")
+            cursor.warning(f"this key is no longer used; the new key is {OLDER[name]!r}")
         elif name in _MADE:
-            spot.warning(
+            cursor.warning(
                 "a WoZ4U file has no such key; convert the file to change it (woz convert)"
             )
         elif name not in TOP_LEVEL and name not in own:
-            near = spot.report.nearest(name, TOP_LEVEL)
-            spot.warning(f"this key is not used{f'; did you mean {near!r}?' if near else ''}")
+            near = cursor.report.nearest(name, TOP_LEVEL)
+            cursor.warning(f"this key is not used{f'; did you mean {near!r}?' if near else ''}")
 
 
-def _read(root: Spot, table: Mapping[str, Spot], move: Move) -> tuple[list[Panel], Table]:
+def _read(
+    root: Cursor, table: Mapping[str, Cursor], move: PathRewriter
+) -> tuple[list[PanelDraft], MappingNode]:
     """Every section as a panel, and the robot."""
     figures = pepper_robot.voice(table)
     shown = tablet(table, move)
@@ -131,7 +133,7 @@ def _read(root: Spot, table: Mapping[str, Spot], move: Move) -> tuple[list[Panel
     ]
     woz4u_panels.locks(table, found)
     places = {panel.title: panel.place for panel in found}
-    buttons: dict[str, list[Button]] = {
+    buttons: dict[str, list[ButtonDraft]] = {
         "Speech": speech(table, move),
         "Gestures": gestures(table),
         "Tablet": shown.buttons,
@@ -150,16 +152,18 @@ def _read(root: Spot, table: Mapping[str, Spot], move: Move) -> tuple[list[Panel
     return found, pepper_robot.robot(root, figures, (folder, shown.default), colours.default, move)
 
 
-def _panel(root: Spot, table: Mapping[str, Spot], title: str, lock: str, section: str) -> Panel:
+def _panel(
+    root: Cursor, table: Mapping[str, Cursor], title: str, lock: str, section: str
+) -> PanelDraft:
     """A panel without buttons; it stands where its section does, or else its lock."""
-    spot = table.get(section) or table.get(lock)
-    return Panel(title, lock, spot.place if spot is not None else root.place, [])
+    cursor = table.get(section) or table.get(lock)
+    return PanelDraft(title, lock, cursor.place if cursor is not None else root.place, [])
 
 
-def _keys(found: list[Panel], layout: str) -> None:
+def _keys(found: list[PanelDraft], layout: str) -> None:
     """Give every button its key, or another one with the reason why."""
     wishes = [
-        (button, Wish(button.title, button.comb))
+        (button, KeyRequest(button.title, button.comb))
         for panel in found
         for button in panel.buttons
         if button.comb is not None
@@ -169,7 +173,7 @@ def _keys(found: list[Panel], layout: str) -> None:
         button.key, button.why = wish.key, wish.why
 
 
-def _remarks(table: Table, nodes: list[tuple[Panel, Table]]) -> dict[int, str]:
+def _remarks(table: MappingNode, nodes: list[tuple[PanelDraft, MappingNode]]) -> dict[int, str]:
     remarks = {id(table.entries[name]): text for name, text in _SECTIONS.items()}
     for panel, node in nodes:
         actions = node.entries.get("actions")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from woz_tui.config.yaml_nodes import Table
+from woz_tui.config.yaml_nodes import MappingNode
 
 #: Lists of buttons: what an item may say.
 ITEMS = {
@@ -56,7 +56,7 @@ _COMMON = ("gestures", "colors", "audio_files", *VOICE)
 _OWN_ONLY = ("panels", "robot", "robots")
 
 
-def recognised(table: Table, own: Collection[str]) -> bool:
+def recognised(table: MappingNode, own: Collection[str]) -> bool:
     """Whether a file is a WoZ4U file: it names neither panels nor a robot as our own format (whose
     top level is `own`) does, and it has a key that only WoZ4U has, or more keys of WoZ4U's than of
     ours. Loudness and voice alone do not count.

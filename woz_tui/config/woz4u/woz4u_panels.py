@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from woz_tui.config.experiment import Place
+from woz_tui.config.experiment import FilePosition
 from woz_tui.config.woz4u import made_nodes, woz4u_values
-from woz_tui.config.woz4u.buttons import Button
+from woz_tui.config.woz4u.buttons import ButtonDraft
 from woz_tui.config.woz4u.pepper_robot import ENGAGEMENT_MODES, STATES
-from woz_tui.config.yaml_cursor import Spot
-from woz_tui.config.yaml_nodes import Items, Node, Scalar, Table
+from woz_tui.config.yaml_cursor import Cursor
+from woz_tui.config.yaml_nodes import ListNode, MappingNode, Node, ScalarNode
 
 _COVERS = {
     "lock_anim_speech_section": ("say", "read"),
@@ -28,13 +28,13 @@ _COVERS = {
 
 
 @dataclass(slots=True)
-class Panel:
+class PanelDraft:
     """One section: `lock` is its key in the file, `place` where the section stands there."""
 
     title: str
     lock: str
-    place: Place
-    buttons: list[Button]
+    place: FilePosition
+    buttons: list[ButtonDraft]
     locked: bool = False
 
     @property
@@ -42,27 +42,27 @@ class Panel:
         """A section without a button makes no panel, unless something is locked there."""
         return bool(self.buttons) or self.locked
 
-    def node(self) -> Table:
+    def node(self) -> MappingNode:
         """The panel as our own format has it."""
         where = self.place
         entries = [made_nodes.entry("title", self.title, where)]
         if self.locked:
             entries.append(made_nodes.entry("locked", True, where))
         covered = [made_nodes.node(verb, where) for verb in _COVERS[self.lock]]
-        entries.append(("covers", where, Items(where, covered)))
+        entries.append(("covers", where, ListNode(where, covered)))
         if self.buttons:
             actions: list[Node] = [button.node() for button in self.buttons]
-            entries.append(("actions", where, Items(where, actions)))
+            entries.append(("actions", where, ListNode(where, actions)))
         return made_nodes.table(entries, where)
 
 
-def locks(table: Mapping[str, Spot], panels: Iterable[Panel]) -> None:
+def locks(table: Mapping[str, Cursor], panels: Iterable[PanelDraft]) -> None:
     """Lock the panels whose sections the file locks."""
     for panel in panels:
         panel.locked = woz4u_values.locked(table.get(panel.lock))
 
 
-def name_apart(panels: Sequence[Panel]) -> None:
+def name_apart(panels: Sequence[PanelDraft]) -> None:
     """Titles that occur twice: the later action gets a name of its own, with its panel's title."""
     titles = {button.title for panel in panels for button in panel.buttons}
     names: set[str] = set()
@@ -78,7 +78,7 @@ def name_apart(panels: Sequence[Panel]) -> None:
             button.name = name if name != button.title else ""
 
 
-def movement(place: Place) -> list[Button]:
+def movement(place: FilePosition) -> list[ButtonDraft]:
     """What the page's movement section does beside the arrow keys, and more of its kind."""
     return [
         _plain("Wake up", place, "the motors on", torque=True),
@@ -90,7 +90,7 @@ def movement(place: Place) -> list[Button]:
     ]
 
 
-def autonomy(place: Place) -> list[Button]:
+def autonomy(place: FilePosition) -> list[ButtonDraft]:
     """The robot's states and engagement modes; all its settings are on the console's own page."""
     return [
         *(_plain(word.capitalize(), place, "autonomous life", autonomy=word) for word in STATES),
@@ -101,7 +101,7 @@ def autonomy(place: Place) -> list[Button]:
     ]
 
 
-def speaking(figures: Mapping[str, Scalar]) -> list[Button]:
+def speaking(figures: Mapping[str, ScalarNode]) -> list[ButtonDraft]:
     """Back to what the file says about the voice, as far as it does."""
     verbs = {"volume": "volume", "speed": "speech_speed", "pitch": "speech_pitch"}
     return [
@@ -115,21 +115,21 @@ def speaking(figures: Mapping[str, Scalar]) -> list[Button]:
     ]
 
 
-def default_picture(place: Place) -> Button:
+def default_picture(place: FilePosition) -> ButtonDraft:
     """The page's button that clears the tablet."""
     return _plain("Default picture", place, "or Pepper's own", tablet="default")
 
 
-def _plain(title: str, place: Place, hint: str, **does: made_nodes.Value) -> Button:
+def _plain(title: str, place: FilePosition, hint: str, **does: made_nodes.Value) -> ButtonDraft:
     """A button of ours, without a key."""
     entries = [made_nodes.entry(verb, value, place) for verb, value in does.items()]
-    return Button(title, place, entries, place, help=hint)
+    return ButtonDraft(title, place, entries, place, help=hint)
 
 
-def _angles(place: Place) -> Table:
+def _angles(place: FilePosition) -> MappingNode:
     zero = [made_nodes.entry(name, 0.0, place) for name in ("yaw", "pitch")]
     return made_nodes.table(zero, place)
 
 
-def _engagement(mode: str, place: Place) -> Table:
+def _engagement(mode: str, place: FilePosition) -> MappingNode:
     return made_nodes.table([made_nodes.entry("engagement", mode, place)], place)

@@ -7,12 +7,12 @@ import re
 from html.entities import html5
 
 from woz_tui.config.problems import quoted
-from woz_tui.config.yaml_cursor import Spot
+from woz_tui.config.yaml_cursor import Cursor
 
 _ENTITY = re.compile(r"&(#\d{1,7}|#[xX][0-9a-fA-F]{1,6}|[A-Za-z][A-Za-z0-9]{0,31});")
 
 
-def decoded(spot: Spot, text: str) -> str:
+def decoded(cursor: Cursor, text: str) -> str:
     """`text` with its HTML entities as characters; a warning names those that there are not."""
     unknown: dict[str, None] = {}
 
@@ -27,7 +27,7 @@ def decoded(spot: Spot, text: str) -> str:
     if unknown:
         many = len(unknown) > 1
         what = "no HTML entities; they stay as they are" if many else "no HTML entity; it stays"
-        spot.warning(f"{', '.join(quoted(word) for word in unknown)}: {what}")
+        cursor.warning(f"{', '.join(quoted(word) for word in unknown)}: {what}")
     return made
 
 

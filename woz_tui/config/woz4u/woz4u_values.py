@@ -9,8 +9,8 @@ import re
 from collections.abc import Iterator, Sequence
 
 from woz_tui.config.problems import quoted
-from woz_tui.config.yaml_cursor import Spot
-from woz_tui.config.yaml_nodes import Items, Scalar, Table, described
+from woz_tui.config.yaml_cursor import Cursor
+from woz_tui.config.yaml_nodes import ListNode, MappingNode, ScalarNode, described
 from woz_tui.drivers.fields import Range
 
 _NUMBER = re.compile(r"[-+]?(\d{1,30}(\.\d{0,60})?|\.\d{1,60})([eE][-+]?\d{1,2})?")
@@ -22,95 +22,98 @@ _FLAGS = {
 LEFT_OUT = "it is left out"
 
 
-def empty(spot: Spot | None) -> bool:
+def empty(cursor: Cursor | None) -> bool:
     """Whether nothing is said."""
-    if spot is None:
+    if cursor is None:
         return True
-    node = spot.node
-    return isinstance(node, Scalar) and (node.null or not node.text.strip())
+    node = cursor.node
+    return isinstance(node, ScalarNode) and (node.is_null or not node.text.strip())
 
 
-def text(spot: Spot | None, otherwise: str = LEFT_OUT) -> str | None:
+def text(cursor: Cursor | None, otherwise: str = LEFT_OUT) -> str | None:
     """Text as it was typed; None, with a warning, for a list or a mapping."""
-    if spot is None or empty(spot):
+    if cursor is None or empty(cursor):
         return None
-    if isinstance(spot.node, Scalar):
-        return spot.node.text.replace("\0", "")
-    spot.warning(f"expected text, not {described(spot.node)}; {otherwise}")
+    if isinstance(cursor.node, ScalarNode):
+        return cursor.node.text.replace("\0", "")
+    cursor.warning(f"expected text, not {described(cursor.node)}; {otherwise}")
     return None
 
 
-def number(spot: Spot | None, allowed: Range, otherwise: str = LEFT_OUT) -> float | None:
+def number(cursor: Cursor | None, allowed: Range, otherwise: str = LEFT_OUT) -> float | None:
     """A number inside `allowed`; None, with a warning, for anything else."""
-    if spot is None or empty(spot):
+    if cursor is None or empty(cursor):
         return None
-    typed = spot.node.text.strip() if isinstance(spot.node, Scalar) else ""
+    typed = cursor.node.text.strip() if isinstance(cursor.node, ScalarNode) else ""
     pointed = typed.replace(",", ".", 1)
     if not _NUMBER.fullmatch(pointed):
-        found = described(spot.node)
+        found = described(cursor.node)
         bounds = "" if allowed == Range() else f" ({allowed})"
-        spot.warning(f"expected a number{bounds}, not {found}; {otherwise}")
+        cursor.warning(f"expected a number{bounds}, not {found}; {otherwise}")
         return None
     if pointed != typed:
-        spot.warning(f"{quoted(typed)} is read as {pointed}: the decimal sign is a point")
+        cursor.warning(f"{quoted(typed)} is read as {pointed}: the decimal sign is a point")
     value = float(pointed)
     if not allowed.contains(value):
-        spot.warning(f"{quoted(typed)} is out of range; allowed is {allowed}; {otherwise}")
+        cursor.warning(f"{quoted(typed)} is out of range; allowed is {allowed}; {otherwise}")
         return None
     return value
 
 
-def flag(spot: Spot | None, otherwise: str = LEFT_OUT) -> bool | None:
+def flag(cursor: Cursor | None, otherwise: str = LEFT_OUT) -> bool | None:
     """True or false in any spelling, quoted or not; None, with a warning, for anything else."""
-    if spot is None or empty(spot):
+    if cursor is None or empty(cursor):
         return None
-    node = spot.node
-    if isinstance(node, Scalar) and (found := _FLAGS.get(node.text.strip().lower())) is not None:
+    node = cursor.node
+    if (
+        isinstance(node, ScalarNode)
+        and (found := _FLAGS.get(node.text.strip().lower())) is not None
+    ):
         return found
-    spot.warning(f"expected true or false, not {described(node)}; {otherwise}")
+    cursor.warning(f"expected true or false, not {described(node)}; {otherwise}")
     return None
 
 
-def locked(spot: Spot | None) -> bool:
+def locked(cursor: Cursor | None) -> bool:
     """A lock. One that cannot be read is shut: whoever wrote it did not want the section open."""
-    if spot is None or empty(spot):
+    if cursor is None or empty(cursor):
         return False
-    return flag(spot, "the section is locked to be on the safe side") is not False
+    return flag(cursor, "the section is locked to be on the safe side") is not False
 
 
-def word(spot: Spot | None, choices: Sequence[str], otherwise: str = LEFT_OUT) -> str | None:
+def word(cursor: Cursor | None, choices: Sequence[str], otherwise: str = LEFT_OUT) -> str | None:
     """One of `choices`, in whatever case; None, with a warning, for anything else."""
-    typed = text(spot, otherwise)
-    if spot is None or typed is None:
+    typed = text(cursor, otherwise)
+    if cursor is None or typed is None:
         return None
     known = {choice.lower(): choice for choice in choices}
     found = known.get(typed.strip().lower())
     if found is None:
-        near = spot.report.hint(typed, choices, or_list="it can be")
-        spot.warning(f"{quoted(typed)} is not known; {otherwise}{near}")
+        near = cursor.report.hint(typed, choices, or_list="it can be")
+        cursor.warning(f"{quoted(typed)} is not known; {otherwise}{near}")
     return found
 
 
-def mapping(spot: Spot | None, example: str) -> dict[str, Spot]:
+def mapping(cursor: Cursor | None, example: str) -> dict[str, Cursor]:
     """A mapping's entries; an error for anything else that says something."""
-    if spot is None or empty(spot):
+    if cursor is None or empty(cursor):
         return {}
-    return spot.table(f"a mapping, such as {example}") or {}
+    return cursor.table(f"a mapping, such as {example}") or {}
 
 
-def items(spot: Spot | None, example: str) -> Iterator[Spot]:
+def items(cursor: Cursor | None, example: str) -> Iterator[Cursor]:
     """The mappings of a list; a lonely mapping is a list of one."""
-    if spot is None or empty(spot):
+    if cursor is None or empty(cursor):
         return
-    if isinstance(spot.node, Table):
-        spot.warning("expected a list; this one entry is read as a list of one")
-        yield spot
+    if isinstance(cursor.node, MappingNode):
+        cursor.warning("expected a list; this one entry is read as a list of one")
+        yield cursor
         return
-    if not isinstance(spot.node, Items):
-        spot.wrong(f"a list of entries such as {example}")
+    if not isinstance(cursor.node, ListNode):
+        cursor.wrong(f"a list of entries such as {example}")
         return
-    for entry in spot.items():
-        if isinstance(entry.node, Table):
+    for entry in cursor.items():
+        if isinstance(entry.node, MappingNode):
             yield entry
         elif empty(entry):
             entry.warning(f"a value is missing here; {LEFT_OUT}")

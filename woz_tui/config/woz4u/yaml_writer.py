@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 
-from woz_tui.config.yaml_nodes import Items, Node, Scalar, Table
+from woz_tui.config.yaml_nodes import ListNode, MappingNode, Node, ScalarNode
 
 _WIDTH = 100
 #: Sections, panels and what stands in a robot are never put on one line.
@@ -23,14 +23,14 @@ _RESERVED = frozenset({"true", "false", "yes", "no", "on", "off", "y", "n", "nul
 _ESCAPES = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\t": "\\t", "\r": "\\r"}
 
 
-def written(table: Table, remarks: Mapping[int, str], head: str = "") -> str:
+def yaml_text(table: MappingNode, remarks: Mapping[int, str], head: str = "") -> str:
     """The text of a file. `remarks` are comments by the identity of nodes: above a section, behind
     an entry of a list. `head` are the comments at the top.
     """
     lines = [f"# {line}".rstrip() for line in head.splitlines()]
-    writer = _Writer(remarks)
+    writer = _YamlWriter(remarks)
     for name, _, node in table.items():
-        if isinstance(node, Table | Items) and lines:
+        if isinstance(node, MappingNode | ListNode) and lines:
             lines.append("")
         if id(node) in remarks:
             lines.append(f"# {remarks[id(node)]}")
@@ -38,7 +38,7 @@ def written(table: Table, remarks: Mapping[int, str], head: str = "") -> str:
     return "\n".join(lines) + "\n"
 
 
-class _Writer:
+class _YamlWriter:
     def __init__(self, remarks: Mapping[int, str]) -> None:
         self._remarks = remarks
 
@@ -50,12 +50,12 @@ class _Writer:
             yield line
             return
         yield start
-        if isinstance(node, Table):
+        if isinstance(node, MappingNode):
             for inner, _, value in node.items():
                 yield from self.entry(inner, value, depth + 1)
-        elif isinstance(node, Items):
+        elif isinstance(node, ListNode):
             for index, value in enumerate(node.nodes):
-                if index and isinstance(value, Table) and "actions" in value.entries:
+                if index and isinstance(value, MappingNode) and "actions" in value.entries:
                     yield ""
                 yield from self._item(value, depth + 1)
 
@@ -78,32 +78,34 @@ class _Writer:
         yield from inner
 
     def _block(self, node: Node, depth: int) -> Iterator[str]:
-        if isinstance(node, Table):
+        if isinstance(node, MappingNode):
             for name, _, value in node.items():
                 yield from self.entry(name, value, depth)
-        elif isinstance(node, Items):
+        elif isinstance(node, ListNode):
             for value in node.nodes:
                 yield from self._item(value, depth)
 
     def _line(self, start: str, node: Node, depth: int) -> str:
         """All of it on one line; empty if it does not fit or should not stand on one."""
         flow = _flow(node)
-        if isinstance(node, Scalar) or flow in ("{}", "[]"):
+        if isinstance(node, ScalarNode) or flow in ("{}", "[]"):
             return f"{start} {flow}".rstrip()
-        nested = isinstance(node, Table) and depth < _BLOCKS
-        holds = isinstance(node, Items) and any(not isinstance(n, Scalar) for n in node.nodes)
+        nested = isinstance(node, MappingNode) and depth < _BLOCKS
+        holds = isinstance(node, ListNode) and any(
+            not isinstance(n, ScalarNode) for n in node.nodes
+        )
         fits = len(start) + 1 + len(flow) <= _WIDTH
         return f"{start} {flow}" if fits and not nested and not holds else ""
 
 
 def _flow(node: Node) -> str:
     match node:
-        case Table():
+        case MappingNode():
             pairs = (
                 f"{_text(name, plain=False)}: {_flow(value)}" for name, _, value in node.items()
             )
             return "{" + ", ".join(pairs) + "}"
-        case Items():
+        case ListNode():
             return "[" + ", ".join(map(_flow, node.nodes)) + "]"
         case _:
             return _text(node.text, plain=node.plain)

@@ -8,7 +8,7 @@ import struct
 import termios
 from collections.abc import Callable, Mapping
 
-from woz_tui.config.keys.terminals import detected
+from woz_tui.config.keys.terminals import detect_terminal
 from woz_tui.console.camera import kitty
 from woz_tui.console.terminal_monitor import TerminalMonitor
 from woz_tui.console.terminal_output import Output
@@ -21,7 +21,7 @@ PLACEHOLDERS = ("xterm-kitty", "xterm-ghostty")
 
 def question(environment: Mapping[str, str]) -> str:
     """What to ask a terminal that may draw pictures as kitty does; nothing for any other one."""
-    direct = not detected(environment).multiplexer
+    direct = not detect_terminal(environment).multiplexer
     return kitty.QUESTION if direct and environment.get("TERM", "") in PLACEHOLDERS else ""
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from woz_tui.config.keys.console_keys import Builtin
+from woz_tui.config.keys.console_keys import BuiltinKey
 from woz_tui.console import commands as session
 from woz_tui.console.commands import Run, opens
 from woz_tui.console.keyboard import Keyboard
@@ -16,99 +16,108 @@ from woz_tui.protocol.requests import AskMistake, AskReplay
 NEAR_S, FAR_S = 5.0, 60.0
 
 
-def _row(*keys: Builtin, run: Run | None = None, hint: KeyHint | None = None) -> ConsoleCommand:
+def _row(*keys: BuiltinKey, run: Run | None = None, hint: KeyHint | None = None) -> ConsoleCommand:
     return ConsoleCommand(keys, run, hint=hint, users=REPLAY)
 
 
-def _goes(*keys: Builtin, hint: KeyHint | None = None, **more: Any) -> ConsoleCommand:
+def _goes(*keys: BuiltinKey, hint: KeyHint | None = None, **more: Any) -> ConsoleCommand:
     """Moves through the log."""
     return ConsoleCommand(keys, sends=lambda press: AskReplay(**more), hint=hint, users=REPLAY)
 
 
 COMMANDS = (
-    _goes(Builtin("pause", "space", "stand still, go on"), what="pause", hint=KeyHint(1, "pause")),
     _goes(
-        Builtin("step", ".", "to the next line of the log"), what="step", hint=KeyHint(2, "step")
+        BuiltinKey("pause", "space", "stand still, go on"), what="pause", hint=KeyHint(1, "pause")
     ),
     _goes(
-        Builtin("slower", "[", "half the speed, down to 0.25x"),
-        Builtin("slower_too", "<", "half the speed"),
+        BuiltinKey("step", ".", "to the next line of the log"), what="step", hint=KeyHint(2, "step")
+    ),
+    _goes(
+        BuiltinKey("slower", "[", "half the speed, down to 0.25x"),
+        BuiltinKey("slower_too", "<", "half the speed"),
         what="slower",
         hint=KeyHint(3, "slower"),
     ),
     _goes(
-        Builtin("faster", "]", "twice the speed, up to 16x"),
-        Builtin("faster_too", ">", "twice the speed"),
+        BuiltinKey("faster", "]", "twice the speed, up to 16x"),
+        BuiltinKey("faster_too", ">", "twice the speed"),
         what="faster",
         hint=KeyHint(4, "faster"),
     ),
     _goes(
-        Builtin("back", "left", "5 s back"), what="seek", by_s=-NEAR_S, hint=KeyHint(5, "5 s back")
+        BuiltinKey("back", "left", "5 s back"),
+        what="seek",
+        by_s=-NEAR_S,
+        hint=KeyHint(5, "5 s back"),
     ),
-    _goes(Builtin("on", "right", "5 s on"), what="seek", by_s=NEAR_S, hint=KeyHint(6, "5 s on")),
+    _goes(BuiltinKey("on", "right", "5 s on"), what="seek", by_s=NEAR_S, hint=KeyHint(6, "5 s on")),
     _goes(
-        Builtin("far_back", "shift+left", "60 s back"),
-        Builtin("far_back_too", "alt+left", "60 s back"),
+        BuiltinKey("far_back", "shift+left", "60 s back"),
+        BuiltinKey("far_back_too", "alt+left", "60 s back"),
         what="seek",
         by_s=-FAR_S,
     ),
     _goes(
-        Builtin("far_on", "shift+right", "60 s on"),
-        Builtin("far_on_too", "alt+right", "60 s on"),
+        BuiltinKey("far_on", "shift+right", "60 s on"),
+        BuiltinKey("far_on_too", "alt+right", "60 s on"),
         what="seek",
         by_s=FAR_S,
     ),
     _goes(
-        Builtin("mark_back", "pageup", "to the marker, stop, trial ... before"),
+        BuiltinKey("mark_back", "pageup", "to the marker, stop, trial ... before"),
         what="go",
         to="before",
     ),
     _goes(
-        Builtin("mark_on", "pagedown", "to the next marker, stop, trial ..."), what="go", to="next"
+        BuiltinKey("mark_on", "pagedown", "to the next marker, stop, trial ..."),
+        what="go",
+        to="next",
     ),
-    _goes(Builtin("begin", "home", "to the beginning"), what="go", to="start"),
-    _goes(Builtin("end", "end", "to the end"), what="go", to="end"),
+    _goes(BuiltinKey("begin", "home", "to the beginning"), what="go", to="start"),
+    _goes(BuiltinKey("end", "end", "to the end"), what="go", to="end"),
     _row(
-        Builtin("go", "g", "go to a time, or to a marker, stop, trial ..."),
+        BuiltinKey("go", "g", "go to a time, or to a marker, stop, trial ..."),
         run=opens("replay.seek_dialogs:GoDialog"),
         hint=KeyHint(7, "go to"),
     ),
     _row(
-        Builtin("code", "m", "set a code at this moment (with --coder)"),
+        BuiltinKey("code", "m", "set a code at this moment (with --coder)"),
         run=opens("replay.coding_dialogs:CodeDialog"),
     ),
     _row(
-        Builtin("code_note", "n", "write a note about this moment (with --coder)"),
+        BuiltinKey("code_note", "n", "write a note about this moment (with --coder)"),
         run=opens("replay.coding_dialogs:CodeNoteDialog"),
     ),
     ConsoleCommand(
-        (Builtin("code_back", "x", "take your last code or note back (with --coder)"),),
+        (BuiltinKey("code_back", "x", "take your last code or note back (with --coder)"),),
         sends=lambda press: AskMistake(),
         users=REPLAY,
     ),
     _row(
-        Builtin("about", "i", "what this log is, and what is missing in it"),
+        BuiltinKey("about", "i", "what this log is, and what is missing in it"),
         run=opens("replay.replay_info:AboutDialog"),
     ),
     *(replace(command, hint=None) for command in session.COMMANDS if command.serves("replay")),
     _row(
-        Builtin("engagement", "=", "who was there and were they with the robot: the whole model"),
+        BuiltinKey(
+            "engagement", "=", "who was there and were they with the robot: the whole model"
+        ),
         run=opens("screens.engagement:EngagementDialog"),
     ),
-    _row(Builtin("suspend", "ctrl+z", "leave the console for a moment")),
+    _row(BuiltinKey("suspend", "ctrl+z", "leave the console for a moment")),
     _row(
-        Builtin("help", "?", "these keys"),
+        BuiltinKey("help", "?", "these keys"),
         run=opens("replay.replay_info:ReplayHelp"),
         hint=KeyHint(8, "keys"),
     ),
     _row(
-        Builtin("leave", "ctrl+q", "leave; nothing is changed by a replay"),
+        BuiltinKey("leave", "ctrl+q", "leave; nothing is changed by a replay"),
         run=lambda app: app.exit("left"),
         hint=KeyHint(9, "leave"),
     ),
     _row(
-        Builtin("stop", "escape", "closes a dialog; nothing moves in a replay", movable=False),
-        Builtin("stop_too", "ctrl+c", "the same", movable=False),
+        BuiltinKey("stop", "escape", "closes a dialog; nothing moves in a replay", movable=False),
+        BuiltinKey("stop_too", "ctrl+c", "the same", movable=False),
     ),
 )
 

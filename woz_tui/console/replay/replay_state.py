@@ -7,7 +7,7 @@ from datetime import datetime, timedelta
 from typing import NamedTuple
 
 from woz_tui.protocol.requests import Replaying
-from woz_tui.protocol.welcome import Settings
+from woz_tui.protocol.welcome import WelcomeSettings
 
 
 class Place(NamedTuple):
@@ -44,7 +44,7 @@ def following(before: ReplayPicture | None, told: Replaying) -> ReplayPicture:
     return replace(now, places=places)
 
 
-def wall_at(settings: Settings, t: int) -> datetime | None:
+def wall_at(settings: WelcomeSettings, t: int) -> datetime | None:
     """What the clock on the wall said at `t`, in UTC; None where the log does not tell."""
     told = settings.replay
     if not told or not told.ts:

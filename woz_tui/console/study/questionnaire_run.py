@@ -12,7 +12,7 @@ from collections.abc import Callable
 from woz_tui.console.keyboard import HELD_US
 from woz_tui.console.study.questionnaires import Answer, Asked
 from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire
-from woz_tui.protocol.welcome import ENGLISH, Item, QuestionnaireWords
+from woz_tui.protocol.welcome import ENGLISH, QuestionnaireItemView, QuestionnaireWords
 from woz_tui.session.questionnaire_control import LONGEST
 
 #: Steps of the page keys on a wide scale.
@@ -77,7 +77,7 @@ class Round:
     # -- reading ------------------------------------------------------------------------------
 
     @property
-    def item(self) -> Item | None:
+    def item(self) -> QuestionnaireItemView | None:
         """The item shown."""
         items = self.asked.items
         return items[self.position] if self.position < len(items) else None
@@ -215,14 +215,14 @@ class Round:
             return False
         return True
 
-    def _forward(self, item: Item) -> None:
+    def _forward(self, item: QuestionnaireItemView) -> None:
         if item.name in self.asked.answers:
             self._on()
         else:
             words = self.words
             self.complaint = words.answer_or_skip if item.optional else words.answer_first
 
-    def _scale(self, item: Item, key: str) -> bool:
+    def _scale(self, item: QuestionnaireItemView, key: str) -> bool:
         step = {"left": -1, "right": 1, "pagedown": -_LEAP, "pageup": _LEAP}.get(key)
         if _is_digit(key) or (key == "-" and item.low < 0):
             self._type(item, key)
@@ -240,7 +240,7 @@ class Round:
             return False
         return True
 
-    def _move(self, item: Item, step: int) -> None:
+    def _move(self, item: QuestionnaireItemView, step: int) -> None:
         """The first press of an arrow sets the mark on the end it comes from."""
         start = item.low if step > 0 else item.high
         self._move_to(start if self.mark is None else self.mark + step)
@@ -250,7 +250,7 @@ class Round:
         if item is not None:
             self.mark, self.typed, self.complaint = min(item.high, max(item.low, value)), "", ""
 
-    def _type(self, item: Item, digit: str) -> None:
+    def _type(self, item: QuestionnaireItemView, digit: str) -> None:
         """A digit answers at once where each point is one; else enter follows the number."""
         typed = self.typed + digit
         fits = any(_begins(value, typed) for value in range(item.low, item.high + 1))
@@ -263,12 +263,12 @@ class Round:
         else:
             self._set_typed(item, typed)
 
-    def _set_typed(self, item: Item, typed: str) -> None:
+    def _set_typed(self, item: QuestionnaireItemView, typed: str) -> None:
         value = _number(typed)
         self.typed, self.complaint = typed, ""
         self.mark = value if value is not None and item.low <= value <= item.high else None
 
-    def _confirm(self, item: Item) -> None:
+    def _confirm(self, item: QuestionnaireItemView) -> None:
         """Not with nothing chosen: an enter too many must leave nothing out."""
         if self.mark is not None:
             self._take(item, Answer(self.mark))
@@ -276,7 +276,7 @@ class Round:
             words = self.words.number_or_skip if item.optional else self.words.number
             self.complaint = words.format(low=item.low, high=item.high)
 
-    def _skip(self, item: Item) -> None:
+    def _skip(self, item: QuestionnaireItemView) -> None:
         if item.optional:
             self._take(item, Answer(skipped=True))
         else:
@@ -296,7 +296,7 @@ class Round:
 
     # -- answers ------------------------------------------------------------------------------
 
-    def _take(self, item: Item, answer: Answer) -> None:
+    def _take(self, item: QuestionnaireItemView, answer: Answer) -> None:
         request = AskAnswer(
             questionnaire=self.asked.name,
             item=item.name,

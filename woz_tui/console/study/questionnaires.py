@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import msgspec
 
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.welcome import Item, Questionnaire
+from woz_tui.protocol.welcome import QuestionnaireItemView, QuestionnaireView
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +30,7 @@ class Answer:
 class Asked:
     """A questionnaire that is put to somebody; answers by item."""
 
-    questionnaire: Questionnaire
+    questionnaire: QuestionnaireView
     answers: dict[str, Answer] = field(default_factory=dict)
 
     @property
@@ -39,7 +39,7 @@ class Asked:
         return self.questionnaire.name
 
     @property
-    def items(self) -> tuple[Item, ...]:
+    def items(self) -> tuple[QuestionnaireItemView, ...]:
         """What is asked."""
         return self.questionnaire.items
 
@@ -59,10 +59,10 @@ class Asked:
         return next(open_items, len(self.items))
 
 
-def items_of(told: object) -> tuple[Item, ...]:
+def items_of(told: object) -> tuple[QuestionnaireItemView, ...]:
     """The items of one, as a message has them; those that cannot be read are left out."""
-    found: list[Item] = []
+    found: list[QuestionnaireItemView] = []
     for one in told if isinstance(told, list | tuple) else ():
         with contextlib.suppress(msgspec.ValidationError):
-            found.append(msgspec.convert(one, Item))
+            found.append(msgspec.convert(one, QuestionnaireItemView))
     return tuple(found)

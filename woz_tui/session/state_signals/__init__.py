@@ -15,7 +15,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from woz_tui.config.experiment import Action, Call, Experiment, Place, Together
+from woz_tui.config.experiment import Action, Call, Experiment, FilePosition, ParallelCalls
 from woz_tui.drivers.contract import Verb
 from woz_tui.protocol.messages import Json
 
@@ -71,7 +71,7 @@ def default_signals(experiment: Experiment) -> dict[str, tuple[Call, ...]]:
     engagement = experiment.engagement
     if engagement is None or engagement.settings.signals == "none":
         return {}
-    place = Place(str(experiment.path), 1, 1)
+    place = FilePosition(str(experiment.path), 1, 1)
     return {
         situation: tuple(
             Call(verb.name, fitting, driver, place)
@@ -143,7 +143,7 @@ def _said(experiment: Experiment, situation: str) -> set[tuple[str, str]]:
         for action in actions
         if action is not None
         for step in action.steps
-        if isinstance(step, Together)
+        if isinstance(step, ParallelCalls)
         for call in step.calls
     }
 

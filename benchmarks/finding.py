@@ -39,7 +39,7 @@ from woz_tui.console.screens.find import FindDialog
 from woz_tui.protocol.panels import ActionView
 from woz_tui.protocol.requests import AskAction, Welcome
 from woz_tui.protocol.wizard_messages import PhaseChanged
-from woz_tui.session.participant_identity import Identity
+from woz_tui.session.participant_identity import SessionIdentity
 
 #: Seconds: to press a key, to know what to press.
 K, M = 0.28, 1.35
@@ -162,7 +162,7 @@ def _length(text: str) -> tuple[int, str]:
 def attached(experiment: Path) -> Welcome:
     """What a console hears that attaches a second after the session began."""
     conditions = load(experiment, demo_session.catalogue()).conditions
-    who = Identity(participant="P01", condition=next(iter(conditions), ""))
+    who = SessionIdentity(participant="P01", condition=next(iter(conditions), ""))
     return demo_session.demo((), 1.0, str(experiment.with_suffix("")), who=who)
 
 

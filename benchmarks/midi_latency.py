@@ -32,7 +32,7 @@ from woz_tui.drivers.plugins import installed
 from woz_tui.log.recorder import Recorder
 from woz_tui.motion.body_feeds import SETPOINTS, Setpoints
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import Identity
+from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock
 
@@ -146,7 +146,11 @@ async def session(folder: Path, hand: Hand, device: str, rate: float) -> tuple[i
     clock = RealClock()
     recorder = Recorder(folder, "it", clock, on_state=lambda state: None)
     made = Session(
-        load(experiment(folder, device, rate), catalogue), catalogue, Identity(), recorder, clock
+        load(experiment(folder, device, rate), catalogue),
+        catalogue,
+        SessionIdentity(),
+        recorder,
+        clock,
     )
     ends: list[m.AnyMessage] = []
     made.hub.listen(lambda message: ends.append(message) if isinstance(message, m.End) else None)

@@ -22,18 +22,18 @@ from tests.fakes.virtual_time import LoopClock, run_virtual
 from tools import EXPERIMENTS
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Driver, DriverContext
-from woz_tui.host.experiment_view import Shown, plan_of
+from woz_tui.host.experiment_view import ExperimentView, plan_of
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import PROTOCOL, Welcome
-from woz_tui.session.action_runner import Origin
-from woz_tui.session.participant_identity import AskError, Identity
+from woz_tui.session.action_runner import RequestOrigin
+from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock
 
 LOG = "recordings/2026-03-01T10-00-00_P07_S01.jsonl"
-KEY = Origin("key", "", "con1")
+KEY = RequestOrigin("key", "", "con1")
 #: How far the log lags behind in the picture; the real figure depends on the disk.
 LAG_US = 4_000
 
@@ -64,7 +64,7 @@ def play(name: str) -> Callable[[Session], object]:
     """The action's key; what is refused is in the log."""
 
     def press(session: Session) -> None:
-        with contextlib.suppress(AskError):
+        with contextlib.suppress(RequestError):
             session.play(name, KEY)
 
     return press
@@ -72,7 +72,7 @@ def play(name: str) -> Callable[[Session], object]:
 
 def space(session: Session) -> object:
     """The script's next line."""
-    return session.script_next(Origin("script", "space", "con1"))
+    return session.script_next(RequestOrigin("script", "space", "con1"))
 
 
 WORKING: tuple[Step, ...] = (
@@ -131,9 +131,9 @@ INTERVIEW_MOMENT = 28.4
 
 #: The guide by itself: a visitor has asked something, the robot thinks.
 GUIDE_MOMENT = 171.4
-WARM = Identity(participant="P07", condition="warm", wizard="W2", seed=7)
-TALKING = Identity(participant="P01", condition="empathic", wizard="W2", seed=7)
-ALONE = Identity(participant="G01", condition="alone", wizard="W2", seed=7)
+WARM = SessionIdentity(participant="P07", condition="warm", wizard="W2", seed=7)
+TALKING = SessionIdentity(participant="P01", condition="empathic", wizard="W2", seed=7)
+ALONE = SessionIdentity(participant="G01", condition="alone", wizard="W2", seed=7)
 
 
 def demo(
@@ -141,7 +141,7 @@ def demo(
     moment: float = MOMENT,
     experiment: str = "demo",
     watch: Callable[[Session], None] = lambda session: None,
-    who: Identity = WARM,
+    who: SessionIdentity = WARM,
     *,
     log: Path | None = None,
 ) -> Welcome:
@@ -158,7 +158,7 @@ async def _demo(
     moment: float,
     file: Path,
     watch: Callable[[Session], None],
-    who: Identity,
+    who: SessionIdentity,
     *,
     log: Path,
 ) -> Welcome:
@@ -184,7 +184,7 @@ async def _demo(
 
 def welcome(session: Session) -> Welcome:
     """What a console is told that attaches now."""
-    plan = plan_of(Shown.of(session))
+    plan = plan_of(ExperimentView.of(session))
     return Welcome(
         protocol=PROTOCOL,
         console="con1",

@@ -29,7 +29,7 @@ from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.theme import DARK
 from woz_tui.protocol.messages import AnyMessage
 from woz_tui.protocol.requests import Welcome
-from woz_tui.session.participant_identity import Identity
+from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session import Session
 
 #: A cell in the picture's units, and what is left free around them.
@@ -59,7 +59,7 @@ class Film:
     #: The whole screen, and which keys the wizard presses there (what they do is among the steps);
     #: without any, it shows the body pane alone.
     keys: tuple[tuple[float, str], ...] = ()
-    who: Identity = WARM
+    who: SessionIdentity = WARM
 
 
 #: When the wizard presses space in the show.

@@ -25,7 +25,7 @@ from woz_tui.config.loading import load
 from woz_tui.log import log_reader
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import Identity
+from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock
 
@@ -57,7 +57,7 @@ async def _played(
     drivers = catalogue()
     # The disk works in real time.
     recorder = Recorder(folder, "guide", RealClock(), spill=folder / SPILL)
-    identity = Identity(participant="G01", condition="alone", wizard="W1", seed=1)
+    identity = SessionIdentity(participant="G01", condition="alone", wizard="W1", seed=1)
     session = Session(load(GUIDE, drivers), drivers, identity, recorder, clock)
     heard: list[m.AnyMessage] = []
     session.hub.listen(heard.append)

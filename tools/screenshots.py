@@ -25,7 +25,7 @@ from woz_tui.console.message_feed import MessageFeed
 from woz_tui.console.replay.replay_app import ReplayConsole
 from woz_tui.console.replay.replay_commands import ReplayKeyboard
 from woz_tui.console.theme import Appearance
-from woz_tui.host.experiment_view import Shown, plan_for_log
+from woz_tui.host.experiment_view import ExperimentView, plan_for_log
 from woz_tui.log.log_index import LogIndex
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AnyRequest, Welcome
@@ -98,7 +98,7 @@ def replayed() -> MessageFeed:
 
 
 def _shown(session: Session) -> None:
-    session.hub.publish(plan_for_log(Shown.of(session)))
+    session.hub.publish(plan_for_log(ExperimentView.of(session)))
 
 
 class _Still(ScriptedFeed):

@@ -25,7 +25,7 @@ from woz_tui.config.session_verbs import PERFORMERS
 from woz_tui.export.event_extraction import EventExtractor
 from woz_tui.export.event_model import ExportSession
 from woz_tui.export.tiers import TierSpan, tiers_of
-from woz_tui.log.log_reader import Line
+from woz_tui.log.log_reader import LogLine
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.state_machine import ENGAGED
@@ -110,7 +110,7 @@ def exported(messages: Iterable[m.AnyMessage]) -> ExportSession:
         raw = codec.encode(message)
         fields = codec.decode_unknown(raw)
         kind = str(fields["kind"])
-        extractor.take(message, Line(message.seq, message.t, "", kind, fields, raw, message))
+        extractor.take(message, LogLine(message.seq, message.t, "", kind, fields, raw, message))
     extractor.finish()
     return extractor.session
 

@@ -13,7 +13,7 @@ import pytest
 
 from tests.fakes.terminal import FakeTerminal
 from woz_tui.cli import attach
-from woz_tui.host import socket_place
+from woz_tui.host import session_sockets
 
 
 @pytest.fixture
@@ -21,8 +21,8 @@ def sessions(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[P
     """Two robot processes' sockets."""
     monkeypatch.delenv("WOZ_SOCKET", raising=False)
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-    paths = [socket_place.socket_path("S01"), socket_place.socket_path("S02")]
-    listeners: list[socket.socket] = [socket_place.bind(path) for path in paths]
+    paths = [session_sockets.socket_path("S01"), session_sockets.socket_path("S02")]
+    listeners: list[socket.socket] = [session_sockets.bind(path) for path in paths]
     yield paths
     for listener in listeners:
         listener.close()
@@ -71,7 +71,7 @@ def test_a_robot_process_that_ends_before_the_console_opens_is_told_in_a_sentenc
     tmp_path: Path, words: list[str]
 ) -> None:
     path = tmp_path / "s"
-    listener = socket_place.bind(path)
+    listener = session_sockets.bind(path)
     listener.setblocking(True)
 
     def answer_once() -> None:  # whoever looks whether it is there; then it is killed

@@ -25,14 +25,14 @@ from woz_tui.log.log_reader import Damage
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_model import Transition
-from woz_tui.session.action_runner import Origin
-from woz_tui.session.participant_identity import AskError, Identity
+from woz_tui.session.action_runner import RequestOrigin
+from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock
 
 GUIDE = EXPERIMENTS / "guide.yaml"
 SECONDS = 240.0
-WIZARD = Origin("key", "k", "con1")
+WIZARD = RequestOrigin("key", "k", "con1")
 
 Path_ = list[tuple[str, str, str, str, str, str, bool]]
 
@@ -77,7 +77,7 @@ async def _meddle(session: Session, seed: int) -> None:
                 session.adopt(chance.choice(_editions()), ["engagement"])
             else:
                 session.play(chance.choice(names), WIZARD)
-        except AskError:
+        except RequestError:
             continue
 
 
@@ -86,7 +86,7 @@ async def _recorded(folder: Path, seed: int | None) -> Path:
     drivers = catalogue()
     # The disk's time is real: in virtual time it would seem to stall, and the log would move on.
     recorder = Recorder(folder, "2026-03-01T10-00-00_G01_S01", RealClock(), spill=folder / "more")
-    identity = Identity(participant="G01", condition="alone", wizard="W1", seed=1)
+    identity = SessionIdentity(participant="G01", condition="alone", wizard="W1", seed=1)
     session = Session(load(GUIDE, drivers), drivers, identity, recorder, LoopClock(loop))
     await session.open()
     meddling = None if seed is None else loop.create_task(_meddle(session, seed))

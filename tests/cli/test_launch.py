@@ -15,8 +15,8 @@ from tests.fakes.terminal import ROOT
 from tests.host.rude import installed
 from woz_tui.cli import main
 from woz_tui.cli.host_start import Launch, LaunchError, host_arguments
-from woz_tui.host import socket_place
-from woz_tui.host.socket_place import next_session
+from woz_tui.host import session_sockets
+from woz_tui.host.session_sockets import next_session
 
 pytestmark = pytest.mark.real_clock
 
@@ -54,7 +54,7 @@ def test_it_says_where_it_listens_whatever_a_library_prints(
 ) -> None:
     started.append(launch(tmp_path, rudeness))
     robot = started[0].wait()
-    assert socket_place.answers(robot.socket)
+    assert session_sockets.answers(robot.socket)
     assert robot.log.parent == tmp_path / "rec"
     assert robot.host_log.exists()
     os.kill(robot.pid, 0)
@@ -65,7 +65,7 @@ def test_it_does_not_belong_to_the_terminal(tmp_path: Path, started: list[Launch
     robot = started[0].wait()
     assert os.getsid(robot.pid) != os.getsid(0)
     os.kill(robot.pid, signal.SIGHUP)
-    assert socket_place.answers(robot.socket)
+    assert session_sockets.answers(robot.socket)
 
 
 @pytest.mark.parametrize(
@@ -100,7 +100,7 @@ def test_a_second_one_at_the_same_socket_is_refused(tmp_path: Path, started: lis
     second = Launch([str(tmp_path / "rude.yaml"), "--recordings", str(tmp_path / "rec")])
     with pytest.raises(LaunchError, match=r"session .* is running"):
         second.wait()
-    assert socket_place.answers(robot.socket)
+    assert session_sockets.answers(robot.socket)
 
 
 # -- what is told without starting anything --------------------------------------------------
@@ -168,7 +168,7 @@ def test_the_robot_process_runs_no_module_of_the_current_folder(
     tmp_path: Path, modules: Path, started: list[Launch]
 ) -> None:
     started.append(launch(tmp_path))
-    assert socket_place.answers(started[0].wait().socket)
+    assert session_sockets.answers(started[0].wait().socket)
     assert not (modules / "run").exists()
 
 

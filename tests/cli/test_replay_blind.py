@@ -17,7 +17,7 @@ from woz_tui.cli import main
 from woz_tui.cli.rerun_headless import Progress
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
-from woz_tui.host.experiment_view import Shown, plan_of
+from woz_tui.host.experiment_view import ExperimentView, plan_of
 from woz_tui.protocol import messages as m
 from woz_tui.replay.experiment_origin import _places
 from woz_tui.session.redactor import Redactor
@@ -69,7 +69,7 @@ def log(folder: Path, *messages: Timed, plan: bool = True) -> Path:
         seed=3,
         clock={},
     )
-    shown = plan_of(Shown(read, installed(), values=dict(read.variables)))
+    shown = plan_of(ExperimentView(read, installed(), values=dict(read.variables)))
     beginning: list[Timed] = [(0, start), (0, experiment_files(read))]
     return written(folder / LOG, [*beginning, *([(0, shown)] if plan else []), *messages, (9, END)])
 
@@ -149,7 +149,7 @@ def test_the_commands_of_then_are_shown_as_the_wizard_saw_them(
 def test_so_are_they_while_it_runs_without_a_console(tmp_path: Path) -> None:
     log(tmp_path)
     read = load(tmp_path / "small.yaml", installed())
-    study = plan_of(Shown(read, installed(), values=dict(read.variables))).settings.study
+    study = plan_of(ExperimentView(read, installed(), values=dict(read.variables))).settings.study
     long = command("c1", args={"text": "Good day. " * 9}, source="replay", **TELLING)
     sent = m.RerunSent(command="c1", original_command="c9", due=0, late_us=0)
     progress = Progress(redactor=Redactor(study))

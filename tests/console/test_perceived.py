@@ -15,7 +15,7 @@ from woz_tui.console.console_state import ConsoleState
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.welcome import PerceptionView, StudySettings
-from woz_tui.session.redactor import Perception, Redactor, dots, kind_of
+from woz_tui.session.redactor import PerceptionLimits, Redactor, dots, perceived_kind
 
 NOW, SECOND = scenes.NOW, scenes.SECOND
 EVERYTHING = ["transcript", "distance", "loudness", "presence", "gaze", "identity", "direction"]
@@ -199,7 +199,7 @@ def kept(*what: str) -> Redactor:
     ],
 )
 def test_what_a_sensor_tells(sensor: str, kind: str) -> None:
-    assert kind_of(sensor) == kind
+    assert perceived_kind(sensor) == kind
 
 
 @pytest.mark.parametrize(
@@ -263,8 +263,8 @@ def test_the_checks_of_the_robot_tell_no_value() -> None:
 
 
 def test_what_nobody_knows_cannot_be_hidden() -> None:
-    assert not Perception(["tea"], ["cake"])
-    assert Perception(["distance"], ["distance"]).blurred == frozenset()
+    assert not PerceptionLimits(["tea"], ["cake"])
+    assert PerceptionLimits(["distance"], ["distance"]).blurred == frozenset()
 
 
 def test_a_picture_never_holds_what_is_hidden() -> None:

@@ -14,7 +14,7 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.protocol.welcome import StudySettings, WelcomeSettings
-from woz_tui.session.variables import UNTOLD
+from woz_tui.session.variables import HIDDEN_TEXT
 
 NOW = scenes.NOW
 KRILL = "Whales eat four tonnes of krill a day."
@@ -39,7 +39,14 @@ FILLED = m.ActionsFilled(
             [call("gaze", args={"yaw": 0.0})],
         ],
         "Secret": [
-            [call("say", args={"text": UNTOLD}, tells=["condition"], unfilled={"text": UNTOLD})]
+            [
+                call(
+                    "say",
+                    args={"text": HIDDEN_TEXT},
+                    tells=["condition"],
+                    unfilled={"text": HIDDEN_TEXT},
+                )
+            ]
         ],
     },
 )
@@ -124,11 +131,11 @@ async def test_a_repair_is_found_and_peeked_at_by_what_it_says() -> None:
 async def test_the_finder_has_no_hit_for_what_is_kept() -> None:
     async with sitting(guide(blind=True)) as seat:
         await opened(seat, "FindDialog")
-        await seat.type(UNTOLD)
+        await seat.type(HIDDEN_TEXT)
         assert not any("Secret" in line for line in found(seat))
         await seat.press("backspace", "backspace", "backspace")
         await seat.type("secret")
-        assert UNTOLD not in found(seat)[0]
+        assert HIDDEN_TEXT not in found(seat)[0]
 
 
 async def test_a_peek_shows_steps_and_sentence_and_plays_nothing() -> None:
@@ -188,7 +195,7 @@ async def test_the_event_row_of_what_was_said_has_the_text() -> None:
 
 async def test_how_long_a_kept_text_took_is_kept_too() -> None:
     async with sitting(guide(blind=True), size=(160, 50)) as seat:
-        told = pressed("a1", "Secret", UNTOLD, ("condition",))
+        told = pressed("a1", "Secret", HIDDEN_TEXT, ("condition",))
         await seat.tell(*told, m.ActionDone(run="a1", action="Secret", t=NOW + 2_400_000))
         row = seat.text("EventList").splitlines()[1]
         assert row.split()[1:] == ["✓", "Secret"]
@@ -196,12 +203,12 @@ async def test_how_long_a_kept_text_took_is_kept_too() -> None:
 
 async def test_what_depends_on_the_condition_is_just_running() -> None:
     """Also while a gesture beside it has a length that anybody may know."""
-    secret = [call("say", args={"text": UNTOLD}, tells=["condition"]), call("play", args={})]
+    secret = [call("say", args={"text": HIDDEN_TEXT}, tells=["condition"]), call("play", args={})]
     filled = msgspec.structs.replace(FILLED, actions={"Secret": [secret]})
     wave = m.Command(command="c2", run="a1", verb="play", args={}, source="key", t=NOW, seq=9002)
     for blind in (True, False):
         async with sitting(guide(filled, blind=blind), size=(160, 50)) as seat:
-            told = pressed("a1", "Secret", UNTOLD, ("condition",))
+            told = pressed("a1", "Secret", HIDDEN_TEXT, ("condition",))
             begun = m.Dispatched(command="c2", driver="robot", latency_us=0, t=NOW)
             await seat.tell(*told, wave, begun)
             await seat.tell(m.Progress(command="c2", expected_us=2_000_000, t=NOW))
@@ -231,7 +238,7 @@ def pressed(run: str, action: str, text: str, tells: tuple[str, ...] = ()) -> li
             driver="voice",
             source="key",
             tells=tells,
-            unfilled={"text": UNTOLD} if tells else {},
+            unfilled={"text": HIDDEN_TEXT} if tells else {},
             t=NOW,
             seq=9001,
         ),

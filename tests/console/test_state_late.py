@@ -17,7 +17,7 @@ from tests.timeline.courses import damaged, plan, recordings, start
 from tests.timeline.courses import stamped as stamped_again
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.protocol import messages as m
-from woz_tui.session.recent_lines import Recent
+from woz_tui.session.recent_messages import RecentMessages
 from woz_tui.session.session_plan import welcome
 from woz_tui.timeline.session_state import SessionState
 
@@ -34,7 +34,7 @@ def engagement(was: str, now: str) -> m.EngagementChanged:
 
 def greeted(messages: list[m.AnyMessage], *, recent: bool) -> ConsoleState:
     """A console that attaches when all this is over, with or without the last lines."""
-    state, lines = SessionState(), Recent()
+    state, lines = SessionState(), RecentMessages()
     for message in messages:
         state.take(message)
         lines.take(message)
@@ -145,7 +145,7 @@ def test_what_is_older_than_the_last_lines_comes_before_them() -> None:
 # -- random courses -------------------------------------------------------------------------------
 
 
-def welcomed(state: SessionState, recent: Recent) -> ConsoleState:
+def welcomed(state: SessionState, recent: RecentMessages) -> ConsoleState:
     """A console that attaches now."""
     assert state.plan is not None
     told = welcome(state.plan, console="con9", role="wizard", seq=0, t=state.t, log="")
@@ -168,7 +168,7 @@ def compared(course: list[m.AnyMessage], first: float, second: float) -> Iterato
     kept = [(each.t, each) for each in course if not isinstance(each, apart)]
     course = stamped_again([(0, start()), (0, plan()), *kept])
     early, late = sorted(2 + round(share * (len(course) - 2)) for share in (first, second))
-    state, recent, there = SessionState(), Recent(), ConsoleState()
+    state, recent, there = SessionState(), RecentMessages(), ConsoleState()
     for place, message in enumerate(course, start=1):
         state.take(message)
         recent.take(message)

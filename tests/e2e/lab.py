@@ -23,7 +23,7 @@ from typing import Any
 import psutil
 
 from tests.fakes.terminal import ROOT, WAIT_S, FakeTerminal
-from woz_tui.host.socket_place import answers
+from woz_tui.host.session_sockets import answers
 from woz_tui.log import log_reader
 from woz_tui.log.line_reader import decode
 
@@ -180,10 +180,10 @@ class Log:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._read: list[log_reader.Line] = []
+        self._read: list[log_reader.LogLine] = []
         self._bytes = 0
 
-    def lines(self, kind: str = "", **fields: object) -> list[log_reader.Line]:
+    def lines(self, kind: str = "", **fields: object) -> list[log_reader.LogLine]:
         """All lines, or those of one kind whose fields have these values."""
         self._read_on()
         return [
@@ -203,7 +203,7 @@ class Log:
         found = (decode(raw) for raw in whole.splitlines())
         self._read += [line for line in found if line is not None and line.seq >= 0]
 
-    def wait(self, kind: str, count: int = 1, **fields: object) -> log_reader.Line:
+    def wait(self, kind: str, count: int = 1, **fields: object) -> log_reader.LogLine:
         """The `count`th line of this kind, as soon as it is there."""
         what = f"line {count} of {kind} {fields}"
         try:
@@ -212,15 +212,15 @@ class Log:
             tail = "\n".join(line.raw.decode() for line in self.lines()[-25:])
             raise AssertionError(f"{error}; the log ends with\n{tail}") from None
         line = found[count - 1]
-        assert isinstance(line, log_reader.Line)
+        assert isinstance(line, log_reader.LogLine)
         return line
 
-    def end_of(self, line: log_reader.Line) -> int:
+    def end_of(self, line: log_reader.LogLine) -> int:
         """Bytes of the file up to and including `line`."""
         data = self.path.read_bytes()
         return data.index(line.raw) + len(line.raw) + 1
 
-    def whole(self) -> tuple[list[log_reader.Line], log_reader.Damage]:
+    def whole(self) -> tuple[list[log_reader.LogLine], log_reader.Damage]:
         """Every line of every file of the session, and what was wrong with them."""
         damage = log_reader.Damage()
         return list(log_reader.read(self.path, damage)), damage

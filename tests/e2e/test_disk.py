@@ -21,7 +21,7 @@ def test_full_disk(lab: Lab) -> None:
     first = lab.log.path
     damage = log_reader.Damage()
 
-    def everything() -> list[log_reader.Line]:
+    def everything() -> list[log_reader.LogLine]:
         nonlocal damage
         damage = log_reader.Damage()
         return list(log_reader.read(first, damage, places=[spill]))

@@ -13,12 +13,12 @@ from typing import Any
 from tests.session.rig import Puppet, experiment
 from woz_tui.config.experiment import Experiment, SessionSettings
 from woz_tui.drivers.contract import Driver
-from woz_tui.host.request_handlers import Desk
-from woz_tui.host.server import Host
-from woz_tui.host.socket_place import bind
+from woz_tui.host.request_handlers import RequestHandlers
+from woz_tui.host.server import SessionServer
+from woz_tui.host.session_sockets import bind
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import Identity
+from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session import Session
 from woz_tui.session.typed_actions import Reader
 from woz_tui.system.clock import RealClock
@@ -75,7 +75,7 @@ class Peer:
 class Served:
     """The host, its session and where to connect."""
 
-    def __init__(self, host: Host, path: Path, lines: list[m.AnyMessage]) -> None:
+    def __init__(self, host: SessionServer, path: Path, lines: list[m.AnyMessage]) -> None:
         self.host = host
         self.session = host.session
         self.path = path
@@ -134,14 +134,16 @@ async def served(
     session = Session(
         made,
         catalogue or {"puppet": Puppet},
-        Identity(participant="P07", condition="warm"),
+        SessionIdentity(participant="P07", condition="warm"),
         recorder,
         clock,
     )
     lines: list[m.AnyMessage] = []
     session.hub.listen(lines.append)
     path = path or tmp_path / "s"
-    host = Host(session, path, Desk(session, load or (lambda: made), read), pulse_s=0.05)
+    host = SessionServer(
+        session, path, RequestHandlers(session, load or (lambda: made), read), pulse_s=0.05
+    )
     await session.open()
     host.listen(bind(path))
     place = Served(host, path, lines)

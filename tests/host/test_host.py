@@ -11,7 +11,7 @@ from tests.host.rig import Peer, served
 from tests.session.rig import Puppet
 from woz_tui.config.experiment import SessionSettings
 from woz_tui.host.panel_views import joint_limits
-from woz_tui.host.socket_place import PlaceError, bind
+from woz_tui.host.session_sockets import SessionSocketError, bind
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 
@@ -248,7 +248,7 @@ def test_the_socket_is_private_and_a_dead_one_is_replaced(tmp_path: Path) -> Non
     assert path.exists()
     with bind(path) as listener:
         assert stat.S_IMODE(path.stat().st_mode) == 0o600
-        with pytest.raises(PlaceError, match="is running"):
+        with pytest.raises(SessionSocketError, match="is running"):
             bind(path)
         assert listener.fileno() >= 0
 

@@ -15,7 +15,7 @@ from PIL import Image
 from tests.console.camera.filmed import Pixels, room
 from tests.console.camera.sixel_reader import read_sixel
 from woz_tui.host.colour_palette import quantised
-from woz_tui.host.picture_scaling import drawn, fitting, png, scaled
+from woz_tui.host.picture_scaling import encoded, fitting, png, scaled
 from woz_tui.host.sixel import sixels
 from woz_tui.protocol.camera_pictures import Picture
 
@@ -89,14 +89,14 @@ def test_a_room_in_64_colours_still_looks_like_it() -> None:
 @pytest.mark.parametrize("wanted", ["rgb", "png"])
 def test_nothing_is_enlarged_that_the_terminal_can_enlarge(wanted: str) -> None:
     made = room(20, 15)
-    width, height, data = drawn(Picture(0, 20, 15, made.tobytes()), 640, 480, wanted)  # type: ignore[arg-type]
+    width, height, data = encoded(Picture(0, 20, 15, made.tobytes()), 640, 480, wanted)  # type: ignore[arg-type]
     assert (width, height) == (20, 15)
     assert len(base64.b64decode(data)) < 2000
 
 
 def test_a_sixel_picture_fills_the_room() -> None:
     made = room(20, 15)
-    width, height, data = drawn(Picture(0, 20, 15, made.tobytes()), 200, 900, "sixel")
+    width, height, data = encoded(Picture(0, 20, 15, made.tobytes()), 200, 900, "sixel")
     assert (width, height) == (200, 150)
     assert read_sixel(data).shape == (150, 200, 3)
 
@@ -104,4 +104,4 @@ def test_a_sixel_picture_fills_the_room() -> None:
 @pytest.mark.parametrize("size", [(0, 0), (2, 2), (1, 0)])
 def test_a_picture_of_another_size_than_it_says(size: tuple[int, int]) -> None:
     with pytest.raises(ValueError, match="9 bytes"):
-        drawn(Picture(0, *size, bytes(9)), 10, 10, "rgb")
+        encoded(Picture(0, *size, bytes(9)), 10, 10, "rgb")

@@ -19,8 +19,8 @@ import pytest
 from tests.fakes.terminal import ROOT
 from tests.host.rude import installed
 from woz_tui.cli.host_start import Launch
-from woz_tui.host.socket_place import answers
-from woz_tui.log.file_names import present, session_code
+from woz_tui.host.session_sockets import answers
+from woz_tui.log.file_names import current_path, session_code
 
 pytestmark = pytest.mark.real_clock
 
@@ -248,7 +248,7 @@ def test_the_chosen_participant_stands_in_the_names_of_the_files(
         time_of_start = announced.name.partition("_")[0]
         names = {path.name.removeprefix(time_of_start) for path in (tmp_path / "rec").iterdir()}
         assert names == {f"{name}.jsonl", f"{name}.samples.jsonl", f"{name}.host.log"}
-        assert present(announced).name == f"{time_of_start}{name}.jsonl"
+        assert current_path(announced).name == f"{time_of_start}{name}.jsonl"
         assert host.log()[-1]["kind"] == "session.end"
 
 

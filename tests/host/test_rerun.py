@@ -16,9 +16,9 @@ from woz_tui.config.experiment import SessionSettings
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
 from woz_tui.host import rerun_session as host_rerun
-from woz_tui.host.rerun_session import Rerun, RerunOptions, read_plan, without_model
+from woz_tui.host.rerun_session import RerunOptions, RerunSession, read_plan, without_model
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import AskError
+from woz_tui.session.participant_identity import RequestError
 
 
 def log_of(tmp_path: Path, *verbs: str, every: float = 0.2) -> Path:
@@ -36,9 +36,9 @@ def log_of(tmp_path: Path, *verbs: str, every: float = 0.2) -> Path:
     return written(tmp_path / "original" / LOG, [*lines, (900, END)])
 
 
-def begun(it: Served, log: Path, *, headless: bool = False) -> Rerun:
+def begun(it: Served, log: Path, *, headless: bool = False) -> RerunSession:
     options = RerunOptions(log, headless, wait_s=WAIT_S)
-    rerun = Rerun(it.host, read_plan(options, it.session.experiment), options)
+    rerun = RerunSession(it.host, read_plan(options, it.session.experiment), options)
     rerun.begin_when_ready()
     return rerun
 
@@ -200,9 +200,9 @@ async def test_the_sessions_end_ends_it(tmp_path: Path) -> None:
 async def test_a_log_without_a_command_is_refused(tmp_path: Path) -> None:
     async with served(tmp_path) as it:
         log = written(tmp_path / "original" / LOG, [(0, START), (1, END)])
-        with pytest.raises(AskError, match="no command"):
+        with pytest.raises(RequestError, match="no command"):
             read_plan(RerunOptions(log), it.session.experiment)
-        with pytest.raises(AskError, match=r"must end in \.jsonl"):
+        with pytest.raises(RequestError, match=r"must end in \.jsonl"):
             read_plan(RerunOptions(Path(__file__)), it.session.experiment)
 
 

@@ -12,7 +12,7 @@ from tests.replay.again import written
 from tests.replay.test_plan import END, LOG, START, command, dispatched, done
 from tests.session.rig import experiment
 from woz_tui.host import rerun_session as host_rerun
-from woz_tui.host.rerun_session import Rerun, RerunOptions, read_plan
+from woz_tui.host.rerun_session import RerunOptions, RerunSession, read_plan
 from woz_tui.protocol import messages as m
 
 
@@ -26,9 +26,9 @@ def log_of(tmp_path: Path, driver: str, count: int = 1) -> Path:
     return written(tmp_path / "original" / LOG, [*lines, (900, END)])
 
 
-def begun(it: Served, log: Path, *, headless: bool = True, wait_s: float = 20.0) -> Rerun:
+def begun(it: Served, log: Path, *, headless: bool = True, wait_s: float = 20.0) -> RerunSession:
     options = RerunOptions(log, headless, wait_s=wait_s)
-    rerun = Rerun(it.host, read_plan(options, it.session.experiment), options)
+    rerun = RerunSession(it.host, read_plan(options, it.session.experiment), options)
     rerun.begin_when_ready()
     return rerun
 

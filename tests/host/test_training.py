@@ -15,7 +15,7 @@ from woz_tui.drivers.plugins import installed
 from woz_tui.host import training_session
 from woz_tui.host.training_session import NOBODY, TrainingSession, in_training, without_participant
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import Identity
+from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.training.cue_plan import PlannedCue
 
 STUDY = Path(__file__).parents[2] / "experiments" / "study.yaml"
@@ -88,8 +88,10 @@ async def test_a_session_that_ends_before_it_begins_gives_no_cue(
 async def test_nobody_takes_part_and_every_utterance_can_be_said(tmp_path: Path) -> None:
     async with served(tmp_path) as it:
         made = it.session.experiment
-    assert in_training(Identity(), made) == Identity(participant=NOBODY, condition="warm")
-    assert in_training(Identity(condition="cold"), made).condition == "cold"
+    assert in_training(SessionIdentity(), made) == SessionIdentity(
+        participant=NOBODY, condition="warm"
+    )
+    assert in_training(SessionIdentity(condition="cold"), made).condition == "cold"
 
 
 def test_nobody_is_asked_anything_in_a_training() -> None:

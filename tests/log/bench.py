@@ -13,7 +13,7 @@ import pytest
 from tests.log.disks import FaultyDisk
 from woz_tui.bus.hub import Hub
 from woz_tui.log import recorder
-from woz_tui.log.log_reader import Damage, Line, read
+from woz_tui.log.log_reader import Damage, LogLine, read
 from woz_tui.log.recorder import MEMORY, Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.system.clock import ManualClock
@@ -86,7 +86,7 @@ class Bench:
         until(lambda: any(s.level == level for s in self.states), f"a report of {level}")
         return next(state for state in self.states if state.level == level)
 
-    def lines(self, damage: Damage | None = None) -> list[Line]:
+    def lines(self, damage: Damage | None = None) -> list[LogLine]:
         """Everything a reader finds."""
         files = sorted(self.home.glob("*.jsonl")) + sorted(self.spill.glob("*.jsonl"))
         return list(read(files[0], damage, places=[self.home, self.spill]))

@@ -3,8 +3,8 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.log.log_health import ALARM_US, CALM_US, LEVELS, Gauge, level_of, worse
-from woz_tui.log.unsynced_lines import Backlog
+from woz_tui.log.log_health import ALARM_US, CALM_US, LEVELS, LogHealth, level_of, worse
+from woz_tui.log.unsynced_lines import UnsyncedLines
 
 STEPS = st.lists(
     st.one_of(
@@ -18,7 +18,7 @@ STEPS = st.lists(
 
 @given(STEPS, st.integers(40, 200))
 def test_every_line_is_held_confirmed_or_counted(steps: list[tuple[str, int]], limit: int) -> None:
-    backlog = Backlog(limit)
+    backlog = UnsyncedLines(limit)
     confirmed = 0
     for what, size in steps:
         if what == "push":
@@ -38,7 +38,7 @@ def test_every_line_is_held_confirmed_or_counted(steps: list[tuple[str, int]], l
 
 
 def test_a_line_pushed_out_while_a_file_has_it_is_not_lost() -> None:
-    backlog = Backlog(10)
+    backlog = UnsyncedLines(10)
     for _ in range(3):
         backlog.push(b"123456", 0)
     backlog.confirm(3, 0)
@@ -47,7 +47,7 @@ def test_a_line_pushed_out_while_a_file_has_it_is_not_lost() -> None:
 
 
 def test_a_line_pushed_out_while_no_file_has_it_is_lost() -> None:
-    backlog = Backlog(10)
+    backlog = UnsyncedLines(10)
     backlog.lose_home()
     for _ in range(3):
         backlog.push(b"123456", 0)
@@ -55,7 +55,7 @@ def test_a_line_pushed_out_while_no_file_has_it_is_lost() -> None:
 
 
 def test_the_longest_wait_is_told_once() -> None:
-    backlog = Backlog(100)
+    backlog = UnsyncedLines(100)
     backlog.push(b"a", 0)
     backlog.confirm(1, 300)
     assert backlog.take_worst_us(400) == 300
@@ -72,7 +72,7 @@ def test_the_longest_wait_is_told_once() -> None:
 def test_the_level_is_never_better_than_the_present_calls_for(
     course: list[tuple[int, int, str]],
 ) -> None:
-    gauge, now = Gauge(), 0
+    gauge, now = LogHealth(), 0
     for passed, lag, floor in course:
         now += passed
         before = gauge.level
@@ -86,7 +86,7 @@ def test_the_level_is_never_better_than_the_present_calls_for(
 
 
 def test_a_level_falls_only_after_a_second_of_calm() -> None:
-    gauge = Gauge()
+    gauge = LogHealth()
     gauge.measure(0, ALARM_US, "ok")
     gauge.measure(CALM_US - 1, 0, "ok")
     assert gauge.level == "alarm"
@@ -95,7 +95,7 @@ def test_a_level_falls_only_after_a_second_of_calm() -> None:
 
 
 def test_reports_without_a_change_come_at_most_once_a_second() -> None:
-    gauge = Gauge()
+    gauge = LogHealth()
     reports = 0
     for tenth in range(101):
         gauge.measure(tenth * 100_000, ALARM_US, "ok")

@@ -16,8 +16,8 @@ from tests.log.test_golden import VERSIONS, first
 from tests.log.wounds import ACTIONS, LINES, SAMPLES, note, sample, shown, written
 from woz_tui.log.log_index import LogIndex
 from woz_tui.log.log_reader import Damage
-from woz_tui.log.message_stream import Item, messages
-from woz_tui.log.sample_blocks import State, steady
+from woz_tui.log.message_stream import LogItem, messages
+from woz_tui.log.sample_blocks import SampleState, in_steady_series
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 
@@ -63,7 +63,7 @@ def test_a_sensor_that_spoke_last_long_ago_is_still_known(tmp_path: Path) -> Non
 
 def test_before_anything_was_said(tmp_path: Path) -> None:
     with opened(whole(tmp_path)) as log:
-        assert log.at(-1) == log.at(0) == State()
+        assert log.at(-1) == log.at(0) == SampleState()
         assert list(log.between(-5, -1)) == []
         assert list(log.between(10**12, 10**13)) == []
 
@@ -187,7 +187,7 @@ SPANS = st.lists(
 
 @given(SPANS)
 def test_the_longest_series_that_never_goes_back(spans: list[tuple[int, int]]) -> None:
-    chosen = [span for span, fit in zip(spans, steady(spans), strict=True) if fit]
+    chosen = [span for span, fit in zip(spans, in_steady_series(spans), strict=True) if fit]
     assert all(one[1] <= other[0] for one, other in pairwise(chosen))
     best = [1] * len(spans)
     for place, (low, _) in enumerate(spans):
@@ -198,5 +198,5 @@ def test_the_longest_series_that_never_goes_back(spans: list[tuple[int, int]]) -
 
 def test_items_are_messages(tmp_path: Path) -> None:
     with opened(whole(tmp_path)) as log:
-        found: list[Item] = list(log.between(60, 80))
+        found: list[LogItem] = list(log.between(60, 80))
     assert found == [codec.decode_message(shown(7)), codec.decode_message(sample(8, "presence"))]

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from tests.log.bench import STEM, bench
 from tests.log.wounds import note, sample, written
-from woz_tui.log.log_reader import Damage, Line, files_of, merge, read
+from woz_tui.log.log_reader import Damage, LogLine, files_of, merge, read
 from woz_tui.protocol import messages as m
 
 
@@ -135,4 +135,4 @@ def test_memory_stays_flat(tmp_path: Path) -> None:
 def test_lines_are_values(tmp_path: Path) -> None:
     path = written(tmp_path, note(0))
     assert list(read(path, places=[])) == list(read(path, places=[]))
-    assert isinstance(next(iter(read(path, places=[]))), Line)
+    assert isinstance(next(iter(read(path, places=[]))), LogLine)

@@ -10,32 +10,32 @@ from hypothesis import strategies as st
 from woz_tui.log.file_names import (
     FileName,
     check_code,
+    fallback_folders,
+    file_stem,
     from_folder,
     media_folder,
-    second_places,
     session_code,
-    stem,
 )
 
 WALL = datetime(2026, 3, 1, 10, 0, 0, tzinfo=UTC)
 
 
 def test_a_stem_is_date_participant_and_session() -> None:
-    assert stem(WALL, "P07", "S01") == "2026-03-01T10-00-00_P07_S01"
+    assert file_stem(WALL, "P07", "S01") == "2026-03-01T10-00-00_P07_S01"
 
 
 def test_a_stem_is_in_utc_whatever_the_zone() -> None:
     berlin = timezone(timedelta(hours=1))
-    assert stem(WALL.astimezone(berlin), "P07", "S01") == stem(WALL, "P07", "S01")
+    assert file_stem(WALL.astimezone(berlin), "P07", "S01") == file_stem(WALL, "P07", "S01")
 
 
 def test_a_stem_without_a_participant_leaves_it_out() -> None:
-    assert stem(WALL, "", "S01") == "2026-03-01T10-00-00_S01"
+    assert file_stem(WALL, "", "S01") == "2026-03-01T10-00-00_S01"
 
 
 def test_a_time_without_a_zone_is_refused() -> None:
     with pytest.raises(ValueError, match="time zone"):
-        stem(WALL.replace(tzinfo=None), "P07", "S01")
+        file_stem(WALL.replace(tzinfo=None), "P07", "S01")
 
 
 @pytest.mark.parametrize("code", ["", "Anna Müller", "../P07", "P 7", "P" * 17, "P07\n", "Ä1", "٣"])
@@ -51,7 +51,7 @@ CODES = st.from_regex(r"[A-Za-z0-9]{1,16}", fullmatch=True)
 def test_names_survive_being_written_and_read(
     participant: str, session: str, number: int, samples: bool
 ) -> None:
-    name = FileName(stem(WALL, participant, session), number, samples)
+    name = FileName(file_stem(WALL, participant, session), number, samples)
     assert FileName.parse(str(name)) == name
     assert session_code(name.stem) == session
 
@@ -64,7 +64,7 @@ def test_other_files_are_no_logs() -> None:
 def test_second_places_follow_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_STATE_HOME", "/state")
     monkeypatch.setenv("TMPDIR", "/scratch")
-    state, scratch = second_places()
+    state, scratch = fallback_folders()
     assert state == Path("/state/woz")
     assert scratch.parent == Path("/scratch")
 

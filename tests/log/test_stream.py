@@ -28,15 +28,15 @@ from tests.log.wounds import (
 )
 from woz_tui.log.line_reader import KINDS
 from woz_tui.log.log_index import LogIndex
-from woz_tui.log.log_reader import Damage, Line, read
-from woz_tui.log.message_stream import Item, messages
-from woz_tui.log.sample_blocks import State
+from woz_tui.log.log_reader import Damage, LogLine, read
+from woz_tui.log.message_stream import LogItem, messages
+from woz_tui.log.sample_blocks import SampleState
 from woz_tui.log.verify import verify
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 
 
-def slow(path: Path, *, samples: bool = True) -> tuple[list[Item], list[Line], Damage]:
+def slow(path: Path, *, samples: bool = True) -> tuple[list[LogItem], list[LogLine], Damage]:
     """What the reader of lines finds."""
     damage = Damage()
     lines = list(read(path, damage, places=[], samples=samples))
@@ -50,17 +50,17 @@ def told(damage: Damage) -> dict[str, Any]:
     return asdict(damage) | lists | ({"places": "many"} if full else {})
 
 
-def belongs_to_samples(line: Line) -> bool:
+def belongs_to_samples(line: LogLine) -> bool:
     return line.sample or (line.kind not in KINDS and not line.ts)
 
 
-def state_at(items: list[Item], t_us: int) -> State:
+def state_at(items: list[LogItem], t_us: int) -> SampleState:
     """The state by going through everything."""
     readings = {
         each.sensor: each for each in items if isinstance(each, m.Reading) if each.t <= t_us
     }
     pictures = [each for each in items if isinstance(each, m.EngagementShown) if each.t <= t_us]
-    return State(readings, pictures[-1] if pictures else None)
+    return SampleState(readings, pictures[-1] if pictures else None)
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])

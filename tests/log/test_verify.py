@@ -3,7 +3,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from tests.log.bench import Bench, bench
-from woz_tui.log.verify import Verdict, verify
+from woz_tui.log.verify import Verification, verify
 from woz_tui.protocol import messages as m
 
 
@@ -23,7 +23,7 @@ def act(it: Bench, run: str, ends: int = 1) -> None:
         it.hub.publish(m.ActionDone(run=run, action="nod"))
 
 
-def verdict(it: Bench) -> Verdict:
+def verdict(it: Bench) -> Verification:
     return verify(it.recorder.path, places=[it.home, it.spill])
 
 

@@ -19,10 +19,10 @@ from woz_tui.protocol import messages as m
 from woz_tui.replay.rerun_plan import REPLAY, Plan, plan_of
 from woz_tui.replay.rerun_player import Player
 from woz_tui.replay.robot_compatibility import fitted
-from woz_tui.session.action_runner import Origin
+from woz_tui.session.action_runner import RequestOrigin
 
-KEY = Origin("key", "h", "con1")
-HAND = Origin("key", "h", "con9")
+KEY = RequestOrigin("key", "h", "con1")
+HAND = RequestOrigin("key", "h", "con9")
 NOWHERE = FilePosition("", 0, 0)
 Scenario = Callable[[Stage], Awaitable[None]]
 
@@ -65,7 +65,9 @@ def player_of(stage: Stage, plan: Plan) -> Player:
 
     def send(command: m.Command, on_end: Callable[[m.End], None]) -> m.Command:
         call = Call(command.verb, dict(command.args), command.driver, NOWHERE)
-        return stage.session.runner.send(call, Origin(REPLAY), "queue", None, on_end, like=command)
+        return stage.session.runner.send(
+            call, RequestOrigin(REPLAY), "queue", None, on_end, like=command
+        )
 
     return Player(plan, stage.session.hub, send, stage.session.runner.cancel)
 

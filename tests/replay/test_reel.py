@@ -19,7 +19,7 @@ from tests.replay.logs import (
     stamped,
     story,
 )
-from woz_tui.log.log_reader import Line
+from woz_tui.log.log_reader import LogLine
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import ModelLimits, PerceptionView, WelcomeSettings
@@ -27,7 +27,7 @@ from woz_tui.replay.bookmarks import Cuts, steady
 from woz_tui.replay.legacy_plan import plan_from
 from woz_tui.replay.player import Start
 from woz_tui.replay.recording import Reel
-from woz_tui.session.recent_lines import Recent
+from woz_tui.session.recent_messages import RecentMessages
 from woz_tui.timeline.session_state import SessionState
 
 Timed = tuple[float, m.AnyMessage]
@@ -120,7 +120,7 @@ def test_what_is_kept_on_the_way_changes_nothing(
     index = min(index, len(reel.lines))
     while reel.prepare(chunk):
         pass
-    by_hand, recent = SessionState(), Recent()
+    by_hand, recent = SessionState(), RecentMessages()
     for line in reel.lines[:index]:
         assert not isinstance(line, dict)
         by_hand.take(line)
@@ -132,7 +132,7 @@ def test_what_is_kept_on_the_way_changes_nothing(
 def test_unknown_kinds_are_handed_on_and_disturb_nothing() -> None:
     messages = story()
     raw = b'{"kind":"weather.changed","seq":9000,"t":30000000,"ts":"x","sky":"blue"}'
-    strange = Line(9000, 30 * SECOND, "x", "weather.changed", codec.decode_unknown(raw), raw)
+    strange = LogLine(9000, 30 * SECOND, "x", "weather.changed", codec.decode_unknown(raw), raw)
     lines = [each for each in messages if not codec.is_sample(each)]
     at = next(n for n, line in enumerate(lines) if line.t > 30 * SECOND)
     reel = Reel([*lines[:at], strange, *lines[at:]], plan=PLAN)

@@ -20,8 +20,8 @@ from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.replay.rerun_plan import REPLAY, plan_of
 from woz_tui.replay.rerun_player import Player
-from woz_tui.session.action_runner import Origin
-from woz_tui.session.participant_identity import Identity
+from woz_tui.session.action_runner import RequestOrigin
+from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock
 
@@ -61,7 +61,9 @@ async def staged(
     recorder = Recorder(folder / "recordings", "made", RealClock())
     clock = LoopClock(asyncio.get_running_loop())
     robots: dict[str, type[Driver]] = {"simulated": VirtualRobot}
-    session = Session(load(folder / "body.yaml", catalogue), robots, Identity(), recorder, clock)
+    session = Session(
+        load(folder / "body.yaml", catalogue), robots, SessionIdentity(), recorder, clock
+    )
     heard: Setpoints = []
     session.hub.listen(
         lambda message: (
@@ -97,7 +99,9 @@ def rerun(log: Path) -> Callable[[Session], Awaitable[None]]:
 
         def send(command: m.Command, on_end: Callable[[m.End], None]) -> m.Command:
             call = Call(command.verb, dict(command.args), command.driver, NOWHERE)
-            return session.runner.send(call, Origin(REPLAY), "queue", None, on_end, like=command)
+            return session.runner.send(
+                call, RequestOrigin(REPLAY), "queue", None, on_end, like=command
+            )
 
         player = Player(
             plan_of(log), session.hub, send, session.runner.cancel, lambda end: ended.set()

@@ -17,12 +17,12 @@ from woz_tui.drivers.fields import Range
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
-from woz_tui.session.action_runner import Origin
-from woz_tui.session.participant_identity import Identity
+from woz_tui.session.action_runner import RequestOrigin
+from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock
 
-WIZARD = Origin("key", "k", "con1")
+WIZARD = RequestOrigin("key", "k", "con1")
 SENSORS = ("presence", "gaze", "distance", "identity", "loudness", "direction")
 #: Seconds between two samples of a camera, as in the paper.
 PERIOD = 1 / 3
@@ -109,7 +109,7 @@ class Room:
         tmp_path: Path,
         experiment: Experiment,
         kind: type[Driver] = Guide,
-        identity: Identity | None = None,
+        identity: SessionIdentity | None = None,
     ) -> None:
         self.lines: list[m.AnyMessage] = []
         clock = LoopClock(asyncio.get_running_loop())
@@ -121,7 +121,7 @@ class Room:
         self.session = Session(
             experiment,
             catalogue,
-            identity or Identity(participant="P07", condition="warm"),
+            identity or SessionIdentity(participant="P07", condition="warm"),
             self.recorder,
             clock,
         )

@@ -35,7 +35,7 @@ from woz_tui.drivers.fields import Range
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
-from woz_tui.session.participant_identity import Identity
+from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock
 
@@ -147,7 +147,7 @@ class Stage:
         self,
         tmp_path: Path,
         drivers: tuple[str, ...] = ("robot",),
-        identity: Identity | None = None,
+        identity: SessionIdentity | None = None,
         catalogue: Mapping[str, type[Driver]] | None = None,
         made: Experiment | None = None,
     ) -> None:
@@ -161,7 +161,7 @@ class Stage:
         self.session = Session(
             made or experiment(tmp_path, drivers),
             catalogue or puppets,
-            identity or Identity(participant="P07", condition="warm"),
+            identity or SessionIdentity(participant="P07", condition="warm"),
             self.recorder,
             clock,
         )

@@ -23,7 +23,7 @@ from woz_tui.config.study import (
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import WelcomeSettings
-from woz_tui.session.participant_identity import Identity
+from woz_tui.session.participant_identity import SessionIdentity
 
 ITEMS = (
     QuestionnaireItem("pleasant", "How pleasant was it?", 1, 5, ("not at all", "very")),
@@ -63,12 +63,12 @@ def on_stage(
     tmp_path: Path,
     scenario: Callable[[Stage], Awaitable[None]],
     study: Study = STUDY,
-    identity: Identity | None = None,
+    identity: SessionIdentity | None = None,
 ) -> Stage:
     """Plays the scenario in virtual time, then ends the session."""
 
     async def go() -> Stage:
-        who = identity or Identity()
+        who = identity or SessionIdentity()
         stage = Stage(tmp_path, identity=who, made=studied(tmp_path, study))
         await stage.session.open()
         await scenario(stage)

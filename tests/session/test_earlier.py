@@ -16,14 +16,14 @@ from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import WelcomeSettings
 from woz_tui.session import earlier_sessions
-from woz_tui.session.condition_proposal import Past
-from woz_tui.session.earlier_sessions import Earlier, Found
+from woz_tui.session.condition_proposal import ParticipantHistory
+from woz_tui.session.earlier_sessions import EarlierParticipants, EarlierSessions
 
 ORDER = ("warm", "cold")
 
 
-def read(folder: Path, title: str = "T") -> Found:
-    return Earlier(folder).read(title, "made.yaml")
+def read(folder: Path, title: str = "T") -> EarlierParticipants:
+    return EarlierSessions(folder).read(title, "made.yaml")
 
 
 def test_participants_their_orders_and_how_far_they_came(tmp_path: Path) -> None:
@@ -31,12 +31,12 @@ def test_participants_their_orders_and_how_far_they_came(tmp_path: Path) -> None
     log(tmp_path, "2026-03-02T10-00-00_P02_S01", had("P02", ORDER[::-1], "a", row=1), title="T")
     log(tmp_path, "2026-03-03T10-00-00_P03_S01", had("P03", ORDER, "e", row=0), title="T")
     log(tmp_path, "2026-03-04T10-00-00_P04_S01", had("P04", ORDER, row=0), title="T")
-    assert read(tmp_path) == Found(
+    assert read(tmp_path) == EarlierParticipants(
         (
-            Past("P01", ORDER, "latin-square", 0, 2, begun=True, done=True),
-            Past("P02", ORDER[::-1], "latin-square", 1, 0, begun=True),
-            Past("P03", ORDER, "latin-square", 0, 1, begun=True),
-            Past("P04", ORDER, "latin-square", 0),
+            ParticipantHistory("P01", ORDER, "latin-square", 0, 2, begun=True, done=True),
+            ParticipantHistory("P02", ORDER[::-1], "latin-square", 1, 0, begun=True),
+            ParticipantHistory("P03", ORDER, "latin-square", 0, 1, begun=True),
+            ParticipantHistory("P04", ORDER, "latin-square", 0),
         ),
         logs=4,
     )
@@ -74,7 +74,7 @@ def test_logs_of_other_experiments_do_not_count(tmp_path: Path) -> None:
     log(tmp_path, "2026-03-02T10-00-00_S01", had("P02", ORDER), title="T")
     log(tmp_path, "2026-03-03T10-00-00_S01", had("P03", ORDER))  # says no title, only the file
     assert [past.participant for past in read(tmp_path).past] == ["P02", "P03"]
-    found = Earlier(tmp_path).read("T", "other.yaml")
+    found = EarlierSessions(tmp_path).read("T", "other.yaml")
     assert ([past.participant for past in found.past], found.logs) == (["P02"], 1)
 
 
@@ -113,10 +113,10 @@ def test_pipes_are_not_waited_for(tmp_path: Path) -> None:
 
 
 def test_no_folder_and_no_logs_are_nobody(tmp_path: Path) -> None:
-    assert read(tmp_path / "recordings") == Found()
+    assert read(tmp_path / "recordings") == EarlierParticipants()
     (tmp_path / "notes.txt").write_text("x")
     (tmp_path / "2026-03-01T10-00-00_S01.jsonl").mkdir()
-    assert read(tmp_path) == Found(unreadable=("2026-03-01T10-00-00_S01.jsonl",))
+    assert read(tmp_path) == EarlierParticipants(unreadable=("2026-03-01T10-00-00_S01.jsonl",))
 
 
 def test_a_text_that_looks_like_a_line_is_none(tmp_path: Path) -> None:
@@ -161,7 +161,7 @@ def test_lines_are_found_across_the_pieces_that_are_read(
 
 def test_files_that_have_not_changed_are_not_read_again(tmp_path: Path) -> None:
     path = log(tmp_path, "2026-03-01T10-00-00_S01", had("P01", ORDER, "d"), title="T")
-    logs = Earlier(tmp_path)
+    logs = EarlierSessions(tmp_path)
     first = logs.read("T", "made.yaml")
     whole, facts = path.read_bytes(), path.stat()
     path.write_bytes(b" " * len(whole))
@@ -185,6 +185,6 @@ def test_of_what_was_shown_only_the_title_is_kept(tmp_path: Path) -> None:
     )  # fmt: skip
     path = tmp_path / "2026-03-02T10-00-00_S02.jsonl"
     path.write_bytes(codec.encode(msgspec.structs.replace(plan, seq=0, t=0)))
-    logs = Earlier(tmp_path)
+    logs = EarlierSessions(tmp_path)
     assert logs.read("T", "made.yaml").logs == 2
     assert len(pickle.dumps(logs)) < 4000

@@ -18,7 +18,7 @@ from woz_tui.config.engagement import (
 from woz_tui.drivers.contract import Ask
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_stream import EngagementFollower
-from woz_tui.session.participant_identity import AskError
+from woz_tui.session.participant_identity import RequestError
 
 KNOWN_STATE = "EngagedWithKnown"
 
@@ -53,7 +53,7 @@ def test_a_visitor_is_seen_engages_and_leaves_again(tmp_path: Path) -> None:
 def test_without_the_section_nothing_is_said_and_its_verbs_are_unknown(tmp_path: Path) -> None:
     async def scenario(room: Room) -> None:
         await engaged(room)
-        with pytest.raises(AskError, match="no driver offers 'toggle'"):
+        with pytest.raises(RequestError, match="no driver offers 'toggle'"):
             room.tell("toggle", sign="gaze")
 
     room = in_room(tmp_path, scenario, replace(guided(tmp_path), engagement=None))
@@ -205,7 +205,7 @@ def test_a_stopped_reply_is_over_and_the_model_is_told_things_while_stopped(
         await asyncio.sleep(0.3)
         assert room.shown.state == KNOWN_STATE
         room.session.play("Looks", WIZARD)
-        with pytest.raises(AskError, match="the stop is pressed"):
+        with pytest.raises(RequestError, match="the stop is pressed"):
             room.session.play("Welcome", WIZARD)
         await asyncio.sleep(0.3)
         assert room.shown.state == "PersonDetected"
@@ -329,7 +329,7 @@ def test_a_reload_keeps_the_state_and_takes_the_new_numbers(tmp_path: Path) -> N
         assert room.shown.signs["gaze"].places == 3
         bare = replace(guided(tmp_path), engagement=None)
         room.session.adopt(bare, ["engagement is gone"])
-        with pytest.raises(AskError):
+        with pytest.raises(RequestError):
             room.tell("toggle", sign="gaze")
         room.session.adopt(guided(tmp_path), ["engagement is new"])
         await engaged(room)
@@ -370,7 +370,7 @@ def test_loudness_is_end_pointed_where_no_driver_does_it(tmp_path: Path) -> None
 
 def test_a_visitor_greeted_by_name(tmp_path: Path) -> None:
     async def scenario(room: Room) -> None:
-        with pytest.raises(AskError, match=r"\{visitor\} has no value yet") as refused:
+        with pytest.raises(RequestError, match=r"\{visitor\} has no value yet") as refused:
             room.session.play("Greet", WIZARD)
         assert "enter who it is" in refused.value.hint
         await engaged(room)

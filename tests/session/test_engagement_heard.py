@@ -23,7 +23,7 @@ from woz_tui.log import log_reader
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
-from woz_tui.session.participant_identity import Identity
+from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock
 
@@ -83,7 +83,7 @@ class Evening:
         self.experiment: Experiment = load(path, CATALOGUE)
         clock = RealClock()
         recorder = Recorder(tmp_path / "recordings", STEM, clock)
-        identity = Identity(participant="P07", condition="", wizard="W1", seed=1)
+        identity = SessionIdentity(participant="P07", condition="", wizard="W1", seed=1)
         self.session = Session(self.experiment, CATALOGUE, identity, recorder, clock)
         self.log = recorder.path
         self.lines: list[m.AnyMessage] = []

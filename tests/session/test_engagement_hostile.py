@@ -20,7 +20,7 @@ from tests.session.rig import call, together
 from woz_tui.config.engagement import EngagementSettings, HandshakeSettings
 from woz_tui.config.session_verbs import ENGAGEMENT_VERBS
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import AskError
+from woz_tui.session.participant_identity import RequestError
 
 STEPS = st.lists(st.tuples(MESSAGES, st.floats(0, 3)), max_size=30)
 ASKING = EngagementSettings(handshake=HandshakeSettings(by="robot"))
@@ -118,7 +118,7 @@ def test_nothing_comes_after_the_end(tmp_path: Path) -> None:
         assert len(room.lines) == seen + 1
         try:
             room.tell("toggle", sign="gaze")
-        except AskError:
+        except RequestError:
             return
         raise AssertionError
 

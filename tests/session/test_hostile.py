@@ -16,10 +16,10 @@ from woz_tui.config.experiment import Experiment
 from woz_tui.drivers.contract import Scope
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import Origin
-from woz_tui.session.participant_identity import AskError
+from woz_tui.session.action_runner import RequestOrigin
+from woz_tui.session.participant_identity import RequestError
 
-KEY = Origin("key", "h", "con1")
+KEY = RequestOrigin("key", "h", "con1")
 
 
 class Hostile(Puppet):
@@ -145,7 +145,7 @@ def test_a_single_command_can_be_cancelled_by_its_id(tmp_path: Path) -> None:
         await asyncio.sleep(0.1)
         stage.session.cancel(command)
         for nothing in ("", command, "a00009"):
-            with pytest.raises(AskError, match="is not running"):
+            with pytest.raises(RequestError, match="is not running"):
                 stage.session.cancel(nothing)
         await asyncio.sleep(1)
         assert other == "c00002"

@@ -14,7 +14,7 @@ from tools.demo_session import catalogue
 from woz_tui.config.loading import load
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import Identity
+from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock
 
@@ -26,7 +26,9 @@ async def rehearsed(path: Path, folder: Path) -> list[m.AnyMessage]:
     experiment = load(path, drivers)
     (key,) = (one for panel in experiment.panels for one in panel.actions if one.key == "z")
     recorder = Recorder(folder, "room", RealClock(), spill=folder / "more")
-    identity = Identity(participant="P01", condition=experiment.conditions[0], wizard="W1", seed=1)
+    identity = SessionIdentity(
+        participant="P01", condition=experiment.conditions[0], wizard="W1", seed=1
+    )
     session = Session(experiment, drivers, identity, recorder, LoopClock(loop))
     heard: list[m.AnyMessage] = []
     session.hub.listen(heard.append)

@@ -20,11 +20,11 @@ from woz_tui.config.study import ResponseShaping
 from woz_tui.log.verify import verify
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AskAnswer
-from woz_tui.session.action_runner import Origin
-from woz_tui.session.participant_identity import AskError, Identity
+from woz_tui.session.action_runner import RequestOrigin
+from woz_tui.session.participant_identity import RequestError, SessionIdentity
 
 HALF_AN_HOUR = 1800.0
-KEY = Origin("key", "h", "con1")
+KEY = RequestOrigin("key", "h", "con1")
 MODES = ("", "queue", "replace", "refuse")
 OUTCOMES = ("begin", "begin", "done", "done", "aborted", "excluded", "break", "resume")
 
@@ -55,7 +55,7 @@ class RandomWizard:
         """Something."""
         weights = [weight for weight, _ in self._deeds]
         ((_, deed),) = self.chance.choices(self._deeds, weights)
-        with contextlib.suppress(AskError, IndexError):
+        with contextlib.suppress(RequestError, IndexError):
             deed()
 
     def _play(self) -> None:
@@ -103,7 +103,7 @@ async def _whole(tmp_path: Path, seed: int) -> Stage:
     failed: list[object] = []
     loop.set_exception_handler(lambda loop, told: failed.append(told))
     shaped = replace(STUDY, shaping=ResponseShaping(0.8, 2.0, ("speech",)))
-    stage = Stage(tmp_path, identity=Identity(seed=seed), made=studied(tmp_path, shaped))
+    stage = Stage(tmp_path, identity=SessionIdentity(seed=seed), made=studied(tmp_path, shaped))
     await stage.session.open()
     stage.session.bus.unwatched = ""
     wizard = RandomWizard(stage, seed)

@@ -13,17 +13,17 @@ from tests.config.reading import errors, panel, read
 from tests.fakes.virtual_time import run_virtual
 from tests.host.rig import served
 from tests.session.rig import HERE, Stage, experiment
-from tests.session.test_asking import Ear, from_a_thread
+from tests.session.test_driver_requests import Ear, from_a_thread
 from woz_tui.config.experiment import ArrowKeySteps, Experiment, Panel
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.contract import Ask
 from woz_tui.host.panel_views import panel_views
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import Origin
-from woz_tui.session.participant_identity import AskError
+from woz_tui.session.action_runner import RequestOrigin
+from woz_tui.session.participant_identity import RequestError
 
 LOCKED = "the panel 'Movement' is locked, and with it 'drive'"
-ARROW = Origin("key", "alt+up", "con1")
+ARROW = RequestOrigin("key", "alt+up", "con1")
 FILE = panel("{key: h, label: Hello, say: Hi}") + "  - {title: Movement, covers: [screen]}\n"
 
 
@@ -51,7 +51,7 @@ def on_stage(tmp_path: Path, scenario: Callable[[Stage], Awaitable[None]]) -> St
 
 def test_arrow_keys_of_a_locked_panel_are_refused_and_logged(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
-        with pytest.raises(AskError, match=LOCKED):
+        with pytest.raises(RequestError, match=LOCKED):
             stage.session.send("drive", {"x": 0.1}, "", ARROW)
         stage.session.send("play", {"move": "nod"}, "", ARROW)  # nothing covers it
 
@@ -67,7 +67,7 @@ def test_unlocked_they_move_and_locked_again_they_do_not(tmp_path: Path) -> None
         stage.session.send("drive", {"x": 0.1}, "", ARROW)
         await asyncio.sleep(0)
         stage.session.lock("Movement", True)
-        with pytest.raises(AskError):
+        with pytest.raises(RequestError):
             stage.session.send("drive", {"x": 0.2}, "", ARROW)
 
     stage = on_stage(tmp_path, scenario)
@@ -91,7 +91,7 @@ def test_knobs_are_hands_too_and_what_a_driver_does_by_itself_is_not(tmp_path: P
 
 def test_actions_of_other_panels_still_do_it(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
-        assert stage.session.play("Hello", Origin("key", "h", "con1"))
+        assert stage.session.play("Hello", RequestOrigin("key", "h", "con1"))
 
     stage = on_stage(tmp_path, scenario)
     assert stage.puppet().calls[0][0] == "say"

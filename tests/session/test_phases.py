@@ -14,11 +14,11 @@ from tests.session.rig import Stage, experiment
 from woz_tui.config.experiment import Experiment, Phase
 from woz_tui.config.study import Design, Study
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import Origin
-from woz_tui.session.participant_identity import AskError
+from woz_tui.session.action_runner import RequestOrigin
+from woz_tui.session.participant_identity import RequestError
 from woz_tui.session.session import Session
 
-KEY = Origin("key", ")", "con1")
+KEY = RequestOrigin("key", ")", "con1")
 PHASES = (
     Phase("opening", "Opening", ("Speech",), on_enter=("Hello",), planned=120.0),
     Phase("ride", "The ride", ("Base",), after=("opening",), lock_others=True),
@@ -48,7 +48,7 @@ def changes(stage: Stage) -> list[tuple[str, str]]:
 
 
 def refused(session: Session, phase: str = "") -> str:
-    with pytest.raises(AskError) as caught:
+    with pytest.raises(RequestError) as caught:
         session.phase(phase, KEY)
     return caught.value.reason
 
@@ -95,7 +95,7 @@ def test_panels_of_other_phases_are_locked_where_the_file_says_so(tmp_path: Path
     async def scenario(stage: Stage) -> None:
         session = stage.session
         session.phase("ride", KEY)
-        with pytest.raises(AskError, match="'Speech' is locked in the phase The ride"):
+        with pytest.raises(RequestError, match="'Speech' is locked in the phase The ride"):
             session.play("Hello", KEY)
         session.play("Go", KEY)
         session.phase("closing", KEY)

@@ -13,14 +13,14 @@ from tests.config.reading import HEAD, errors, read
 from tests.fakes.virtual_time import run_virtual
 from tests.host.rig import served
 from tests.session.rig import Stage, experiment
-from tests.session.test_asking import Ear, from_a_thread
+from tests.session.test_driver_requests import Ear, from_a_thread
 from woz_tui.config.experiment import Experiment, Profile
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.contract import Ask
 from woz_tui.host.panel_views import panel_views
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import Origin
-from woz_tui.session.participant_identity import AskError
+from woz_tui.session.action_runner import RequestOrigin
+from woz_tui.session.participant_identity import RequestError
 
 pytestmark = pytest.mark.toolkit("U3")
 
@@ -31,7 +31,7 @@ CHILD = Profile(
     controls=frozenset({"eye-x"}),
     verbs=frozenset({"play"}),
 )
-KEY = Origin("key", "h", "con1")
+KEY = RequestOrigin("key", "h", "con1")
 NOT = "is not in the profile child"
 
 
@@ -59,9 +59,9 @@ def on_stage(tmp_path: Path, scenario: Callable[[Stage], Awaitable[None]]) -> St
 def test_only_its_actions_are_played_and_the_others_are_refused_in_the_log(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
         stage.session.play("Hello", KEY)
-        with pytest.raises(AskError, match=f"'Map' {NOT}"):
+        with pytest.raises(RequestError, match=f"'Map' {NOT}"):
             stage.session.play("Map", KEY)
-        with pytest.raises(AskError, match=f"'Welcome' {NOT}"):
+        with pytest.raises(RequestError, match=f"'Welcome' {NOT}"):
             stage.session.script_to(1)
             stage.session.script_next(KEY)
 
@@ -76,8 +76,8 @@ def test_verbs_by_themselves_are_refused_but_those_it_names(tmp_path: Path) -> N
     async def scenario(stage: Stage) -> None:
         stage.session.send("play", {"move": "nod"}, "", KEY)
         stage.session.send("mark", {"text": "smile"}, "", KEY)
-        with pytest.raises(AskError, match=f"'say' {NOT}"):
-            stage.session.send("say", {"text": "no"}, "", Origin("palette"))
+        with pytest.raises(RequestError, match=f"'say' {NOT}"):
+            stage.session.send("say", {"text": "no"}, "", RequestOrigin("palette"))
 
     stage = on_stage(tmp_path, scenario)
     assert [verb for verb, _ in stage.puppet().calls[:2]] == ["play", "rest"]
@@ -139,11 +139,11 @@ def test_a_reload_keeps_the_profile_also_when_it_is_gone_from_the_file(tmp_path:
         assert session.profiles.current == wider
         session.adopt(experiment(tmp_path), ["profile 'child' is gone"])
         assert session.profiles.current == wider
-        with pytest.raises(AskError, match=NOT):
+        with pytest.raises(RequestError, match=NOT):
             session.play("Hello", KEY)
         session.use_profile("", "key")
         session.play("Hello", KEY)
-        with pytest.raises(AskError, match="there is no profile 'child'"):
+        with pytest.raises(RequestError, match="there is no profile 'child'"):
             session.use_profile("child", "key")
 
     stage = on_stage(tmp_path, scenario)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from woz_tui.config.counterbalancing import block_size, rows
 from woz_tui.config.study import Design
-from woz_tui.session.condition_proposal import Past, Proposal, propose
+from woz_tui.session.condition_proposal import ConditionProposal, ParticipantHistory, propose
 
 CONDITIONS = ("a", "b", "c", "d")
 DESIGNS = st.builds(
@@ -28,8 +28,10 @@ DESIGNS = st.builds(
 )
 
 
-def past(proposal: Proposal, over: int = 0, *, begun: bool = True, done: bool = True) -> Past:
-    return Past(
+def past(
+    proposal: ConditionProposal, over: int = 0, *, begun: bool = True, done: bool = True
+) -> ParticipantHistory:
+    return ParticipantHistory(
         proposal.participant,
         proposal.order,
         proposal.method,
@@ -40,13 +42,13 @@ def past(proposal: Proposal, over: int = 0, *, begun: bool = True, done: bool = 
     )
 
 
-def one(participant: str, design: Design, earlier: list[Past]) -> Proposal:
+def one(participant: str, design: Design, earlier: list[ParticipantHistory]) -> ConditionProposal:
     return propose(participant, design, CONDITIONS, earlier)
 
 
 @given(DESIGNS, st.integers(1, 26))
 def test_rows_are_used_equally_often_however_many_come(design: Design, count: int) -> None:
-    earlier: list[Past] = []
+    earlier: list[ParticipantHistory] = []
     for number in range(count):
         earlier.append(past(one(f"P{number:02}", design, earlier)))
     if design.order == "blocks":
@@ -64,7 +66,7 @@ def test_rows_are_used_equally_often_however_many_come(design: Design, count: in
 def test_the_place_of_who_did_nothing_usable_is_given_again(
     design: Design, results: list[str]
 ) -> None:
-    earlier: list[Past] = []
+    earlier: list[ParticipantHistory] = []
     for number, result in enumerate(results):
         proposal = one(f"P{number:02}", design, earlier)
         earlier.append(past(proposal, begun=result != "fresh", done=result == "done"))
@@ -91,7 +93,7 @@ def test_who_comes_again_goes_on_where_they_stopped(design: Design, over: int) -
 
 
 def test_an_order_that_the_design_does_not_know_any_more_is_proposed_anew() -> None:
-    old = Past("P01", ("a", "b"), "latin-square", 0, 1, begun=True, done=True)
+    old = ParticipantHistory("P01", ("a", "b"), "latin-square", 0, 1, begun=True, done=True)
     proposal = one("P01", Design(), [old])
     assert (proposal.row, proposal.trial) == (0, 1)
     assert proposal.why.endswith("; the earlier order of P01 does not fit the present design")
@@ -99,8 +101,10 @@ def test_an_order_that_the_design_does_not_know_any_more_is_proposed_anew() -> N
 
 def test_orders_chosen_by_hand_count_for_the_row_that_has_them() -> None:
     square = rows(Design(), CONDITIONS)
-    chosen = [Past(f"P{n}", square[0], "hand", -1, 4, begun=True, done=True) for n in (1, 2)]
-    other = Past("P3", ("a", "b", "c", "d"), "hand", -1, 4, begun=True, done=True)
+    chosen = [
+        ParticipantHistory(f"P{n}", square[0], "hand", -1, 4, begun=True, done=True) for n in (1, 2)
+    ]
+    other = ParticipantHistory("P3", ("a", "b", "c", "d"), "hand", -1, 4, begun=True, done=True)
     assert other.order not in square
     proposal = one("P4", Design(), [*chosen, other])
     assert proposal.row == 1

@@ -10,14 +10,14 @@ import pytest
 from tests.session.rig import Stage
 from tests.session.test_superseding import ACTIONS, KEY, ends, pressed, scene, spoken
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import AskError
+from woz_tui.session.participant_identity import RequestError
 
 
 def test_a_line_of_the_script_that_a_full_queue_refuses_is_not_passed(tmp_path: Path) -> None:
     async def play(stage: Stage) -> None:
         for _ in range(17):
             stage.session.play("Repeat", KEY)
-        with pytest.raises(AskError, match="queue full"):
+        with pytest.raises(RequestError, match="queue full"):
             stage.session.script_next(KEY)
 
     stage = scene(tmp_path, play, tuple(a for a in ACTIONS if a.name in ("Repeat", "Hello")))
@@ -31,7 +31,7 @@ def test_the_queue_is_emptied_and_what_runs_goes_on(tmp_path: Path) -> None:
             stage.session.play(name, KEY)
         await asyncio.sleep(0.1)
         stage.session.empty_queue("wizard con1")
-        with pytest.raises(AskError, match="nothing is queued"):
+        with pytest.raises(RequestError, match="nothing is queued"):
             stage.session.empty_queue("wizard con1")
 
     stage = scene(tmp_path, play)

@@ -11,11 +11,11 @@ import pytest
 
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import HERE, Stage
-from tests.session.test_wording import HM, KEY, made
+from tests.session.test_action_texts import HM, KEY, made
 from woz_tui.config.experiment import Action, Profile
 from woz_tui.config.repairs import INTERRUPT, LABELS, PANEL, REPEAT, REWORD
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import AskError, Identity
+from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.redactor import Redactor
 from woz_tui.session.study_settings import study_settings
 
@@ -27,7 +27,7 @@ def scene(tmp_path: Path, play: Callable[[Stage], Awaitable[None]]) -> Stage:
     async def go() -> Stage:
         experiment = replace(made(tmp_path), repairs=MOVES)
         stage = Stage(
-            tmp_path, made=experiment, identity=Identity(participant="P07", condition="warm")
+            tmp_path, made=experiment, identity=SessionIdentity(participant="P07", condition="warm")
         )
         await stage.session.open()
         await play(stage)
@@ -44,7 +44,7 @@ def spoken(stage: Stage) -> list[m.Json]:
 
 def test_the_last_sentence_again_as_it_was_said(tmp_path: Path) -> None:
     async def play(stage: Stage) -> None:
-        with pytest.raises(AskError, match="nothing has been said"):
+        with pytest.raises(RequestError, match="nothing has been said"):
             stage.session.play(REPEAT, KEY)
         stage.session.play("Filler", KEY)
         await asyncio.sleep(2)
@@ -70,7 +70,7 @@ def test_other_words_until_there_are_none(tmp_path: Path) -> None:
         await asyncio.sleep(2)
         stage.session.play("Hello", KEY)
         await asyncio.sleep(2)
-        with pytest.raises(AskError, match="no other words"):
+        with pytest.raises(RequestError, match="no other words"):
             stage.session.play(REWORD, KEY)
 
     said = spoken(scene(tmp_path, play))
@@ -115,7 +115,7 @@ def test_profiles_do_not_lock_repairs(tmp_path: Path) -> None:
         stage.session.play("Hello", KEY)
         await asyncio.sleep(2)
         stage.session.use_profile("child", "program")
-        with pytest.raises(AskError):
+        with pytest.raises(RequestError):
             stage.session.play("Hello", KEY)
         stage.session.play(REPEAT, KEY)
 

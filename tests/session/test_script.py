@@ -15,11 +15,11 @@ from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import Stage, experiment
 from woz_tui.config.experiment import Phase
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import Origin
-from woz_tui.session.participant_identity import AskError
-from woz_tui.session.script_control import Script
+from woz_tui.session.action_runner import RequestOrigin
+from woz_tui.session.participant_identity import RequestError
+from woz_tui.session.script_control import ScriptState
 
-KEY, SPACE = Origin("key", "h", "con1"), Origin("script", "space", "con1")
+KEY, SPACE = RequestOrigin("key", "h", "con1"), RequestOrigin("script", "space", "con1")
 LINES = ("Hello", "Fall", "Welcome", "Map")
 
 
@@ -96,7 +96,7 @@ def test_one_line_waits_at_the_most(tmp_path: Path) -> None:
         session.script_next(SPACE)
         await asyncio.sleep(0.1)
         for _ in range(20):
-            with pytest.raises(AskError, match="'Hello' is still waiting"):
+            with pytest.raises(RequestError, match="'Hello' is still waiting"):
                 session.script_next(SPACE)
         await asyncio.sleep(1)
         session.script_next(SPACE)
@@ -146,7 +146,7 @@ def test_the_stop_keeps_the_line_that_it_ended(tmp_path: Path) -> None:
         stage.session.stop("key")
         await asyncio.sleep(1)
         assert stands(stage) == (0, [], "stopped")
-        with pytest.raises(AskError, match="the stop is pressed"):
+        with pytest.raises(RequestError, match="the stop is pressed"):
             stage.session.script_next(SPACE)
         stage.session.release("key")
         stage.session.script_next(SPACE)
@@ -200,7 +200,7 @@ def test_how_a_line_ended_is_forgotten_when_a_phase_begins(tmp_path: Path) -> No
 
 
 def test_how_a_line_ended_is_forgotten_when_another_is_played_again() -> None:
-    script = Script(("Hello", "Welcome"))
+    script = ScriptState(("Hello", "Welcome"))
     for each in ("Hello", "Welcome"):
         script.play(each)
     script.take_back(1, "refused")
@@ -237,7 +237,7 @@ def test_wherever_a_script_is_its_place_is_one_of_its_lines(
     lines: list[str], acts: list[tuple[str, object]]
 ) -> None:
     """The position is a line or the end; what space plays never was played since it was chosen."""
-    script = Script(tuple(lines))
+    script = ScriptState(tuple(lines))
     for what, value in acts:
         count, before = len(script.lines), script.position
         match what, value:

@@ -14,11 +14,11 @@ from woz_tui.config import utterance_template
 from woz_tui.config.experiment import FilePosition, Problem
 from woz_tui.drivers.contract import DeviceLostError, Finding, Job, Scope
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import Origin
-from woz_tui.session.participant_identity import AskError, Identity, check_participant
+from woz_tui.session.action_runner import RequestOrigin
+from woz_tui.session.participant_identity import RequestError, SessionIdentity, check_participant
 from woz_tui.session.preflight import preflight
 
-KEY = Origin("key", "h", "con1")
+KEY = RequestOrigin("key", "h", "con1")
 #: What `re` compares with sixteen letters for hours.
 ENDLESS = "(?:(?:A|A)+(?:A|A|A|A)*(?:A|A|A|A)*)+1"
 
@@ -27,7 +27,7 @@ def on_stage(
     tmp_path: Path,
     scenario: Callable[[Stage], Awaitable[None]],
     drivers: tuple[str, ...] = ("robot",),
-    identity: Identity | None = None,
+    identity: SessionIdentity | None = None,
 ) -> Stage:
     async def go() -> Stage:
         stage = Stage(tmp_path, drivers, identity)
@@ -55,7 +55,7 @@ def test_an_action_that_was_not_played_says_why_in_words_for_the_wizard(tmp_path
     async def scenario(stage: Stage) -> None:
         for _ in range(17):  # a second each
             stage.session.play("Hello", KEY)
-        with pytest.raises(AskError, match="queue full"):  # the seventeenth that waits
+        with pytest.raises(RequestError, match="queue full"):  # the seventeenth that waits
             stage.session.play("Hello", KEY)
         await asyncio.sleep(15)
         stage.session.play("Hello", KEY)
@@ -107,11 +107,11 @@ def test_a_failed_step_ends_the_action_and_names_the_reason(tmp_path: Path) -> N
 def test_refusals_are_said_and_logged(tmp_path: Path, name: str, reason: str) -> None:
     async def scenario(stage: Stage) -> None:
         stage.session.lock("Base", True)
-        with pytest.raises(AskError) as caught:
+        with pytest.raises(RequestError) as caught:
             stage.session.play(name, KEY)
         assert caught.value.reason == reason
 
-    stage = on_stage(tmp_path, scenario, identity=Identity())
+    stage = on_stage(tmp_path, scenario, identity=SessionIdentity())
     assert stage.kinds(m.ActionRequested, m.ActionEnd) == ["ActionRequested", "ActionRefused"]
     assert not [call for call in stage.puppet().calls if call[0] == "say"]
 
@@ -123,7 +123,7 @@ def test_the_stop_ends_runs_in_a_command_and_runs_in_a_pause(tmp_path: Path) -> 
         stage.session.play("Hello", KEY)
         await asyncio.sleep(0.1)
         stage.session.stop("key")
-        with pytest.raises(AskError):
+        with pytest.raises(RequestError):
             stage.session.play("Hello", KEY)
         await asyncio.sleep(3)
         stage.session.release("key")
@@ -148,10 +148,10 @@ def test_script_moves_on_and_ends(tmp_path: Path) -> None:
         await asyncio.sleep(0.1)
         stage.session.script_next(KEY)
         await asyncio.sleep(2)
-        with pytest.raises(AskError, match="no more lines"):
+        with pytest.raises(RequestError, match="no more lines"):
             stage.session.script_next(KEY)
         stage.session.script_to(0)
-        with pytest.raises(AskError, match="2 lines"):
+        with pytest.raises(RequestError, match="2 lines"):
             stage.session.script_to(3)
 
     stage = on_stage(tmp_path, scenario)
@@ -161,7 +161,7 @@ def test_script_moves_on_and_ends(tmp_path: Path) -> None:
 def test_a_refused_script_line_is_not_skipped(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
         stage.session.stop("key")
-        with pytest.raises(AskError):
+        with pytest.raises(RequestError):
             stage.session.script_next(KEY)
         assert stage.session.scripts.now.position == 0
 
@@ -176,7 +176,7 @@ def test_set_checks_everything_before_it_sets_anything(tmp_path: Path) -> None:
             ("P08", "hot"),
             ("../x", None),
         ):
-            with pytest.raises(AskError):
+            with pytest.raises(RequestError):
                 stage.session.set(participant, condition)
         assert stage.session.identity.participant == "P07"
         stage.session.set("P08", "cold", 2)
@@ -201,9 +201,9 @@ def test_verbs_of_the_session_are_commands_like_others(tmp_path: Path) -> None:
 
 def test_a_verb_needs_a_driver_that_offers_it(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
-        with pytest.raises(AskError, match=r"offered by left\.robot and right\.robot"):
+        with pytest.raises(RequestError, match=r"offered by left\.robot and right\.robot"):
             stage.session.send("say", {"text": "x"}, "", KEY)
-        with pytest.raises(AskError, match="no driver offers 'sing'"):
+        with pytest.raises(RequestError, match="no driver offers 'sing'"):
             stage.session.send("sing", {}, "", KEY)
         stage.session.send("say", {"text": "hi"}, "left", KEY)
 
@@ -257,7 +257,7 @@ def test_the_end_rests_closes_and_signs_the_log(tmp_path: Path) -> None:
     assert lines[0]["kind"] == "session.start"
     assert lines[-1]["kind"] == "session.end"
     assert len(lines[-1]["sha256"]) == 64
-    with pytest.raises(AskError, match="ending"):
+    with pytest.raises(RequestError, match="ending"):
         stage.session.play("Hello", KEY)
 
 
@@ -342,7 +342,7 @@ def test_the_stop_is_not_released_any_more_while_the_session_ends(tmp_path: Path
     async def scenario(stage: Stage) -> None:
         stage.session.stop("key")
         await stage.session.close("test")
-        with pytest.raises(AskError, match="ending"):
+        with pytest.raises(RequestError, match="ending"):
             stage.session.release("key")
 
     on_stage(tmp_path, scenario)
@@ -389,7 +389,7 @@ def test_a_voice_is_told_beforehand_what_it_will_say(tmp_path: Path) -> None:
             prepared.append(utterances)
 
     async def go() -> None:
-        stage = Stage(tmp_path, catalogue={"puppet": Voice}, identity=Identity())
+        stage = Stage(tmp_path, catalogue={"puppet": Voice}, identity=SessionIdentity())
         await stage.session.open()
         await asyncio.sleep(0)
         stage.session.set("P08")
@@ -403,11 +403,11 @@ def test_a_voice_is_told_beforehand_what_it_will_say(tmp_path: Path) -> None:
 
 def test_stale_presses_of_all_kinds_are_refused_and_logged(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
-        with pytest.raises(AskError, match="late"):
+        with pytest.raises(RequestError, match="late"):
             stage.session.play("Hello", KEY, stale="stale: late")
-        with pytest.raises(AskError, match="late"):
+        with pytest.raises(RequestError, match="late"):
             stage.session.script_next(KEY, stale="stale: late")
-        with pytest.raises(AskError, match="late"):
+        with pytest.raises(RequestError, match="late"):
             stage.session.send("drive", {"x": 1.0}, "", KEY, stale="stale: late")
         assert stage.session.scripts.now.position == 0
 
@@ -423,16 +423,16 @@ def test_stale_presses_of_all_kinds_are_refused_and_logged(tmp_path: Path) -> No
 
 def test_mistakes_name_what_was_played(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
-        with pytest.raises(AskError, match="nothing has been played"):
+        with pytest.raises(RequestError, match="nothing has been played"):
             stage.session.mistake("", "")
         hello = stage.session.play("Hello", KEY)
         typed = stage.session.send("say", {"text": "x"}, "", KEY)
         stage.session.mistake("", "typo")
         stage.session.mistake(hello, "")
-        with pytest.raises(AskError, match="there is no action with the id 'a00099'"):
+        with pytest.raises(RequestError, match="there is no action with the id 'a00099'"):
             stage.session.mistake("a00099", "")
         assert typed == "c00002"
-        by_itself = stage.session.play("Welcome", Origin("engagement"))
+        by_itself = stage.session.play("Welcome", RequestOrigin("engagement"))
         stage.session.mistake("", "still the one by hand")
         stage.session.mistake(by_itself, "")
 
@@ -445,7 +445,7 @@ def test_mistakes_name_what_was_played(tmp_path: Path) -> None:
 
 
 def test_the_session_fills_in_just_the_variables_that_files_may_use() -> None:
-    assert set(Identity().values()) == set(utterance_template.BUILT_IN)
+    assert set(SessionIdentity().values()) == set(utterance_template.BUILT_IN)
 
 
 # -- patterns of codes -----------------------------------------------------------------------------
@@ -466,11 +466,11 @@ def test_a_code_is_compared_with_whatever_pattern_the_file_has(
     pattern: str, fits: str, does_not: str
 ) -> None:
     check_participant(fits, pattern)
-    with pytest.raises(AskError, match="not a code"):
+    with pytest.raises(RequestError, match="not a code"):
         check_participant(does_not, pattern)
 
 
 def test_a_comparison_without_end_is_broken_off() -> None:
-    with pytest.raises(AskError, match="too long") as caught:
+    with pytest.raises(RequestError, match="too long") as caught:
         check_participant("A" * 16, ENDLESS)
     assert "participants.pattern" in caught.value.hint

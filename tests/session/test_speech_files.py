@@ -17,7 +17,7 @@ from woz_tui.drivers.contract import SPEECH
 from woz_tui.log import log_reader
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import Identity
+from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.preflight import preflight
 from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock
@@ -49,7 +49,7 @@ async def test_the_log_names_the_file_beside_it(tmp_path: Path) -> None:
     session = Session(
         experiment(tmp_path, pipe.command),
         {"microphone": Microphone},
-        Identity(participant="P07", condition="", wizard="W1", seed=1),
+        SessionIdentity(participant="P07", condition="", wizard="W1", seed=1),
         recorder,
         clock,
     )

@@ -13,18 +13,18 @@ from tests.session.studied import STUDY, had, log, on_stage, said, studied
 from woz_tui.config.study import PerceptionLimits, Study
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import PreflightCheck
-from woz_tui.session.action_runner import Origin
-from woz_tui.session.participant_identity import AskError, Identity
+from woz_tui.session.action_runner import RequestOrigin
+from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.preflight import preflight
 from woz_tui.session.study_settings import study_snapshot
 
-KEY = Origin("key", "h", "con1")
+KEY = RequestOrigin("key", "h", "con1")
 TRIALS = (m.ConditionsAssigned, m.TrialStarted, m.TrialEnded, m.BreakStarted, m.BreakEnded)
 
 
 def refused(stage: Stage, *asks: str) -> str:
     """Why a trial's ask is refused."""
-    with pytest.raises(AskError) as caught:
+    with pytest.raises(RequestError) as caught:
         for what in asks:
             stage.session.study.trial(what, "")
     return f"{caught.value.reason}; {caught.value.hint}".rstrip("; ")
@@ -109,9 +109,9 @@ def test_refusals(tmp_path: Path) -> None:
         stage.session.set(condition="cold")
         study.trial("begin", "")
         assert refused(stage, "begin") == "trial 1 is running; end it first"
-        with pytest.raises(AskError, match="trial 1 is running"):
+        with pytest.raises(RequestError, match="trial 1 is running"):
             stage.session.set("P06")
-        with pytest.raises(AskError, match="trial 1 is running"):
+        with pytest.raises(RequestError, match="trial 1 is running"):
             study.assign("P06", ["warm", "cold"])
         stage.session.set("P05", trial=7)
 
@@ -138,7 +138,7 @@ def test_orders_that_cannot_be_assigned(
     tmp_path: Path, participant: str, order: list[str], reason: str
 ) -> None:
     async def scenario(stage: Stage) -> None:
-        with pytest.raises(AskError) as caught:
+        with pytest.raises(RequestError) as caught:
             stage.session.study.assign(participant, order)
         assert caught.value.reason == reason
 
@@ -172,14 +172,14 @@ def test_a_proposal_says_which_logs_could_not_be_read(tmp_path: Path) -> None:
 
 def test_without_a_design_there_is_nothing_to_propose_but_trials_count(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
-        with pytest.raises(AskError, match="the file has no design"):
+        with pytest.raises(RequestError, match="the file has no design"):
             stage.session.study.propose("P01")
-        with pytest.raises(AskError, match="the file has no design"):
+        with pytest.raises(RequestError, match="the file has no design"):
             stage.session.study.assign("P01", [])
         for what in ("begin", "done", "begin", "aborted", "begin"):
             stage.session.study.trial(what, "")
 
-    who = Identity(participant="P07", condition="warm")
+    who = SessionIdentity(participant="P07", condition="warm")
     stage = on_stage(tmp_path, scenario, Study(), who)
     assert said(stage, m.TrialStarted) == [
         "trial.started 1 warm",
@@ -293,13 +293,13 @@ def test_without_these_sections_nothing_is_said(tmp_path: Path) -> None:
 
 def test_a_variable_that_depends_on_the_condition_waits_for_one(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
-        with pytest.raises(AskError) as caught:
+        with pytest.raises(RequestError) as caught:
             stage.session.play("Greet", KEY)
         assert caught.value.reason == (
             "{greeting} has no value yet: it depends on the condition, and no condition is set"
         )
         stage.session.set(condition="warm")
-        with pytest.raises(AskError) as caught:
+        with pytest.raises(RequestError) as caught:
             stage.session.play("Greet", KEY)
         assert caught.value.reason == (
             "{greeting} has no value yet: {participant} has no value yet"
@@ -307,7 +307,7 @@ def test_a_variable_that_depends_on_the_condition_waits_for_one(tmp_path: Path) 
         only_warm = replace(stage.session.experiment, by_condition={"greeting": {"warm": "Hi"}})
         stage.session.adopt(only_warm, [])
         stage.session.set(condition="cold")
-        with pytest.raises(AskError, match="no text for the present condition"):
+        with pytest.raises(RequestError, match="no text for the present condition"):
             stage.session.play("Greet", KEY)
 
     stage = on_stage(tmp_path, scenario)
@@ -331,7 +331,7 @@ def test_the_preflight_list_is_ticked_by_hand_and_filled_by_the_robot(tmp_path: 
         study.check("the door is shut", True, "", "wizard")
         study.check("the camera sees the table", True, "", "wizard")
         study.check("the camera sees the table", False, "moved", "wizard")
-        with pytest.raises(AskError) as caught:
+        with pytest.raises(RequestError) as caught:
             study.check("the door", True, "", "wizard")
         assert "there are the door is shut, the camera" in caught.value.hint
         found = await preflight(stage.session)

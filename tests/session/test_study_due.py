@@ -11,7 +11,7 @@ from tests.session.rig import Stage
 from tests.session.studied import STUDY, on_stage, said
 from woz_tui.config.study import Design
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import AskError
+from woz_tui.session.participant_identity import RequestError
 from woz_tui.timeline.study_history import DueQuestionnaire
 
 
@@ -132,7 +132,7 @@ def test_nobody_gets_another_order_while_a_trial_is_under_way(tmp_path: Path) ->
     async def scenario(stage: Stage) -> None:
         assigned(stage)
         stage.session.study.trial("begin", "")
-        with pytest.raises(AskError, match="trial 1 is running"):
+        with pytest.raises(RequestError, match="trial 1 is running"):
             stage.session.study.assign("P01", ["cold", "warm"])
 
     assert said(on_stage(tmp_path, scenario), m.ConditionsAssigned) == ["condition.assigned"]
@@ -140,7 +140,7 @@ def test_nobody_gets_another_order_while_a_trial_is_under_way(tmp_path: Path) ->
 
 def test_where_everybody_gets_one_condition_one_is_assigned(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
-        with pytest.raises(AskError, match="each participant gets one condition"):
+        with pytest.raises(RequestError, match="each participant gets one condition"):
             stage.session.study.assign("P01", ["warm", "cold"])
         stage.session.study.assign("P01", ["cold"])
         trials(stage, "done", "done")

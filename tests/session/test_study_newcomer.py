@@ -13,7 +13,7 @@ from tests.session.rig import Stage
 from tests.session.studied import on_stage
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AskAnswer
-from woz_tui.session.participant_identity import AskError
+from woz_tui.session.participant_identity import RequestError
 from woz_tui.session.study_settings import study_snapshot
 from woz_tui.timeline.session_state import SessionState
 
@@ -33,7 +33,7 @@ def take(stage: Stage, step: str, what: str) -> None:
     """One step, or nothing if it is refused."""
     study = stage.session.study
     asking = study.state.questionnaire
-    with contextlib.suppress(AskError):
+    with contextlib.suppress(RequestError):
         match step:
             case "trial":
                 study.trial(what, "")

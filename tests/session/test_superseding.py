@@ -16,13 +16,13 @@ from woz_tui.config.experiment import Action, Panel, Wait
 from woz_tui.drivers.contract import Argument, Job, Verb
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
-from woz_tui.session.action_runner import Origin
-from woz_tui.session.participant_identity import AskError
+from woz_tui.session.action_runner import RequestOrigin
+from woz_tui.session.participant_identity import RequestError
 from woz_tui.timeline.episodes import ActionEpisode as Played
 from woz_tui.timeline.episodes import EpisodeOutcome
 from woz_tui.timeline.timeline import Timeline
 
-KEY = Origin("key", "x", "con1")
+KEY = RequestOrigin("key", "x", "con1")
 
 
 class Guide(Puppet):
@@ -179,7 +179,7 @@ def test_what_is_refused_replaces_nothing(tmp_path: Path) -> None:
     async def play(stage: Stage) -> None:
         stage.session.play("Map", KEY)
         await asyncio.sleep(0.5)
-        with pytest.raises(AskError, match="busy"):
+        with pytest.raises(RequestError, match="busy"):
             stage.session.play("Gong", KEY)
 
     stage = scene(tmp_path, play)
@@ -191,7 +191,7 @@ def test_what_no_hand_asked_for_replaces_nothing(tmp_path: Path) -> None:
         stage.session.play("Map", KEY)
         await asyncio.sleep(0.5)
         for source in ("engagement", "replay", "robot"):
-            stage.session.send("say", {"text": source}, "", Origin(source))
+            stage.session.send("say", {"text": source}, "", RequestOrigin(source))
 
     stage = scene(tmp_path, play)
     assert spoken(stage)[-1] == "We are here."

@@ -18,8 +18,14 @@ from woz_tui.config.loading import load
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.contract import Driver
 from woz_tui.drivers.plugins import installed
-from woz_tui.session.participant_identity import AskError
-from woz_tui.session.typed_actions import Copied, added, copied, with_typed, written
+from woz_tui.session.participant_identity import RequestError
+from woz_tui.session.typed_actions import (
+    ExperimentCopy,
+    copy_with_sentences,
+    with_sentence,
+    with_typed,
+    write_beside,
+)
 
 EXAMPLES = Path(__file__).parents[2] / "experiments"
 TALK = panel("{key: h, label: Hello, say: Hello!}  # first", '{key: "1", label: Bye, say: Bye!}')
@@ -30,17 +36,17 @@ def typed_in(experiment: Experiment, texts: Sequence[str]) -> tuple[Action, ...]
     driver = next(d.name for d in experiment.drivers if any(v.name == "say" for v in d.verbs))
     typed: tuple[Action, ...] = ()
     for text in texts:
-        typed = added(with_typed(experiment, typed), typed, text, driver)
+        typed = with_sentence(with_typed(experiment, typed), typed, text, driver)
     return typed
 
 
 def copy_of(
     path: Path, *texts: str, catalogue: dict[str, type[Driver]] | None = None
-) -> tuple[Copied, Experiment]:
+) -> tuple[ExperimentCopy, Experiment]:
     """The copy, written, and what is read from it."""
     catalogue = catalogue or dict(CATALOGUE)
     typed = typed_in(load(path, catalogue), texts)
-    copy = written(path, copied(path, typed, partial(load, path, catalogue)))
+    copy = write_beside(path, copy_with_sentences(path, typed, partial(load, path, catalogue)))
     assert copy.file.read_bytes() == copy.data
     return copy, load(copy.file, catalogue)
 
@@ -114,7 +120,9 @@ def test_the_examples_take_typed_sentences(tmp_path: Path, name: str) -> None:
     path = EXAMPLES / f"{name}.yaml"
     catalogue = dict(installed())
     read = partial(load, path, catalogue)
-    copy = copied(path, typed_in(read(None), ["Hello", "Just a second: {participant}"]), read)
+    copy = copy_with_sentences(
+        path, typed_in(read(None), ["Hello", "Just a second: {participant}"]), read
+    )
     assert copy.sentences == 2
     assert said(read(copy.data))[-1] == "Just a second: {participant}"
 
@@ -130,7 +138,7 @@ TEXTS = st.lists(LETTERS | PIECES, min_size=1, max_size=60).map("".join).filter(
 def test_any_typed_texts_survive(tmp_path: Path, texts: list[str]) -> None:
     path = file(tmp_path, TALK)
     read = partial(load, path, CATALOGUE)
-    copy = copied(path, typed_in(read(), texts), read)
+    copy = copy_with_sentences(path, typed_in(read(), texts), read)
     assert said(read(copy.data)) == texts
 
 
@@ -154,7 +162,7 @@ def test_what_the_file_has_is_not_added_again(tmp_path: Path) -> None:
     path = file(tmp_path, TALK)
     typed = typed_in(load(path, CATALOGUE), ["One moment"])
     copy, _ = copy_of(path, "One moment")
-    assert copied(copy.file, typed, partial(load, copy.file, CATALOGUE)).sentences == 0
+    assert copy_with_sentences(copy.file, typed, partial(load, copy.file, CATALOGUE)).sentences == 0
 
 
 def test_a_key_that_the_file_has_by_now_is_not_given_twice(tmp_path: Path) -> None:
@@ -163,7 +171,7 @@ def test_a_key_that_the_file_has_by_now_is_not_given_twice(tmp_path: Path) -> No
     assert typed[0].key == "2"
     file(tmp_path, TALK + '      - {key: "2", label: Later, say: Later}\n')
     read = partial(load, path, CATALOGUE)
-    assert read(copied(path, typed, read).data).panels[-1].actions[0].key == "3"
+    assert read(copy_with_sentences(path, typed, read).data).panels[-1].actions[0].key == "3"
 
 
 def test_a_file_with_errors_or_without_a_place_is_refused(tmp_path: Path) -> None:
@@ -172,33 +180,33 @@ def test_a_file_with_errors_or_without_a_place_is_refused(tmp_path: Path) -> Non
     typed = typed_in(read(), ["One moment"])
     file(tmp_path, TALK + "scripts: [Hello]\n")
     with pytest.raises(ExperimentError):
-        copied(path, typed, read)
+        copy_with_sentences(path, typed, read)
     shared = TALK.replace("actions:", "actions: &a") + "  - {title: Typed, actions: *a}\n"
     file(tmp_path, shared)
-    with pytest.raises((AskError, ExperimentError)):
-        copied(path, typed, read)
+    with pytest.raises((RequestError, ExperimentError)):
+        copy_with_sentences(path, typed, read)
     path.unlink()
-    with pytest.raises(AskError, match=r"talk\.yaml cannot be read"):
-        copied(path, typed, read)
+    with pytest.raises(RequestError, match=r"talk\.yaml cannot be read"):
+        copy_with_sentences(path, typed, read)
     assert [*tmp_path.iterdir()] == []
 
 
 def test_a_woz4u_file_has_no_place_for_them(tmp_path: Path) -> None:
     path = EXAMPLES / "woz4u" / "config.yaml"
     read = partial(load, path, dict(installed()))
-    with pytest.raises(AskError, match="no list of panels"):
-        copied(path, typed_in(read(None), ["One moment"]), read)
+    with pytest.raises(RequestError, match="no list of panels"):
+        copy_with_sentences(path, typed_in(read(None), ["One moment"]), read)
 
 
 def test_a_disk_that_takes_no_more_leaves_no_half_file(tmp_path: Path) -> None:
     path = file(tmp_path, TALK)
     read = partial(load, path, CATALOGUE)
-    copy = copied(path, typed_in(read(), ["One moment"]), read)
+    copy = copy_with_sentences(path, typed_in(read(), ["One moment"]), read)
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (64, hard))
     try:
-        with pytest.raises(AskError, match="no copy could be written"):
-            written(path, copy)
+        with pytest.raises(RequestError, match="no copy could be written"):
+            write_beside(path, copy)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
     assert [*tmp_path.iterdir()] == [path]
@@ -207,6 +215,6 @@ def test_a_disk_that_takes_no_more_leaves_no_half_file(tmp_path: Path) -> None:
 def test_a_folder_that_takes_no_file_is_named(tmp_path: Path) -> None:
     path = file(tmp_path, TALK)
     read = partial(load, path, CATALOGUE)
-    copy = copied(path, typed_in(read(), ["One moment"]), read)
-    with pytest.raises(AskError, match="no copy could be written to /proc"):
-        written(Path("/proc/talk.yaml"), copy)
+    copy = copy_with_sentences(path, typed_in(read(), ["One moment"]), read)
+    with pytest.raises(RequestError, match="no copy could be written to /proc"):
+        write_beside(Path("/proc/talk.yaml"), copy)

@@ -11,12 +11,12 @@ import pytest
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import Stage
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import Origin
+from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.training.cue_plan import PlannedCue
 from woz_tui.training.trainer import Trainer
 from woz_tui.training.training_visitor import AWAY_M, NEAR_M, TrainingVisitor
 
-KEY = Origin("key", "h")
+KEY = RequestOrigin("key", "h")
 
 
 def cue(sort: str = "question", text: str = "Where am I?", expects: str = "Hello") -> PlannedCue:
@@ -38,7 +38,7 @@ class Course:
         self.over += 1
 
     def press(self, action: str, source: str = "key") -> None:
-        self.stage.session.play(action, Origin(source))
+        self.stage.session.play(action, RequestOrigin(source))
 
     async def until(self, kind: type[m.Message]) -> m.Message:
         """The next message of this kind."""

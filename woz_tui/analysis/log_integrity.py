@@ -8,7 +8,7 @@ from pathlib import Path
 
 from woz_tui.analysis.figures import LogIntegrity, SessionFigures
 from woz_tui.log.file_names import FileName
-from woz_tui.log.log_reader import Damage, Line, LogFiles
+from woz_tui.log.log_reader import Damage, LogFiles, LogLine
 from woz_tui.log.verify import verify
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import AnyMessage, Checkpoint, EngagementShown, Reading, Segment
@@ -28,7 +28,7 @@ class LineCount:
         #: So many were lost before the last checkpoint.
         self.short = 0
 
-    def take(self, item: AnyMessage | Line) -> None:
+    def take(self, item: AnyMessage | LogLine) -> None:
         """The next of the log, unknown ones too."""
         if type(item) is Checkpoint:
             self.short = max(self.short, item.lines - self._lines)

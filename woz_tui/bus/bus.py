@@ -16,7 +16,7 @@ import msgspec
 
 from woz_tui.bus.driver_calls import guarded
 from woz_tui.bus.hub import Hub
-from woz_tui.bus.lane import Lane, Ticket
+from woz_tui.bus.lane import Lane, PendingCommand
 from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import DeviceLostError, Performer, Scope, StopReport, Verb
 from woz_tui.drivers.secret_arguments import hidden
@@ -42,7 +42,7 @@ STOP_WAIT_S = 0.5
 log = logging.getLogger(__name__)
 
 #: A driver's stop under way.
-Stop = asyncio.Task[StopReport | None]
+StopTask = asyncio.Task[StopReport | None]
 
 
 class Bus:
@@ -101,7 +101,7 @@ class Bus:
         verb = self._verbs.get(command.driver, {}).get(command.verb)
         command = _shown(verb, command)
         recorded = self._hub.publish(command)
-        ticket = Ticket(
+        ticket = PendingCommand(
             recorded,
             verb or Verb(command.verb, ""),
             self._hub,
@@ -133,7 +133,7 @@ class Bus:
         """Record `command` and that it is refused, without looking at it any further."""
         verb = self._verbs.get(command.driver, {}).get(command.verb)
         recorded = self._hub.publish(_shown(verb, command))
-        Ticket(recorded, Verb(command.verb, ""), self._hub, on_end).refuse(code, reason)
+        PendingCommand(recorded, Verb(command.verb, ""), self._hub, on_end).refuse(code, reason)
         return recorded
 
     def hidden(self, verb: str, args: Mapping[str, Json]) -> dict[str, Json]:
@@ -249,7 +249,7 @@ class Bus:
         task.add_done_callback(self._asides.discard)
         return task
 
-    def _call_stops(self, scope: Scope, names: list[str]) -> dict[str, Stop]:
+    def _call_stops(self, scope: Scope, names: list[str]) -> dict[str, StopTask]:
         loop = asyncio.get_running_loop()
         return {
             name: loop.create_task(
@@ -258,7 +258,9 @@ class Bus:
             for name in names
         }
 
-    async def _confirm(self, stops: Mapping[str, Stop], began_us: int, jobs: bool = True) -> None:
+    async def _confirm(
+        self, stops: Mapping[str, StopTask], began_us: int, jobs: bool = True
+    ) -> None:
         """Wait until each driver's `stop` has returned and its jobs have ended, then report."""
         loop = asyncio.get_running_loop()
         absent = {name for name in stops if name not in self._connected | self._faulted}
@@ -289,7 +291,7 @@ class Bus:
             )
         )
 
-    async def _still(self, name: str, stop: Stop, jobs: bool) -> bool:
+    async def _still(self, name: str, stop: StopTask, jobs: bool) -> bool:
         await asyncio.wait([stop])
         if stop.cancelled():
             return False
@@ -332,12 +334,12 @@ def _shown(verb: Verb | None, command: Command) -> Command:
     return command if args == command.args else msgspec.structs.replace(command, args=args)
 
 
-def _lost(stop: Stop) -> bool:
+def _lost(stop: StopTask) -> bool:
     """Whether the driver found its hardware gone."""
     return stop.done() and not stop.cancelled() and isinstance(stop.exception(), DeviceLostError)
 
 
-def _told(stop: Stop) -> StopReport | None:
+def _told(stop: StopTask) -> StopReport | None:
     """What a driver of several parts says of its stop, if it has ended well."""
     if not stop.done() or stop.cancelled() or stop.exception() is not None:
         return None

@@ -13,7 +13,7 @@ from woz_tui.protocol.messages import AnyMessage, Message
 from woz_tui.system.clock import Clock, timestamp
 
 #: What a listener may have of a message; None: nothing of it.
-See = Callable[[Message], Message | None]
+MessageFilter = Callable[[Message], Message | None]
 #: Called with the stamped message and its line before anybody else; must not raise, must not wait.
 Record = Callable[[AnyMessage, bytes], None]
 
@@ -28,7 +28,11 @@ class Subscription:
     """
 
     def __init__(
-        self, capacity: int, samples: bool, wake: Callable[[], None], see: See | None = None
+        self,
+        capacity: int,
+        samples: bool,
+        wake: Callable[[], None],
+        see: MessageFilter | None = None,
     ) -> None:
         self.see = see
         self._capacity = capacity
@@ -113,7 +117,7 @@ class Hub:
         self._seq += 1
         line = codec.encode(stamped)
         self._record(stamped, line)  # type: ignore[arg-type]
-        seen: dict[See | None, bytes | None] = {None: line}
+        seen: dict[MessageFilter | None, bytes | None] = {None: line}
         for subscription in self._subscriptions:
             see = subscription.see
             if see not in seen:
@@ -146,7 +150,7 @@ class Hub:
         capacity: int,
         samples: bool,
         wake: Callable[[], None],
-        see: See | None = None,
+        see: MessageFilter | None = None,
     ) -> Subscription:
         """A buffer of coming lines; `wake` is called when it stops being empty. `see` gives what
         its owner may have of each message; None: all.
@@ -161,7 +165,7 @@ class Hub:
             self._subscriptions.remove(subscription)
 
 
-def _line(see: See | None, message: Message, line: bytes) -> bytes | None:
+def _line(see: MessageFilter | None, message: Message, line: bytes) -> bytes | None:
     """The line of what may be had of `message`, whose own is `line`."""
     seen = see(message) if see is not None else message
     if seen is None:

@@ -49,7 +49,7 @@ log = logging.getLogger(__name__)
 
 
 @dataclass(eq=False)
-class Ticket:
+class PendingCommand:
     """A command on its way through the bus; `end` is set once, by whoever is first."""
 
     command: Command
@@ -106,7 +106,7 @@ class LaneJob:
     """What the driver sees of a command (`core.driver.Job`)."""
 
     def __init__(
-        self, ticket: Ticket, args: Mapping[str, Json], extend: Callable[[float], None]
+        self, ticket: PendingCommand, args: Mapping[str, Json], extend: Callable[[float], None]
     ) -> None:
         self._ticket = ticket
         self._args = args
@@ -168,8 +168,8 @@ class Lane:
         self._driver = driver
         self._hub = hub
         self._capacity = capacity
-        self._waiting: deque[tuple[Ticket, Mapping[str, Json]]] = deque()
-        self._current: Ticket | None = None
+        self._waiting: deque[tuple[PendingCommand, Mapping[str, Json]]] = deque()
+        self._current: PendingCommand | None = None
         self._task: asyncio.Task[Mapping[str, Json]] | None = None
         self._cancelled = False
         self.faulted = False
@@ -190,7 +190,7 @@ class Lane:
 
     # -- coming in ---------------------------------------------------------------------------
 
-    def take(self, ticket: Ticket, args: Mapping[str, Json], when_busy: str) -> None:
+    def take(self, ticket: PendingCommand, args: Mapping[str, Json], when_busy: str) -> None:
         """Accept, queue or refuse a command."""
         if self.faulted:
             ticket.refuse(
@@ -211,13 +211,13 @@ class Lane:
         self._watch_deadline(ticket)
         self._pump()
 
-    def _room_for(self, ticket: Ticket) -> int:
+    def _room_for(self, ticket: PendingCommand) -> int:
         """How many may wait before it; more if all is brief, since the wait is short then."""
         if ticket.verb.brief and all(waiting.verb.brief for waiting, _ in self._waiting):
             return max(self._capacity, BRIEF_CAPACITY)
         return self._capacity
 
-    def _make_way(self, ticket: Ticket) -> None:
+    def _make_way(self, ticket: PendingCommand) -> None:
         for waiting, _ in self._waiting:
             waiting.supersede(ticket.command.command)
         self._waiting.clear()
@@ -225,7 +225,7 @@ class Lane:
             self._current.supersede(ticket.command.command)
             self._cancel()
 
-    def _watch_deadline(self, ticket: Ticket) -> None:
+    def _watch_deadline(self, ticket: PendingCommand) -> None:
         if not ticket.command.deadline_us or not self.busy:
             return
         remaining = (ticket.command.deadline_us - self._hub.now()) / 1_000_000
@@ -233,7 +233,7 @@ class Lane:
             asyncio.get_running_loop().call_later(max(0.0, remaining), self._expire, ticket)
         )
 
-    def _expire(self, ticket: Ticket) -> None:
+    def _expire(self, ticket: PendingCommand) -> None:
         for entry in self._waiting:
             if entry[0] is ticket:
                 self._waiting.remove(entry)
@@ -252,7 +252,7 @@ class Lane:
                 continue
             self._start(ticket, args)
 
-    def _start(self, ticket: Ticket, args: Mapping[str, Json]) -> None:
+    def _start(self, ticket: PendingCommand, args: Mapping[str, Json]) -> None:
         loop = asyncio.get_running_loop()
         for timer in ticket.timers:
             timer.cancel()
@@ -273,19 +273,19 @@ class Lane:
         self._bound(ticket, ticket.command.limit_s)
         task.add_done_callback(lambda done: self._ended(ticket, done, started_us))
 
-    def _bound(self, ticket: Ticket, limit_s: float) -> None:
+    def _bound(self, ticket: PendingCommand, limit_s: float) -> None:
         for timer in ticket.timers:
             timer.cancel()
         timer = asyncio.get_running_loop().call_later(limit_s, self._overrun, ticket, limit_s)
         ticket.timers[:] = [timer]
 
-    def _extend(self, ticket: Ticket, seconds: float) -> None:
+    def _extend(self, ticket: PendingCommand, seconds: float) -> None:
         """A job that says how long it takes is not cut off before that, with a margin."""
         needed = seconds * EXPECTED_FACTOR + EXPECTED_MARGIN_S
         if ticket.end is None and needed > ticket.command.limit_s:
             self._bound(ticket, needed)
 
-    def _overrun(self, ticket: Ticket, limit_s: float) -> None:
+    def _overrun(self, ticket: PendingCommand, limit_s: float) -> None:
         ticket.finish(
             TimedOut(
                 command=ticket.command.command,
@@ -323,7 +323,7 @@ class Lane:
             )
 
     def _ended(
-        self, ticket: Ticket, task: asyncio.Task[Mapping[str, Json]], started_us: int
+        self, ticket: PendingCommand, task: asyncio.Task[Mapping[str, Json]], started_us: int
     ) -> None:
         self._task = None
         self._current = None
@@ -373,7 +373,7 @@ class Lane:
 
 
 def _outcome(
-    ticket: Ticket,
+    ticket: PendingCommand,
     task: asyncio.Task[Mapping[str, Json]],
     driver: str,
     started_us: int,

@@ -9,7 +9,7 @@ from pathlib import Path
 from woz_tui.cli import console_start
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.shared_options import add_keymap, add_pictures, add_theme, builtins
-from woz_tui.host import socket_place
+from woz_tui.host import session_sockets
 
 
 def add(parser: ArgumentParser) -> None:
@@ -75,7 +75,7 @@ def chosen(arguments: Namespace) -> Path | None:
 def _sort(arguments: Namespace) -> None:
     """In `--questionnaire S02` the word is meant as the session, if one of this name runs."""
     word = arguments.questionnaire
-    if word and not arguments.name and word in {path.stem for path in socket_place.running()}:
+    if word and not arguments.name and word in {path.stem for path in session_sockets.running()}:
         arguments.name, arguments.questionnaire = word, ""
 
 
@@ -88,16 +88,16 @@ def _kept(arguments: Namespace) -> str:
 
 def _find(name: str, options: str) -> Path | None:
     if name:
-        socket = Path(name) if "/" in name else socket_place.socket_path(name)
-        if socket_place.answers(socket):
+        socket = Path(name) if "/" in name else session_sockets.socket_path(name)
+        if session_sockets.answers(socket):
             return socket
         print(f"woz: no session is running at {socket}", file=sys.stderr)
-    running = socket_place.running()
+    running = session_sockets.running()
     if not name and len(running) == 1:
         return running[0]
     if running:
         names = "\n".join(
-            f"  woz attach {path.stem}{options}   # for {socket_place.age_s(path) // 60:.0f} min"
+            f"  woz attach {path.stem}{options}   # for {session_sockets.age_s(path) // 60:.0f} min"
             for path in running
         )
         print(f"woz: which session?\n{names}", file=sys.stderr)

@@ -90,7 +90,7 @@ def _listed(found: Codings, *, as_json: bool) -> int:
 def _compared(arguments: argparse.Namespace, found: Codings) -> int:
     from woz_tui.analysis.coder_agreement import agreements, coded_spans  # noqa: PLC0415
     from woz_tui.cli.report_layout import report_page  # noqa: PLC0415
-    from woz_tui.log.log_reader import Line  # noqa: PLC0415
+    from woz_tui.log.log_reader import LogLine  # noqa: PLC0415
     from woz_tui.log.message_stream import messages  # noqa: PLC0415
     from woz_tui.timeline.timeline import timeline_of  # noqa: PLC0415
 
@@ -100,7 +100,7 @@ def _compared(arguments: argparse.Namespace, found: Codings) -> int:
             listed = ", ".join(sorted(name for name, mine in found.by_coder.items() if mine))
             print(f"woz coding: {coder} has set no code; {listed} did", file=sys.stderr)
             return 1
-    lines = (each for each in messages(arguments.log) if not isinstance(each, Line))
+    lines = (each for each in messages(arguments.log) if not isinstance(each, LogLine))
     timeline = timeline_of(lines)
     within = coded_spans(timeline, every=arguments.all_trials)
     every = agreements(found.of(one), found.of(other), within, round(arguments.bin * 1e6))

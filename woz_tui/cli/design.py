@@ -23,8 +23,13 @@ from woz_tui.console.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver
 from woz_tui.protocol.messages import Json
-from woz_tui.session.condition_proposal import Past, Proposal, Used, propose
-from woz_tui.session.earlier_sessions import Earlier, Found
+from woz_tui.session.condition_proposal import (
+    ConditionProposal,
+    DesignUsage,
+    ParticipantHistory,
+    propose,
+)
+from woz_tui.session.earlier_sessions import EarlierParticipants, EarlierSessions
 
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 120
@@ -63,7 +68,7 @@ def design(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     if experiment.study.design is None:
         _complain("the file has no design; add one, such as design: {order: latin-square}")
         return 1
-    found = Earlier(arguments.recordings).read(experiment.title, experiment.path.name)
+    found = EarlierSessions(arguments.recordings).read(experiment.title, experiment.path.name)
     plan = _plan(experiment, experiment.study.design, found, arguments.participants)
     if arguments.format == "json":
         print(json_text(_report(plan, arguments.recordings), indent=2))
@@ -85,30 +90,34 @@ def _complain(text: str) -> None:
 class _Plan:
     experiment: Experiment
     design: Design
-    found: Found
-    used: Used
-    coming: tuple[Proposal, ...]
+    found: EarlierParticipants
+    used: DesignUsage
+    coming: tuple[ConditionProposal, ...]
 
     @property
-    def assigned(self) -> list[Past]:
+    def assigned(self) -> list[ParticipantHistory]:
         """Everybody who was ever given an order."""
         return [each for each in self.found.past if each.method]
 
 
-def _plan(experiment: Experiment, design: Design, found: Found, wanted: int | None) -> _Plan:
-    used = Used(design, experiment.conditions, found.past)
+def _plan(
+    experiment: Experiment, design: Design, found: EarlierParticipants, wanted: int | None
+) -> _Plan:
+    used = DesignUsage(design, experiment.conditions, found.past)
     past = [*found.past]
-    coming: list[Proposal] = []
+    coming: list[ConditionProposal] = []
     for _ in range(wanted or _missing(used)):
         proposal = propose(f"{_NEXT} {len(coming) + 1}", design, experiment.conditions, past)
         coming.append(proposal)
         past.append(
-            Past(proposal.participant, proposal.order, proposal.method, proposal.row, done=True)
+            ParticipantHistory(
+                proposal.participant, proposal.order, proposal.method, proposal.row, done=True
+            )
         )
     return _Plan(experiment, design, found, used, tuple(coming))
 
 
-def _missing(used: Used) -> int:
+def _missing(used: DesignUsage) -> int:
     """Participants until every row was used equally often, at least one round of all."""
     times = used.times()
     if used.design.order == "blocks" and used.conditions:
@@ -151,7 +160,7 @@ def _so_far(plan: _Plan, labels: bool) -> Table:
     return table
 
 
-def _remark(plan: _Plan, past: Past) -> str:
+def _remark(plan: _Plan, past: ParticipantHistory) -> str:
     if not plan.used.fits(past.order):
         return "from another design"
     if not past.counts:
@@ -199,7 +208,7 @@ def _report(plan: _Plan, recordings: Path) -> Json:
     }
 
 
-def _past(plan: _Plan, past: Past) -> Json:
+def _past(plan: _Plan, past: ParticipantHistory) -> Json:
     return {
         "participant": past.participant,
         "order": [*past.order],

@@ -18,7 +18,7 @@ from woz_tui.config.experiment import DriverSpec, Experiment, ExperimentError, P
 from woz_tui.console.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver, Finding, Probe
-from woz_tui.host import socket_place
+from woz_tui.host import session_sockets
 from woz_tui.machine import clocks, processor, serial_ports, storage, terminal_check
 from woz_tui.machine.bounded_checks import bounded
 
@@ -107,8 +107,8 @@ def _machine(recordings: Path) -> list[Finding]:
 
 def _sockets() -> list[Finding]:
     try:
-        path = socket_place.socket_path("S01")
-        running = socket_place.running()
+        path = session_sockets.socket_path("S01")
+        running = session_sockets.running()
     except OSError as error:
         return [Finding("error", "socket", str(error), "see docs/reference/protocol.md")]
     found = [_socket_folder(path.parent)]

@@ -19,7 +19,7 @@ from woz_tui.cli.safe_streams import json_text
 from woz_tui.config.engagement import RUNS, EngagementSettings
 from woz_tui.config.engagement_json import settings_from_json, settings_to_json
 from woz_tui.config.session_verbs import ENGAGEMENT
-from woz_tui.log.log_reader import Damage, Line, read
+from woz_tui.log.log_reader import Damage, LogLine, read
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_model import Transition
 from woz_tui.sensing.engagement_stream import EngagementFollower
@@ -303,7 +303,7 @@ def _switched(off: OffPeriods, again: ModelRerun, t: int) -> None:
     off.see(t, there=follower is not None, on=follower is not None and follower.model.run != OFF)
 
 
-def message_of(line: Line) -> m.AnyMessage | None:
+def message_of(line: LogLine) -> m.AnyMessage | None:
     """The line as a message; a truth value counts as the number that it is live."""
     if line.kind == _SAMPLE and isinstance(line.fields.get("value"), bool):
         sensor, value = str(line.fields.get("sensor")), float(line.fields["value"])

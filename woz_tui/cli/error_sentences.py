@@ -56,14 +56,14 @@ def _told(error: Exception, who: str, more: tuple[type[Exception], ...]) -> str 
     # Here, so that what needs no explanation starts without them.
     from woz_tui.config.experiment import ExperimentError  # noqa: PLC0415
     from woz_tui.drivers.plugins import PluginError  # noqa: PLC0415
-    from woz_tui.session.participant_identity import AskError  # noqa: PLC0415
+    from woz_tui.session.participant_identity import RequestError  # noqa: PLC0415
 
-    if not isinstance(error, (ExperimentError, AskError, PluginError, OSError, *more)):
+    if not isinstance(error, (ExperimentError, RequestError, PluginError, OSError, *more)):
         return None
     if problems := getattr(error, "problems", ()):
         return "\n".join(map(str, problems))
     match error:
-        case AskError():
+        case RequestError():
             what, remedy = error.reason, error.hint
         case OSError():
             what, remedy = os_error_text(error), ""

@@ -229,9 +229,9 @@ def _bundled_plan(told: Origin, catalogue: Catalogue) -> SessionPlan | None:
 
 def _plan(experiment: Experiment, catalogue: Catalogue) -> SessionPlan:
     """What it shows."""
-    from woz_tui.host.experiment_view import Shown, plan_of  # noqa: PLC0415
+    from woz_tui.host.experiment_view import ExperimentView, plan_of  # noqa: PLC0415
 
-    return plan_of(Shown(experiment, catalogue, values=dict(experiment.variables)))
+    return plan_of(ExperimentView(experiment, catalogue, values=dict(experiment.variables)))
 
 
 def _console(feed: ReplayFeed, theme: str) -> ReplayConsole:

@@ -16,7 +16,7 @@ from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.experiment_changes import changed, redactor_of, wrong
 from woz_tui.cli.host_start import Launch, host_arguments
 from woz_tui.config.experiment import Experiment, ExperimentError
-from woz_tui.log.file_names import present
+from woz_tui.log.file_names import current_path
 from woz_tui.replay.rerun_plan import Plan
 from woz_tui.session.redactor import Redactor
 
@@ -199,5 +199,5 @@ def _in_console(words: list[str]) -> int:
         return 1
     if opened.left == "detached":
         print("The session continues, without driving; join it again with `woz attach`.")
-    print(f"Log: {present(opened.robot.log)}")
+    print(f"Log: {current_path(opened.robot.log)}")
     return opened.code

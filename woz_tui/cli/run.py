@@ -19,7 +19,7 @@ from woz_tui.cli.shared_options import (
     builtins,
     identity,
 )
-from woz_tui.log.file_names import present
+from woz_tui.log.file_names import current_path
 
 
 def add(parser: ArgumentParser) -> None:
@@ -87,4 +87,4 @@ def _host_command(arguments: Namespace, experiment: Path) -> list[str]:
 def _farewell(left: str, log: Path) -> None:
     if left == "detached":
         print("The session continues; join it again with `woz attach`.")
-    print(f"Log: {present(log)}")
+    print(f"Log: {current_path(log)}")

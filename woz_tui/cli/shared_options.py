@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS, BuiltinKey
-from woz_tui.session.participant_identity import Identity
+from woz_tui.session.participant_identity import SessionIdentity
 
 
 def add_session(parser: ArgumentParser) -> None:
@@ -54,9 +54,9 @@ def add_theme(parser: ArgumentParser) -> None:
     )
 
 
-def identity(arguments: Namespace) -> Identity:
+def identity(arguments: Namespace) -> SessionIdentity:
     """The codes; the robot process finds a session code where none was given."""
-    return Identity(
+    return SessionIdentity(
         session=arguments.session,
         participant=arguments.participant,
         condition=arguments.condition,

@@ -27,7 +27,7 @@ _PLAIN = frozenset({"on", "level", "percent"})
 
 
 def spoken_text(command: m.Command | m.FilledCall) -> str:
-    """What is said; empty if nothing is. A text that is kept is `UNTOLD`."""
+    """What is said; empty if nothing is. A text that is kept is `HIDDEN_TEXT`."""
     text = command.args.get("text")
     return text if isinstance(text, str) and command.driver not in PERFORMERS else ""
 

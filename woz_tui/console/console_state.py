@@ -34,7 +34,7 @@ from woz_tui.protocol.codec import WireError, decode_message
 from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
 from woz_tui.protocol.robot_outline import RobotOutline
 from woz_tui.protocol.welcome import WelcomeSettings
-from woz_tui.session.redactor import Perception, Redactor
+from woz_tui.session.redactor import PerceptionLimits, Redactor
 from woz_tui.timeline.episodes import StopEpisode, keep_latest
 from woz_tui.timeline.session_state import SessionState
 
@@ -75,7 +75,7 @@ class ConsoleState:
     keyboard: str = "us"
     settings: WelcomeSettings = field(default_factory=WelcomeSettings)
     #: What the wizard does not get to see.
-    perception: Perception = field(default_factory=Perception)
+    perception: PerceptionLimits = field(default_factory=PerceptionLimits)
     #: What drivers look like.
     outlines: dict[str, Outline] = field(default_factory=dict)
     robot_outlines: dict[str, RobotOutline] = field(default_factory=dict)
@@ -275,7 +275,7 @@ class ConsoleState:
         self.settings = welcome.settings
         self.outlines = outlines_of(self.settings.outlines)
         self.robot_outlines = robots_of(self.settings.outlines)
-        self.perception = Perception.of(self.settings.study)
+        self.perception = PerceptionLimits.of(self.settings.study)
         self._plan(welcome, welcome.drivers)
         self._recall(welcome)
         self.role = welcome.role  # whatever old lines say of it
@@ -326,11 +326,11 @@ class ConsoleState:
             if (given := self.session.study.assigned) is not None:
                 order = [*self.settings.study.assigned]  # by its labels
                 self.session.study.assigned = msgspec.structs.replace(given, order=order)
-        self._perceive(Perception.of(self.settings.study))
+        self._perceive(PerceptionLimits.of(self.settings.study))
         plan = self.session.plan
         self._plan(changed, plan.drivers if plan is not None else [])
 
-    def _perceive(self, perception: Perception) -> None:
+    def _perceive(self, perception: PerceptionLimits) -> None:
         """Keep this from the wizard from now on, also what is on the screen already."""
         if perception == self.perception:
             return
@@ -375,7 +375,7 @@ class ConsoleState:
         if isinstance(message, m.SessionPlan):
             return  # the console is told of it otherwise
         if isinstance(message, m.PerceptionChanged):
-            self._perceive(Perception(message.hidden, message.blurred))
+            self._perceive(PerceptionLimits(message.hidden, message.blurred))
         if isinstance(message, m.Reading):  # hundreds a second, of which only the last are shown
             self.session.take(message)
             return

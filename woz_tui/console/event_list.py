@@ -16,7 +16,7 @@ from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.event_sentences import EventLine
 from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.number_text import elapsed, seconds, time_left
-from woz_tui.session.variables import UNTOLD
+from woz_tui.session.variables import HIDDEN_TEXT
 
 #: Rows the list may repaint at once, and a second in the long run. A flood of lines moves every row
 #: at every painting; nobody reads that, and it would fill a slow line to the terminal.
@@ -103,7 +103,7 @@ def event_row(event: EventLine, picture: ConsoleState, frame: PaintFrame) -> Row
     times = f"{event.times} times" if event.times > 1 else ""
     detail = glyphs.plain(clean(", ".join(filter(None, (times, event.detail)))))
     tone = look if event.mark in ("failed", "error", "refused", "warning", "stop") else "plain"
-    said = glyphs.plain(clean(event.said)) if event.said != UNTOLD else ""
+    said = glyphs.plain(clean(event.said)) if event.said != HIDDEN_TEXT else ""
     said = f" {glyphs.opening}{said}{glyphs.closing}" if said else ""
     body: Row = ((text, tone), (said, "muted"), (f"  {detail}" if detail else "", "muted"))
     if tone != "plain":  # why it went wrong comes before what it was

@@ -22,7 +22,7 @@ from woz_tui.console.meter_rows import (
 )
 from woz_tui.console.number_text import is_share
 from woz_tui.console.view_models import SensorView
-from woz_tui.session.redactor import kind_of
+from woz_tui.session.redactor import perceived_kind
 
 #: What one degree of freedom publishes; with its robot in front where several have the same.
 _JOINT = re.compile(r"(?P<whose>.*\.)?(?P<kind>joint|setpoint)\.(?P<name>.+)")
@@ -168,7 +168,7 @@ def _group(name: str, sensors: list[SensorView], picture: ConsoleState, frame: P
     if len(sensors) == 1:
         return _alone(sensors[0], picture, frame)
     members = []
-    if all(picture.perception.hides(kind_of(sensor.name)) for sensor in sensors):
+    if all(picture.perception.hides(perceived_kind(sensor.name)) for sensor in sensors):
         return hidden_row(name, frame)
     for sensor in sensors:
         # What has never been anything, such as a touch of a tablet, does not get old.
@@ -179,7 +179,7 @@ def _group(name: str, sensors: list[SensorView], picture: ConsoleState, frame: P
 
 
 def _alone(sensor: SensorView, picture: ConsoleState, frame: PaintFrame) -> Row:
-    if picture.perception.hides(kind_of(sensor.name)):
+    if picture.perception.hides(perceived_kind(sensor.name)):
         return hidden_row(sensor.name, frame)
     stale = picture.is_stale(sensor, frame.now)
     parts = (clean(sensor.text), figure(sensor, frame.glyphs))

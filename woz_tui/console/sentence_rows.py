@@ -9,7 +9,7 @@ from woz_tui.console.command_text import command_words
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.protocol.messages import FilledCall
-from woz_tui.session.variables import UNTOLD
+from woz_tui.session.variables import HIDDEN_TEXT
 
 #: What stands for a text that is kept from the wizard.
 KEPT = "what it says is kept from you"
@@ -40,14 +40,14 @@ def quoted(picture: ConsoleState, action: str, glyphs: Glyphs) -> str:
 def quotation(text: str, glyphs: Glyphs) -> str:
     """A text between quotation marks; nothing of an empty one, or one that is kept."""
     said = clean(text)
-    if not said or said == UNTOLD:
+    if not said or said == HIDDEN_TEXT:
         return ""
     return f"{glyphs.opening}{glyphs.plain(said)}{glyphs.closing}"
 
 
 def sentence_rows(picture: ConsoleState, frame: PaintFrame, action: str) -> list[Row]:
     """What it says, or what it does if it says nothing, in as many rows as the frame has."""
-    if picture.sentence(action) == UNTOLD:
+    if picture.sentence(action) == HIDDEN_TEXT:
         text, look = KEPT, "muted"
     elif said := quoted(picture, action, frame.glyphs):
         text, look = said, "strong"

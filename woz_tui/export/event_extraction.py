@@ -26,7 +26,7 @@ from woz_tui.export.event_model import (
 )
 from woz_tui.export.redaction import PLACEHOLDER
 from woz_tui.log.coding_file import MARKERS, Codings
-from woz_tui.log.log_reader import Line
+from woz_tui.log.log_reader import LogLine
 from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import (
     ActionEpisode,
@@ -147,7 +147,7 @@ class EventExtractor:
         #: Lines of which events are made when all is known, by `seq`.
         self._lines: dict[int, Mapping[str, Any]] = {}
 
-    def take(self, message: m.AnyMessage | None, line: Line) -> None:
+    def take(self, message: m.AnyMessage | None, line: LogLine) -> None:
         """A message that is no sample, None if this version does not know it, and the line with
         what may be shown of it.
         """

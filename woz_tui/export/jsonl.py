@@ -11,7 +11,7 @@ import msgspec
 from woz_tui.export.event_model import ExportSession
 from woz_tui.export.exporter import Exporter
 from woz_tui.export.log_sources import LogSource, redacted_line
-from woz_tui.log.log_reader import Damage, Line
+from woz_tui.log.log_reader import Damage, LogLine
 from woz_tui.protocol.messages import Reading
 
 _encoder = msgspec.json.Encoder()
@@ -40,7 +40,7 @@ class JsonlExporter(Exporter):
         return []
 
 
-def _wordless(line: Line) -> bool:
+def _wordless(line: LogLine) -> bool:
     """Whether it is plain to see that there is nothing to redact, as in most samples."""
     return isinstance(line.message, Reading) and _NO_WORDS.issuperset(line.fields)
 
@@ -52,7 +52,7 @@ class _Copy:
         self._sum = hashlib.sha256()
         self._lines = 0
 
-    def take(self, line: Line) -> None:
+    def take(self, line: LogLine) -> None:
         line = redacted_line(line) if self._redact and not _wordless(line) else line
         if line.sample:
             self._samples.write(line.raw + b"\n")

@@ -16,7 +16,7 @@ from woz_tui.export.redaction import redacted
 from woz_tui.export.safe_names import letters
 from woz_tui.log.coding_file import CodingError, Codings, coding_path, read_codings
 from woz_tui.log.file_names import FileName
-from woz_tui.log.log_reader import Damage, Line, LogFiles, files_of, merge
+from woz_tui.log.log_reader import Damage, LogFiles, LogLine, files_of, merge
 from woz_tui.log.message_stream import batches
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import Reading
@@ -47,7 +47,7 @@ class LogSource:
     # The files are those that were found: looked for again from the first one, a segment in
     # a folder that it does not name would be missing.
 
-    def lines(self, damage: Damage) -> Iterator[Line]:
+    def lines(self, damage: Damage) -> Iterator[LogLine]:
         """Every line that is no sample, in order."""
         damage.lacks(self.files.missing)
         actions = merge(self.files.actions, damage, gaps=False)
@@ -58,12 +58,12 @@ class LogSource:
         for batch in batches(self.files.paths, damage, gaps=True):
             yield from (item for item in batch if isinstance(item, Reading))
 
-    def everything(self, damage: Damage) -> Iterator[Line]:
+    def everything(self, damage: Damage) -> Iterator[LogLine]:
         """Every line, in order."""
         return merge(self.files.paths, damage)
 
 
-def redacted_line(line: Line) -> Line:
+def redacted_line(line: LogLine) -> LogLine:
     """The line without anybody's words, and without `ts`."""
     fields = redacted(line.fields)
     raw = _encoder.encode(fields)
@@ -72,7 +72,7 @@ def redacted_line(line: Line) -> Line:
     except codec.WireError:
         message = None
     # Nothing of the old line goes along: whatever it has besides is not redacted.
-    return Line(line.seq, line.t, "", line.kind, fields, raw, message)
+    return LogLine(line.seq, line.t, "", line.kind, fields, raw, message)
 
 
 def find_sources(given: Iterable[Path]) -> list[LogSource]:
@@ -175,7 +175,7 @@ class _Sums:
         self._sound_to = -1
         self._broken = False
 
-    def take(self, line: Line) -> None:
+    def take(self, line: LogLine) -> None:
         told = line.fields.get("sha256")
         if line.kind in ("checkpoint", "session.end") and told and not self._broken:
             if told == self._hash.hexdigest():

@@ -14,7 +14,7 @@ from contextlib import suppress
 import msgspec
 
 from woz_tui.bus.hub import Hub, Subscription
-from woz_tui.host.role_view import View
+from woz_tui.host.role_view import RoleView
 from woz_tui.protocol import codec
 from woz_tui.protocol.requests import (
     AnyRequest,
@@ -64,16 +64,16 @@ MOST_WAITING = 8 << 20
 LINGER_S = 1.0
 
 
-class Turns:
+class RequestScheduler:
     """Has waiting requests carried out: so many in one turn of the loop, one of each client after
     the other. However much is asked and by however many, the robot and a stop come in between.
     """
 
     def __init__(self) -> None:
-        self._waiting: deque[Client] = deque()
+        self._waiting: deque[ClientConnection] = deque()
         self._under_way = False
 
-    def join(self, client: Client) -> None:
+    def join(self, client: ClientConnection) -> None:
         """`client` has requests again; unless this turn had its requests, the first begin now."""
         self._waiting.append(client)
         if not self._under_way:
@@ -97,7 +97,7 @@ class Turns:
                 return
 
 
-class Client(asyncio.Protocol):
+class ClientConnection(asyncio.Protocol):
     """Splits lines, decodes requests, writes what the hub offers.
 
     Args:
@@ -114,18 +114,18 @@ class Client(asyncio.Protocol):
         self,
         name: str,
         hub: Hub,
-        turns: Turns,
+        turns: RequestScheduler,
         standstill: Standstill,
         *,
-        on_request: Callable[[Client, AnyRequest], None],
-        on_stop: Callable[[Client, AskStop], None],
-        on_gone: Callable[[Client, str], None],
+        on_request: Callable[[ClientConnection, AnyRequest], None],
+        on_stop: Callable[[ClientConnection, AskStop], None],
+        on_gone: Callable[[ClientConnection, str], None],
     ) -> None:
         self.name = name
         self.hello: Hello | None = None
         self.role = ""
         #: What this client may see; None: all.
-        self.view: View | None = None
+        self.view: RoleView | None = None
         self.beat_us = 0
         self.silent = False
         #: Done when the connection has ended.

@@ -28,7 +28,7 @@ from woz_tui.session.study_settings import study_settings, study_snapshot
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
+class ExperimentView:
     """An experiment, and how it stands in a session: locks by panel's title, the profile in use,
     the variables with their values at this moment, what holds in the study.
     """
@@ -41,7 +41,7 @@ class Shown:
     study: StudySettings | None = None
 
     @classmethod
-    def of(cls, session: Session) -> Shown:
+    def of(cls, session: Session) -> ExperimentView:
         """As a session stands now."""
         return cls(
             session.experiment,
@@ -53,7 +53,7 @@ class Shown:
         )
 
 
-def plan_of(shown: Shown) -> m.SessionPlan:
+def plan_of(shown: ExperimentView) -> m.SessionPlan:
     """Everything a console is shown, with all values."""
     experiment = shown.experiment
     return m.SessionPlan(
@@ -89,7 +89,7 @@ def plan_of(shown: Shown) -> m.SessionPlan:
     )
 
 
-def plan_for_log(shown: Shown) -> m.SessionPlan:
+def plan_for_log(shown: ExperimentView) -> m.SessionPlan:
     """The same without what tells who is there: of the variables only the experiment's own, and
     the home folder is `~` wherever a text begins a path with it.
     """

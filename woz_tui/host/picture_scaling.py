@@ -45,7 +45,7 @@ def scaled(pixels: Pixels, width: int, height: int) -> Pixels:
     return means
 
 
-def drawn(
+def encoded(
     picture: Picture, most_width: int, most_height: int, wanted: PictureFormat
 ) -> tuple[int, int, str]:
     """Width, height and data of `picture` as a `PictureShown` has them.

@@ -11,7 +11,7 @@ import logging
 
 from msgspec.structs import replace
 
-from woz_tui.host.client_connection import Client
+from woz_tui.host.client_connection import ClientConnection
 from woz_tui.protocol.camera_pictures import (
     MOST_PIXELS,
     MOST_RATE,
@@ -34,12 +34,12 @@ MAY = ("wizard", "watcher")
 log = logging.getLogger(__name__)
 
 
-class Pictures:
+class PictureService:
     """Answers `AskPicture` for one session."""
 
     def __init__(self, session: Session) -> None:
         self._session = session
-        self._asking: dict[Client, asyncio.Task[None]] = {}
+        self._asking: dict[ClientConnection, asyncio.Task[None]] = {}
         self._watching: dict[tuple[str, str], CameraWatched] = {}
         self._one = asyncio.Lock()  # scaling takes a core: one picture after the other
 
@@ -49,7 +49,7 @@ class Pictures:
         named = self._session.feeds.drivers(PICTURE)
         return [driver for driver in self._session.drivers if driver in named]
 
-    def ask(self, client: Client, request: AskPicture) -> None:
+    def ask(self, client: ClientConnection, request: AskPicture) -> None:
         """Answer with a picture, at once or within a second; or refuse."""
         refused = self._refusal(client, request)
         if refused is not None:
@@ -61,7 +61,7 @@ class Pictures:
         self._asking[client] = task
         task.add_done_callback(lambda done: self._asking.pop(client, None))
 
-    def _refusal(self, client: Client, request: AskPicture) -> Reply | None:
+    def _refusal(self, client: ClientConnection, request: AskPicture) -> Reply | None:
         reason = hint = ""
         if client.role not in MAY:
             reason = f"a {client.role} cannot see camera pictures"
@@ -82,7 +82,7 @@ class Pictures:
             hint = "docs/how-to/camera.md explains how to add one"
         return Reply(ref=request.ref, ok=False, reason=reason, hint=hint) if reason else None
 
-    def _watch(self, client: Client, driver: str, request: AskPicture) -> None:
+    def _watch(self, client: ClientConnection, driver: str, request: AskPicture) -> None:
         """Tell the camera that somebody watches, with the wishes of all who do."""
         now = self._session.clock.now_us()
         mine = CameraWatched(now + round(WATCHED_S * 1_000_000), request.width, request.rate)
@@ -94,7 +94,7 @@ class Pictures:
         )
         self._session.feeds.feed(driver, WATCHED).put(together)
 
-    async def _answer(self, client: Client, driver: str, request: AskPicture) -> None:
+    async def _answer(self, client: ClientConnection, driver: str, request: AskPicture) -> None:
         shown = PictureShown(ref=request.ref, driver=driver, cameras=self.cameras)
         try:
             client.send(await self._shown(shown, request))
@@ -141,6 +141,6 @@ class Pictures:
 
 
 def _drawn(picture: Picture, request: AskPicture) -> tuple[int, int, str]:
-    from woz_tui.host.picture_scaling import drawn  # noqa: PLC0415 - loads numpy
+    from woz_tui.host.picture_scaling import encoded  # noqa: PLC0415 - loads numpy
 
-    return drawn(picture, request.width, request.height, request.format)
+    return encoded(picture, request.width, request.height, request.format)

@@ -13,8 +13,8 @@ from msgspec.structs import replace
 from woz_tui.config.experiment import Call, Experiment, ExperimentError, FilePosition
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.contract import Finding
-from woz_tui.host.client_connection import Client
-from woz_tui.host.picture_service import Pictures
+from woz_tui.host.client_connection import ClientConnection
+from woz_tui.host.picture_service import PictureService
 from woz_tui.protocol.messages import Json, Notice
 from woz_tui.protocol.requests import (
     AnyRequest,
@@ -46,13 +46,13 @@ from woz_tui.protocol.requests import (
     AskVerb,
     Reply,
 )
-from woz_tui.session.action_runner import Origin
-from woz_tui.session.participant_identity import AskError
+from woz_tui.session.action_runner import RequestOrigin
+from woz_tui.session.participant_identity import RequestError
 from woz_tui.session.preflight import preflight
 from woz_tui.session.questionnaire_control import PARTICIPANT
 from woz_tui.session.session import Session
-from woz_tui.session.typed_actions import Reader, copied, without_typed, written
-from woz_tui.session.variables import MissingError, call_with
+from woz_tui.session.typed_actions import Reader, copy_with_sentences, without_typed, write_beside
+from woz_tui.session.variables import MissingValueError, filled_call
 
 log = logging.getLogger(__name__)
 
@@ -67,7 +67,7 @@ SLOW_WAITING = 16
 _NOWHERE = FilePosition("", 0, 0)
 
 
-class Desk:
+class RequestHandlers:
     """Answers requests for one session.
 
     Args:
@@ -82,9 +82,9 @@ class Desk:
         self._session = session
         self._load = load
         self._read = read or (lambda data: load())
-        self._pictures = Pictures(session)
+        self._pictures = PictureService(session)
         self._tasks: set[asyncio.Task[None]] = set()
-        self._slow: dict[tuple[Client, type[Slow]], list[Slow]] = {}
+        self._slow: dict[tuple[ClientConnection, type[Slow]], list[Slow]] = {}
         self._reading = asyncio.Lock()  # what was read last is what counts
         self._looking = asyncio.Lock()  # into the earlier logs, one after the other
         self.on_end: Callable[[str], None] = lambda reason: None
@@ -93,7 +93,7 @@ class Desk:
         #: Called before an experiment is adopted.
         self.on_reload: Callable[[Experiment], None] = lambda experiment: None
 
-    def answer(self, client: Client, request: AnyRequest) -> None:
+    def answer(self, client: ClientConnection, request: AnyRequest) -> None:
         """Carry `request` out and reply; every request gets exactly one reply; a picture is one."""
         if client.view is not None:
             request = client.view.redactor.request(request)
@@ -120,14 +120,14 @@ class Desk:
             hint="start `woz attach --take-over` to play the robot here",
         )
 
-    def _now(self, client: Client, request: AnyRequest) -> Reply:
+    def _now(self, client: ClientConnection, request: AnyRequest) -> Reply:
         try:
             run = self._carry(client, request)
-        except AskError as error:
+        except RequestError as error:
             return _refused(client, request, error)
         return Reply(ref=request.ref, ok=True, run=run)
 
-    def _carry(self, client: Client, request: AnyRequest) -> str:
+    def _carry(self, client: ClientConnection, request: AnyRequest) -> str:
         session = self._session
         run, stale = "", self._stale(request)
         match request:
@@ -159,20 +159,20 @@ class Desk:
                 self._study(client, request)
         return run
 
-    def _end(self, client: Client, request: AskCancel | AskEmptyQueue) -> None:
+    def _end(self, client: ClientConnection, request: AskCancel | AskEmptyQueue) -> None:
         match request:
             case AskCancel(run=wanted):
                 self._session.cancel(wanted)
             case AskEmptyQueue():
                 self._session.empty_queue(f"{client.role} {client.name}")
 
-    def _study(self, client: Client, request: AnyRequest) -> None:
+    def _study(self, client: ClientConnection, request: AnyRequest) -> None:
         study = self._session.study
         if self._session.ended:
-            raise AskError("the session is ending")
+            raise RequestError("the session is ending")
         match request:
             case AskPhase(phase=phase, source=by, key=key):
-                self._session.phase(phase, Origin(by, key, client.name))
+                self._session.phase(phase, RequestOrigin(by, key, client.name))
             case AskAssign(participant=participant, order=order):
                 study.assign(participant, order)
             case AskTrial(what=what, text=text):
@@ -184,14 +184,14 @@ class Desk:
                 study.questioning.answer(request)
             case AskTraining():
                 if self.on_training is None:
-                    raise AskError("this session is no training", "`woz train` begins one")
+                    raise RequestError("this session is no training", "`woz train` begins one")
                 self.on_training()
             case AskCheck(check=check, ok=ok, text=text):
                 study.check(check, ok, text, client.role)
             case _:
-                raise AskError(f"{type(request).__name__} cannot be used here")
+                raise RequestError(f"{type(request).__name__} cannot be used here")
 
-    def _write(self, client: Client, request: AskMarker | AskNote | AskMistake) -> None:
+    def _write(self, client: ClientConnection, request: AskMarker | AskNote | AskMistake) -> None:
         tells = self._tells(client)
         match request:
             case AskMarker(text=text):
@@ -201,30 +201,30 @@ class Desk:
             case AskMistake(run=wrong, text=text):
                 self._session.mistake(wrong, text, tells)
 
-    def _tells(self, client: Client) -> tuple[str, ...]:
+    def _tells(self, client: ClientConnection) -> tuple[str, ...]:
         """What words of this client may tell: one that sees all may write of the condition."""
         design = self._session.experiment.study.design
         blinds = design is not None and bool(design.blind)
         return ("condition",) if blinds and client.view is None else ()
 
-    def _action(self, client: Client, request: AskAction, stale: str) -> str:
+    def _action(self, client: ClientConnection, request: AskAction, stale: str) -> str:
         return self._session.play(
             request.action,
-            Origin(request.source, request.key, client.name),
+            RequestOrigin(request.source, request.key, client.name),
             request.when_busy,
             stale,
         )
 
-    def _script(self, client: Client, request: AskScript, stale: str) -> str:
+    def _script(self, client: ClientConnection, request: AskScript, stale: str) -> str:
         if request.to is not None:
             if stale:
                 self._session.refuse("Script not moved", stale)
             self._session.script_to(request.to)
         if not request.play:
             return ""
-        return self._session.script_next(Origin("script", request.key, client.name), stale)
+        return self._session.script_next(RequestOrigin("script", request.key, client.name), stale)
 
-    def _verb(self, client: Client, request: AskVerb, stale: str) -> str:
+    def _verb(self, client: ClientConnection, request: AskVerb, stale: str) -> str:
         """Send it with its variables filled in, as in the experiment file."""
         # First of all: a sentence about a variable would quote what stands between braces.
         args = self._session.bus.hidden(request.verb, request.args)
@@ -232,16 +232,16 @@ class Desk:
         call = Call(request.verb, texts, request.on, _NOWHERE)
         if not stale:
             try:
-                call = call_with(call, self._session.values())
-            except MissingError as error:
-                raise AskError(str(error), "to write a brace, double it: {{ or }}") from error
+                call = filled_call(call, self._session.values())
+            except MissingValueError as error:
+                raise RequestError(str(error), "to write a brace, double it: {{ or }}") from error
         if tells := self._tells(client):
             call = dataclasses.replace(call, tells=tells, unfilled=dict.fromkeys(texts, "..."))
         run = self._session.send(
             request.verb,
             {**args, **call.args},
             request.on,
-            Origin(request.source, request.key, client.name),
+            RequestOrigin(request.source, request.key, client.name),
             when_busy=request.when_busy,
             stale=stale,
             tells=call.tells,
@@ -263,7 +263,7 @@ class Desk:
 
     # -- what takes its time -----------------------------------------------------------------
 
-    def _later(self, client: Client, request: Slow) -> None:
+    def _later(self, client: ClientConnection, request: Slow) -> None:
         """One of a kind at a time for each client; what waits for one that left is dropped."""
         waiting = self._slow.get((client, type(request)))
         if waiting is None:
@@ -279,7 +279,7 @@ class Desk:
                 Reply(ref=request.ref, ok=False, reason=reason, hint="wait for their answers")
             )
 
-    async def _work_off(self, client: Client, kind: type[Slow]) -> None:
+    async def _work_off(self, client: ClientConnection, kind: type[Slow]) -> None:
         waiting = self._slow[client, kind]
         while waiting and not client.gone.done():
             request = waiting[0]
@@ -291,12 +291,12 @@ class Desk:
                 client.send(replace(reply, ref=each.ref))
         del self._slow[client, kind]
 
-    async def _reply(self, client: Client, request: Slow) -> Reply:
+    async def _reply(self, client: ClientConnection, request: Slow) -> Reply:
         #: Lines that may tell the condition, and what stands for them where it is kept.
         instead: dict[str, str] = {}
         try:
             data = await self._data(request, instead)
-        except AskError as error:
+        except RequestError as error:
             return _refused(client, request, error)
         except ExperimentError as error:
             count = len(error.problems)
@@ -336,9 +336,9 @@ class Desk:
         data: dict[str, Json] = {"sentences": 0, "file": file, "diff": [], "written": False}
         if typed == kept:
             return data
-        copy = await asyncio.to_thread(copied, path, typed, self._read)
+        copy = await asyncio.to_thread(copy_with_sentences, path, typed, self._read)
         if copy.sentences and not dry_run:
-            copy = await asyncio.to_thread(written, path, copy)
+            copy = await asyncio.to_thread(write_beside, path, copy)
             session.kept = typed, str(copy.file)
             data["written"] = True
             text = f"Typed sentences are in {copy.file.name}, a copy of the experiment file"
@@ -350,10 +350,10 @@ class Desk:
         """Read in a thread: a network folder must not hold up the robot."""
         experiment = await asyncio.to_thread(self._load)
         if self._session.ended:
-            raise AskError("the session is ending")
+            raise RequestError("the session is ending")
         difference = compare(without_typed(self._session.experiment), experiment)
         if difference.drivers:
-            raise AskError(
+            raise RequestError(
                 "the drivers changed: " + "; ".join(difference.drivers),
                 "end the session and start it again to use other drivers",
             )
@@ -362,7 +362,7 @@ class Desk:
         telling = [*difference.telling, *reread]
         instead.update(dict.fromkeys(telling, "a change that could reveal the condition"))
         if self._session.ended:
-            raise AskError("the session is ending")
+            raise RequestError("the session is ending")
         if not dry_run:
             self.on_reload(experiment)
             self._session.adopt(experiment, changes, telling)
@@ -388,7 +388,7 @@ def _undone(request: AnyRequest) -> str:
     return ""
 
 
-def _refused(client: Client, request: AnyRequest, error: AskError) -> Reply:
+def _refused(client: ClientConnection, request: AnyRequest, error: RequestError) -> Reply:
     """Why not; conditions are listed by the names that the client knows."""
     hint = error.hint
     if client.view is not None and error.conditions:
@@ -396,7 +396,7 @@ def _refused(client: Client, request: AnyRequest, error: AskError) -> Reply:
     return Reply(ref=request.ref, ok=False, reason=error.reason, hint=hint, command=error.command)
 
 
-def _seen(client: Client, reply: Reply, instead: Mapping[str, str]) -> Reply:
+def _seen(client: ClientConnection, reply: Reply, instead: Mapping[str, str]) -> Reply:
     """What the client may have of an answer."""
     return reply if client.view is None else client.view.redactor.reply(reply, instead)
 

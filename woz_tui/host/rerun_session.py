@@ -13,13 +13,13 @@ from pathlib import Path
 
 from woz_tui.bus.bus import STOP_WAIT_S
 from woz_tui.config.experiment import Call, Experiment, FilePosition
-from woz_tui.host.server import Host
+from woz_tui.host.server import SessionServer
 from woz_tui.protocol import messages as m
 from woz_tui.replay.rerun_plan import REPLAY, Plan, plan_of
 from woz_tui.replay.rerun_player import DONE, LEAD_US, STOPPED, Player
 from woz_tui.replay.robot_compatibility import fitted
-from woz_tui.session.action_runner import Origin
-from woz_tui.session.participant_identity import AskError
+from woz_tui.session.action_runner import RequestOrigin
+from woz_tui.session.participant_identity import RequestError
 
 #: How long the drivers that are needed may take to be connected, in seconds.
 DRIVERS_WAIT_S = 20.0
@@ -52,17 +52,17 @@ def without_model(experiment: Experiment) -> Experiment:
 
 
 def read_plan(options: RerunOptions, experiment: Experiment) -> Plan:
-    """The plan for this robot. Raises `AskError` or `OSError` if there is nothing to be sent."""
+    """The plan for this robot. Raises `RequestError` or `OSError` if nothing can be sent."""
     try:
         plan = fitted(plan_of(options.log), experiment)
     except ValueError as error:
-        raise AskError(str(error)) from error
+        raise RequestError(str(error)) from error
     if not plan.sent:
-        raise AskError(f"{options.log}: this log has no command that can be sent again")
+        raise RequestError(f"{options.log}: this log has no command that can be sent again")
     return plan
 
 
-class Rerun:
+class RerunSession:
     """Begins the re-run, watches over it, and tells the wizard.
 
     Args:
@@ -71,7 +71,7 @@ class Rerun:
         options: How.
     """
 
-    def __init__(self, host: Host, plan: Plan, options: RerunOptions) -> None:
+    def __init__(self, host: SessionServer, plan: Plan, options: RerunOptions) -> None:
         self._host = host
         self._session = host.session
         self._plan = plan
@@ -162,7 +162,9 @@ class Rerun:
         that it took another one's place is in the log as that one's end.
         """
         call = Call(command.verb, dict(command.args), command.driver, _NOWHERE)
-        return self._session.runner.send(call, Origin(REPLAY), "queue", None, on_end, like=command)
+        return self._session.runner.send(
+            call, RequestOrigin(REPLAY), "queue", None, on_end, like=command
+        )
 
     def _unwatched(self) -> None:
         if self._player.under_way:

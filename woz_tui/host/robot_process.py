@@ -21,21 +21,26 @@ from typing import TYPE_CHECKING
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import Catalogue, installed
-from woz_tui.host.request_handlers import Desk
-from woz_tui.host.server import Host
-from woz_tui.host.socket_place import bind, next_session, running, socket_path, starting
-from woz_tui.log.file_names import name_after
-from woz_tui.log.recorder import Recorder, stem
+from woz_tui.host.request_handlers import RequestHandlers
+from woz_tui.host.server import SessionServer
+from woz_tui.host.session_sockets import bind, next_session, running, socket_path, starting
+from woz_tui.log.file_names import file_stem, name_after
+from woz_tui.log.recorder import Recorder
 from woz_tui.machine.scheduling import ask_for_short_turns
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import AskError, Identity, check_code, check_participant
-from woz_tui.session.profile_limits import Profiles
+from woz_tui.session.participant_identity import (
+    RequestError,
+    SessionIdentity,
+    check_code,
+    check_participant,
+)
+from woz_tui.session.profile_limits import ProfileLimits
 from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock
 
 if TYPE_CHECKING:  # most sessions are neither, and begin without loading them
     from woz_tui.drivers.contract import Driver
-    from woz_tui.host.rerun_session import Rerun, RerunOptions
+    from woz_tui.host.rerun_session import RerunOptions, RerunSession
     from woz_tui.host.training_session import TrainingOptions, TrainingSession
     from woz_tui.replay.rerun_plan import Plan
     from woz_tui.training.cue_plan import PlannedCue
@@ -66,7 +71,7 @@ class HostOptions:
     """
 
     experiment: Path
-    identity: Identity
+    identity: SessionIdentity
     name: str
     recordings: Path
     spill: Path | None = None
@@ -79,15 +84,15 @@ class HostOptions:
 def run(options: HostOptions) -> int:
     """Serve one session until it ends; the exit code.
 
-    Raises `ExperimentError`, `PlaceError`, `PluginError`, `AskError` or `OSError` before anything
-    has begun; afterwards everything is handled here.
+    Raises `ExperimentError`, `SessionSocketError`, `PluginError`, `RequestError` or `OSError`
+    before anything has begun; afterwards everything is handled here.
     """
     _fill_standard_streams()
     catalogue = installed()
     experiment = _read(options, catalogue)
     _check_identity(options.identity, experiment)
     if options.profile:
-        Profiles(lambda message: None).use(options.profile, experiment, "")
+        ProfileLimits(lambda message: None).use(options.profile, experiment, "")
     plan: Plan | None = None
     if options.rerun is not None:
         from woz_tui.host.rerun_session import read_plan  # noqa: PLC0415
@@ -125,7 +130,7 @@ def _fill_standard_streams() -> None:
     os.close(number)
 
 
-def _check_identity(identity: Identity, experiment: Experiment) -> None:
+def _check_identity(identity: SessionIdentity, experiment: Experiment) -> None:
     if identity.session:
         check_code(identity.session, "session")
     if identity.wizard:
@@ -158,8 +163,8 @@ async def _serve(
     if options.profile:
         session.use_profile(options.profile, "start")
     read = functools.partial(load, options.experiment, catalogue)
-    desk = Desk(session, lambda: _read(options, catalogue), read)
-    host = Host(session, path, desk)
+    desk = RequestHandlers(session, lambda: _read(options, catalogue), read)
+    host = SessionServer(session, path, desk)
     rerun, training = _played(host, options, plan, cues)
     for number in (signal.SIGTERM, signal.SIGINT):
         asyncio.get_running_loop().add_signal_handler(number, host.end, "terminated")
@@ -196,7 +201,7 @@ async def _serve(
 
 def _begin_files(
     options: HostOptions, clock: RealClock, moved: Callable[[m.RecorderState], None]
-) -> tuple[Identity, Path, socket.socket, Recorder]:
+) -> tuple[SessionIdentity, Path, socket.socket, Recorder]:
     """Session code, socket and log, while no other session of this user chooses its own."""
     identity = options.identity
     with starting():
@@ -206,7 +211,7 @@ def _begin_files(
         listener = bind(path)
         recorder = Recorder(
             options.recordings,
-            stem(clock.wall(), identity.participant, identity.session),
+            file_stem(clock.wall(), identity.participant, identity.session),
             clock,
             spill=options.spill,
             on_state=moved,
@@ -225,7 +230,7 @@ async def _assign_proposed(session: Session) -> None:
     try:
         proposal = await asyncio.to_thread(study.propose, who.participant)
         study.assign(who.participant, [*proposal.order])
-    except AskError as error:
+    except RequestError as error:
         session.hub.publish(
             m.Notice(
                 level="warning",
@@ -259,14 +264,14 @@ def _offered(options: HostOptions, catalogue: Catalogue) -> Mapping[str, type[Dr
 
 
 def _played(
-    host: Host, options: HostOptions, plan: Plan | None, cues: tuple[PlannedCue, ...]
-) -> tuple[Rerun | None, TrainingSession | None]:
+    host: SessionServer, options: HostOptions, plan: Plan | None, cues: tuple[PlannedCue, ...]
+) -> tuple[RerunSession | None, TrainingSession | None]:
     """What goes on in the session by itself, if anything does."""
     rerun = training = None
     if plan is not None and options.rerun is not None:
-        from woz_tui.host.rerun_session import Rerun  # noqa: PLC0415
+        from woz_tui.host.rerun_session import RerunSession  # noqa: PLC0415
 
-        rerun = Rerun(host, plan, options.rerun)
+        rerun = RerunSession(host, plan, options.rerun)
     if options.training is not None:
         from woz_tui.host.training_session import TrainingSession  # noqa: PLC0415
 

@@ -6,11 +6,11 @@ from collections.abc import Iterable
 from typing import Any
 
 from woz_tui.protocol import messages as m
-from woz_tui.session.recent_lines import Recent
+from woz_tui.session.recent_messages import RecentMessages
 from woz_tui.session.redactor import Redactor
 
 
-class View:
+class RoleView:
     """What a role sees of a session, as it goes on.
 
     Args:
@@ -22,7 +22,7 @@ class View:
         self, redactor: Redactor, before: Iterable[m.Message], recent: Iterable[m.Message]
     ) -> None:
         self.redactor = redactor
-        self._recent = Recent()
+        self._recent = RecentMessages()
         self._last: tuple[m.Message | None, m.Message | None] = None, None
         for message in before:
             redactor.take(message)

@@ -12,11 +12,11 @@ from pathlib import Path
 import msgspec
 
 from woz_tui.config.experiment import Experiment
-from woz_tui.host import socket_place
-from woz_tui.host.client_connection import LINGER_S, Client, Turns
-from woz_tui.host.experiment_view import Shown, plan_for_log, plan_of
-from woz_tui.host.request_handlers import Desk
-from woz_tui.host.role_view import View
+from woz_tui.host import session_sockets
+from woz_tui.host.client_connection import LINGER_S, ClientConnection, RequestScheduler
+from woz_tui.host.experiment_view import ExperimentView, plan_for_log, plan_of
+from woz_tui.host.request_handlers import RequestHandlers
+from woz_tui.host.role_view import RoleView
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import (
@@ -46,7 +46,7 @@ STREAMS = ("everything", "actions", "nothing")
 log = logging.getLogger(__name__)
 
 
-class Host:
+class SessionServer:
     """Serves one session over one socket until it ends.
 
     Args:
@@ -56,13 +56,15 @@ class Host:
         pulse_s: Seconds between two looks at beats and clients.
     """
 
-    def __init__(self, session: Session, path: Path, desk: Desk, pulse_s: float = PULSE_S) -> None:
+    def __init__(
+        self, session: Session, path: Path, desk: RequestHandlers, pulse_s: float = PULSE_S
+    ) -> None:
         self.session = session
         self._pulse_s = pulse_s
         self.path = path
         self.desk = desk
-        self._clients: list[Client] = []
-        self._turns = Turns()
+        self._clients: list[ClientConnection] = []
+        self._turns = RequestScheduler()
         self._count = 0
         self._listener: socket.socket | None = None
         self._server: asyncio.Task[None] | None = None
@@ -83,7 +85,7 @@ class Host:
     def listen(self, listener: socket.socket) -> None:
         """Serve whoever connects to `listener`, a non-blocking Unix socket."""
         self._alone_us = self.session.hub.now()
-        self.session.hub.publish(plan_for_log(Shown.of(self.session)))
+        self.session.hub.publish(plan_for_log(ExperimentView.of(self.session)))
         self._open_door(listener)
         self._pulse()
 
@@ -101,7 +103,7 @@ class Host:
         if self._timer is not None:
             self._timer.cancel()
         self._close_door()
-        if self._file is not None and socket_place.inode(self.path) == self._file:
+        if self._file is not None and session_sockets.inode(self.path) == self._file:
             self.path.unlink(missing_ok=True)
         leaving = [client.gone for client in self._clients]
         for client in self._clients:
@@ -113,7 +115,7 @@ class Host:
 
     def _open_door(self, listener: socket.socket) -> None:
         self._listener = listener
-        self._file = socket_place.inode(self.path)
+        self._file = session_sockets.inode(self.path)
         self._server = asyncio.get_running_loop().create_task(self._accept(listener))
 
     def _close_door(self) -> None:
@@ -128,10 +130,10 @@ class Host:
         The runtime folder goes with the user's last login, such as a dropped SSH line, and is
         there again with the next one, which is just when somebody wants to attach.
         """
-        if socket_place.inode(self.path) is not None:
+        if session_sockets.inode(self.path) is not None:
             return
         try:
-            listener = socket_place.bind(self.path)
+            listener = session_sockets.bind(self.path)
         except OSError:  # its folder is gone as well: with the next pulse, perhaps
             return
         self._close_door()
@@ -150,11 +152,11 @@ class Host:
                 await asyncio.sleep(1.0)
 
     async def _admit(self, connection: socket.socket) -> None:
-        if socket_place.peer_uid(connection) not in {os.getuid(), 0}:
+        if session_sockets.peer_uid(connection) not in {os.getuid(), 0}:
             connection.close()
             return
         self._count += 1
-        client = Client(
+        client = ClientConnection(
             f"con{self._count}",
             self.session.hub,
             self._turns,
@@ -168,7 +170,7 @@ class Host:
     # -- clients -----------------------------------------------------------------------------
 
     @property
-    def wizard(self) -> Client | None:
+    def wizard(self) -> ClientConnection | None:
         """The console that plays the robot, if one is attached."""
         return next((client for client in self._clients if client.role == "wizard"), None)
 
@@ -177,7 +179,7 @@ class Host:
         """Whether nobody is attached at all; somebody who answers questions minds no robot."""
         return all(client.role == PARTICIPANT for client in self._clients)
 
-    def _request(self, client: Client, request: AnyRequest) -> None:
+    def _request(self, client: ClientConnection, request: AnyRequest) -> None:
         if isinstance(request, AskStop):  # before everything: it needs no hello and no role
             self._stop(client, request)
             client.send(Reply(ref=request.ref, ok=True))
@@ -192,10 +194,10 @@ class Host:
         else:
             self.desk.answer(client, request)
 
-    def _stop(self, client: Client, request: AskStop) -> None:
+    def _stop(self, client: ClientConnection, request: AskStop) -> None:
         self.session.stop("the participant" if client.role == PARTICIPANT else request.source)
 
-    def _hello(self, client: Client, hello: Hello) -> None:
+    def _hello(self, client: ClientConnection, hello: Hello) -> None:
         if hello.protocol != PROTOCOL:
             client.send(
                 Reply(
@@ -238,7 +240,7 @@ class Host:
             client.follow(samples=hello.stream == "everything")
         self._update_watch()
 
-    def _role(self, client: Client, hello: Hello) -> str:
+    def _role(self, client: ClientConnection, hello: Hello) -> str:
         present = self.wizard
         if hello.role != "wizard" or present is None:
             return hello.role
@@ -247,7 +249,7 @@ class Host:
         self._demote(present, client)
         return "wizard"
 
-    def _demote(self, present: Client, by: Client) -> None:
+    def _demote(self, present: ClientConnection, by: ClientConnection) -> None:
         """The console that played watches from now on."""
         present.role = "watcher"
         present.send(
@@ -261,7 +263,7 @@ class Host:
             m.ConsoleLost(console=present.name, role="wizard", why="taken over")
         )
 
-    def _take_over(self, client: Client, request: AskTakeOver) -> Reply:
+    def _take_over(self, client: ClientConnection, request: AskTakeOver) -> Reply:
         present = self.wizard
         if client.role != "watcher":
             reason = "only a console that watches can take over"
@@ -281,11 +283,11 @@ class Host:
         self._update_watch()
         return Reply(ref=request.ref, ok=True)
 
-    def _view(self, role: str) -> View:
+    def _view(self, role: str) -> RoleView:
         session = self.session
         redactor = Redactor() if role == "wizard" else ParticipantRedactor()
         redactor.adopt(study_settings(session.experiment))
-        return View(redactor, session.state.messages(), session.recent.lines)
+        return RoleView(redactor, session.state.messages(), session.recent.lines)
 
     def _restrict(self, experiment: Experiment) -> None:
         """A file is about to be adopted: who is to be blind by it is so before anything is said."""
@@ -294,10 +296,10 @@ class Host:
             if study.blind:
                 view.redactor.adopt(study)
 
-    def _welcome(self, client: Client) -> Welcome:
+    def _welcome(self, client: ClientConnection) -> Welcome:
         session, view = self.session, client.view
         told = welcome(
-            plan_of(Shown.of(session)),
+            plan_of(ExperimentView.of(session)),
             console=client.name,
             role=client.role,
             seq=session.hub.seq,
@@ -314,14 +316,14 @@ class Host:
         )
 
     def _panels_changed(self) -> None:
-        shown = Shown.of(self.session)
+        shown = ExperimentView.of(self.session)
         self.session.hub.publish(plan_for_log(shown))
         news = panels_changed(plan_of(shown))
         for client in self._clients:
             view = client.view
             client.send(news if view is None else view.redactor.panels(news))
 
-    def _gone(self, client: Client, why: str) -> None:
+    def _gone(self, client: ClientConnection, why: str) -> None:
         if client not in self._clients:
             return
         self._clients.remove(client)
@@ -333,7 +335,7 @@ class Host:
 
     # -- the dead man's switch ---------------------------------------------------------------
 
-    def _beat(self, client: Client, line_ok: bool) -> None:
+    def _beat(self, client: ClientConnection, line_ok: bool) -> None:
         client.beat_us = self.session.hub.now()
         if client.silent == line_ok:
             client.silent = not line_ok

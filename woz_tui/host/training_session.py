@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from statistics import median
 
 from woz_tui.config.experiment import Experiment
-from woz_tui.host.server import Host
+from woz_tui.host.server import SessionServer
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import AskError, Identity
+from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.training.cue_plan import PlannedCue, acts, planned
 from woz_tui.training.trainer import MISSED, RIGHT, UNCALLED, WRONG, Trainer
 from woz_tui.training.training_visitor import TrainingVisitor
@@ -31,14 +31,14 @@ class TrainingOptions:
 def read_cues(
     options: TrainingOptions, experiment: Experiment, seed: int
 ) -> tuple[PlannedCue, ...]:
-    """The cues to be given. Raises `AskError` if the experiment has nothing to train."""
+    """The cues to be given. Raises `RequestError` if the experiment has nothing to train."""
     try:
         return planned(experiment, options.count, seed)
     except ValueError as error:
-        raise AskError(str(error), "add training: {cues: [...]} to the file") from error
+        raise RequestError(str(error), "add training: {cues: [...]} to the file") from error
 
 
-def in_training(identity: Identity, experiment: Experiment) -> Identity:
+def in_training(identity: SessionIdentity, experiment: Experiment) -> SessionIdentity:
     """Nobody takes part, but utterances with `{participant}` and `{condition}` can be said."""
     condition = experiment.conditions[0] if experiment.conditions else ""
     return replace(identity, participant=NOBODY, condition=identity.condition or condition)
@@ -60,7 +60,7 @@ class TrainingSession:
         cues: What is to be given.
     """
 
-    def __init__(self, host: Host, cues: tuple[PlannedCue, ...]) -> None:
+    def __init__(self, host: SessionServer, cues: tuple[PlannedCue, ...]) -> None:
         self._host = host
         self._session = host.session
         self._cues = cues
@@ -95,7 +95,7 @@ class TrainingSession:
     def _begin(self) -> None:
         """The wizard pressed the key that begins it."""
         if self._state != "waits":
-            raise AskError("the training has begun already")
+            raise RequestError("the training has begun already")
         self._tell("runs")
         loop = asyncio.get_running_loop()
         self._starting = loop.call_later(WARNING_S, self._trainer.begin)

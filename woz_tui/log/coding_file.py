@@ -32,7 +32,7 @@ class CodingError(Exception):
     """The file cannot be used; the text says which and why."""
 
 
-class Head(msgspec.Struct, frozen=True, tag_field="kind", tag="coding"):
+class CodingHeader(msgspec.Struct, frozen=True, tag_field="kind", tag="coding"):
     """Which session is coded: the code, and the clock on the wall at its beginning."""
 
     session: str
@@ -74,7 +74,7 @@ class Code(msgspec.Struct, frozen=True, tag_field="kind", tag="code"):
         return self.text.partition(":")[2].strip() if self.lasts else self.text
 
 
-class Taken(msgspec.Struct, frozen=True, tag_field="kind", tag="taken back"):
+class CodeRemoval(msgspec.Struct, frozen=True, tag_field="kind", tag="taken back"):
     """The coder takes the code `number` back."""
 
     coder: str
@@ -82,7 +82,7 @@ class Taken(msgspec.Struct, frozen=True, tag_field="kind", tag="taken back"):
     at: str
 
 
-_decoder = msgspec.json.Decoder(Head | Code | Taken)
+_decoder = msgspec.json.Decoder(CodingHeader | Code | CodeRemoval)
 _encoder = msgspec.json.Encoder()
 
 
@@ -94,7 +94,7 @@ class Codings:
 
     by_coder: dict[str, list[Code]] = field(default_factory=dict)
     used: dict[str, int] = field(default_factory=dict)
-    head: Head | None = None
+    head: CodingHeader | None = None
     unread: int = 0
 
     def of(self, coder: str) -> list[Code]:
@@ -129,12 +129,12 @@ def read_codings(path: Path) -> Codings:
             found.unread += bool(line.strip())
             continue
         match read:
-            case Head():
+            case CodingHeader():
                 found.head = found.head or read
             case Code(coder=coder):
                 found.by_coder.setdefault(coder, []).append(read)
                 found.used[coder] = max(read.number, found.used.get(coder, -1))
-            case Taken(coder=coder, number=number):
+            case CodeRemoval(coder=coder, number=number):
                 mine = found.by_coder.get(coder, [])
                 mine[:] = [code for code in mine if code.number != number]
     if found.head is None and lines:
@@ -181,7 +181,7 @@ class Coding:
         """Take the code back that was set last; None if there is none."""
         last = max(self.codes, key=lambda code: code.number, default=None)
         if last is not None:
-            self._write(Taken(self.coder, last.number, _now()))
+            self._write(CodeRemoval(self.coder, last.number, _now()))
             self.codes = [code for code in self.codes if code is not last]
         return last
 
@@ -200,11 +200,11 @@ class Coding:
         os.fdatasync(self._file)
 
 
-def head_of(start: SessionStart | None) -> Head:
+def head_of(start: SessionStart | None) -> CodingHeader:
     """What tells sessions apart, of one whose first line is `start`."""
     if start is None:
-        return Head("", "")
-    return Head(start.session, start.clock.get("wall_at_t0", "") or start.ts)
+        return CodingHeader("", "")
+    return CodingHeader(start.session, start.clock.get("wall_at_t0", "") or start.ts)
 
 
 def tiers_of(codes: Iterable[Code]) -> list[str]:

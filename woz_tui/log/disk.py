@@ -170,7 +170,7 @@ _WORDS = {
 }
 
 
-def in_words(error: OSError) -> str:
+def disk_problem(error: OSError) -> str:
     """What happened, as a wizard would say it; falls back on the system's own text."""
     words = _WORDS.get(error.errno or 0)
     return words or error.strerror or str(error) or type(error).__name__

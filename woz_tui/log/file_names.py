@@ -34,7 +34,7 @@ def check_code(what: str, code: str) -> str:
     return code
 
 
-def stem(wall: datetime, participant: str, session: str) -> str:
+def file_stem(wall: datetime, participant: str, session: str) -> str:
     """What all files of one session begin with: `2026-03-01T10-00-00_P07_S01` (time in UTC).
 
     `wall` must know its time zone. An empty `participant` is left out: nobody is there yet.
@@ -48,7 +48,7 @@ def stem(wall: datetime, participant: str, session: str) -> str:
 
 
 def session_code(name: str) -> str:
-    """The session's code out of a stem; empty if the stem was not made by `stem`."""
+    """The session's code out of a stem; empty if the stem was not made by `file_stem`."""
     found = _STEM.fullmatch(name)
     return found["session"] if found else ""
 
@@ -79,7 +79,7 @@ def gets_participant(log: str) -> bool:
     return found is not None and not found["participant"]
 
 
-def present(log: Path) -> Path:
+def current_path(log: Path) -> Path:
     """The log as it is called now: see `name_after`."""
     start, _, rest = log.name.partition("_")
     named = log.parent.glob(f"{start}_*_{rest}") if rest and not log.exists() else ()
@@ -113,7 +113,7 @@ def media_folder(log: Path) -> Path:
     return log.with_name(f"{name.stem if name else log.stem}.media")
 
 
-def second_places() -> list[Path]:
+def fallback_folders() -> list[Path]:
     """Where a log goes on when its own folder fails and no other was given, best first."""
     state = os.environ.get("XDG_STATE_HOME", "")
     base = Path(state) if Path(state).is_absolute() else Path("~/.local/state").expanduser()
@@ -136,6 +136,6 @@ def from_folder(path: Path, folder: Path) -> str:
     return os.path.relpath(path, folder)
 
 
-def unique(paths: Iterable[Path]) -> list[Path]:
+def unique_paths(paths: Iterable[Path]) -> list[Path]:
     """Absolute paths in the given order, each once."""
     return list(dict.fromkeys(path.absolute() for path in paths))

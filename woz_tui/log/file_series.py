@@ -15,7 +15,7 @@ from woz_tui.system.clock import Clock, timestamp
 _MOST_NAMES = 10_000
 
 
-class Series:
+class FileSeries:
     """Gives out names, each once. `places` are the folders in the order of preference."""
 
     def __init__(self, places: list[Path], stem: str, clock: Clock) -> None:

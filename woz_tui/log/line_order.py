@@ -20,7 +20,7 @@ WINDOW = 256
 _FEW = 16
 
 
-class Numbered(Protocol):
+class Sequenced(Protocol):
     """What has a place and a time in a session."""
 
     @property
@@ -34,18 +34,18 @@ class Numbered(Protocol):
         ...
 
 
-N = TypeVar("N", bound=Numbered)
+N = TypeVar("N", bound=Sequenced)
 
 seq_of: Callable[[Any], int] = attrgetter("seq")
 t_of: Callable[[Any], int] = attrgetter("t")
 
 
-def rising(numbers: Sequence[int]) -> bool:
+def is_rising(numbers: Sequence[int]) -> bool:
     """Whether each number is greater than the one before it."""
     return not any(map(ge, numbers, islice(numbers, 1, None)))
 
 
-def falls(numbers: Sequence[int]) -> int:
+def count_falls(numbers: Sequence[int]) -> int:
     """How often a number is smaller than the one before it."""
     return sum(map(gt, numbers, islice(numbers, 1, None)))
 
@@ -61,7 +61,7 @@ def in_order(batches: Iterable[list[N]], damage: Damage) -> Iterator[list[N]]:
     for batch in batches:
         numbers = list(map(seq_of, batch))
         floor = window[-1].seq if window else given
-        if numbers and numbers[0] >= floor and not falls(numbers):
+        if numbers and numbers[0] >= floor and not count_falls(numbers):
             window += batch
         else:
             ready: list[N] = []
@@ -142,7 +142,7 @@ def _as_one(parts: list[list[N]]) -> list[N]:
     return sorted(chain.from_iterable(parts), key=seq_of)
 
 
-class Course(Generic[N]):
+class SequenceChecker(Generic[N]):
     """What makes one session of what is in order: each number once; gaps and falls are counted.
 
     `same` says whether two of the same number say the same; `gaps`: whether numbers that nothing
@@ -159,7 +159,7 @@ class Course(Generic[N]):
         """What is new in `batch`."""
         numbers = list(map(seq_of, batch))
         before = self._last.seq if self._last is not None else -1
-        if not numbers or numbers[0] <= before or not rising(numbers):
+        if not numbers or numbers[0] <= before or not is_rising(numbers):
             batch = self._once(batch)
             numbers = list(map(seq_of, batch))
         if not batch:
@@ -169,7 +169,7 @@ class Course(Generic[N]):
         times = list(map(t_of, batch))
         if self._last is not None:
             times.insert(0, self._last.t)
-        self._damage.backwards += falls(times)
+        self._damage.backwards += count_falls(times)
         self._last = batch[-1]
         return batch
 

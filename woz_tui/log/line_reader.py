@@ -28,7 +28,7 @@ KINDS = frozenset(each.__struct_config__.tag for each in get_args(AnyMessage))
 
 
 @dataclass(frozen=True)
-class Line:
+class LogLine:
     """One message as it stands in the log. `seq` rises from line to line; gaps can occur.
 
     Attributes:
@@ -57,7 +57,7 @@ class Line:
 
 
 @dataclass(frozen=True)
-class Chunk:
+class LineChunk:
     """Whole lines of a file, or its last one if no newline follows it (then not `whole`).
 
     `data` None: one line that is longer than any message.
@@ -69,13 +69,13 @@ class Chunk:
     whole: bool = True
 
 
-def lines_of(path: Path, damage: Damage) -> Iterator[Line]:
+def lines_of(path: Path, damage: Damage) -> Iterator[LogLine]:
     """The messages in one file as they stand there, without the lines that open a segment."""
     for chunk in chunks_of(path, damage):
         yield from lines_in(chunk, damage)
 
 
-def lines_in(chunk: Chunk, damage: Damage) -> list[Line]:
+def lines_in(chunk: LineChunk, damage: Damage) -> list[LogLine]:
     """The messages of a chunk, without the lines that open a segment."""
     if chunk.data is None:
         _lost(chunk, 0, damage)
@@ -97,7 +97,7 @@ def lines_in(chunk: Chunk, damage: Damage) -> list[Line]:
     return found
 
 
-def _lost(chunk: Chunk, offset: int, damage: Damage) -> None:
+def _lost(chunk: LineChunk, offset: int, damage: Damage) -> None:
     if chunk.whole:
         damage.damaged += 1
     else:
@@ -105,14 +105,14 @@ def _lost(chunk: Chunk, offset: int, damage: Damage) -> None:
     damage.at(chunk.path, chunk.offset + offset)
 
 
-def _account(line: Line, damage: Damage) -> None:
+def _account(line: LogLine, damage: Damage) -> None:
     """What the recorder says of lines that it could not keep: so far, of the whole session."""
     if isinstance(line.message, Segment):
         damage.dropped = max(damage.dropped, line.message.dropped)
         damage.dropped_samples = max(damage.dropped_samples, line.message.dropped_samples)
 
 
-def _judge(line: Line, damage: Damage) -> None:
+def _judge(line: LogLine, damage: Damage) -> None:
     """Note what this version does not know about the line."""
     if line.kind == "session.start":
         schema = line.fields.get("schema", SCHEMA)
@@ -125,7 +125,7 @@ def _judge(line: Line, damage: Damage) -> None:
             damage.stranger(line.kind)
 
 
-def decode(raw: bytes) -> Line | None:
+def decode(raw: bytes) -> LogLine | None:
     """A line, with `seq` -1 if it opens a segment; None if it is no message."""
     message = _message(raw)
     try:
@@ -147,7 +147,7 @@ def decode(raw: bytes) -> Line | None:
         seq = -1
     elif seq < 0 or t < 0:
         return None
-    return Line(seq, t, ts, kind, fields, raw, message)
+    return LogLine(seq, t, ts, kind, fields, raw, message)
 
 
 def _message(raw: bytes) -> AnyMessage | None:
@@ -157,7 +157,7 @@ def _message(raw: bytes) -> AnyMessage | None:
         return None
 
 
-def chunks_of(path: Path, damage: Damage, block: int = BLOCK) -> Iterator[Chunk]:
+def chunks_of(path: Path, damage: Damage, block: int = BLOCK) -> Iterator[LineChunk]:
     """A file in pieces of whole lines, each about `block` bytes long."""
     try:
         with open_regular(path) as file:
@@ -166,22 +166,22 @@ def chunks_of(path: Path, damage: Damage, block: int = BLOCK) -> Iterator[Chunk]
         damage.unreadable.append(f"{path}: {error.strerror}")
 
 
-def _cut(path: Path, fd: int, damage: Damage, block: int) -> Iterator[Chunk]:
+def _cut(path: Path, fd: int, damage: Damage, block: int) -> Iterator[LineChunk]:
     start, size = 0, min(block, _BEGINNING)
     while data := os.pread(fd, size, start):
         end = data.rfind(b"\n") + 1
         if end:
-            yield Chunk(path, start, data[:end])
+            yield LineChunk(path, start, data[:end])
             start, size = start + end, block
         elif not data.strip(b"\0"):  # a hole full of NULs takes no memory
             damage.nul_bytes += len(data)
             start += len(data)
         elif len(data) >= LONGEST:
             end, whole = _end_of_line(fd, start + len(data), block)
-            yield Chunk(path, start, None, whole)
+            yield LineChunk(path, start, None, whole)
             start, size = end, block
         elif not os.pread(fd, 1, start + len(data)):
-            yield Chunk(path, start, data, whole=False)
+            yield LineChunk(path, start, data, whole=False)
             return
         else:
             size *= 2

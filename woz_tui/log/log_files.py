@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from woz_tui.log.file_names import FileName, second_places, unique
+from woz_tui.log.file_names import FileName, fallback_folders, unique_paths
 from woz_tui.protocol import codec
 from woz_tui.system.files import open_regular
 
@@ -75,7 +75,7 @@ def files_of(path: Path, places: Iterable[Path] | None = None, *, samples: bool 
     name = FileName.parse(path.name)
     if name is None:
         raise ValueError(f"{path}: the name of a log must end in .jsonl")
-    folders = unique([path.parent, *(second_places() if places is None else places)])
+    folders = unique_paths([path.parent, *(fallback_folders() if places is None else places)])
     real = set(map(os.path.realpath, folders))
     found: dict[Path, FileName] = {}
     known: set[tuple[str, int]] = set()

@@ -27,7 +27,7 @@ def worse(one: str, other: str) -> str:
     return max(one, other, key=LEVELS.index)
 
 
-class Gauge:
+class LogHealth:
     """Turns measured lags into a level, and says when it is time to report.
 
     `peak_us` is the worst lag since the last report.
@@ -70,7 +70,7 @@ class Gauge:
 
 
 def state_of(
-    gauge: Gauge,
+    gauge: LogHealth,
     *,
     path: str,
     broken: str,

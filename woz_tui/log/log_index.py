@@ -22,14 +22,14 @@ from pathlib import Path
 from typing import Self
 
 from woz_tui.log.damage import Damage
-from woz_tui.log.line_order import falls, seq_of, t_of
+from woz_tui.log.line_order import count_falls, seq_of, t_of
 from woz_tui.log.log_files import LogFiles, files_of
-from woz_tui.log.log_scan import Scan, scan
-from woz_tui.log.message_stream import Item
-from woz_tui.log.sample_blocks import Samples, State, steady
+from woz_tui.log.log_scan import LogScan, scan
+from woz_tui.log.message_stream import LogItem
+from woz_tui.log.sample_blocks import SampleBlocks, SampleState, in_steady_series
 from woz_tui.log.samples_index import StaleIndexError
 
-__all__ = ["LogIndex", "State"]
+__all__ = ["LogIndex", "SampleState"]
 
 #: Bytes of samples that are decoded to find one moment: a second and more of four at 100 Hz.
 _BLOCK = 1 << 16
@@ -47,15 +47,15 @@ class LogIndex:
             empty.
     """
 
-    def __init__(self, found: Scan, files: ExitStack, log: LogFiles, block: int) -> None:
-        self.actions: list[Item] = found.actions
+    def __init__(self, found: LogScan, files: ExitStack, log: LogFiles, block: int) -> None:
+        self.actions: list[LogItem] = found.actions
         self.damage: Damage = found.damage
         self.no_end = log.no_end()
         self._files = files
         self._log, self._block = log, block
-        self._samples = Samples(found.blocks)
+        self._samples = SampleBlocks(found.blocks)
         self._times = list(map(t_of, self.actions))
-        self._straight = not falls(self._times)
+        self._straight = not count_falls(self._times)
         self.length_us = max(0, self._samples.last_us, _last(self._times))
 
     @classmethod
@@ -72,7 +72,7 @@ class LogIndex:
             found.damage.lacks(log.missing)
             return cls(found, files.pop_all(), log, block)
 
-    def at(self, t_us: int) -> State:
+    def at(self, t_us: int) -> SampleState:
         """The last reading of each sensor, and the engagement model, at `t_us` (included), however
         long ago they spoke.
         """
@@ -82,7 +82,7 @@ class LogIndex:
             self._scan_again()
             return self._samples.at(t_us)
 
-    def between(self, after_us: int, until_us: int) -> Iterator[Item]:
+    def between(self, after_us: int, until_us: int) -> Iterator[LogItem]:
         """Every message with `after_us` < t <= `until_us`, in order of `seq`.
 
         They are read while one goes through them. `after_us` -1 includes the very first.
@@ -91,7 +91,7 @@ class LogIndex:
         samples = self.samples_between(after_us, until_us)
         return heapq.merge(actions, samples, key=seq_of) if actions else samples
 
-    def samples_between(self, after_us: int, until_us: int) -> Iterator[Item]:
+    def samples_between(self, after_us: int, until_us: int) -> Iterator[LogItem]:
         """Those of `between` that are samples."""
         last = -1
         while True:
@@ -109,9 +109,9 @@ class LogIndex:
         found = scan(self._log, self._files, self._block, indexed=False)
         found.damage.lacks(self._log.missing)
         self.damage = found.damage
-        self._samples = Samples(found.blocks)
+        self._samples = SampleBlocks(found.blocks)
 
-    def actions_between(self, after_us: int, until_us: int) -> list[Item]:
+    def actions_between(self, after_us: int, until_us: int) -> list[LogItem]:
         """Those of `actions` with `after_us` < t <= `until_us`."""
         if self._straight:
             first = bisect_right(self._times, after_us)
@@ -131,5 +131,5 @@ class LogIndex:
 
 def _last(times: list[int]) -> int:
     """The latest of these times, but for wild ones."""
-    fits = steady([(t, t) for t in times])
+    fits = in_steady_series([(t, t) for t in times])
     return max((t for t, fit in zip(times, fits, strict=True) if fit), default=-1)

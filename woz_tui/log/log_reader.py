@@ -12,11 +12,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from woz_tui.log.damage import Damage
-from woz_tui.log.line_order import Course, in_order, merged
-from woz_tui.log.line_reader import Line, chunks_of, lines_in, lines_of
+from woz_tui.log.line_order import SequenceChecker, in_order, merged
+from woz_tui.log.line_reader import LogLine, chunks_of, lines_in, lines_of
 from woz_tui.log.log_files import LogFiles, files_of
 
-__all__ = ["Damage", "Line", "LogFiles", "files_of", "lines_of", "merge", "read", "same_line"]
+__all__ = ["Damage", "LogFiles", "LogLine", "files_of", "lines_of", "merge", "read", "same_line"]
 
 
 def read(
@@ -25,7 +25,7 @@ def read(
     *,
     places: Iterable[Path] | None = None,
     samples: bool = True,
-) -> Iterator[Line]:
+) -> Iterator[LogLine]:
     """Every line of the session to which `path` belongs, in order, each once.
 
     `path` is any file of the session; `damage` is filled in on the way. Without `samples` no file
@@ -38,22 +38,22 @@ def read(
     return merge(files.paths, found, gaps=samples)
 
 
-def merge(paths: Sequence[Path], damage: Damage, *, gaps: bool = True) -> Iterator[Line]:
+def merge(paths: Sequence[Path], damage: Damage, *, gaps: bool = True) -> Iterator[LogLine]:
     """The lines of these files as one stream by `seq`; see `read`.
 
     `gaps`: count the numbers that no line has.
     """
-    course = Course[Line](damage, same_line, gaps=gaps)
+    course = SequenceChecker[LogLine](damage, same_line, gaps=gaps)
     for batch in merged([in_order(_batches(path, damage), damage) for path in paths]):
         yield from course.take(batch)
     course.end()
 
 
-def _batches(path: Path, damage: Damage) -> Iterator[list[Line]]:
+def _batches(path: Path, damage: Damage) -> Iterator[list[LogLine]]:
     return (lines_in(chunk, damage) for chunk in chunks_of(path, damage))
 
 
-def same_line(one: Line, other: Line) -> bool:
+def same_line(one: LogLine, other: LogLine) -> bool:
     """Whether two lines say the same."""
     if one.message is not None and other.message is not None:
         return one.message == other.message

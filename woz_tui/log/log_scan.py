@@ -14,11 +14,17 @@ from typing import BinaryIO
 import msgspec
 
 from woz_tui.log.damage import Damage
-from woz_tui.log.line_order import Course, falls, rising, seq_of, t_of
-from woz_tui.log.line_reader import KINDS, Chunk, Line, chunks_of
+from woz_tui.log.line_order import SequenceChecker, count_falls, is_rising, seq_of, t_of
+from woz_tui.log.line_reader import KINDS, LineChunk, LogLine, chunks_of
 from woz_tui.log.log_files import LogFiles
-from woz_tui.log.message_stream import Item, batches, items_in
-from woz_tui.log.sample_blocks import Block, Entry, Slim, entries_in, lasts
+from woz_tui.log.message_stream import LogItem, batches, items_in
+from woz_tui.log.sample_blocks import (
+    QuickReading,
+    SampleBlock,
+    SampleEntry,
+    entries_in,
+    last_samples,
+)
 from woz_tui.log.samples_index import (
     Hole,
     IndexBuilder,
@@ -37,11 +43,11 @@ _NEAR_END = 16
 
 
 @dataclass
-class Scan:
+class LogScan:
     """What was found: the actions themselves, the samples by block."""
 
-    actions: list[Item] = field(default_factory=list)
-    blocks: list[Block] = field(default_factory=list)
+    actions: list[LogItem] = field(default_factory=list)
+    blocks: list[SampleBlock] = field(default_factory=list)
     damage: Damage = field(default_factory=Damage)
 
 
@@ -49,7 +55,7 @@ class _OutOfOrderError(Exception):
     """The files do not hold the samples in order, each once."""
 
 
-def scan(files: LogFiles, opened: ExitStack, block: int, *, indexed: bool = True) -> Scan:
+def scan(files: LogFiles, opened: ExitStack, block: int, *, indexed: bool = True) -> LogScan:
     """Go through all files, `block` bytes at a time; those that are needed later are opened and put
     into `opened`. Samples that an index describes are left where they are, unless not `indexed`.
     """
@@ -59,27 +65,27 @@ def scan(files: LogFiles, opened: ExitStack, block: int, *, indexed: bool = True
         return _copied(files, block)
 
 
-def is_sample(item: Entry) -> bool:
+def is_sample(item: SampleEntry) -> bool:
     """Whether something belongs to the samples: what is one, or is unknown and came without `ts`,
     as samples do.
     """
-    if isinstance(item, Line):
+    if isinstance(item, LogLine):
         return item.sample or (item.kind not in KINDS and not item.ts)
-    return isinstance(item, (Slim, Reading, EngagementShown))
+    return isinstance(item, (QuickReading, Reading, EngagementShown))
 
 
 # -- files as they should be ----------------------------------------------------------------------
 
 
-def _in_place(files: LogFiles, opened: ExitStack, block: int, indexed: bool) -> Scan:
+def _in_place(files: LogFiles, opened: ExitStack, block: int, indexed: bool) -> LogScan:
     """Blocks are pieces of the files of samples themselves."""
-    found = Scan()
+    found = LogScan()
     for batch in batches(files.actions, found.damage, gaps=False, block=block):
         if any(map(is_sample, batch)):
             raise _OutOfOrderError
         found.actions += batch
     found.damage.backwards = 0  # counted anew, among the samples
-    weave = _Weave(found.actions, found.damage)
+    weave = _Interleaving(found.actions, found.damage)
     ended = any(isinstance(action, SessionEnd) for action in found.actions[-_NEAR_END:])
     for path in files.samples:
         source = _open(path, opened)
@@ -91,11 +97,11 @@ def _in_place(files: LogFiles, opened: ExitStack, block: int, indexed: bool) -> 
         builder = IndexBuilder() if ended and source and is_long(source.fileno()) else None
         for chunk in chunks_of(path, found.damage, block):
             quick = entries_in(chunk)
-            entries = list[Entry](quick) or _looked_at(chunk, found.damage)
+            entries = list[SampleEntry](quick) or _looked_at(chunk, found.damage)
             if entries and source is not None:
                 low, high = weave.take(entries)
                 read = partial(_piece, source, len(chunk.data or b""), chunk.offset)
-                found.blocks.append(Block(read, low, high, lasts(quick or entries)))
+                found.blocks.append(SampleBlock(read, low, high, last_samples(quick or entries)))
             if builder is not None and source is not None:
                 builder.take(source.fileno(), chunk, quick)
         if builder is not None and source is not None:
@@ -106,12 +112,12 @@ def _in_place(files: LogFiles, opened: ExitStack, block: int, indexed: bool) -> 
 
 def _headed(path: Path, source: BinaryIO, size: int, damage: Damage) -> None:
     """Account for the line with which a further segment begins."""
-    items_in(Chunk(path, 0, _piece(source, size, 0)), damage)
+    items_in(LineChunk(path, 0, _piece(source, size, 0)), damage)
 
 
-def _indexed(source: BinaryIO, entry: IndexEntry) -> Block:
+def _indexed(source: BinaryIO, entry: IndexEntry) -> SampleBlock:
     """A block of which the index says what is in it."""
-    return Block(_Checked(source, entry), entry.first_us, entry.last_us, entry.lasts)
+    return SampleBlock(_Checked(source, entry), entry.first_us, entry.last_us, entry.lasts)
 
 
 class _Checked:
@@ -148,38 +154,38 @@ def _piece(source: BinaryIO, size: int, offset: int) -> bytes:
         return b""
 
 
-def _looked_at(chunk: Chunk, damage: Damage) -> list[Entry]:
+def _looked_at(chunk: LineChunk, damage: Damage) -> list[SampleEntry]:
     """What is left of the samples of a chunk with which something is wrong."""
-    found = list[Entry](items_in(chunk, damage))
+    found = list[SampleEntry](items_in(chunk, damage))
     if not all(map(is_sample, found)):
         raise _OutOfOrderError
     return found
 
 
-class _Weave:
+class _Interleaving:
     """Counts the session's numbers and times over its samples and the actions among them.
 
-    It says what `Course` says, mostly without putting the actions in their places, which for some
-    actions among a million samples would take longer than all the rest.
+    It says what `SequenceChecker` says, mostly without putting the actions in their places, which
+    for some actions among a million samples would take longer than all the rest.
     """
 
-    def __init__(self, actions: list[Item], damage: Damage) -> None:
+    def __init__(self, actions: list[LogItem], damage: Damage) -> None:
         self._actions = actions
         self._numbers = list(map(seq_of, actions))
         self._damage = damage
         self._lost = damage.repeated + damage.conflicting
-        self._course = Course[Entry](damage, lambda *_: False, gaps=True)
+        self._course = SequenceChecker[SampleEntry](damage, lambda *_: False, gaps=True)
         self._given = 0
         self._last = self._last_us = -1
 
-    def take(self, entries: list[Entry]) -> tuple[int, int]:
+    def take(self, entries: list[SampleEntry]) -> tuple[int, int]:
         """More samples; the smallest and the greatest `t` of them."""
         numbers, times = list(map(seq_of, entries)), list(map(t_of, entries))
-        if numbers[0] <= self._last or not rising(numbers):
+        if numbers[0] <= self._last or not is_rising(numbers):
             raise _OutOfOrderError
         end = bisect_right(self._numbers, numbers[-1], self._given)
-        actions = list[Entry](self._actions[self._given : end])
-        backwards = falls(times)
+        actions = list[SampleEntry](self._actions[self._given : end])
+        backwards = count_falls(times)
         if not backwards and self._smooth(actions, numbers, times):
             self._course.pass_over(entries[-1])
         else:
@@ -187,7 +193,7 @@ class _Weave:
         self._given, self._last, self._last_us = end, numbers[-1], times[-1]
         return (min(times), max(times)) if backwards else (times[0], times[-1])
 
-    def _smooth(self, actions: list[Entry], numbers: list[int], times: list[int]) -> bool:
+    def _smooth(self, actions: list[SampleEntry], numbers: list[int], times: list[int]) -> bool:
         """Whether no number is missing or there twice, and no time lies before another."""
         last_us = self._last_us
         if numbers[-1] - self._last != len(numbers) + len(actions) or times[0] < last_us:
@@ -214,17 +220,17 @@ class _Weave:
                 actions = self._actions[given:end]
                 numbers = self._numbers[given:end]
                 times = [hole.before_us, *map(t_of, actions), hole.after_us]
-                if numbers != list(range(hole.first, hole.last + 1)) or falls(times):
+                if numbers != list(range(hole.first, hole.last + 1)) or count_falls(times):
                     return False
                 given = end
             last, last_us = entry.last, entry.last_us
         self._given, self._last, self._last_us = given, last, last_us
-        self._course.pass_over(Slim(seq=last, t=last_us, sensor="", value=None))
+        self._course.pass_over(QuickReading(seq=last, t=last_us, sensor="", value=None))
         return True
 
     def end(self) -> None:
         """There are no more samples."""
-        self._course.take(list[Entry](self._actions[self._given :]))
+        self._course.take(list[SampleEntry](self._actions[self._given :]))
         self._course.end()
         if self._damage.repeated + self._damage.conflicting > self._lost:
             raise _OutOfOrderError
@@ -233,9 +239,9 @@ class _Weave:
 # -- files as they should not be ------------------------------------------------------------------
 
 
-def _copied(files: LogFiles, block: int) -> Scan:
+def _copied(files: LogFiles, block: int) -> LogScan:
     """Blocks are copies, compressed and in memory: all samples, each once and in order."""
-    found = Scan()
+    found = LogScan()
     for batch in batches(files.paths, found.damage, gaps=True, block=block):
         samples = [item for item in batch if type(item) is Reading or is_sample(item)]
         if len(samples) < len(batch):
@@ -244,9 +250,9 @@ def _copied(files: LogFiles, block: int) -> Scan:
             times = list(map(t_of, samples))
             packed = zlib.compress(codec.encode_lines(map(_written, samples)), 1)
             read = partial(zlib.decompress, packed)
-            found.blocks.append(Block(read, min(times), max(times), lasts(samples)))
+            found.blocks.append(SampleBlock(read, min(times), max(times), last_samples(samples)))
     return found
 
 
-def _written(item: Item) -> msgspec.Struct | msgspec.Raw:
-    return msgspec.Raw(item.raw) if isinstance(item, Line) else item
+def _written(item: LogItem) -> msgspec.Struct | msgspec.Raw:
+    return msgspec.Raw(item.raw) if isinstance(item, LogLine) else item

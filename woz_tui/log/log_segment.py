@@ -9,10 +9,10 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-from woz_tui.log.disk import Disk, in_words
+from woz_tui.log.disk import Disk, disk_problem
 from woz_tui.log.file_names import FileName
 from woz_tui.log.samples_index import IndexBuilder
-from woz_tui.log.unsynced_lines import Backlog
+from woz_tui.log.unsynced_lines import UnsyncedLines
 
 ACTIONS = 0
 SAMPLES = 1
@@ -136,7 +136,7 @@ class OpenSegment:
         name: FileName,
         *,
         disk: Disk,
-        backlogs: tuple[Backlog, Backlog],
+        backlogs: tuple[UnsyncedLines, UnsyncedLines],
         lock: threading.Condition,
         now_us: Callable[[], int],
         trouble: Trouble,
@@ -238,7 +238,7 @@ class OpenSegment:
         try:
             self._serve()
         except OSError as error:
-            self._trouble(self, in_words(error))
+            self._trouble(self, disk_problem(error))
         self._released.wait()
         self._finish()
 
@@ -295,7 +295,7 @@ class OpenSegment:
                     file.sync()
             except OSError as error:
                 if self.current:  # nobody has its lines elsewhere yet
-                    self._trouble(self, in_words(error))
+                    self._trouble(self, disk_problem(error))
         if self._after is not None:
             self._after(self)
         if self._samples is not None and not self._samples.deleted:

@@ -16,17 +16,16 @@ from contextlib import suppress
 from itertools import chain
 from pathlib import Path
 
-from woz_tui.log.disk import Disk, RealDisk, in_words
+from woz_tui.log.disk import Disk, RealDisk, disk_problem
 from woz_tui.log.file_names import (
     FileName,
+    fallback_folders,
     from_folder,
-    second_places,
-    stem,
-    unique,
+    unique_paths,
     without_home,
 )
-from woz_tui.log.file_series import Series
-from woz_tui.log.log_health import Gauge, state_of
+from woz_tui.log.file_series import FileSeries
+from woz_tui.log.log_health import LogHealth, state_of
 from woz_tui.log.log_segment import (
     ACTIONS,
     SAMPLES,
@@ -36,12 +35,11 @@ from woz_tui.log.log_segment import (
     OpenSegment,
     at_once,
 )
-from woz_tui.log.unsynced_lines import Backlog
+from woz_tui.log.unsynced_lines import UnsyncedLines
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import AnyMessage, RecorderState
 from woz_tui.system.clock import Clock
 
-__all__ = ["Recorder", "stem"]
 #: Lines kept for writing again, or for when no place takes them: actions, samples (bytes).
 MEMORY = (32 << 20, 8 << 20)
 #: The longest that closing may take; a disk that hangs does not hang the exit.
@@ -61,7 +59,7 @@ class Recorder:
 
     Args:
         folder: Where the files go; made (0700) if missing.
-        stem: What their names begin with, see `stem`; changed to `<stem>-2` rather than
+        stem: What their names begin with, see `file_stem`; changed to `<stem>-2` rather than
             overwriting anything.
         clock: The session's clock.
         spill: Where the log goes on when `folder` fails; by default a folder in the user's state
@@ -87,14 +85,14 @@ class Recorder:
         memory: tuple[int, int] = MEMORY,
         defer: Defer = at_once,
     ) -> None:
-        places = unique([folder, *([spill] if spill else second_places())])
-        self._series = Series(places, stem, clock)
+        places = unique_paths([folder, *([spill] if spill else fallback_folders())])
+        self._series = FileSeries(places, stem, clock)
         self._clock = clock
         self._on_state = on_state
         self._disk: Disk = disk or RealDisk()
         self._defer = defer
         self._lock = threading.Condition(threading.Lock())
-        self._backlogs = (Backlog(memory[ACTIONS]), Backlog(memory[SAMPLES]))
+        self._backlogs = (UnsyncedLines(memory[ACTIONS]), UnsyncedLines(memory[SAMPLES]))
         self._hash = hashlib.sha256()
         self._lines = 0
         self._news = False
@@ -113,7 +111,7 @@ class Recorder:
         self._opened_us = clock.now_us()
         self._stall_us = _STALL_US
         self._retry_at = 0.0
-        self._gauge = Gauge()
+        self._gauge = LogHealth()
         self._wake = threading.Event()
         self._closed = False
         self._move_on("")
@@ -146,7 +144,7 @@ class Recorder:
                 if which == ACTIONS:
                     self._segment.wake(self._defer)
             except OSError as error:
-                self._stop_writing(in_words(error))
+                self._stop_writing(disk_problem(error))
                 if which == ACTIONS:
                     self._lock.wait_for(lambda: self._writable or self._failed, _SWITCH_WAIT_S)
 
@@ -284,7 +282,7 @@ class Recorder:
             try:
                 new = self._open(folder, reason or "; ".join(problems))
             except OSError as error:
-                problems.append(f"{without_home(folder)}: {in_words(error)}")
+                problems.append(f"{without_home(folder)}: {disk_problem(error)}")
                 continue
             new.start()
             if old is not None:
@@ -384,7 +382,7 @@ class Recorder:
                     problem = ""
                     break
                 except OSError as error:
-                    problem = f"{file.path.name} was deleted and not copied: {in_words(error)}"
+                    problem = f"{file.path.name} was deleted and not copied: {disk_problem(error)}"
             with self._lock:
                 self._unrescued = problem or self._unrescued
 

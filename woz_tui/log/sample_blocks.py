@@ -16,8 +16,8 @@ from typing import Annotated
 import msgspec
 
 from woz_tui.log.damage import Damage
-from woz_tui.log.line_reader import Chunk
-from woz_tui.log.message_stream import Item, items_in
+from woz_tui.log.line_reader import LineChunk
+from woz_tui.log.message_stream import LogItem, items_in
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import EngagementShown, Reading
 
@@ -31,7 +31,7 @@ _SHOWN = "\0"
 Natural = Annotated[int, msgspec.Meta(ge=0)]
 
 
-class Slim(
+class QuickReading(
     msgspec.Struct, frozen=True, gc=False, omit_defaults=True, tag_field="kind", tag="sample"
 ):
     """A `Reading` with the same fields but no list, which costs two thirds as much to decode."""
@@ -52,7 +52,7 @@ class Slim(
         return Reading(**msgspec.structs.asdict(self) | {"bad": self.bad or []})
 
 
-class SlimShown(
+class QuickEngagement(
     EngagementShown,
     frozen=True,
     kw_only=True,
@@ -75,12 +75,14 @@ class SlimShown(
 
 
 #: A sample as it is looked at here, or the line of one that this version does not know.
-Entry = Item | Slim | SlimShown
+SampleEntry = LogItem | QuickReading | QuickEngagement
 
-_decoder: msgspec.json.Decoder[Slim | SlimShown] = msgspec.json.Decoder(Slim | SlimShown)
+_decoder: msgspec.json.Decoder[QuickReading | QuickEngagement] = msgspec.json.Decoder(
+    QuickReading | QuickEngagement
+)
 
 
-def entries_in(chunk: Chunk) -> list[Slim | SlimShown]:
+def entries_in(chunk: LineChunk) -> list[QuickReading | QuickEngagement]:
     """The samples of a chunk that holds nothing else, all at once; none if it does."""
     if chunk.data is None or not chunk.whole:
         return []
@@ -91,7 +93,7 @@ def entries_in(chunk: Chunk) -> list[Slim | SlimShown]:
 
 
 @dataclass(frozen=True)
-class State:
+class SampleState:
     """What the samples said last, up to a moment.
 
     Attributes:
@@ -103,26 +105,26 @@ class State:
     shown: EngagementShown | None = None
 
 
-Sample = Slim | SlimShown | Reading | EngagementShown
+Sample = QuickReading | QuickEngagement | Reading | EngagementShown
 
 
 #: What was last of each sensor, by its name; that of the engagement model is under `_SHOWN`.
-Lasts = dict[str, Sample]
+LastSamples = dict[str, Sample]
 
 
-def lasts(entries: Sequence[Entry]) -> Lasts:
+def last_samples(entries: Sequence[SampleEntry]) -> LastSamples:
     """What was last among `entries`, in order of `seq`."""
     try:
         return {entry.sensor: entry for entry in entries}  # type: ignore[union-attr, misc]
     except AttributeError:  # not all of them are of the quick kind
-        found: Lasts = {entry.sensor: entry for entry in entries if type(entry) is Reading}
+        found: LastSamples = {entry.sensor: entry for entry in entries if type(entry) is Reading}
         if shown := [entry for entry in entries if type(entry) is EngagementShown]:
             found[_SHOWN] = shown[-1]
         return found
 
 
 @dataclass(frozen=True, slots=True)
-class Block:
+class SampleBlock:
     """Samples that stand together: how to read them, and their smallest and greatest `t`.
 
     `lasts`: the last sample of each sensor, or its place in what `read` gives: offset and size.
@@ -143,41 +145,41 @@ class Block:
         return _decoder.decode(line) if line else None
 
 
-class Samples:
+class SampleBlocks:
     """All blocks of a session, in order of `seq`.
 
     Time rises from block to block, unless something has damaged it: blocks that do not fit in are
     *stray* and looked at whenever their times are asked for.
     """
 
-    def __init__(self, blocks: Sequence[Block]) -> None:
-        fits = steady([(block.low, block.high) for block in blocks])
+    def __init__(self, blocks: Sequence[SampleBlock]) -> None:
+        fits = in_steady_series([(block.low, block.high) for block in blocks])
         self._blocks = [block for block, fit in zip(blocks, fits, strict=True) if fit]
         self._strays = [block for block, fit in zip(blocks, fits, strict=True) if not fit]
         self._lows = [block.low for block in self._blocks]
         self._highs = [block.high for block in self._blocks]
         self._order = {id(block): place for place, block in enumerate(blocks)}
         self._names = set[str]().union(*(block.lasts for block in self._blocks))
-        self._kept: dict[int, list[Item]] = {}
+        self._kept: dict[int, list[LogItem]] = {}
 
     @property
     def last_us(self) -> int:
         """The last moment of which there are samples; -1 if there are none."""
         return self._highs[-1] if self._highs else -1
 
-    def at(self, t_us: int) -> State:
+    def at(self, t_us: int) -> SampleState:
         """What was said last, up to and with `t_us`."""
         whole = bisect_right(self._highs, t_us)
         found = self._before(whole)
         begun = bisect_right(self._lows, t_us)
         for block in [*self._blocks[whole:begun], *self._strays]:
             if block.low <= t_us:
-                _join(found, lasts([each for each in _entries(block) if each.t <= t_us]))
+                _join(found, last_samples([each for each in _entries(block) if each.t <= t_us]))
         return _state(found)
 
-    def _before(self, count: int) -> Lasts:
+    def _before(self, count: int) -> LastSamples:
         """The last sample of each sensor in the first `count` blocks."""
-        found: Lasts = {}
+        found: LastSamples = {}
         missing = set(self._names)
         for place in range(count - 1, -1, -1):
             block = self._blocks[place]
@@ -190,7 +192,7 @@ class Samples:
                 break
         return found
 
-    def between(self, after_us: int, until_us: int) -> Iterator[list[Item]]:
+    def between(self, after_us: int, until_us: int) -> Iterator[list[LogItem]]:
         """Samples with `after_us` < t <= `until_us`, in order of `seq`, block by block."""
         first = bisect_right(self._highs, after_us)
         end = bisect_right(self._lows, until_us)
@@ -203,7 +205,7 @@ class Samples:
             if found:
                 yield found
 
-    def _items(self, block: Block) -> list[Item]:
+    def _items(self, block: SampleBlock) -> list[LogItem]:
         kept = self._kept.pop(id(block), None)
         if kept is None:
             while len(self._kept) >= _KEPT:
@@ -213,7 +215,7 @@ class Samples:
         return kept
 
 
-def _join(found: Lasts, others: Lasts) -> None:
+def _join(found: LastSamples, others: LastSamples) -> None:
     """Some of `others` came before what was found and some after it."""
     for name, last in others.items():
         known = found.get(name)
@@ -221,25 +223,26 @@ def _join(found: Lasts, others: Lasts) -> None:
             found[name] = last
 
 
-def _state(found: Lasts) -> State:
+def _state(found: LastSamples) -> SampleState:
     said = [
-        last.message() if isinstance(last, Slim | SlimShown) else last for last in found.values()
+        last.message() if isinstance(last, QuickReading | QuickEngagement) else last
+        for last in found.values()
     ]
     readings = {each.sensor: each for each in said if isinstance(each, Reading)}
     shown = next((each for each in said if isinstance(each, EngagementShown)), None)
-    return State(readings, shown)
+    return SampleState(readings, shown)
 
 
-def _entries(block: Block) -> Sequence[Entry]:
+def _entries(block: SampleBlock) -> Sequence[SampleEntry]:
     chunk = _chunk(block)
     return entries_in(chunk) or items_in(chunk, Damage())
 
 
-def _chunk(block: Block) -> Chunk:
-    return Chunk(_NOWHERE, 0, block.read())
+def _chunk(block: SampleBlock) -> LineChunk:
+    return LineChunk(_NOWHERE, 0, block.read())
 
 
-def steady(spans: Sequence[tuple[int, int]]) -> list[bool]:
+def in_steady_series(spans: Sequence[tuple[int, int]]) -> list[bool]:
     """Which of these belong to the longest series that never goes back: each begins no sooner than
     the one before has ended. A single wild value so costs its own place only.
     """

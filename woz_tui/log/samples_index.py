@@ -22,9 +22,9 @@ from typing import BinaryIO
 
 import msgspec
 
-from woz_tui.log.line_order import falls, rising, seq_of, t_of
-from woz_tui.log.line_reader import Chunk
-from woz_tui.log.sample_blocks import Slim, SlimShown, entries_in
+from woz_tui.log.line_order import count_falls, is_rising, seq_of, t_of
+from woz_tui.log.line_reader import LineChunk
+from woz_tui.log.sample_blocks import QuickEngagement, QuickReading, entries_in
 from woz_tui.system.file_replacing import replace
 from woz_tui.system.files import open_regular
 
@@ -54,7 +54,7 @@ class IndexEntry(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """What is to be known of a block of whole lines, all of them samples.
 
     `lasts`: offset in the block and length of the last sample of each sensor; that of the
-    engagement model stands under the name that `SlimShown` gives it.
+    engagement model stands under the name that `QuickEngagement` gives it.
     """
 
     offset: int
@@ -88,15 +88,15 @@ def path_of(samples: Path) -> Path:
 
 
 def entry_of(
-    offset: int, data: bytes, samples: Sequence[Slim | SlimShown] | None = None
+    offset: int, data: bytes, samples: Sequence[QuickReading | QuickEngagement] | None = None
 ) -> IndexEntry | None:
     """The entry for whole lines at `offset`; None if they are anything but samples in order.
 
     `samples`: what the lines hold, where that is known.
     """
-    found = entries_in(Chunk(Path(), offset, data)) if samples is None else samples
+    found = entries_in(LineChunk(Path(), offset, data)) if samples is None else samples
     numbers, times = list(map(seq_of, found)), list(map(t_of, found))
-    if not numbers or not rising(numbers) or falls(times):
+    if not numbers or not is_rising(numbers) or count_falls(times):
         return None
     lines = data.split(b"\n")
     if len(lines) != len(found) + 1 or lines[-1]:
@@ -131,7 +131,10 @@ class IndexBuilder:
         self._sound = True
 
     def add(
-        self, offset: int, data: bytes, samples: Sequence[Slim | SlimShown] | None = None
+        self,
+        offset: int,
+        data: bytes,
+        samples: Sequence[QuickReading | QuickEngagement] | None = None,
     ) -> None:
         """The next whole lines. The line with which a further segment begins may stand alone."""
         entry = entry_of(offset, data, samples)
@@ -141,7 +144,9 @@ class IndexBuilder:
             self._sound = False
         self._end = offset + len(data)
 
-    def take(self, fd: int, chunk: Chunk, samples: Sequence[Slim | SlimShown]) -> None:
+    def take(
+        self, fd: int, chunk: LineChunk, samples: Sequence[QuickReading | QuickEngagement]
+    ) -> None:
         """The next piece of the file, which has been decoded already."""
         if chunk.offset == 0:
             self.extend(fd, len(chunk.data or b""), whole=True)

@@ -6,14 +6,14 @@ from collections import deque
 from typing import NamedTuple
 
 
-class Entry(NamedTuple):
+class UnsyncedLine(NamedTuple):
     """One line; `at_us` is when it was handed in, on the session's clock."""
 
     at_us: int
     line: bytes
 
 
-class Backlog:
+class UnsyncedLines:
     """Lines in the order they came, numbered from 1, until the disk has confirmed them.
 
     At most `limit` bytes are held; beyond that the oldest line goes. While a file takes the lines
@@ -22,7 +22,7 @@ class Backlog:
 
     def __init__(self, limit: int) -> None:
         self._limit = limit
-        self._entries: deque[Entry] = deque()
+        self._entries: deque[UnsyncedLine] = deque()
         self._size = 0
         self._homeless = False
         self._forgotten = 0
@@ -33,7 +33,7 @@ class Backlog:
 
     def push(self, line: bytes, at_us: int) -> None:
         """Take one line in."""
-        self._entries.append(Entry(at_us, line))
+        self._entries.append(UnsyncedLine(at_us, line))
         self._size += len(line)
         self.last += 1
         while self._size > self._limit:
@@ -61,7 +61,7 @@ class Backlog:
         """In a pause that has just ended nothing could reach the disk: it does not count."""
         self._worst_us = max(0, self._worst_us - pause_us)
         self._entries = deque(
-            Entry(min(entry.at_us + pause_us, now_us), entry.line) for entry in self._entries
+            UnsyncedLine(min(entry.at_us + pause_us, now_us), entry.line) for entry in self._entries
         )
 
     def lose_home(self) -> None:

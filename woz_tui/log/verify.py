@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from woz_tui.log.log_reader import Damage, Line, files_of, merge
+from woz_tui.log.log_reader import Damage, LogLine, files_of, merge
 
 #: What asks for something, and the field that names it in the request and in its end.
 _OPENS = {"action.requested": "run", "command.requested": "command"}
@@ -21,7 +21,7 @@ _CLOSES = {
 
 
 @dataclass
-class Verdict:
+class Verification:
     """What was found. `sound` if nothing is missing, changed or left open.
 
     Attributes:
@@ -71,14 +71,14 @@ class Verdict:
         return found
 
 
-def verify(path: Path, *, places: Iterable[Path] | None = None) -> Verdict:
+def verify(path: Path, *, places: Iterable[Path] | None = None) -> Verification:
     """Read the session to which `path` belongs once and check it.
 
     Needs memory for the ids of its actions and commands, not for its samples. Raises
     `FileNotFoundError` or `ValueError` as `woz_tui.log.log_reader.files_of` does.
     """
     files = files_of(path, places)
-    verdict = Verdict(no_end=files.no_end())
+    verdict = Verification(no_end=files.no_end())
     verdict.damage.lacks(files.missing)
     checker = _Checker(verdict)
     for line in merge(files.paths, verdict.damage):
@@ -88,7 +88,7 @@ def verify(path: Path, *, places: Iterable[Path] | None = None) -> Verdict:
 
 
 class _Checker:
-    def __init__(self, verdict: Verdict) -> None:
+    def __init__(self, verdict: Verification) -> None:
         self._verdict = verdict
         self._hash = hashlib.sha256()
         self._sound_to = -1
@@ -96,7 +96,7 @@ class _Checker:
         self._ends: dict[tuple[str, str], int] = {}
         self._orphans: dict[str, None] = {}
 
-    def take(self, line: Line) -> None:
+    def take(self, line: LogLine) -> None:
         if line.sample:
             self._verdict.samples += 1
             return
@@ -105,7 +105,7 @@ class _Checker:
         self._hash.update(line.raw + b"\n")
         self._requests(line)
 
-    def _sums(self, line: Line) -> None:
+    def _sums(self, line: LogLine) -> None:
         if line.kind == "session.end":
             self._verdict.ended = True
         elif line.kind != "checkpoint":
@@ -118,7 +118,7 @@ class _Checker:
         elif self._verdict.broken_after is None:
             self._verdict.broken_after = self._sound_to
 
-    def _requests(self, line: Line) -> None:
+    def _requests(self, line: LogLine) -> None:
         opens, closes = _OPENS.get(line.kind), _CLOSES.get(line.kind)
         name = opens or closes
         if name is None or not isinstance(line.fields.get(name), str):

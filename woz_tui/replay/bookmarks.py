@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from woz_tui.log.line_order import falls
+from woz_tui.log.line_order import count_falls
 from woz_tui.protocol import messages as m
 
 #: How much is shown before what ends an idle stretch, in microseconds, at most.
@@ -164,7 +164,7 @@ def steady(times: Sequence[int]) -> list[int]:
     A single time that does not fit between its neighbours is damaged: one that is too late takes
     that of the line behind it, one that is too early that of the line before.
     """
-    if not falls(times):
+    if not count_falls(times):
         return [*times]
     found: list[int] = []
     last = 0

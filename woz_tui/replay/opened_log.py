@@ -7,7 +7,7 @@ from pathlib import Path
 
 from woz_tui.log.file_names import FileName
 from woz_tui.log.log_index import LogIndex
-from woz_tui.log.log_reader import Line
+from woz_tui.log.log_reader import LogLine
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.replay.recording import Reel
@@ -36,7 +36,7 @@ class IndexedSamples:
     def between(self, after_us: int, until_us: int) -> Iterator[m.AnyMessage]:
         """Samples with `after_us` < t <= `until_us`, in order."""
         for item in self._index.between(after_us, until_us):
-            message = item.message if isinstance(item, Line) else item
+            message = item.message if isinstance(item, LogLine) else item
             if message is not None and codec.is_sample(message):
                 yield message
 

@@ -32,7 +32,7 @@ from woz_tui.protocol.welcome import ReplayedLog
 from woz_tui.replay.bookmarks import Cut, Mark
 from woz_tui.replay.recording import Reel, thinned
 from woz_tui.replay.seek import PlaceError, find
-from woz_tui.session.recent_lines import MOST
+from woz_tui.session.recent_messages import MOST
 from woz_tui.session.session_plan import panels_changed, welcome
 
 #: What a console gets.

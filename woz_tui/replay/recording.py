@@ -15,7 +15,7 @@ from typing import Any, Protocol
 
 import msgspec
 
-from woz_tui.log.log_reader import Line
+from woz_tui.log.log_reader import LogLine
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.envelope import Message
 from woz_tui.protocol.messages import SCHEMA
@@ -23,8 +23,8 @@ from woz_tui.protocol.welcome import StudySettings
 from woz_tui.replay.bookmarks import Cuts, Mark, is_deed, mark_of, marks_of, steady
 from woz_tui.replay.legacy_plan import plan_from
 from woz_tui.replay.study_snapshot import revealed
-from woz_tui.session.recent_lines import MOST, Recent
-from woz_tui.session.redactor import CoderRedactor, Perception, Redactor, marked
+from woz_tui.session.recent_messages import MOST, RecentMessages
+from woz_tui.session.redactor import CoderRedactor, PerceptionLimits, Redactor, mark_legacy
 from woz_tui.session.study_settings import study_snapshot
 from woz_tui.timeline.episodes import EngagementEpisode
 from woz_tui.timeline.session_state import SessionState
@@ -100,7 +100,7 @@ class Reel:
 
     def __init__(
         self,
-        lines: Iterable[m.AnyMessage | Line],
+        lines: Iterable[m.AnyMessage | LogLine],
         samples: Samples | None = None,
         plan: m.SessionPlan | None = None,
         *,
@@ -113,7 +113,7 @@ class Reel:
         first = next(shown, plan)
         kind = CoderRedactor if coded else Redactor
         redactor = kind(first.settings.study if first is not None else None)
-        kept: list[tuple[int, Perception]] = []
+        kept: list[tuple[int, PerceptionLimits]] = []
         if reveal:
             found = [(_revealed(line), t) for line, t in found]
         else:
@@ -134,7 +134,7 @@ class Reel:
         self._plan = plan and (revealed(plan) if reveal else redactor.plan(plan))
         #: What the viewer has set while watching.
         self.codes: list[Mark] = []
-        recent = Recent()
+        recent = RecentMessages()
         self._listed = [
             index
             for index, line in enumerate(self.lines)
@@ -258,7 +258,7 @@ class Reel:
 class _SeenSamples:
     """Samples as the wizard saw them: `kept` says from when on (microseconds) what was kept."""
 
-    def __init__(self, samples: Samples, kept: Sequence[tuple[int, Perception]]) -> None:
+    def __init__(self, samples: Samples, kept: Sequence[tuple[int, PerceptionLimits]]) -> None:
         self._samples = samples
         self._kept = kept
         self._redactor = Redactor()
@@ -276,7 +276,7 @@ class _SeenSamples:
         for sample in samples:
             t = max(sample.t, t_us)
             place = bisect.bisect_right(self._kept, t, key=lambda entry: entry[0])
-            self._redactor.perception = self._kept[place - 1][1] if place else Perception()
+            self._redactor.perception = self._kept[place - 1][1] if place else PerceptionLimits()
             self._redactor.take(sample)
             seen: Any = self._redactor.message(sample)
             if seen is not None:
@@ -284,7 +284,7 @@ class _SeenSamples:
 
 
 def _seen(
-    lines: Iterable[tuple[Told, int]], redactor: Redactor, kept: list[tuple[int, Perception]]
+    lines: Iterable[tuple[Told, int]], redactor: Redactor, kept: list[tuple[int, PerceptionLimits]]
 ) -> Iterator[tuple[Told, int]]:
     """Lines as the wizard saw them, and in `kept` from when on something was kept."""
     schema = SCHEMA
@@ -299,13 +299,13 @@ def _seen(
         redactor.take(line)
         if redactor.perception != kept[-1][1]:
             kept.append((t, redactor.perception))
-        seen: Any = redactor.message(marked(line, schema))
+        seen: Any = redactor.message(mark_legacy(line, schema))
         if seen is not None:
             yield seen, t
 
 
-def _told(line: m.AnyMessage | Line) -> tuple[Told, int]:
-    if not isinstance(line, Line):
+def _told(line: m.AnyMessage | LogLine) -> tuple[Told, int]:
+    if not isinstance(line, LogLine):
         return line, line.t
     message = line.message
     return (message if message is not None else line.fields), line.t

@@ -24,7 +24,7 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import SCHEMA
 from woz_tui.replay.bookmarks import steady
 from woz_tui.replay.experiment_origin import Origin, origin_of
-from woz_tui.session.redactor import marked
+from woz_tui.session.redactor import mark_legacy
 from woz_tui.timeline.episodes import CommandEpisode, MomentEpisode
 from woz_tui.timeline.timeline import Timeline
 
@@ -138,7 +138,7 @@ def plan_of(path: Path) -> Plan:
         if line.message is not None:
             if isinstance(line.message, m.SessionStart):
                 schema = line.message.schema
-            lines.append((len(times), marked(line.message, schema)))
+            lines.append((len(times), mark_legacy(line.message, schema)))
         times.append(line.t)
     # A flipped bit in a time must neither hold the robot up for hours nor hurry it.
     times = steady(times)

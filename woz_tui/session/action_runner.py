@@ -17,8 +17,8 @@ from woz_tui.drivers.contract import Verb
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS
 from woz_tui.sensing.engagement_stream import SPEECH
-from woz_tui.session.response_delay import Shaper, may_wait
-from woz_tui.session.variables import MissingError
+from woz_tui.session.response_delay import ResponseDelay, may_wait
+from woz_tui.session.variables import MissingValueError
 
 #: Runs and commands that can still be labelled as mistakes.
 REMEMBERED = 2000
@@ -29,7 +29,7 @@ _ACCOMPANYING = frozenset({"head", "face", "eyes"})
 
 
 @dataclass(frozen=True, slots=True)
-class Origin:
+class RequestOrigin:
     """Where a press came from."""
 
     source: str
@@ -38,7 +38,7 @@ class Origin:
 
 
 @dataclass(frozen=True, slots=True)
-class Refusal:
+class CommandRefusal:
     """Why a command is not even tried: as a word (of `m.Refused`) and in a sentence."""
 
     code: str
@@ -46,14 +46,14 @@ class Refusal:
 
 
 @dataclass
-class Run:
+class ActionRun:
     """One action being played; `pending` are the commands of the present step, of `together`
     in all. `left`: how it ends after this step, unless something of the step goes wrong.
     """
 
     id: str
     action: Action
-    origin: Origin
+    origin: RequestOrigin
     steps: list[tuple[Call, ...] | float]
     when_busy: str
     at: int = -1
@@ -71,7 +71,7 @@ class Run:
         return [call for step in later if isinstance(step, tuple) for call in step]
 
 
-class Runner:
+class ActionRunner:
     """Plays actions. Every `action.requested` it publishes gets exactly one end.
 
     Args:
@@ -79,7 +79,7 @@ class Runner:
         bus: Takes the commands.
         verbs: Each driver's verbs by name, for the time limits.
         fill: Gives an action's steps with their texts chosen and all variables filled in; raises
-            `MissingError`.
+            `MissingValueError`.
         deadline: Seconds a command may wait before it must have begun; 0 means for ever.
         shaper: Holds what answers a cue too soon; None: nothing does.
     """
@@ -92,7 +92,7 @@ class Runner:
         fill: Callable[[Action], list[tuple[Call, ...] | float]],
         deadline: float,
         *,
-        shaper: Shaper | None = None,
+        shaper: ResponseDelay | None = None,
     ) -> None:
         self._hub = hub
         self._shaper = shaper
@@ -100,7 +100,7 @@ class Runner:
         self._verbs = verbs
         self._fill = fill
         self.deadline = deadline
-        self._runs: dict[str, Run] = {}
+        self._runs: dict[str, ActionRun] = {}
         self._actions = 0
         self._commands = 0
         #: Single commands that wait for their moment after a cue, and who is told of their end.
@@ -113,7 +113,7 @@ class Runner:
 
     # -- asked for ---------------------------------------------------------------------------
 
-    def refuse(self, name: str, panel: str, origin: Origin, reason: str) -> str:
+    def refuse(self, name: str, panel: str, origin: RequestOrigin, reason: str) -> str:
         """Log a press that is not played; returns its run id."""
         run = self._request(name, panel, origin)
         self._hub.publish(m.ActionRefused(run=run, action=name, reason=reason))
@@ -122,7 +122,7 @@ class Runner:
     def play(
         self,
         action: Action,
-        origin: Origin,
+        origin: RequestOrigin,
         when_busy: str = "",
         steps: list[tuple[Call, ...] | float] | None = None,
     ) -> tuple[str, str]:
@@ -134,10 +134,10 @@ class Runner:
         try:
             # All of them before the first: no action ends half-way because a value is missing.
             steps = self._fill(action) if steps is None else steps
-        except MissingError as error:
+        except MissingValueError as error:
             self._hub.publish(m.ActionRefused(run=run_id, action=action.name, reason=str(error)))
             return run_id, str(error)
-        run = Run(run_id, action, origin, steps, when_busy or action.when_busy)
+        run = ActionRun(run_id, action, origin, steps, when_busy or action.when_busy)
         self._runs[run_id] = run
         calls = [call for step in steps if isinstance(step, tuple) for call in step]
         if not self._holds(run_id, action.name, origin, calls, lambda: self._begin(run)):
@@ -146,7 +146,7 @@ class Runner:
             self._supersede(run.id, action.label, origin, calls)
         return run_id, run.ended.reason if isinstance(run.ended, m.ActionRefused) else ""
 
-    def _begin(self, run: Run) -> None:
+    def _begin(self, run: ActionRun) -> None:
         """Its moment has come; unless it has been cut short meanwhile."""
         if run.id in self._runs:
             self._advance(run)
@@ -154,9 +154,9 @@ class Runner:
     def send(
         self,
         call: Call,
-        origin: Origin,
+        origin: RequestOrigin,
         when_busy: str = "queue",
-        refusal: Refusal | None = None,
+        refusal: CommandRefusal | None = None,
         on_end: Callable[[m.End], None] | None = None,
         *,
         like: m.Command | None = None,
@@ -201,7 +201,12 @@ class Runner:
         return command
 
     def _holds(
-        self, run: str, name: str, origin: Origin, calls: list[Call], begin: Callable[[], object]
+        self,
+        run: str,
+        name: str,
+        origin: RequestOrigin,
+        calls: list[Call],
+        begin: Callable[[], object],
     ) -> bool:
         """Whether this answers a cue too soon, and `begin` is called when its moment has come."""
         if self._shaper is None:
@@ -221,14 +226,14 @@ class Runner:
         held, on_end = self._held.pop(command)
         self._bus.refuse(held, "stopped", reason, on_end)
 
-    def _remember(self, played: str, name: str, origin: Origin) -> None:
+    def _remember(self, played: str, name: str, origin: RequestOrigin) -> None:
         self.played[played] = name
         if origin.source not in _NO_HANDS:
             self.by_hand = played
         if len(self.played) > REMEMBERED:
             del self.played[next(iter(self.played))]
 
-    def _request(self, name: str, panel: str, origin: Origin) -> str:
+    def _request(self, name: str, panel: str, origin: RequestOrigin) -> str:
         self._actions += 1
         run = f"a{self._actions:05d}"
         self._remember(run, name, origin)
@@ -246,7 +251,7 @@ class Runner:
 
     # -- step after step ---------------------------------------------------------------------
 
-    def _advance(self, run: Run) -> None:
+    def _advance(self, run: ActionRun) -> None:
         run.at += 1
         if run.at >= len(run.steps):
             self._finish(run, m.ActionDone(run=run.id, action=run.action.name))
@@ -268,7 +273,7 @@ class Runner:
     def _command(
         self,
         call: Call,
-        origin: Origin,
+        origin: RequestOrigin,
         *,
         action: Action | None = None,
         run: str = "",
@@ -293,7 +298,7 @@ class Runner:
             unfilled=dict(call.unfilled),
         )
 
-    def _ended(self, run: Run, verb: str, end: m.End) -> None:
+    def _ended(self, run: ActionRun, verb: str, end: m.End) -> None:
         run.pending.discard(end.command)
         if run.problem is None:
             run.problem = self._problem(run, verb, end)
@@ -305,7 +310,7 @@ class Runner:
         else:
             self._advance(run)
 
-    def _problem(self, run: Run, verb: str, end: m.End) -> m.ActionEnd | None:
+    def _problem(self, run: ActionRun, verb: str, end: m.End) -> m.ActionEnd | None:
         reason = _reason(verb, end)
         match end:
             case m.Done():
@@ -326,7 +331,7 @@ class Runner:
                     run=run.id, action=run.action.name, reason=reason, tells=end.tells
                 )
 
-    def _finish(self, run: Run, end: m.ActionEnd) -> None:
+    def _finish(self, run: ActionRun, end: m.ActionEnd) -> None:
         if self._runs.pop(run.id, None) is None:
             return
         if run.timer is not None:
@@ -336,7 +341,7 @@ class Runner:
 
     # -- a newer act takes the place ----------------------------------------------------------
 
-    def _supersede(self, newer: str, label: str, origin: Origin, calls: list[Call]) -> None:
+    def _supersede(self, newer: str, label: str, origin: RequestOrigin, calls: list[Call]) -> None:
         """Older actions do nothing any more after their present step, if the wizard's `newer` act
         needs a lane that they would still need.
 
@@ -433,7 +438,7 @@ class Runner:
             self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
 
 
-def _superseded(run: Run, by: str, label: str) -> m.ActionSuperseded:
+def _superseded(run: ActionRun, by: str, label: str) -> m.ActionSuperseded:
     return m.ActionSuperseded(
         run=run.id, action=run.action.name, reason=f'replaced by "{label}"', by=by
     )

@@ -14,7 +14,7 @@ from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Action, Call, Experiment, ParallelCalls, Wait
 from woz_tui.config.utterance_template import VISITOR
 from woz_tui.protocol import messages as m
-from woz_tui.session.variables import MissingError, Values, call_with
+from woz_tui.session.variables import MissingValueError, VariableValues, filled_call
 
 #: Actions in one line of the log, which may have 1 MiB.
 AT_ONCE = 100
@@ -45,7 +45,7 @@ def _shuffled(key: str, size: int) -> list[int]:
     return order
 
 
-class Wording:
+class ActionTexts:
     """Chooses and fills in what actions say.
 
     Args:
@@ -60,7 +60,7 @@ class Wording:
         hub: Hub,
         seed: int,
         experiment: Callable[[], Experiment],
-        values: Callable[[], Values],
+        values: Callable[[], VariableValues],
     ) -> None:
         self._hub = hub
         self._seed = seed
@@ -73,8 +73,9 @@ class Wording:
         hub.listen(self._hear)
 
     def play(self, action: Action) -> Steps:
-        """The steps of an action that is played now; its variants move on. Raises `MissingError`,
-        before anything has changed.
+        """The steps of an action that is played now; its variants move on.
+
+        Raises `MissingValueError` before anything has changed.
         """
         used: set[tuple[str, Sequence[str]]] = set()
         steps = self._steps(action, self._values(), used)
@@ -90,7 +91,7 @@ class Wording:
         """All calls of an action as they would be sent now; none while a value is missing."""
         try:
             steps = self._steps(action, self._values(), set())
-        except MissingError:
+        except MissingValueError:
             return []
         return [call for step in steps if isinstance(step, tuple) for call in step]
 
@@ -127,7 +128,9 @@ class Wording:
         filled = {action.name: _shown(self._steps(action, values, set())) for action in actions}
         self._hub.publish(m.ActionsFilled(actions=filled))
 
-    def _steps(self, action: Action, values: Values, used: set[tuple[str, Sequence[str]]]) -> Steps:
+    def _steps(
+        self, action: Action, values: VariableValues, used: set[tuple[str, Sequence[str]]]
+    ) -> Steps:
         participant = values.get("participant", "")
         if participant != self._participant:
             self._participant = participant
@@ -145,7 +148,7 @@ class Wording:
                 case Wait(seconds=seconds):
                     steps.append(seconds)
                 case ParallelCalls(calls=calls):
-                    steps.append(tuple(call_with(call, values, pick) for call in calls))
+                    steps.append(tuple(filled_call(call, values, pick) for call in calls))
         return steps
 
 
@@ -167,6 +170,6 @@ def _shown(steps: Steps) -> list[list[m.FilledCall] | float]:
     ]
 
 
-def _spoken(call: Call, values: Values, text: str) -> m.Json:
+def _spoken(call: Call, values: VariableValues, text: str) -> m.Json:
     """What the call says in this wording."""
-    return call_with(call, values, lambda texts: text).args["text"]
+    return filled_call(call, values, lambda texts: text).args["text"]

@@ -17,14 +17,14 @@ from woz_tui.protocol import messages as m
 from woz_tui.sensing.attention import Attention, GazeDirection, LookBack, Order, Stimulus
 from woz_tui.sensing.engagement_stream import EngagementFollower
 from woz_tui.sensing.state_machine import ENGAGED
-from woz_tui.session.engagement_robot import ORIGIN, Robot
-from woz_tui.session.wake_up import Alarm
+from woz_tui.session.engagement_robot import ORIGIN, EngagementRobot
+from woz_tui.session.wake_up import WakeUpTimer
 
 GAZE, DIRECTION = "gaze", "direction"
 _NOWHERE = FilePosition("", 0, 0)
 
 
-class Attending:
+class AttentionController:
     """Looks elsewhere and back.
 
     Args:
@@ -36,7 +36,7 @@ class Attending:
 
     def __init__(
         self,
-        robot: Robot,
+        robot: EngagementRobot,
         follower: EngagementFollower,
         settings: EngagementSettings,
         news: Callable[[], object],
@@ -46,7 +46,7 @@ class Attending:
         self._settings = settings.attention
         self._attention = Attention(settings.attention)
         self._news = news
-        self._alarm = Alarm(robot.hub, self._ring)
+        self._alarm = WakeUpTimer(robot.hub, self._ring)
         self._head = head_of(robot.experiment()) if settings.attention.look else None
         self._sensor = _direction_beside(robot.experiment(), self._head) if self._head else ""
         self._direction: float | None = None

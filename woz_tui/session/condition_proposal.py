@@ -12,7 +12,7 @@ from woz_tui.protocol.messages import Json
 
 
 @dataclass
-class Past:
+class ParticipantHistory:
     """What the earlier logs have of one participant.
 
     `over`: the highest number of a trial that was done or excluded under the present order. `begun`
@@ -36,7 +36,7 @@ class Past:
 
 
 @dataclass(frozen=True, slots=True)
-class Proposal:
+class ConditionProposal:
     """An order for one participant, and where this session would go on: `trial` is one more than
     `planned` if all are over. `why` names no condition, because a wizard may be blind to them.
     """
@@ -64,13 +64,13 @@ class Proposal:
 
 
 @dataclass(frozen=True)
-class Used:
+class DesignUsage:
     """Who has used which row of a design so far."""
 
     design: Design
     conditions: Sequence[str]
-    past: Sequence[Past]
-    counted: list[Past] = field(init=False)
+    past: Sequence[ParticipantHistory]
+    counted: list[ParticipantHistory] = field(init=False)
 
     def __post_init__(self) -> None:
         fitting = [each for each in self.past if each.counts and self.fits(each.order)]
@@ -89,7 +89,7 @@ class Used:
         known = {order: row for row, order in enumerate(rows(self.design, self.conditions))}
         return Counter(known[each.order] for each in self.counted if each.order in known)
 
-    def _in_its_place(self, past: Past) -> bool:
+    def _in_its_place(self, past: ParticipantHistory) -> bool:
         """Whether the order is what the blocks of today have in this row."""
         if past.method != "blocks" or past.row < 0:
             return False
@@ -97,10 +97,10 @@ class Used:
 
 
 def propose(
-    participant: str, design: Design, conditions: Sequence[str], past: Sequence[Past]
-) -> Proposal:
+    participant: str, design: Design, conditions: Sequence[str], past: Sequence[ParticipantHistory]
+) -> ConditionProposal:
     """The order for this participant: their own if they have one, else the row least used."""
-    used = Used(design, conditions, past)
+    used = DesignUsage(design, conditions, past)
     own = next((each for each in past if each.participant == participant and each.method), None)
     if own is not None and used.fits(own.order):
         trials = planned(design, conditions)
@@ -110,12 +110,12 @@ def propose(
     if own is not None:
         why += f"; the earlier order of {participant} does not fit the present design"
     order = order_at(design, conditions, row)
-    return _proposal(Past(participant, order, design.order, row), design, why)
+    return _proposal(ParticipantHistory(participant, order, design.order, row), design, why)
 
 
-def _proposal(past: Past, design: Design, why: str) -> Proposal:
+def _proposal(past: ParticipantHistory, design: Design, why: str) -> ConditionProposal:
     place = min(past.over // design.trials, len(past.order) - 1)
-    return Proposal(
+    return ConditionProposal(
         participant=past.participant,
         order=past.order,
         method=past.method,
@@ -127,7 +127,7 @@ def _proposal(past: Past, design: Design, why: str) -> Proposal:
     )
 
 
-def _free(used: Used) -> tuple[int, str]:
+def _free(used: DesignUsage) -> tuple[int, str]:
     """The row least used so far, the lowest of several; and why."""
     times = used.times()
     if used.design.order == "blocks" and used.conditions:

@@ -45,7 +45,7 @@ CAPACITY = 1000
 A_TURN = 50
 
 #: Carries out what a driver asks for: its name, the ask, and who hears how it ended.
-Asked = Callable[[str, Ask, Callable[[bool, str], None] | None], None]
+DriverRequestHandler = Callable[[str, Ask, Callable[[bool, str], None] | None], None]
 
 log = logging.getLogger(__name__)
 
@@ -67,7 +67,7 @@ class SessionDriverContext:
         *,
         names: Mapping[str, str] | None = None,
         feeds: Feeds | None = None,
-        asked: Asked | None = None,
+        asked: DriverRequestHandler | None = None,
         media: Callable[[], Path] | None = None,
     ) -> None:
         self._driver = driver

@@ -11,7 +11,7 @@ from woz_tui.config.sensor_names import published_names
 from woz_tui.drivers.contract import Driver
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.drivers.plugins import PluginError
-from woz_tui.session.driver_context import Asked, SessionDriverContext
+from woz_tui.session.driver_context import DriverRequestHandler, SessionDriverContext
 from woz_tui.system.clock import Clock
 
 
@@ -22,7 +22,7 @@ def make_drivers(
     clock: Clock,
     *,
     feeds: Feeds,
-    asked: Asked,
+    asked: DriverRequestHandler,
     media: Callable[[], Path],
 ) -> dict[str, Driver]:
     """Every driver by its name, each with a context of its own.

@@ -20,7 +20,7 @@ CLOSE_WAIT_S = 8.0
 log = logging.getLogger(__name__)
 
 
-class Crew:
+class DriverManager:
     """All drivers at once; none of them can hold up the others or fail the session.
 
     Args:

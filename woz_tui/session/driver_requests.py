@@ -8,23 +8,23 @@ from collections.abc import Callable, Container, Mapping
 from woz_tui.config.experiment import Call
 from woz_tui.drivers.contract import Ask
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import Origin, Refusal
-from woz_tui.session.participant_identity import AskError
+from woz_tui.session.action_runner import CommandRefusal, RequestOrigin
+from woz_tui.session.participant_identity import RequestError
 
 log = logging.getLogger(__name__)
 
 #: Told how an ask ended: whether it was carried out, and why not.
-Told = Callable[[bool, str], None]
+OnCompletion = Callable[[bool, str], None]
 #: Sends a call on to the bus, which is told what to do while it is busy, and tells its end.
-Send = Callable[[Call, Origin, str, Refusal | None, Callable[[m.End], None]], object]
+Send = Callable[[Call, RequestOrigin, str, CommandRefusal | None, Callable[[m.End], None]], object]
 
 
-class Asking:
+class DriverRequests:
     """Carries out what drivers ask for, as if the wizard had pressed a key.
 
     Args:
         carry: What is to be done for action, stop, release, script and mark.
-        call: Makes a call of a verb: raises `AskError` if no driver can be named.
+        call: Makes a call of a verb: raises `RequestError` if no driver can be named.
         send: Sends it.
         names: Names of all drivers.
         refuses: Why a verb is not even tried; the refusal is logged.
@@ -32,11 +32,11 @@ class Asking:
 
     def __init__(
         self,
-        carry: Mapping[str, Callable[[Ask, Origin], object]],
+        carry: Mapping[str, Callable[[Ask, RequestOrigin], object]],
         call: Callable[[str, Mapping[str, m.Json], str], Call],
         send: Send,
         names: Container[str],
-        refuses: Callable[[Ask], Refusal | None] = lambda ask: None,
+        refuses: Callable[[Ask], CommandRefusal | None] = lambda ask: None,
     ) -> None:
         self._carry = carry
         self._call = call
@@ -44,29 +44,29 @@ class Asking:
         self._names = names
         self._refuses = refuses
 
-    def ask(self, driver: str, ask: Ask, done: Told | None = None) -> None:
+    def ask(self, driver: str, ask: Ask, done: OnCompletion | None = None) -> None:
         """Carry out what `driver` asks for; `done` hears how it ended."""
-        tell: Told = done or (lambda carried, why: None)
+        tell: OnCompletion = done or (lambda carried, why: None)
         try:
             self._carry_out(driver, ask, tell)
-        except AskError as error:
+        except RequestError as error:
             tell(False, error.reason)
         except Exception as error:  # a stranger's ask; a knob would wait for its answer for ever
             log.exception("what %s asked for failed: %s", driver, ask)
             tell(False, f"{type(error).__name__}: {error}")
 
-    def _carry_out(self, driver: str, ask: Ask, tell: Told) -> None:
-        origin = Origin(ask.source, ask.key, driver)
+    def _carry_out(self, driver: str, ask: Ask, tell: OnCompletion) -> None:
+        origin = RequestOrigin(ask.source, ask.key, driver)
         if ask.what == "verb":
             self._verb(driver, ask, origin, tell)
             return
         carry = self._carry.get(ask.what)
         if carry is None:
-            raise AskError(f"a driver cannot ask for {ask.what!r}")
+            raise RequestError(f"a driver cannot ask for {ask.what!r}")
         carry(ask, origin)
         tell(True, "")
 
-    def _verb(self, driver: str, ask: Ask, origin: Origin, tell: Told) -> None:
+    def _verb(self, driver: str, ask: Ask, origin: RequestOrigin, tell: OnCompletion) -> None:
         call = self._call(ask.name, ask.args, self._within(driver, ask.on))
         refusal = self._refuses(ask)
 

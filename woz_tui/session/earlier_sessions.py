@@ -17,7 +17,7 @@ from woz_tui.log.log_files import files_of
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import WelcomeSettings
-from woz_tui.session.condition_proposal import Past
+from woz_tui.session.condition_proposal import ParticipantHistory
 from woz_tui.system.files import open_regular
 from woz_tui.timeline.episodes import EpisodeOutcome
 from woz_tui.timeline.session_state import SessionState
@@ -35,19 +35,19 @@ _WORDS = tuple(f'"{kind}"'.encode() for kind in _KINDS)
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class EarlierParticipants:
     """Participants of an experiment, in the order in which they came, and what could not be read.
 
     `logs`: how many sessions of this experiment there are.
     """
 
-    past: tuple[Past, ...] = ()
+    past: tuple[ParticipantHistory, ...] = ()
     logs: int = 0
     unreadable: tuple[str, ...] = ()
 
 
 @dataclass
-class Earlier:
+class EarlierSessions:
     """The logs of one folder. Files that have not changed are read once.
 
     Args:
@@ -58,12 +58,12 @@ class Earlier:
     folder: Path
     _known: dict[Path, tuple[tuple[int, int], list[m.AnyMessage]]] = field(default_factory=dict)
 
-    def read(self, title: str, file: str) -> Found:
+    def read(self, title: str, file: str) -> EarlierParticipants:
         """Everything about the experiment of this title; logs that tell no title (of version 1)
         count if the experiment's `file` had this name. Reads files: may be called from any thread,
         but only from one at a time.
         """
-        people: dict[str, Past] = {}
+        people: dict[str, ParticipantHistory] = {}
         unreadable: list[str] = []
         logs = 0
         for paths in self._sessions():
@@ -73,7 +73,7 @@ class Earlier:
             if _is_of(lines, title, file):
                 logs += 1
                 _attribute(lines, people)
-        return Found(tuple(people.values()), logs, tuple(unreadable))
+        return EarlierParticipants(tuple(people.values()), logs, tuple(unreadable))
 
     def _joined(self, paths: Sequence[Path], unreadable: list[str]) -> list[m.AnyMessage]:
         lines: list[m.AnyMessage] = []
@@ -174,7 +174,7 @@ def _is_of(lines: list[m.AnyMessage], title: str, file: str) -> bool:
     return any(isinstance(line, m.SessionStart) and line.experiment == file for line in lines)
 
 
-def _attribute(lines: list[m.AnyMessage], people: dict[str, Past]) -> None:
+def _attribute(lines: list[m.AnyMessage], people: dict[str, ParticipantHistory]) -> None:
     """Give each line of one session to the participant who was there."""
     state = SessionState()
     for line in lines:
@@ -182,7 +182,7 @@ def _attribute(lines: list[m.AnyMessage], people: dict[str, Past]) -> None:
         code = state.study.participant
         if not code:
             continue
-        past = people.setdefault(code, Past(code))
+        past = people.setdefault(code, ParticipantHistory(code))
         match line:
             case m.ConditionsAssigned():
                 order = tuple(line.order)

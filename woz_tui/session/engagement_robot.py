@@ -11,15 +11,15 @@ from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Call, Experiment
 from woz_tui.config.session_verbs import ENGAGEMENT
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import Origin, Runner
-from woz_tui.session.action_texts import Wording
+from woz_tui.session.action_runner import ActionRunner, RequestOrigin
+from woz_tui.session.action_texts import ActionTexts
 
 #: Whose hand it is, in the log.
-ORIGIN = Origin(ENGAGEMENT)
+ORIGIN = RequestOrigin(ENGAGEMENT)
 
 
 @dataclass
-class Robot:
+class EngagementRobot:
     """See the module's text.
 
     Args:
@@ -35,8 +35,8 @@ class Robot:
     today: Callable[[], date]
     #: They come later: what the model offers belongs on the bus, too.
     bus: Bus = field(init=False)
-    runner: Runner = field(init=False)
-    wording: Wording = field(init=False)
+    runner: ActionRunner = field(init=False)
+    wording: ActionTexts = field(init=False)
 
     @property
     def is_stopped(self) -> bool:

@@ -6,13 +6,13 @@ from woz_tui.config.experiment import Call, FilePosition
 from woz_tui.drivers.contract import LEARN_FACE
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_model import Transition
-from woz_tui.session.engagement_robot import Robot
+from woz_tui.session.engagement_robot import EngagementRobot
 from woz_tui.session.robot_handshake import IDENTITY
 
 _NOWHERE = FilePosition("", 0, 0)
 
 
-def introduced(robot: Robot, change: Transition) -> None:
+def introduced(robot: EngagementRobot, change: Transition) -> None:
     """A handshake has given somebody a name: their face gets it, unless it has one already."""
     recognised = change.verdicts.get("identity") not in (None, "", "Unknown")
     if change.outcome != "eng2know" or not change.visitor or recognised:
@@ -22,7 +22,7 @@ def introduced(robot: Robot, change: Transition) -> None:
             _learn(robot, spec.name, change.visitor)
 
 
-def _learn(robot: Robot, driver: str, name: str) -> None:
+def _learn(robot: EngagementRobot, driver: str, name: str) -> None:
     def ended(end: m.End) -> None:
         if isinstance(end, m.Failed | m.TimedOut | m.Refused):
             robot.hub.publish(

@@ -15,7 +15,7 @@ from pathlib import Path
 from woz_tui.config.visitor_names import key_of
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.visitor_store import Visitor, VisitorRefusedError, VisitorsError, VisitorStore
-from woz_tui.session.visitor_store_worker import Clerk, Job, Outcome
+from woz_tui.session.visitor_store_worker import StoreJob, StoreJobResult, VisitorStoreWorker
 
 _FACTS = ("age_group", "address")
 #: A disk that takes longer at the end of a session is worth a notice, in seconds.
@@ -23,7 +23,7 @@ _AT_ONCE_S = 0.5
 _LOOK = "look at it with `woz visitors`"
 
 
-class Acquaintances:
+class KnownVisitors:
     """Who is known, by name.
 
     Args:
@@ -41,11 +41,11 @@ class Acquaintances:
         self.path = path
         self._publish = publish
         self._store = VisitorStore(path)
-        self._clerk = Clerk(self._store, lambda: later(self._catch_up))
+        self._clerk = VisitorStoreWorker(self._store, lambda: later(self._catch_up))
         self._known: dict[str, Visitor] = {}
         #: Jobs of which it is not known yet what becomes; those of them that must be tried again.
-        self._open: list[Job] = []
-        self._unmade: list[Job] = []
+        self._open: list[StoreJob] = []
+        self._unmade: list[StoreJob] = []
         self._unsaved = 0
         #: Who was named in the log, by key.
         self._named: dict[str, str] = {}
@@ -62,7 +62,7 @@ class Acquaintances:
     def look(self) -> None:
         """Learn soon what others have changed, and try again to save what is not in the file."""
         if len(self._open) == len(self._unmade):
-            self._do(Job(VisitorStore.save))
+            self._do(StoreJob(VisitorStore.save))
 
     async def finish(self, seconds: float) -> None:
         """The session ends: try once more to save everything, for at most so long, and tell what
@@ -114,7 +114,7 @@ class Acquaintances:
             return
         self._here = visitor.name
         self._log(visitor, "met")
-        self._do(Job(lambda store: store.met(visitor.name, on=today), visitor.name))
+        self._do(StoreJob(lambda store: store.met(visitor.name, on=today), visitor.name))
 
     def gone(self) -> None:
         """Nobody is here any more."""
@@ -140,7 +140,9 @@ class Acquaintances:
         self._here = name
         self._log(visitor, "learnt")
         self._do(
-            Job(lambda store: store.add(name, on=today, age_group=group, address=address), name)
+            StoreJob(
+                lambda store: store.add(name, on=today, age_group=group, address=address), name
+            )
         )
 
     def _tell_more(self, visitor: Visitor, facts: dict[str, str]) -> None:
@@ -169,7 +171,7 @@ class Acquaintances:
             self._log(more, "profile")
             group, address = new.get("age_group"), new.get("address")
             self._do(
-                Job(
+                StoreJob(
                     lambda store: store.profile(visitor.name, age_group=group, address=address),
                     visitor.name,
                 )
@@ -181,7 +183,7 @@ class Acquaintances:
 
     # -- the store ---------------------------------------------------------------------------------
 
-    def _do(self, job: Job) -> None:
+    def _do(self, job: StoreJob) -> None:
         """Have a job done, after those that could not be done before."""
         again, self._unmade = self._unmade, []
         self._open.append(job)
@@ -210,7 +212,7 @@ class Acquaintances:
 
     # -- told --------------------------------------------------------------------------------------
 
-    def _tell(self, outcome: Outcome) -> None:
+    def _tell(self, outcome: StoreJobResult) -> None:
         if outcome.given_up:
             text = f"visitors: {'; '.join(outcome.given_up)}"
             self._publish(m.Notice(level="warning", text=text, remedy=_LOOK, tells=("identity",)))

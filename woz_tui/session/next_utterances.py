@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping
 from woz_tui.config.experiment import Call, Experiment
 from woz_tui.config.utterance_template import VISITOR
 from woz_tui.protocol.messages import Json
-from woz_tui.session.participant_identity import AskError
-from woz_tui.session.variables import MissingError, filled
+from woz_tui.session.participant_identity import RequestError
+from woz_tui.session.variables import MissingValueError, fill_variables
 
 #: The verb and its argument that hold an utterance.
 SAY, TEXT = "say", "text"
@@ -37,19 +37,19 @@ def _written(call: Call, values: Mapping[str, str]) -> Iterable[Json]:
 
 def _text(value: Json, values: Mapping[str, str]) -> str:
     try:
-        text = filled(value, values)
-    except MissingError:
+        text = fill_variables(value, values)
+    except MissingValueError:
         return ""
     return text if isinstance(text, str) else ""
 
 
-def no_value(refused: str) -> AskError:
+def no_value(refused: str) -> RequestError:
     """The refusal of a line whose variable has no value, with where the value comes from."""
     if refused.startswith(f"{{{VISITOR}}}"):
-        return AskError(
+        return RequestError(
             refused,
             "the visitor is not identified: enter who it is, or wait for face recognition or"
             " a handshake",
             command="engagement",
         )
-    return AskError(refused, "choose participant and condition", command="start")
+    return RequestError(refused, "choose participant and condition", command="start")

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 CODE = re.compile(r"[A-Za-z0-9]{1,16}")
 
 
-class AskError(ValueError):
+class RequestError(ValueError):
     """What was asked for cannot be done; `hint` says what would help, or lists `conditions`.
 
     `command` is the id of the console's key (`experiment.builtins`) that helps.
@@ -32,7 +32,7 @@ class AskError(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Identity:
+class SessionIdentity:
     """Codes of session, participant, condition and wizard; the trial's number."""
 
     session: str = "S01"
@@ -58,14 +58,14 @@ class Identity:
         participant: str | None,
         condition: str | None,
         trial: int | None,
-    ) -> Identity:
-        """With what is not None replaced; raises `AskError` if the experiment does not allow it."""
+    ) -> SessionIdentity:
+        """With what is not None replaced. Raises `RequestError` if it is not allowed."""
         if participant is not None:
             check_participant(participant, experiment.participant_pattern)
         if condition is not None and experiment.conditions:
             check_condition(condition, experiment.conditions)
         if trial is not None and trial < 0:
-            raise AskError("the trial must be 0 or more")
+            raise RequestError("the trial must be 0 or more")
         return replace(
             self,
             participant=self.participant if participant is None else participant,
@@ -75,31 +75,31 @@ class Identity:
 
 
 def check_code(code: str, what: str) -> None:
-    """Raises `AskError` unless `code` may stand in a log and a file name."""
+    """Raises `RequestError` unless `code` may stand in a log and a file name."""
     if not CODE.fullmatch(code):
-        raise AskError(
+        raise RequestError(
             f"{code!r} is not a valid {what} code",
             "use 1 to 16 letters and digits, such as P07; do not use names",
         )
 
 
 def check_participant(code: str, pattern: str) -> None:
-    """Raises `AskError` unless `code` is a code and matches the experiment's `pattern`."""
+    """Raises `RequestError` unless `code` is a code and matches the experiment's `pattern`."""
     check_code(code, "participant")
     if pattern == CODE.pattern:
         return
     try:
         fits = matches(pattern, code)
     except TimeoutError:
-        raise AskError(
+        raise RequestError(
             f"comparing {code!r} with the file's pattern {pattern} takes too long",
             SIMPLER,
         ) from None
     if not fits:
-        raise AskError(f"{code!r} is not a code of this study", describe_pattern(pattern))
+        raise RequestError(f"{code!r} is not a code of this study", describe_pattern(pattern))
 
 
 def check_condition(condition: str, known: tuple[str, ...]) -> None:
-    """Raises `AskError` unless the file lists it."""
+    """Raises `RequestError` unless the file lists it."""
     if condition not in known:
-        raise AskError(f"there is no condition {condition!r}", "the file lists none", known)
+        raise RequestError(f"there is no condition {condition!r}", "the file lists none", known)

@@ -6,11 +6,11 @@ from collections.abc import Callable
 
 from woz_tui.config.experiment import Experiment, Phase
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import AskError
+from woz_tui.session.participant_identity import RequestError
 from woz_tui.timeline.study_history import StudyState
 
 
-class LivePhases:
+class PhaseController:
     """See the module's text.
 
     Args:
@@ -48,24 +48,26 @@ class LivePhases:
     # -- going on ----------------------------------------------------------------------------------
 
     def wanted(self, name: str) -> Phase:
-        """The phase `name`, or with an empty one the next; raises `AskError` if it cannot begin."""
+        """The phase `name`, or the next one if empty. Raises `RequestError` if it cannot begin."""
         phases = self._read().phases
         if not phases:
-            raise AskError("the experiment has no phases", "add them to the file: phases: [...]")
+            raise RequestError(
+                "the experiment has no phases", "add them to the file: phases: [...]"
+            )
         if not name:
             following = self._state.next_phase(phases)
             if following is None:
-                raise AskError("no later phase can begin now", "choose one", command="phases")
+                raise RequestError("no later phase can begin now", "choose one", command="phases")
             return following
         phase = self._read().phase(name)
         if phase is None:
             listed = ", ".join(each.name for each in phases)
-            raise AskError(f"there is no phase {name!r}", f"there are {listed}")
+            raise RequestError(f"there is no phase {name!r}", f"there are {listed}")
         if name == self.name:
-            raise AskError(f"{phase.heading} is the present phase")
+            raise RequestError(f"{phase.heading} is the present phase")
         if not self._state.can_begin(phase, phases):
             before = [each.heading for each in phases if each.name in phase.after]
-            raise AskError(f"{phase.heading} comes after {' or '.join(before)}")
+            raise RequestError(f"{phase.heading} comes after {' or '.join(before)}")
         return phase
 
     def enter(self, phase: Phase | None, source: str) -> None:

@@ -12,14 +12,14 @@ from woz_tui.config.profiles import CONTROL
 from woz_tui.drivers.contract import Ask
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS
-from woz_tui.session.action_runner import Refusal
-from woz_tui.session.participant_identity import AskError
+from woz_tui.session.action_runner import CommandRefusal
+from woz_tui.session.participant_identity import RequestError
 
 #: Verbs that count in every profile.
 _ALWAYS = frozenset({"mark", "note"})
 
 
-class Profiles:
+class ProfileLimits:
     """Which profile is in use, and what it does not allow.
 
     Args:
@@ -33,11 +33,11 @@ class Profiles:
     def use(self, name: str, experiment: Experiment, source: str) -> None:
         """Use the profile `name` of `experiment`, or none if it is empty.
 
-        Raises `AskError` if there is no such profile.
+        Raises `RequestError` if there is no such profile.
         """
         known = experiment.profiles
         if name and name not in known:
-            raise AskError(
+            raise RequestError(
                 f"there is no profile {name!r}",
                 f"there are {', '.join(known)}" if known else "the file has no profiles",
             )
@@ -62,7 +62,7 @@ class Profiles:
             return ""
         return f"{action.name!r} is not in the profile {self.current.name}"
 
-    def no_verb(self, verb: str, args: Mapping[str, m.Json]) -> Refusal | None:
+    def no_verb(self, verb: str, args: Mapping[str, m.Json]) -> CommandRefusal | None:
         """Why it may not be sent by itself; None if it may."""
         profile, what = self.current, repr(verb)
         if profile is None or verb in _ALWAYS or verb in profile.verbs:
@@ -74,17 +74,21 @@ class Profiles:
             if control in profile.controls:
                 return None
             what = f"the control {control!r}"
-        return Refusal("profile", f"{what} is not in the profile {profile.name}")
+        return CommandRefusal("profile", f"{what} is not in the profile {profile.name}")
 
 
-def by_hand(ask: Ask) -> bool:
+def is_by_hand(ask: Ask) -> bool:
     """Whether somebody's hand is behind what a driver asks for; what it does by itself it may."""
     return bool(ask.key) or ask.source in HANDS
 
 
-def covered(experiment: Experiment, locked: Mapping[str, bool], verb: str) -> Refusal | None:
+def panel_refusal(
+    experiment: Experiment, locked: Mapping[str, bool], verb: str
+) -> CommandRefusal | None:
     """Why nobody may send `verb` by itself while panels are locked (by title); None: they may."""
     for panel in experiment.panels:
         if verb in panel.covers and locked.get(panel.title, panel.locked):
-            return Refusal("locked", f"the panel {panel.title!r} is locked, and with it {verb!r}")
+            return CommandRefusal(
+                "locked", f"the panel {panel.title!r} is locked, and with it {verb!r}"
+            )
     return None

@@ -8,7 +8,7 @@ from typing import Any
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AskAnswer
 from woz_tui.protocol.welcome import QuestionnaireItemView
-from woz_tui.session.participant_identity import AskError
+from woz_tui.session.participant_identity import RequestError
 from woz_tui.timeline.study_history import StudyState
 
 #: Characters of the longest answer in words.
@@ -17,7 +17,7 @@ LONGEST = 10_000
 PARTICIPANT = "participant"
 
 
-class Questioning:
+class QuestionnaireController:
     """One questionnaire at a time, from its beginning to its end: a round.
 
     Args:
@@ -47,16 +47,18 @@ class Questioning:
     def _begin(self, name: str, source: str) -> None:
         current = self._study.questionnaire
         if current is not None:
-            raise AskError(f"the questionnaire {current.name!r} is open", "end it first")
+            raise RequestError(f"the questionnaire {current.name!r} is open", "end it first")
         known = {each.name: each for each in self._study.settings.questionnaires}
         if name not in known:
-            raise AskError(
+            raise RequestError(
                 f"there is no questionnaire {name!r}",
                 f"there are {', '.join(known)}" if known else "the file has no questionnaires",
             )
         due = {each.questionnaire: each.trial for each in self._study.due}
         if source == PARTICIPANT and name not in due:
-            raise AskError(f"the questionnaire {name!r} is not due yet", "the wizard can start it")
+            raise RequestError(
+                f"the questionnaire {name!r} is not due yet", "the wizard can start it"
+            )
         trial = self._study.trial.started.trial if self._study.trial is not None else -1
         self._publish(
             m.QuestionnaireStarted(
@@ -72,7 +74,7 @@ class Questioning:
         current = self._study.questionnaire
         if current is None or current.started is None or current.name != name:
             other = f"{current.name!r} is" if current is not None else "none is"
-            raise AskError(f"the questionnaire {name!r} is not open", other)
+            raise RequestError(f"the questionnaire {name!r} is not open", other)
         return current.started
 
     @property
@@ -90,7 +92,7 @@ class Questioning:
         if absent:
             count = f"{len(absent)} item{'s have' if len(absent) > 1 else ' has'} no answer yet"
             names = ", ".join(str(item["name"]) for item in absent[:5])
-            raise AskError(f"{count}: {names}{', ...' if len(absent) > 5 else ''}")
+            raise RequestError(f"{count}: {names}{', ...' if len(absent) > 5 else ''}")
 
     def _end(self, name: str, reason: str) -> None:
         answered = sum(not answer.skipped for answer in self._answers.values())
@@ -103,7 +105,9 @@ class Questioning:
         started = self._under_way(request.questionnaire)
         items = {str(item["name"]): item for item in started.items}
         if request.item not in items:
-            raise AskError(f"there is no item {request.item!r}", f"there are {', '.join(items)}")
+            raise RequestError(
+                f"there is no item {request.item!r}", f"there are {', '.join(items)}"
+            )
         item = items[request.item]
         if request.skipped:
             _check_skipped(request, item)
@@ -136,24 +140,24 @@ def _as_asked(item: QuestionnaireItemView) -> dict[str, Any]:
 
 def _check_skipped(request: AskAnswer, item: Mapping[str, Any]) -> None:
     if not item.get("optional"):
-        raise AskError(f"{request.item!r} needs an answer", "or end it as declined")
+        raise RequestError(f"{request.item!r} needs an answer", "or end it as declined")
     if request.value is not None or request.text:
-        raise AskError("a skipped item cannot have an answer")
+        raise RequestError("a skipped item cannot have an answer")
 
 
 def _check_text(request: AskAnswer) -> None:
     if request.value is not None:
-        raise AskError(f"{request.item!r} needs a text as its answer")
+        raise RequestError(f"{request.item!r} needs a text as its answer")
     if not request.text.strip():
-        raise AskError("the answer is empty")
+        raise RequestError("the answer is empty")
     if len(request.text) > LONGEST:
-        raise AskError(f"an answer can have at most {LONGEST} characters")
+        raise RequestError(f"an answer can have at most {LONGEST} characters")
 
 
 def _check_value(request: AskAnswer, item: Mapping[str, Any]) -> None:
     low, high = int(item["low"]), int(item["high"])
     if request.text:
-        raise AskError(f"{request.item!r} needs a number as its answer")
+        raise RequestError(f"{request.item!r} needs a number as its answer")
     value = request.value
     if value is None or value != round(value) or not low <= value <= high:
-        raise AskError(f"expected a whole number from {low} to {high}, not {value}")
+        raise RequestError(f"expected a whole number from {low} to {high}, not {value}")

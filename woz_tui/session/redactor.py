@@ -69,7 +69,7 @@ _ASKED = (
 )
 
 
-class Perception:
+class PerceptionLimits:
     """What is not shown (`hidden`), or not legibly (`blurred`): see `experiment.study`."""
 
     def __init__(self, hidden: Iterable[str] = (), blurred: Iterable[str] = ()) -> None:
@@ -82,7 +82,7 @@ class Perception:
 
     def __eq__(self, other: object) -> bool:
         """Whether the same is kept."""
-        return isinstance(other, Perception) and (self.hidden, self.blurred) == (
+        return isinstance(other, PerceptionLimits) and (self.hidden, self.blurred) == (
             other.hidden,
             other.blurred,
         )
@@ -90,7 +90,7 @@ class Perception:
     __hash__ = None  # type: ignore[assignment]
 
     @classmethod
-    def of(cls, study: s.StudySettings) -> Perception:
+    def of(cls, study: s.StudySettings) -> PerceptionLimits:
         """As the settings of a study have it."""
         return cls(study.perception.hide, study.perception.blur)
 
@@ -115,7 +115,7 @@ class Redactor:
     """
 
     def __init__(self, study: s.StudySettings | None = None) -> None:
-        self.perception = Perception()
+        self.perception = PerceptionLimits()
         self._labels: dict[str, str] = {}
         self._names: dict[str, str] = {}
         self._loud_from: dict[str, float] = {}
@@ -135,7 +135,7 @@ class Redactor:
 
     def adopt(self, study: s.StudySettings) -> None:
         """From here on this is kept."""
-        self.perception = Perception.of(study)
+        self.perception = PerceptionLimits.of(study)
         if self._labels != (labels := _unique(study.blind)):
             self._labels = labels
             self._names = {label: name for name, label in labels.items()}
@@ -150,7 +150,7 @@ class Redactor:
             case m.SessionPlan(settings=settings):
                 self.adopt(settings.study)
             case m.PerceptionChanged(hidden=hidden, blurred=blurred):
-                self.perception = Perception(hidden, blurred)
+                self.perception = PerceptionLimits(hidden, blurred)
 
     # -- conditions ---------------------------------------------------------------------------
 
@@ -242,7 +242,7 @@ class Redactor:
         """What a check found out about `subject`."""
         if self.blind and subject == "experiment":
             return "the file has something odd"
-        kind = kind_of(subject)
+        kind = perceived_kind(subject)
         return "gives values" if kind and self.perception.keeps(kind) else text
 
     # -- the stream -------------------------------------------------------------------------------
@@ -357,7 +357,7 @@ class Redactor:
     # -- sensors ----------------------------------------------------------------------------------
 
     def _reading(self, message: m.Reading) -> m.Message:
-        kind = kind_of(message.sensor)
+        kind = perceived_kind(message.sensor)
         if self.perception.hides(kind):
             return replace(message, value=None, text="", raw=None, bad=[])
         if self.perception.blurs(kind):
@@ -375,7 +375,7 @@ class Redactor:
         return "loud" if loud else "quiet"
 
     def _sensor(self, message: m.SensorChanged) -> m.Message | None:
-        kind = kind_of(message.sensor)
+        kind = perceived_kind(message.sensor)
         if self.perception.hides(kind):
             return None
         return replace(message, why="") if self.perception.blurs(kind) else message
@@ -543,7 +543,7 @@ def redactor_for(role: str, sees: str, study: s.StudySettings | None = None) -> 
     return None if role == "program" and sees != "wizard" else Redactor(study)
 
 
-def marked(message: m.AnyMessage, schema: int) -> m.AnyMessage:
+def mark_legacy(message: m.AnyMessage, schema: int) -> m.AnyMessage:
     """A message of a log of this schema. Before 3 none says what it tells: then everything in words
     that people or drivers wrote may tell the condition.
     """
@@ -560,7 +560,7 @@ def marked(message: m.AnyMessage, schema: int) -> m.AnyMessage:
     return message
 
 
-def kind_of(sensor: str) -> str:
+def perceived_kind(sensor: str) -> str:
     """What a sensor tells, in the words of the experiment file: `left.joint.pan` -> `joints`; a
     sensor that cannot be hidden is empty.
     """

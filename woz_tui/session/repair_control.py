@@ -9,16 +9,16 @@ from woz_tui.config.experiment import Action, Call, Experiment, FilePosition
 from woz_tui.config.repairs import INTERRUPT, PANEL, REWORD
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_stream import SPEECH
-from woz_tui.session.action_runner import Origin, Runner
-from woz_tui.session.action_texts import Steps, Wording
-from woz_tui.session.participant_identity import AskError
+from woz_tui.session.action_runner import ActionRunner, RequestOrigin
+from woz_tui.session.action_texts import ActionTexts, Steps
+from woz_tui.session.participant_identity import RequestError
 from woz_tui.timeline.episodes import CommandEpisode
 
 _NOWHERE = FilePosition("", 0, 0)
 
 
 @dataclass
-class Repairs:
+class RepairController:
     """Plays the repairs that have no steps of their own.
 
     Args:
@@ -30,8 +30,8 @@ class Repairs:
 
     experiment: Callable[[], Experiment]
     commands: Callable[[], Mapping[str, CommandEpisode]]
-    runner: Runner
-    wording: Wording
+    runner: ActionRunner
+    wording: ActionTexts
     _last: m.Command | None = None
     #: The action of the file that said it.
     _action: str = ""
@@ -49,8 +49,8 @@ class Repairs:
         self._last = request
         self._action = self._action if request.action == REWORD else request.action
 
-    def play(self, action: Action, origin: Origin, when_busy: str) -> str:
-        """Play it; the run's id. Raises `AskError`; the refusal is in the log too."""
+    def play(self, action: Action, origin: RequestOrigin, when_busy: str) -> str:
+        """Play it; the run's id. Raises `RequestError`; the refusal is in the log too."""
         if action.name == INTERRUPT:
             run, _ = self.runner.play(action, origin, when_busy, steps=[])
             self._interrupt()
@@ -58,10 +58,10 @@ class Repairs:
         steps = self._other_words() if action.name == REWORD else self._again()
         if isinstance(steps, str):
             self.runner.refuse(action.name, action.panel, origin, steps)
-            raise AskError(steps)
+            raise RequestError(steps)
         run, refused = self.runner.play(action, origin, when_busy, steps=steps)
         if refused:
-            raise AskError(refused)
+            raise RequestError(refused)
         return run
 
     def _again(self) -> Steps | str:

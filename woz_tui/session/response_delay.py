@@ -26,7 +26,7 @@ _MACHINE = frozenset({"preflight", "action"})
 
 
 @dataclass(frozen=True, slots=True)
-class Cue:
+class PendingCue:
     """Something that wants an answer: its sort, its moment, and from when on it may be answered;
     both in microseconds on the axis of `t`.
     """
@@ -41,7 +41,7 @@ def may_wait(verb: Verb) -> bool:
     return not (verb.stream or verb.drives or verb.brief)
 
 
-class Shaper:
+class ResponseDelay:
     """Knows the last cue, and holds what answers it too soon, as `shaping.changed` says.
 
     Args:
@@ -53,7 +53,7 @@ class Shaper:
         self._hub = hub
         self._random = random.Random(f"{seed} shaping")
         self._settings = m.ShapingChanged(floor_us=0, jitter_us=0, cues=[])
-        self._cue: Cue | None = None
+        self._cue: PendingCue | None = None
         self._held: deque[tuple[int, str, Callable[[], object]]] = deque()
         self._timer: asyncio.TimerHandle | None = None
         hub.listen(self._see)
@@ -72,7 +72,7 @@ class Shaper:
     def _cued(self, sort: str, t: int) -> None:
         if sort in self._settings.cues:
             jitter = round(self._random.uniform(0.0, self._settings.jitter_us))
-            self._cue = Cue(sort, t, t + self._settings.floor_us + jitter)
+            self._cue = PendingCue(sort, t, t + self._settings.floor_us + jitter)
 
     # -- holding -----------------------------------------------------------------------------
 

@@ -20,15 +20,15 @@ from woz_tui.sensing.name_handshake import (
     Order,
     Say,
 )
-from woz_tui.session.engagement_robot import Robot
-from woz_tui.session.wake_up import Alarm
+from woz_tui.session.engagement_robot import EngagementRobot
+from woz_tui.session.wake_up import WakeUpTimer
 
 _NOWHERE = FilePosition("", 0, 0)
 #: What is said and sent here tells who stands there.
 IDENTITY = ("identity",)
 
 
-class Introduction:
+class RobotHandshake:
     """One handshake with one visitor, led by the robot.
 
     What is heard while the robot speaks is its own voice, and no answer.
@@ -42,7 +42,7 @@ class Introduction:
 
     def __init__(
         self,
-        robot: Robot,
+        robot: EngagementRobot,
         settings: HandshakeSettings,
         voice: str,
         is_taken: Callable[[str], bool],
@@ -51,7 +51,7 @@ class Introduction:
         self._settings = settings
         self._voice = voice
         self._procedure = Handshake(settings, is_taken)
-        self._alarm = Alarm(robot.hub, self._ring)
+        self._alarm = WakeUpTimer(robot.hub, self._ring)
         self._saying = 0
         self._own: set[tuple[str, int]] = set()
 

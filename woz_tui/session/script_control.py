@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 from woz_tui.config.experiment import Experiment
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import AskError
+from woz_tui.session.participant_identity import RequestError
 from woz_tui.timeline.episodes import ActionEpisode, EpisodeOutcome
 
 #: How a line ends behind which the script does not go on.
@@ -21,7 +21,7 @@ CUT = (EpisodeOutcome.STOPPED, EpisodeOutcome.SUPERSEDED)
 
 
 @dataclass(slots=True)
-class Script:
+class ScriptState:
     """Where one script stands. `position`: the next line, from 0; `halted`: how the line ended at
     which it stands still.
     """
@@ -62,10 +62,10 @@ class Script:
     def move(self, to: int) -> None:
         """Choose the next line."""
         if not 0 <= to <= len(self.lines):
-            raise AskError(f"the script has {len(self.lines)} lines")
+            raise RequestError(f"the script has {len(self.lines)} lines")
         self.position, self.halted = to, ""
 
-    def adopted(self, lines: Sequence[str]) -> Script:
+    def adopted(self, lines: Sequence[str]) -> ScriptState:
         """The same with other lines: each that was there keeps what became of it; what is new
         before the next line becomes the next.
         """
@@ -74,7 +74,7 @@ class Script:
         behind = [place for line, place in places.items() if line < self.position]
         ahead = [place for line, place in sorted(places.items()) if line >= self.position]
         at = min([max(behind, default=-1) + 1, *ahead[:1]])
-        return Script(lines, at, kept, self.halted if self.position in places else "")
+        return ScriptState(lines, at, kept, self.halted if self.position in places else "")
 
 
 def _places(old: Sequence[str], new: Sequence[str]) -> dict[int, int]:
@@ -85,14 +85,14 @@ def _places(old: Sequence[str], new: Sequence[str]) -> dict[int, int]:
 
 
 @dataclass(frozen=True, slots=True)
-class _Played:
+class _RunningLine:
     """A line that is being played, and of which script."""
 
     script: str
     line: int
 
 
-class Scripts:
+class ScriptController:
     """All scripts of a session; see the module's text.
 
     Args:
@@ -116,9 +116,9 @@ class Scripts:
     ) -> None:
         self._publish, self._phase = publish, phase
         self._waits, self._latched, self._withdraw = waits, latched, withdraw
-        self._scripts: dict[str, Script] = {}
+        self._scripts: dict[str, ScriptState] = {}
         self._told: dict[str, tuple[int, frozenset[int], str]] = {}
-        self._runs: dict[str, _Played] = {}
+        self._runs: dict[str, _RunningLine] = {}
         #: Runs of lines that Space has played: they go with the line before them.
         self.by_script: set[str] = set()
         self.adopt(experiment)
@@ -132,25 +132,25 @@ class Scripts:
         return phase if phase in self._scripts else ""
 
     @property
-    def now(self) -> Script:
+    def now(self) -> ScriptState:
         """How it stands."""
         return self._scripts[self.name]
 
     def next_line(self) -> str:
-        """The action that Space plays. Raises `AskError` if there is none, or one waits already."""
+        """The action that Space plays. Raises `RequestError` if there is none, or one waits."""
         script = self.now
         if script.position >= len(script.lines):
             if not script.lines:
                 if len(self._scripts) > 1 and not self._phase():
-                    raise AskError("no phase holds", "begins one", command="phase_next")
-                raise AskError("there is no script", "add script: [...] to the file")
-            raise AskError(
+                    raise RequestError("no phase holds", "begins one", command="phase_next")
+                raise RequestError("there is no script", "add script: [...] to the file")
+            raise RequestError(
                 "the script has no more lines", "go one line back", command="script_back"
             )
         for run, played in self._runs.items():
             if self._waits(run):
                 waiting = self._scripts[played.script].lines[played.line]
-                raise AskError(
+                raise RequestError(
                     f"{waiting!r} is still waiting", "play the next line when this one has started"
                 )
         return script.lines[script.position]
@@ -176,9 +176,9 @@ class Scripts:
         for name in names[:1]:
             line = self._scripts[name].play(action.label)
             if line is not None:
-                self._runs[action.request.run] = _Played(name, line)
+                self._runs[action.request.run] = _RunningLine(name, line)
 
-    def _ended(self, action: ActionEpisode, played: _Played) -> None:
+    def _ended(self, action: ActionEpisode, played: _RunningLine) -> None:
         script = self._scripts[played.script]
         unsaid = action.dispatched is None or self._latched()
         if action.outcome not in HALTING and not (action.outcome in CUT and unsaid):
@@ -202,7 +202,7 @@ class Scripts:
     def begin_anew(self) -> None:
         """Every script begins with its first line."""
         self._runs.clear()
-        self._scripts = {name: Script(each.lines) for name, each in self._scripts.items()}
+        self._scripts = {name: ScriptState(each.lines) for name, each in self._scripts.items()}
         self.tell()
 
     def adopt(self, experiment: Experiment) -> None:
@@ -217,7 +217,7 @@ class Scripts:
             else:
                 self._runs[run] = replace(played, line=place)
         self._scripts = {
-            name: self._scripts.get(name, Script()).adopted(lines)
+            name: self._scripts.get(name, ScriptState()).adopted(lines)
             for name, lines in scripts.items()
         }
         self.tell()

@@ -19,26 +19,26 @@ from woz_tui.drivers.feeds import Feeds
 from woz_tui.log.file_names import media_folder
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import Origin, Refusal, Runner
-from woz_tui.session.action_texts import Wording
+from woz_tui.session.action_runner import ActionRunner, CommandRefusal, RequestOrigin
+from woz_tui.session.action_texts import ActionTexts
 from woz_tui.session.driver_factory import make_drivers
-from woz_tui.session.driver_manager import Crew
-from woz_tui.session.driver_requests import Asking, Told
-from woz_tui.session.engagement_robot import Robot
-from woz_tui.session.live_engagement import LiveEngagement
+from woz_tui.session.driver_manager import DriverManager
+from woz_tui.session.driver_requests import DriverRequests, OnCompletion
+from woz_tui.session.engagement_control import EngagementController
+from woz_tui.session.engagement_robot import EngagementRobot
 from woz_tui.session.next_utterances import no_value, utterances
-from woz_tui.session.participant_identity import AskError, Identity
-from woz_tui.session.phase_control import LivePhases
-from woz_tui.session.profile_limits import Profiles, by_hand, covered
-from woz_tui.session.recent_lines import Recent
-from woz_tui.session.repair_control import Repairs
-from woz_tui.session.response_delay import Shaper
-from woz_tui.session.script_control import Scripts
-from woz_tui.session.session_driver import ENGAGEMENT, PERFORMERS, SESSION, VERBS, SessionVerbs
-from woz_tui.session.session_start import begin, reloaded
-from woz_tui.session.study_control import LiveStudy
-from woz_tui.session.typed_actions import added, with_typed
-from woz_tui.session.variables import Values
+from woz_tui.session.participant_identity import RequestError, SessionIdentity
+from woz_tui.session.phase_control import PhaseController
+from woz_tui.session.profile_limits import ProfileLimits, is_by_hand, panel_refusal
+from woz_tui.session.recent_messages import RecentMessages
+from woz_tui.session.repair_control import RepairController
+from woz_tui.session.response_delay import ResponseDelay
+from woz_tui.session.script_control import ScriptController
+from woz_tui.session.session_driver import ENGAGEMENT, PERFORMERS, SESSION, VERBS, SessionPerformer
+from woz_tui.session.session_start import publish_reload, publish_start
+from woz_tui.session.study_control import StudyController
+from woz_tui.session.typed_actions import with_sentence, with_typed
+from woz_tui.session.variables import VariableValues
 from woz_tui.system.clock import Clock, Standstill, timestamp
 from woz_tui.timeline import episodes as e
 from woz_tui.timeline.session_state import SessionState
@@ -65,7 +65,7 @@ class Session:
 
     experiment: Experiment
     catalogue: Mapping[str, type[Driver]]
-    identity: Identity
+    identity: SessionIdentity
     recorder: Recorder
     clock: Clock
     drivers: dict[str, Driver] = field(init=False)
@@ -85,17 +85,17 @@ class Session:
         self._loop = asyncio.get_running_loop()
         self.standstill = Standstill(self.clock)
         self.hub = Hub(self.clock, self.recorder.record)
-        self.state, self.recent = SessionState(), Recent()
+        self.state, self.recent = SessionState(), RecentMessages()
         self.hub.listen(self._take)
         self.hub.listen(self.recent.take)
-        self.phases = LivePhases(
+        self.phases = PhaseController(
             self.hub.publish,
             self.state.study,
             read=lambda: self.experiment,
             lock=lambda panel, locked: self._lock(panel, locked, "phase"),
             is_locked=lambda panel: self.locked.get(panel, False),
         )
-        self.scripts = Scripts(
+        self.scripts = ScriptController(
             self.hub.publish,
             self.experiment,
             phase=lambda: self.phases.name,
@@ -103,17 +103,17 @@ class Session:
             latched=lambda: self.bus.latched,
             withdraw=self._withdraw,
         )
-        begin(self.hub, self.identity, self.experiment, self.clock, self.recorder.spill)
-        robot = Robot(
+        publish_start(self.hub, self.identity, self.experiment, self.clock, self.recorder.spill)
+        robot = EngagementRobot(
             self.hub,
             lambda: self.experiment,
             lambda: self.ended,
             lambda: self.clock.wall().date(),
         )
         logs = self.recorder.path.parent
-        self.engagement = LiveEngagement(robot, self.state, self.locked, logs)
-        self.profiles = Profiles(self.hub.publish)
-        self.study = LiveStudy(
+        self.engagement = EngagementController(robot, self.state, self.locked, logs)
+        self.profiles = ProfileLimits(self.hub.publish)
+        self.study = StudyController(
             self.hub,
             self.state,
             read=lambda: self.experiment,
@@ -141,7 +141,7 @@ class Session:
         performers: dict[str, Performer] = {
             **self.drivers,
             ENGAGEMENT: self.engagement,
-            SESSION: SessionVerbs(
+            SESSION: SessionPerformer(
                 {
                     "mark": lambda args, tells: self.mark(
                         str(args.get("text", "")), "action", tells
@@ -160,23 +160,25 @@ class Session:
             motionless=frozenset({SESSION, ENGAGEMENT}),
             unstopped=frozenset({ENGAGEMENT}),
         )
-        self._crew = Crew(self.drivers, self.hub, self.bus.disconnected)
-        self.wording = Wording(self.hub, self.identity.seed, lambda: self.experiment, self.values)
-        self.runner = Runner(
+        self._crew = DriverManager(self.drivers, self.hub, self.bus.disconnected)
+        self.wording = ActionTexts(
+            self.hub, self.identity.seed, lambda: self.experiment, self.values
+        )
+        self.runner = ActionRunner(
             self.hub,
             self.bus,
             by_name,
             self.wording.play,
             self.experiment.session.deadline,
-            shaper=Shaper(self.hub, self.identity.seed),
+            shaper=ResponseDelay(self.hub, self.identity.seed),
         )
-        self.repairs = Repairs(
+        self.repairs = RepairController(
             lambda: self.experiment, lambda: self.state.commands, self.runner, self.wording
         )
         self.hub.listen(self.repairs.hear)
         robot.bus, robot.runner, robot.wording = self.bus, self.runner, self.wording
         self._by_name = by_name
-        self._asking = Asking(
+        self._asking = DriverRequests(
             {
                 "action": lambda ask, origin: self.play(ask.name, origin, stale=self._old(ask)),
                 "script": lambda ask, origin: self.script_next(origin, self._old(ask)),
@@ -254,13 +256,13 @@ class Session:
 
     # -- actions -----------------------------------------------------------------------------
 
-    def values(self) -> Values:
+    def values(self) -> VariableValues:
         """The variables' present values."""
         own = {**self.experiment.variables, **self.identity.values(), **self.engagement.values()}
         return self.study.filled(own)
 
-    def play(self, name: str, origin: Origin, when_busy: str = "", stale: str = "") -> str:
-        """Play the action `name`; its run id. Raises `AskError`; the refusal is in the log too.
+    def play(self, name: str, origin: RequestOrigin, when_busy: str = "", stale: str = "") -> str:
+        """Play the action `name`; its run id. Raises `RequestError`; the refusal is in the log too.
 
         `stale`: why the press is too old to be played (empty: it is not).
         """
@@ -271,14 +273,14 @@ class Session:
             self.runner.refuse(name, panel, origin, reason)
             self.scripts.tell()
             if stale:
-                raise AskError(f"{name!r} not played ({stale})", AGAIN)
-            raise AskError(reason, command=self._mends(action))
+                raise RequestError(f"{name!r} not played ({stale})", AGAIN)
+            raise RequestError(reason, command=self._mends(action))
         if not action.steps and action in self.experiment.repairs:
             return self.repairs.play(action, origin, when_busy)
         run, refused = self.runner.play(action, origin, when_busy)
         self.scripts.tell()
         if refused:
-            raise no_value(refused) if refused.startswith("{") else AskError(refused)
+            raise no_value(refused) if refused.startswith("{") else RequestError(refused)
         return run
 
     def _mends(self, action: Action | None) -> str:
@@ -306,28 +308,28 @@ class Session:
         verb: str,
         args: Mapping[str, m.Json],
         on: str,
-        origin: Origin,
+        origin: RequestOrigin,
         *,
         when_busy: str = "",
         stale: str = "",
         tells: tuple[str, ...] = (),
         unfilled: Mapping[str, m.Json] | None = None,
     ) -> str:
-        """Send one verb; the command's id. Raises `AskError` if no driver can be named.
+        """Send one verb; the command's id. Raises `RequestError` if no driver can be named.
 
         `stale`: why the press is too old to be sent; the refusal is in the log too. `tells` and
         `unfilled` as in `messages.Command`.
         """
         call = replace(self._call(verb, args, on), tells=tells, unfilled=unfilled or {})
-        refusal = Refusal("stale", stale) if stale else self._no_verb(verb, args)
+        refusal = CommandRefusal("stale", stale) if stale else self._no_verb(verb, args)
         command = self.runner.send(call, origin, when_busy or "queue", refusal).command
         if refusal is not None:
-            raise AskError(refusal.reason, AGAIN if stale else "")
+            raise RequestError(refusal.reason, AGAIN if stale else "")
         return command
 
     def keep_typed(self, text: str, on: str) -> bool:
         """Make a button of a sentence that was typed; says whether it is a new one."""
-        typed = added(self.experiment, self.typed, text, self._driver_for("say", on))
+        typed = with_sentence(self.experiment, self.typed, text, self._driver_for("say", on))
         if typed == self.typed:
             return False
         self.typed = typed
@@ -335,18 +337,20 @@ class Session:
         self.wording.tell()
         return True
 
-    def _no_verb(self, verb: str, args: Mapping[str, m.Json]) -> Refusal | None:
+    def _no_verb(self, verb: str, args: Mapping[str, m.Json]) -> CommandRefusal | None:
         """Why nobody's hand may send it at the moment; None: it may."""
-        return self.profiles.no_verb(verb, args) or covered(self.experiment, self.locked, verb)
+        return self.profiles.no_verb(verb, args) or panel_refusal(
+            self.experiment, self.locked, verb
+        )
 
-    def _no_ask(self, ask: Ask) -> Refusal | None:
+    def _no_ask(self, ask: Ask) -> CommandRefusal | None:
         if stale := self._old(ask):
-            return Refusal("stale", stale)
-        return self._no_verb(ask.name, ask.args) if by_hand(ask) else None
+            return CommandRefusal("stale", stale)
+        return self._no_verb(ask.name, ask.args) if is_by_hand(ask) else None
 
     def _old(self, ask: Ask) -> str:
         """Why a hand's ask is too old: a driver reads late what waited while nobody read."""
-        return self.too_old(self.standstill.look()) if by_hand(ask) else ""
+        return self.too_old(self.standstill.look()) if is_by_hand(ask) else ""
 
     def too_old(self, age_us: int) -> str:
         """Why a press of this age is not played; empty if it may be."""
@@ -357,14 +361,14 @@ class Session:
     def refuse(self, what: str, why: str) -> NoReturn:
         """Log that something was not done which is neither an action nor a command."""
         self.hub.publish(m.Notice(level="warning", text=f"{what} ({why})"))
-        raise AskError(f"{what} ({why})", AGAIN)
+        raise RequestError(f"{what} ({why})", AGAIN)
 
     def _call(self, verb: str, args: Mapping[str, m.Json], on: str) -> Call:
         if self.ended:
-            raise AskError("the session is ending")
+            raise RequestError("the session is ending")
         return Call(verb, dict(args), self._driver_for(verb, on), FilePosition("", 0, 0))
 
-    def _asked(self, driver: str, ask: Ask, done: Told | None) -> None:
+    def _asked(self, driver: str, ask: Ask, done: OnCompletion | None) -> None:
         """A driver asks for something; drivers are made before the session is whole."""
         self._loop.call_soon(lambda: self._asking.ask(driver, ask, done))
 
@@ -375,16 +379,16 @@ class Session:
         if len(offering) == 1:
             return offering[0]
         if offering:
-            raise AskError(
+            raise RequestError(
                 f"{verb!r} is offered by {' and '.join(offering)}", "name one of them with `on`"
             )
         verbs = sorted({known for offered in self._by_name.values() for known in offered})
-        raise AskError(
+        raise RequestError(
             f"no driver{f' {on!r}' if on else ''} offers {verb!r}",
             f"there are {', '.join(verbs)}",
         )
 
-    def script_next(self, origin: Origin, stale: str = "") -> str:
+    def script_next(self, origin: RequestOrigin, stale: str = "") -> str:
         """Play the script's next line and move on; its run id. `stale` as for `play`."""
         run = self.play(self.scripts.next_line(), origin, stale=stale)
         self.scripts.by_script.add(run)
@@ -415,7 +419,7 @@ class Session:
 
     # -- phases ------------------------------------------------------------------------------
 
-    def phase(self, name: str, origin: Origin) -> None:
+    def phase(self, name: str, origin: RequestOrigin) -> None:
         """Go on to the phase `name`, or with an empty one to the next, and play what it begins
         with.
         """
@@ -423,25 +427,25 @@ class Session:
         self.phases.enter(phase, origin.source)
         self._play_on_enter(phase, origin)
 
-    def _play_on_enter(self, phase: Phase | None, origin: Origin) -> None:
+    def _play_on_enter(self, phase: Phase | None, origin: RequestOrigin) -> None:
         """What is refused is in the log, and on every screen."""
         for name in phase.on_enter if phase is not None else ():
-            with contextlib.suppress(AskError):
+            with contextlib.suppress(RequestError):
                 self.play(name, replace(origin, source="phase"))
 
     def _trial_began(self) -> None:
         self.scripts.begin_anew()
-        self._play_on_enter(self.phases.begin_anew("trial"), Origin("phase"))
+        self._play_on_enter(self.phases.begin_anew("trial"), RequestOrigin("phase"))
 
     def cancel(self, run: str) -> None:
         """Cut one run short."""
         if not self.runner.cancel(run, "cancelled by the wizard"):
-            raise AskError(f"{run} is not running")
+            raise RequestError(f"{run} is not running")
 
     def empty_queue(self, by: str) -> None:
         """End whatever waits for its turn; what runs goes on. `by`: who wants it."""
         if not self.runner.empty(f"queue emptied by {by}"):
-            raise AskError("nothing is queued")
+            raise RequestError("nothing is queued")
 
     # -- the stop ----------------------------------------------------------------------------
 
@@ -454,11 +458,11 @@ class Session:
     def release(self, source: str, stale: str = "") -> None:
         """Take actions again. `stale`: why it is too old to be done."""
         if self.ended:
-            raise AskError("the session is ending")
+            raise RequestError("the session is ending")
         if stale:
             self.refuse("Stop not released", stale)
         if not self.bus.release(source):
-            raise AskError("the stop is not pressed")
+            raise RequestError("the stop is not pressed")
         self._crew.resume()
 
     # -- marks and settings ------------------------------------------------------------------
@@ -470,7 +474,7 @@ class Session:
     def note(self, text: str, tells: tuple[str, ...] = ()) -> None:
         """A note in the log."""
         if not text.strip():
-            raise AskError("the note is empty")
+            raise RequestError("the note is empty")
         self.hub.publish(m.Note(text=text, tells=tells))
 
     def mistake(self, run: str, text: str, tells: tuple[str, ...] = ()) -> None:
@@ -478,9 +482,9 @@ class Session:
         played = self.runner.played
         wrong = run or self.runner.by_hand
         if not wrong:
-            raise AskError("nothing has been played yet")
+            raise RequestError("nothing has been played yet")
         if wrong not in played:
-            raise AskError(f"there is no action with the id {wrong!r}")
+            raise RequestError(f"there is no action with the id {wrong!r}")
         self.hub.publish(m.Mistake(run=wrong, action=played[wrong], text=text, tells=tells))
 
     def set(
@@ -527,7 +531,7 @@ class Session:
     def lock(self, panel: str, locked: bool) -> None:
         """Lock or unlock a panel."""
         if panel not in {known.title for known in self.experiment.panels}:
-            raise AskError(f"there is no panel {panel!r}")
+            raise RequestError(f"there is no panel {panel!r}")
         self._lock(panel, locked, "")
 
     def _lock(self, panel: str, locked: bool, source: str) -> None:
@@ -558,7 +562,7 @@ class Session:
             self._by_name[spec.name].update({verb.name: verb for verb in spec.verbs})
             self.bus.offer(spec.name, spec.verbs)
         self.runner.deadline = experiment.session.deadline
-        reloaded(self.hub, experiment, changes, telling)
+        publish_reload(self.hub, experiment, changes, telling)
         self.study.adopt()
         self.wording.tell()
         kept = self.profiles.adopt(experiment)

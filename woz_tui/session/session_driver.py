@@ -14,7 +14,7 @@ from woz_tui.drivers.contract import Argument, Job, RejectedError, Scope, Verb
 from woz_tui.protocol.messages import Json
 
 #: The names under which the bus knows the session and its engagement model.
-__all__ = ["ENGAGEMENT", "PERFORMERS", "SESSION", "VERBS", "SessionVerbs"]
+__all__ = ["ENGAGEMENT", "PERFORMERS", "SESSION", "VERBS", "SessionPerformer"]
 
 VERBS: tuple[Verb, ...] = (
     Verb("mark", "put a marker into the log", (Argument("text", "text", "text of the marker"),)),
@@ -37,7 +37,7 @@ VERBS: tuple[Verb, ...] = (
 Carry = Callable[[Mapping[str, Json], tuple[str, ...]], None]
 
 
-class SessionVerbs:
+class SessionPerformer:
     """The session as a driver; `carry` maps each verb's name to what does it."""
 
     def __init__(self, carry: Mapping[str, Carry]) -> None:

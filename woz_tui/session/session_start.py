@@ -12,7 +12,7 @@ from woz_tui import __version__
 from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Experiment
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import Identity
+from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.system.clock import Clock, boot_id, timestamp
 
 #: Fields of a file that say which key plays an action: in our own format, and in WoZ4U's.
@@ -23,8 +23,8 @@ _KEYS_TOLD = 8
 FILES_BYTES = 512 * 1024
 
 
-def begin(
-    hub: Hub, identity: Identity, experiment: Experiment, clock: Clock, spill: list[str]
+def publish_start(
+    hub: Hub, identity: SessionIdentity, experiment: Experiment, clock: Clock, spill: list[str]
 ) -> None:
     """Publish what a log begins with; `spill`: where it goes on if its folder fails."""
     hub.publish(session_start(identity, experiment, clock, spill))
@@ -32,7 +32,7 @@ def begin(
     _tell_keys(hub, experiment)
 
 
-def reloaded(
+def publish_reload(
     hub: Hub, experiment: Experiment, changes: Sequence[str], telling: Sequence[str]
 ) -> None:
     """Publish that the session goes on with a changed file, and the file."""
@@ -57,7 +57,7 @@ def _tell_keys(hub: Hub, experiment: Experiment) -> None:
 
 
 def session_start(
-    identity: Identity, experiment: Experiment, clock: Clock, spill: list[str]
+    identity: SessionIdentity, experiment: Experiment, clock: Clock, spill: list[str]
 ) -> m.SessionStart:
     """Who, what, with which software, and how the clock and the calendar meet."""
     return m.SessionStart(

@@ -24,8 +24,8 @@ from woz_tui.sensing.engagement_model import Transition
 from woz_tui.sensing.engagement_stream import SPEECH
 from woz_tui.sensing.model_time import SECOND
 from woz_tui.sensing.state_machine import State
-from woz_tui.session.engagement_robot import ORIGIN, Robot
-from woz_tui.session.state_signals import Signals, nearly
+from woz_tui.session.engagement_robot import ORIGIN, EngagementRobot
+from woz_tui.session.state_signals import StateSignals, nearly
 
 #: Verbs whose result is seen until something else is shown.
 LASTING = frozenset({"eyes", "screen", "emotion"})
@@ -37,7 +37,7 @@ CHASE = 30
 _AT_ONCE = "refuse"
 
 
-class Effects:
+class StateEffects:
     """Plays what belongs to states.
 
     Args:
@@ -45,7 +45,7 @@ class Effects:
         locked: Panels by title: whether they are locked.
     """
 
-    def __init__(self, robot: Robot, locked: Mapping[str, bool]) -> None:
+    def __init__(self, robot: EngagementRobot, locked: Mapping[str, bool]) -> None:
         self._robot, self._locked = robot, locked
         self._state: str = State.WAIT
         self._told: set[str] = set()
@@ -59,7 +59,7 @@ class Effects:
 
     def adopt(self) -> None:
         """The experiment was read: from now on its effects count."""
-        self._signals = Signals(self._robot.experiment())
+        self._signals = StateSignals(self._robot.experiment())
         self._signals.entered(self._state)
 
     def gone(self) -> None:

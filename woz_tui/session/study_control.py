@@ -1,6 +1,6 @@
 """The study in the robot process: who gets which condition, trials and breaks, what is asked.
 
-Every change is a message; what follows from them is the timeline's. Refusals are `AskError`s.
+Every change is a message; what follows from them is the timeline's. Refusals are `RequestError`s.
 """
 
 from __future__ import annotations
@@ -14,24 +14,24 @@ from woz_tui.config.experiment import Experiment
 from woz_tui.config.study import Design
 from woz_tui.config.utterance_template import VISITOR, names
 from woz_tui.protocol import messages as m
-from woz_tui.session.condition_proposal import Proposal, propose
-from woz_tui.session.earlier_sessions import Earlier
+from woz_tui.session.condition_proposal import ConditionProposal, propose
+from woz_tui.session.earlier_sessions import EarlierSessions
 from woz_tui.session.participant_identity import (
-    AskError,
-    Identity,
+    RequestError,
+    SessionIdentity,
     check_condition,
     check_participant,
 )
-from woz_tui.session.questionnaire_control import Questioning
+from woz_tui.session.questionnaire_control import QuestionnaireController
 from woz_tui.session.study_settings import study_settings
-from woz_tui.session.variables import Values, by_condition
+from woz_tui.session.variables import VariableValues, by_condition
 from woz_tui.timeline.session_state import SessionState
 
 #: Where the wizard chose the order, and no design did.
 BY_HAND = "hand"
 
 
-class LiveStudy:
+class StudyController:
     """See the module's text.
 
     Args:
@@ -50,7 +50,7 @@ class LiveStudy:
         state: SessionState,
         *,
         read: Callable[[], Experiment],
-        identity: Callable[[], Identity],
+        identity: Callable[[], SessionIdentity],
         set_trial: Callable[[str | None, str | None, int | None], None],
         trial_began: Callable[[], None],
         logs: Path,
@@ -61,9 +61,9 @@ class LiveStudy:
         #: What holds, and what the file says.
         self.state = state.study
         self.settings = self.state.settings = study_settings(read())
-        self._earlier = Earlier(logs)
-        self._proposed: dict[str, Proposal] = {}
-        self.questioning = Questioning(self.state, self._hub.publish)
+        self._earlier = EarlierSessions(logs)
+        self._proposed: dict[str, ConditionProposal] = {}
+        self.questioning = QuestionnaireController(self.state, self._hub.publish)
 
     # -- beginning and ending ----------------------------------------------------------------------
 
@@ -109,7 +109,7 @@ class LiveStudy:
 
     # -- values ------------------------------------------------------------------------------------
 
-    def filled(self, values: Mapping[str, str]) -> Values:
+    def filled(self, values: Mapping[str, str]) -> VariableValues:
         """`values`, and the variables that depend on the condition."""
         texts = self._read().by_condition
         now, why = by_condition(texts, self._identity().condition, values)
@@ -118,7 +118,7 @@ class LiveStudy:
         for name, found in texts.items():
             whose = any(VISITOR in names(text) for text in found.values())
             tells[name] = ("condition", "identity") if whose else ("condition",)
-        return Values({**now, **values}, why, tells)
+        return VariableValues({**now, **values}, why, tells)
 
     def label(self, condition: str) -> str:
         """What a blind wizard reads instead of a condition."""
@@ -126,7 +126,7 @@ class LiveStudy:
 
     # -- conditions --------------------------------------------------------------------------------
 
-    def propose(self, participant: str) -> Proposal:
+    def propose(self, participant: str) -> ConditionProposal:
         """The order for this participant, from what the logs say. Reads files: to be called from a
         thread of its own, one at a time.
         """
@@ -144,7 +144,7 @@ class LiveStudy:
     def _design(self) -> Design:
         design = self._read().study.design
         if design is None:
-            raise AskError(
+            raise RequestError(
                 "the file has no design",
                 "add one to the file, for example design: {order: latin-square}",
             )
@@ -172,18 +172,18 @@ class LiveStudy:
         )
 
     def allow(self, participant: str | None) -> None:
-        """Raises `AskError` if the participant cannot change now."""
+        """Raises `RequestError` if the participant cannot change now."""
         if participant is not None and participant != self.state.participant:
             self._between_trials()
 
     def _between_trials(self) -> None:
         trial, questionnaire = self.state.trial, self.state.questionnaire
         if trial is not None:
-            raise AskError(
+            raise RequestError(
                 f"trial {trial.started.trial} is running", "end it first", command="trial"
             )
         if questionnaire is not None:
-            raise AskError(
+            raise RequestError(
                 f"the questionnaire {questionnaire.name!r} is open",
                 "end it first",
                 command="trial",
@@ -198,33 +198,33 @@ class LiveStudy:
                 self._begin_trial()
             case "break":
                 if self.state.in_break is not None:
-                    raise AskError("a break is already running")
+                    raise RequestError("a break is already running")
                 self._hub.publish(m.BreakStarted(text=text, tells=tells))
             case "resume":
                 if self.state.in_break is None:
-                    raise AskError("no break is running")
+                    raise RequestError("no break is running")
                 self._end_break(text, tells)
             case _:
                 if self.state.trial is None:
-                    raise AskError("no trial is running", "start one", command="trial")
+                    raise RequestError("no trial is running", "start one", command="trial")
                 self._end_break("")
                 self._end_trial(what, text, tells)
 
     def _begin_trial(self) -> None:
         state = self.state
         if not state.participant:
-            raise AskError("no participant is set", "choose one first", command="start")
+            raise RequestError("no participant is set", "choose one first", command="start")
         self._between_trials()
         number = state.next_trial
         if number > state.planned > 0:
-            raise AskError(
+            raise RequestError(
                 f"all {state.planned} trials of {state.participant} are done",
                 "choose the next participant, or set a trial number to repeat a trial",
                 command="start",
             )
         condition = state.condition_of(number) or state.condition
         if self._read().conditions and not condition:
-            raise AskError(
+            raise RequestError(
                 "no condition is set", "choose the participant's order first", command="start"
             )
         identity = self._identity()
@@ -250,7 +250,7 @@ class LiveStudy:
         """Tick a line of the file's list, or take the tick away."""
         known = [each.check for each in self.settings.preflight]
         if check not in known:
-            raise AskError(
+            raise RequestError(
                 f"the preflight list has no {check!r}",
                 f"there are {', '.join(known)}" if known else "the file has none: preflight: [...]",
             )
@@ -259,12 +259,12 @@ class LiveStudy:
 
 
 def _check_order(order: list[str], design: Design, conditions: tuple[str, ...]) -> None:
-    """Raises `AskError` unless the design allows it, whichever order it proposes itself."""
+    """Raises `RequestError` unless the design allows it, whichever order it proposes itself."""
     for condition in order:
         check_condition(condition, conditions)
     if len(set(order)) < len(order):
-        raise AskError("the order has a condition twice")
+        raise RequestError("the order has a condition twice")
     if design.within and len(order) < len(conditions):
-        raise AskError("each participant gets all conditions; the order lacks some")
+        raise RequestError("each participant gets all conditions; the order lacks some")
     if not design.within and len(order) != 1:
-        raise AskError("each participant gets one condition")
+        raise RequestError("each participant gets one condition")

@@ -25,7 +25,7 @@ from woz_tui.config.file_additions import (
     write_copy,
 )
 from woz_tui.config.reload_changes import compare
-from woz_tui.session.participant_identity import AskError
+from woz_tui.session.participant_identity import RequestError
 
 #: The title of their panel.
 PANEL = "Typed"
@@ -69,7 +69,7 @@ def without_typed(experiment: Experiment) -> Experiment:
     return replace(experiment, panels=panels)
 
 
-def added(
+def with_sentence(
     experiment: Experiment, typed: tuple[Action, ...], text: str, driver: str, key: str = ""
 ) -> tuple[Action, ...]:
     """`typed` with a button for this sentence of `driver`, on `key` if that is free; as it is, if
@@ -99,7 +99,7 @@ def _says(action: Action, text: str, driver: str) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Copied:
+class ExperimentCopy:
     """A copy of the experiment file with the panel *Typed*: what comes in, and all its bytes.
 
     No sentences: the file has them all.
@@ -111,37 +111,37 @@ class Copied:
     data: bytes = b""
 
 
-def copied(path: Path, typed: Sequence[Action], read: Reader) -> Copied:
+def copy_with_sentences(path: Path, typed: Sequence[Action], read: Reader) -> ExperimentCopy:
     """The copy of the file at `path`, checked as `woz check` does. Reads files, writes none.
 
     Raises:
         ExperimentError: The file as it is now has errors.
-        AskError: It cannot be read, or the sentences have no place in it.
+        RequestError: It cannot be read, or the sentences have no place in it.
     """
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise AskError(f"{path} cannot be read: {error.strerror}") from error
+        raise RequestError(f"{path} cannot be read: {error.strerror}") from error
     base = read(data)
     actions = _for_file(base, typed)
     if not actions:
-        return Copied(path, 0)
+        return ExperimentCopy(path, 0)
     copy = next((name for name in copy_names(path) if not os.path.lexists(name)), path)
     try:
         result = append_actions(data, PANEL, [_line(base, action) for action in actions])
     except AppendError as error:
-        raise AskError(str(error)) from error
+        raise RequestError(str(error)) from error
     _check(base, actions, result.data, read)
-    return Copied(copy, len(actions), tuple(result.diff(path.name, copy.name)), result.data)
+    return ExperimentCopy(copy, len(actions), tuple(result.diff(path.name, copy.name)), result.data)
 
 
-def written(path: Path, copy: Copied) -> Copied:
-    """Write it beside the file at `path`; nothing that exists is touched. Raises `AskError`."""
+def write_beside(path: Path, copy: ExperimentCopy) -> ExperimentCopy:
+    """Write it beside the file at `path`; nothing that exists is touched. Raises `RequestError`."""
     try:
         return replace(copy, file=write_copy(path, copy.data))
     except OSError as error:
         why = f"no copy could be written to {path.parent}: {error.strerror or error}"
-        raise AskError(why) from error
+        raise RequestError(why) from error
 
 
 def _for_file(base: Experiment, typed: Sequence[Action]) -> tuple[Action, ...]:
@@ -150,7 +150,7 @@ def _for_file(base: Experiment, typed: Sequence[Action]) -> tuple[Action, ...]:
     for action in typed:
         (call,) = action.calls
         text = str(call.args["text"])
-        found = added(with_typed(base, found), found, text, call.driver, action.key)
+        found = with_sentence(with_typed(base, found), found, text, call.driver, action.key)
     used = {action.name for panel in base.panels for action in panel.actions}
     plain = []
     for action in found:
@@ -173,22 +173,22 @@ def _line(base: Experiment, action: Action) -> str:
         "on": call.driver if len(speakers) > 1 else "",
         "say": str(call.args["text"]),
     }
-    written = (f"{name}: {quoted(text)}" for name, text in parts.items() if text)
-    return f"{{{', '.join(written)}}}"
+    write_beside = (f"{name}: {quoted(text)}" for name, text in parts.items() if text)
+    return f"{{{', '.join(write_beside)}}}"
 
 
 def _check(base: Experiment, actions: Sequence[Action], data: bytes, read: Reader) -> None:
-    """Raises `AskError` unless the new file is right, and says nothing else than the old one."""
+    """Raises `RequestError` unless the new file is right and says what the old one says."""
     try:
         new = read(data)
     except ExperimentError as error:
         # Its words may quote what a wizard who is blind to the condition must not read.
         line = error.problems[0].place.line
-        raise AskError(
+        raise RequestError(
             f"with these sentences the file would have an error in line {line}"
         ) from error
     if compare(with_typed(base, actions), new).changes:
-        raise AskError("this file has no place where sentences can be added safely")
+        raise RequestError("this file has no place where sentences can be added safely")
 
 
 def _free_key(experiment: Experiment, wanted: str) -> str:

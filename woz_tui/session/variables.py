@@ -12,10 +12,10 @@ from woz_tui.protocol.messages import Json
 #: Chooses one of the variants.
 Pick = Callable[[Sequence[str]], str]
 #: Stands for a text that depends on the condition, where that is kept.
-UNTOLD = "..."
+HIDDEN_TEXT = "..."
 
 
-class Values(dict[str, str]):
+class VariableValues(dict[str, str]):
     """Values by name; `why` says of some that have none what they wait for, `tells` what some of
     them tell (see `messages.RestrictedMessage`).
     """
@@ -32,51 +32,51 @@ class Values(dict[str, str]):
         #: Whether a variable without a value stays as it is written: nothing is played yet.
         self.shown = False
 
-    def to_show(self) -> Values:
+    def to_show(self) -> VariableValues:
         """The same, for texts that are shown before they are played."""
-        values = Values(self, self.why, self.tells)
+        values = VariableValues(self, self.why, self.tells)
         values.shown = True
         return values
 
 
-class MissingError(ValueError):
+class MissingValueError(ValueError):
     """A variable has no value yet; the text names it."""
 
 
-def filled(value: Json, values: Mapping[str, str]) -> Json:
+def fill_variables(value: Json, values: Mapping[str, str]) -> Json:
     """`value` with every variable in its texts replaced; `{{` and `}}` stand for braces.
 
-    Raises `MissingError` for a variable that is unknown or empty.
+    Raises `MissingValueError` for a variable that is unknown or empty.
     """
-    return _filled(value, lambda name: _value(name, values))
+    return _fill(value, lambda name: _value(name, values))
 
 
-def _filled(value: Json, value_of: Callable[[str], str]) -> Json:
+def _fill(value: Json, value_of: Callable[[str], str]) -> Json:
     if isinstance(value, str):
         return fill(value, value_of)
     if isinstance(value, list):
-        return [_filled(item, value_of) for item in value]
+        return [_fill(item, value_of) for item in value]
     if isinstance(value, dict):
-        return {key: _filled(item, value_of) for key, item in value.items()}
+        return {key: _fill(item, value_of) for key, item in value.items()}
     return value
 
 
-def call_with(call: Call, values: Mapping[str, str], pick: Pick = lambda texts: texts[0]) -> Call:
-    """`call` with its texts chosen and every variable filled in. Raises `MissingError`."""
+def filled_call(call: Call, values: Mapping[str, str], pick: Pick = lambda texts: texts[0]) -> Call:
+    """`call` with its texts chosen and every variable filled in. Raises `MissingValueError`."""
     written = {**call.args, **_chosen(call.choices, values, pick)}
-    args = {name: filled(value, values) for name, value in written.items()}
+    args = {name: fill_variables(value, values) for name, value in written.items()}
     found: set[str] = set()
 
     def left(name: str) -> str:
-        tells = values.tells.get(name, ()) if isinstance(values, Values) else ()
+        tells = values.tells.get(name, ()) if isinstance(values, VariableValues) else ()
         found.update(tells)
         return f"{{{name}}}" if tells else _value(name, values)
 
-    seen = {name: _filled(value, left) for name, value in written.items()}
+    seen = {name: _fill(value, left) for name, value in written.items()}
     for name, choice in call.choices.items():
         if choice.depends:
             found.update(("condition", *_tells(choice, values)))
-            seen[name] = UNTOLD
+            seen[name] = HIDDEN_TEXT
     unfilled = {name: value for name, value in seen.items() if value != args[name]}
     chosen = replace(call, args=args, tells=tuple(sorted(found)), unfilled=unfilled)
     return replace(chosen, choices={})
@@ -91,16 +91,16 @@ def _chosen(
         texts = choice.of(condition)
         if texts:
             found[name] = pick(texts)
-        elif isinstance(values, Values) and values.shown:
-            found[name] = UNTOLD
+        elif isinstance(values, VariableValues) and values.shown:
+            found[name] = HIDDEN_TEXT
         else:
-            raise MissingError(f"its {name} {waiting(condition)}")
+            raise MissingValueError(f"its {name} {waiting(condition)}")
     return found
 
 
 def _tells(choice: TextVariants, values: Mapping[str, str]) -> set[str]:
     """What its variables tell, in whichever condition."""
-    known = values.tells if isinstance(values, Values) else {}
+    known = values.tells if isinstance(values, VariableValues) else {}
     inner = {name for text in choice.every for name in names(text)}
     return {each for name in inner for each in known.get(name, ())}
 
@@ -115,11 +115,11 @@ def waiting(condition: str) -> str:
 
 def _value(name: str, values: Mapping[str, str]) -> str:
     text = values.get(name, "")
-    if not text and isinstance(values, Values) and values.shown:
+    if not text and isinstance(values, VariableValues) and values.shown:
         return f"{{{name}}}"
     if not text:
-        why = values.why.get(name, "") if isinstance(values, Values) else ""
-        raise MissingError(f"{{{name}}} has no value yet{why and ': '}{why}")
+        why = values.why.get(name, "") if isinstance(values, VariableValues) else ""
+        raise MissingValueError(f"{{{name}}} has no value yet{why and ': '}{why}")
     return text
 
 
@@ -138,6 +138,6 @@ def by_condition(
             continue
         try:
             now[name] = fill(found[condition], lambda inner: _value(inner, values))
-        except MissingError as error:
+        except MissingValueError as error:
             why[name] = str(error)
     return now, why

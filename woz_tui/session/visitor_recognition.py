@@ -18,9 +18,9 @@ from woz_tui.sensing.engagement_model import Transition
 from woz_tui.sensing.state_machine import State
 from woz_tui.sensing.visitor_store import store_at
 from woz_tui.session import face_learning
-from woz_tui.session.engagement_robot import Robot
-from woz_tui.session.known_visitors import Acquaintances
-from woz_tui.session.robot_handshake import Introduction
+from woz_tui.session.engagement_robot import EngagementRobot
+from woz_tui.session.known_visitors import KnownVisitors
+from woz_tui.session.robot_handshake import RobotHandshake
 
 _SAY = "say"
 #: Who comes into one of these may be somebody whom another process has named meanwhile.
@@ -29,7 +29,7 @@ _NEW = (State.DETECTED, State.HANDSHAKE)
 SAVE_S = 2.5
 
 
-class Visiting:
+class VisitorRecognition:
     """See the module's text.
 
     Args:
@@ -38,13 +38,13 @@ class Visiting:
         logs: Where the log began: it may move on to another folder, the visitors do not.
     """
 
-    def __init__(self, robot: Robot, settings: EngagementSettings, logs: Path) -> None:
+    def __init__(self, robot: EngagementRobot, settings: EngagementSettings, logs: Path) -> None:
         self._robot = robot
         self._settings = settings
         self._loop = asyncio.get_running_loop()
         self._logs = logs
         self.known = self._acquaintances(store_at(settings.visitors, self._logs))
-        self._introduction: Introduction | None = None
+        self._introduction: RobotHandshake | None = None
 
     def adopt(self, settings: EngagementSettings) -> None:
         """Other settings count from the next handshake on; another file from now on."""
@@ -54,8 +54,8 @@ class Visiting:
             self.known.look()
             self.known = self._acquaintances(path)
 
-    def _acquaintances(self, path: Path) -> Acquaintances:
-        known = Acquaintances(path, self._robot.hub.publish, self._later)
+    def _acquaintances(self, path: Path) -> KnownVisitors:
+        known = KnownVisitors(path, self._robot.hub.publish, self._later)
         known.read()
         return known
 
@@ -138,7 +138,7 @@ class Visiting:
         elif not self._robot.is_stopped:
             if not self._hears():
                 self._notice("the robot asks for a name, but no device recognises the answer")
-            self._introduction = Introduction(self._robot, settings, voice, self.known.is_taken)
+            self._introduction = RobotHandshake(self._robot, settings, voice, self.known.is_taken)
             self._introduction.begin()
 
     def _end_introduction(self) -> None:

@@ -19,7 +19,7 @@ log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Job:
+class StoreJob:
     """`make` changes something in the store, and may raise `VisitorsError`; whom it is about."""
 
     make: Callable[[VisitorStore], object]
@@ -27,13 +27,13 @@ class Job:
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class StoreJobResult:
     """What became of a job: `error` is what it raised. `people`: whom the store knows after it,
     None if it cannot be read. `unsaved`: how many changes the file lacks. `given_up`: sentences
     about such that do not fit any more. `unmade`: the change holds nowhere, not even in memory.
     """
 
-    job: Job
+    job: StoreJob
     people: list[Visitor] | None
     unsaved: int
     given_up: tuple[str, ...]
@@ -45,7 +45,7 @@ class Outcome:
         return isinstance(self.error, VisitorFileError)
 
 
-class Clerk:
+class VisitorStoreWorker:
     """See the module's text. `report` is called in the thread after each job.
 
     The thread lives for as long as there are jobs, so that the process neither ends before they
@@ -55,12 +55,12 @@ class Clerk:
     def __init__(self, store: VisitorStore, report: Callable[[], object]) -> None:
         self._store = store
         self._report = report
-        self._jobs: deque[Job] = deque()
-        self._outcomes: deque[Outcome] = deque()
+        self._jobs: deque[StoreJob] = deque()
+        self._outcomes: deque[StoreJobResult] = deque()
         self._lock = threading.Lock()
         self._thread: threading.Thread | None = None
 
-    def do(self, *jobs: Job) -> None:
+    def do(self, *jobs: StoreJob) -> None:
         """Have these done after those that wait."""
         with self._lock:
             self._jobs.extend(jobs)
@@ -68,7 +68,7 @@ class Clerk:
                 self._thread = threading.Thread(target=self._work, name="visitors")
                 self._thread.start()
 
-    def outcomes(self) -> Iterator[Outcome]:
+    def outcomes(self) -> Iterator[StoreJobResult]:
         """Take out what has become of jobs, in order."""
         while self._outcomes:
             yield self._outcomes.popleft()
@@ -101,7 +101,7 @@ class Clerk:
 
     # -- the thread --------------------------------------------------------------------------------
 
-    def _next(self) -> Job | None:
+    def _next(self) -> StoreJob | None:
         with self._lock:
             if self._jobs:
                 return self._jobs.popleft()
@@ -116,11 +116,11 @@ class Clerk:
             except RuntimeError:  # the loop has closed: the session is over
                 log.warning("nobody hears any more what became of the store of visitors")
 
-    def _done(self, job: Job) -> Outcome:
+    def _done(self, job: StoreJob) -> StoreJobResult:
         _, error = _tried(lambda: job.make(self._store))
         people, unreadable = _tried(self._store.everybody)
         given_up, self._store.given_up = tuple(self._store.given_up), []
-        return Outcome(job, people, self._store.unsaved, given_up, error or unreadable)
+        return StoreJobResult(job, people, self._store.unsaved, given_up, error or unreadable)
 
 
 def _tried(call: Callable[[], T]) -> tuple[T | None, Exception | None]:

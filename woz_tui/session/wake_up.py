@@ -11,7 +11,7 @@ from woz_tui.bus.hub import Hub
 _SOON_S = 0.001
 
 
-class Alarm:
+class WakeUpTimer:
     """Calls `ring` in the session's thread when the moment comes that was set last."""
 
     def __init__(self, hub: Hub, ring: Callable[[], object]) -> None:

@@ -16,10 +16,10 @@ from tests.drivers.pepper.connected import patience
 from tests.fakes.naoqi import StandIn, stand_in
 from tests.session.rig import Stage
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import Origin
-from woz_tui.session.participant_identity import AskError, Identity
+from woz_tui.session.action_runner import RequestOrigin
+from woz_tui.session.participant_identity import RequestError, SessionIdentity
 
-KEY = Origin("key", "h", "con1")
+KEY = RequestOrigin("key", "h", "con1")
 #: Longer than anything here takes; a robot that does nothing fails the test.
 PATIENCE_S = 20.0
 
@@ -77,7 +77,7 @@ async def on_the_wire(folder: Path) -> AsyncIterator[Played]:
     with patience():
         async with stand_in(pace=50.0) as robot:
             made = read(folder, TEXT, start=f'pepper_ips: ["{robot.address}"]\n')
-            stage = Stage(folder, identity=Identity(), catalogue=CATALOGUE, made=made)
+            stage = Stage(folder, identity=SessionIdentity(), catalogue=CATALOGUE, made=made)
             await stage.session.open()
             stage.session.bus.unwatched = ""
             try:
@@ -129,12 +129,12 @@ async def test_what_is_set_on_connect_and_what_the_buttons_do(tmp_path: Path) ->
 async def test_locked_sections_ask_the_robot_for_nothing(tmp_path: Path) -> None:
     async with on_the_wire(tmp_path) as it:
         session = it.stage.session
-        with pytest.raises(AskError, match="locked"):
+        with pytest.raises(RequestError, match="locked"):
             session.play("Nod", KEY)
-        with pytest.raises(AskError, match="'Gestures' is locked, and with it 'play'"):
+        with pytest.raises(RequestError, match="'Gestures' is locked, and with it 'play'"):
             session.send("play", {"move": "Hey_1"}, "", KEY)
         for verb, args in (("nudge", {"yaw": 5.0}), ("drive", {"x": 0.1}), ("hip", {"pitch": 2.0})):
-            with pytest.raises(AskError, match=f"'Movement' is locked, and with it '{verb}'"):
+            with pytest.raises(RequestError, match=f"'Movement' is locked, and with it '{verb}'"):
                 session.send(verb, args, "", KEY)
         await it.play("Green")  # so whatever was sent before has arrived
         assert await it.asked("ALAnimationPlayer.run", "ALMotion.moveTo") == []

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tests.fakes.host import FakeHost
-from woz_tui.host.picture_scaling import drawn
+from woz_tui.host.picture_scaling import encoded
 from woz_tui.protocol import codec
 from woz_tui.protocol.camera_pictures import Picture, PictureShown
 from woz_tui.protocol.requests import AnyRequest, AskPicture
@@ -53,7 +53,7 @@ def shown(picture: Pixels, request: AskPicture, ref: int, **fields: Any) -> Pict
     """The answer of a robot process whose camera has just taken `picture`."""
     rows, columns = picture.shape[:2]
     taken = Picture(0, columns, rows, picture.tobytes())
-    width, height, data = drawn(taken, request.width, request.height, request.format)
+    width, height, data = encoded(taken, request.width, request.height, request.format)
     told = {"driver": request.driver or "eye", "cameras": ["eye"], "number": 1, **fields}
     return PictureShown(
         ref=ref,

@@ -9,7 +9,7 @@ import msgspec
 from tests.console.robot import pepper
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.protocol import messages as m
-from woz_tui.session.recent_lines import Recent
+from woz_tui.session.recent_messages import RecentMessages
 from woz_tui.session.redactor import HIDDEN, Redactor
 from woz_tui.timeline.session_state import SessionState
 
@@ -34,7 +34,7 @@ def test_the_last_settings_of_each_robot_stand_in_the_picture() -> None:
 
 
 def test_a_newcomer_is_told_the_last_settings_of_each_robot() -> None:
-    state, recent = SessionState(), Recent()
+    state, recent = SessionState(), RecentMessages()
     told = [
         pepper.shown(driver="left", volume=0.1),
         pepper.shown(driver="right"),

@@ -15,7 +15,7 @@ from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.replay.replay_timeline import replay_rows
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import Origin
+from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.session import Session
 
 NOW = scenes.NOW
@@ -140,7 +140,7 @@ def test_a_robot_that_is_unplugged_confirms_no_stop(tmp_path: Path) -> None:
             begun.append(True)
             loop = asyncio.get_running_loop()
             fault: dict[str, m.Json] = {"kind": "disconnect", "seconds": 60.0}
-            loop.call_later(2, lambda: session.send("fault", fault, "", Origin("key")))
+            loop.call_later(2, lambda: session.send("fault", fault, "", RequestOrigin("key")))
             loop.call_later(4, lambda: session.stop("key"))
 
     lines = guide_session.played(tmp_path, 8.0, hand)

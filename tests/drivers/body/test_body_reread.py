@@ -15,7 +15,7 @@ from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Driver
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import Identity
+from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock
 
@@ -53,7 +53,7 @@ def test_new_and_edited_moves_are_told_and_played(tmp_path: Path) -> None:
         session = Session(
             load(file, CATALOGUE),
             CATALOGUE,
-            Identity(),
+            SessionIdentity(),
             Recorder(tmp_path, "made", RealClock(), spill=tmp_path / "more"),
             clock,
         )

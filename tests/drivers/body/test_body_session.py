@@ -20,14 +20,14 @@ from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Ask, Driver, DriverContext
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import Origin
-from woz_tui.session.participant_identity import AskError, Identity
+from woz_tui.session.action_runner import RequestOrigin
+from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock
 
 EXPERIMENTS = Path(__file__).parents[3] / "experiments"
-KEY = Origin("key", "h", "con1")
-PROGRAM = Origin("program", "", "bridge1")
+KEY = RequestOrigin("key", "h", "con1")
+PROGRAM = RequestOrigin("program", "", "bridge1")
 
 
 class LoopPace(Pace):
@@ -55,7 +55,7 @@ class Stage:
         self.session = Session(
             experiment,
             catalogue,
-            Identity(participant="P01", condition=next(iter(experiment.conditions), "")),
+            SessionIdentity(participant="P01", condition=next(iter(experiment.conditions), "")),
             Recorder(tmp_path, "made", RealClock(), spill=tmp_path / "more"),
             clock,
         )
@@ -109,7 +109,7 @@ def test_it_plays_gazes_stops_and_stirs_again(tmp_path: Path) -> None:
         held = stage.values("joint.pitch")[-1], stage.values("joint.top")[-1]
         await asyncio.sleep(2)
         assert (stage.values("joint.pitch")[-1], stage.values("joint.top")[-1]) == held
-        with pytest.raises(AskError, match="stop"):
+        with pytest.raises(RequestError, match="stop"):
             stage.session.play("Nod", KEY)
         stage.session.release("key")
         await asyncio.sleep(3)

@@ -22,7 +22,7 @@ from woz_tui.drivers import plugins
 from woz_tui.drivers.argument_check import checked
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import Identity
+from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session import Session
 from woz_tui.system.clock import RealClock
 
@@ -89,7 +89,9 @@ async def room(folder: Path, panel: str) -> AsyncIterator[Room]:
     catalogue = plugins.installed()
     clock = RealClock()
     recorder = Recorder(folder / "recordings", "it", clock, on_state=lambda state: None)
-    session = Session(load(folder / "it.yaml", catalogue), catalogue, Identity(), recorder, clock)
+    session = Session(
+        load(folder / "it.yaml", catalogue), catalogue, SessionIdentity(), recorder, clock
+    )
     it = Room(session, fake)
     try:
         await session.open()

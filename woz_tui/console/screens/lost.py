@@ -11,7 +11,7 @@ from woz_tui.console.cells import Row
 from woz_tui.console.screens.choice import ChoiceDialog
 from woz_tui.console.screens.dialog import ConsoleApp
 from woz_tui.console.screens.typed import has_typed
-from woz_tui.log.file_names import present
+from woz_tui.log.file_names import current_path
 
 
 def open_lost(app: ConsoleApp) -> None:
@@ -28,7 +28,7 @@ def close_lost(app: ConsoleApp) -> None:
 
 def _log(announced: str) -> str:
     """Where the log is now: at the end it may have got the participant's code."""
-    return str(present(Path(announced))) if announced else ""
+    return str(current_path(Path(announced))) if announced else ""
 
 
 class LostDialog(ChoiceDialog):

@@ -10,7 +10,7 @@ from woz_tui.console.key_caps import KeyCap, caption, key_name
 from woz_tui.console.screens.dialog import ReportDialog
 from woz_tui.console.script_row import upcoming
 from woz_tui.console.sentence_rows import KEPT, step_words
-from woz_tui.session.variables import UNTOLD
+from woz_tui.session.variables import HIDDEN_TEXT
 
 
 class PeekDialog(ReportDialog):
@@ -64,7 +64,7 @@ class PeekDialog(ReportDialog):
         if (panel is not None and picture.is_locked(panel)) or (view is not None and view.locked):
             rows.append((("It is locked and plays nothing.", "warn"),))
         said = picture.sentence(name)
-        if said == UNTOLD:
+        if said == HIDDEN_TEXT:
             rows += [(), ((KEPT, "muted"),)]
         elif said:
             rows += [(), ((f"{glyphs.opening}{said}{glyphs.closing}", "plain"),)]

@@ -23,7 +23,7 @@ from woz_tui.console.robot_settings.speech_tags import (
 )
 from woz_tui.console.screens.dialog import EntryDialog, content, plain
 from woz_tui.protocol.robot_outline import RobotOutline
-from woz_tui.session.variables import UNTOLD
+from woz_tui.session.variables import HIDDEN_TEXT
 
 #: Lines of matching utterances under the field, and of matching tags or animations.
 MATCHES, TAGS = 5, 9
@@ -54,7 +54,7 @@ def utterances_of(picture: ConsoleState, said: Iterable[str]) -> list[str]:
         for panel in picture.panels
         for action in panel.actions
         for utterance in action.utterances or [picture.sentence(action.name)]
-        if utterance and utterance != UNTOLD
+        if utterance and utterance != HIDDEN_TEXT
     ]
     return list(dict.fromkeys([*reversed(list(said)), *told]))
 

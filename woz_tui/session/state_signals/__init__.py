@@ -28,7 +28,7 @@ STEADY, BLINK, INTERMITTENT = "steady", "blink", "intermittent"
 
 
 @dataclass(frozen=True, slots=True)
-class Signal:
+class StateSignal:
     """What is shown in one situation; what is empty stays as it is."""
 
     eyes: str = ""
@@ -47,18 +47,18 @@ class Signal:
 
 
 #: By situation. Where the paper is silent (the screen of strangers), what is near is used.
-SIGNALS: Mapping[str, Signal] = {
-    "Wait": Signal("off", STEADY, "waiting.gif"),
-    "PersonDetected": Signal("white", BLINK, "detected.gif"),
-    NEARLY: Signal("green", INTERMITTENT),
-    "EngagedWithUnknown": Signal("green", BLINK, "microphone.gif"),
-    "Handshake": Signal("green", BLINK, "microphone.gif"),
-    "EngagedWithKnown": Signal("green", BLINK, "microphone.gif"),
-    "UserSpeaks": Signal("green", BLINK, "recording.gif"),
-    "RobotThinks": Signal("white", BLINK, "thinking.gif", "beep.wav"),
-    "RobotReplies": Signal("blue", BLINK, "talking.gif"),
-    "RobotSpeaks": Signal("blue", BLINK, "talking.gif"),
-    "stop": Signal("off", STEADY, "waiting.gif"),
+SIGNALS: Mapping[str, StateSignal] = {
+    "Wait": StateSignal("off", STEADY, "waiting.gif"),
+    "PersonDetected": StateSignal("white", BLINK, "detected.gif"),
+    NEARLY: StateSignal("green", INTERMITTENT),
+    "EngagedWithUnknown": StateSignal("green", BLINK, "microphone.gif"),
+    "Handshake": StateSignal("green", BLINK, "microphone.gif"),
+    "EngagedWithKnown": StateSignal("green", BLINK, "microphone.gif"),
+    "UserSpeaks": StateSignal("green", BLINK, "recording.gif"),
+    "RobotThinks": StateSignal("white", BLINK, "thinking.gif", "beep.wav"),
+    "RobotReplies": StateSignal("blue", BLINK, "talking.gif"),
+    "RobotSpeaks": StateSignal("blue", BLINK, "talking.gif"),
+    "stop": StateSignal("off", STEADY, "waiting.gif"),
 }
 
 
@@ -91,7 +91,7 @@ def nearly(verdicts: Mapping[str, Json], uses: tuple[str, ...] | list[str]) -> b
     return all(verdicts.get(sign) for sign in uses if sign != "distance")
 
 
-class Signals:
+class StateSignals:
     """What is to be sent now. Asked after every change of state and every look at the signs."""
 
     def __init__(self, experiment: Experiment) -> None:

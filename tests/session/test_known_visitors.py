@@ -15,8 +15,8 @@ import pytest
 from tests.session.engaged import PLAIN, Room, guided, in_room
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.visitor_store import VisitorStore
-from woz_tui.session.known_visitors import Acquaintances
-from woz_tui.session.visitor_store_worker import Job
+from woz_tui.session.known_visitors import KnownVisitors
+from woz_tui.session.visitor_store_worker import StoreJob
 
 TODAY = date(2026, 3, 2)
 
@@ -27,7 +27,7 @@ class Desk:
     def __init__(self, path: Path) -> None:
         self.lines: list[m.Message] = []
         self._calls: list[Callable[[], object]] = []
-        self.known = Acquaintances(path, self.lines.append, self._calls.append)
+        self.known = KnownVisitors(path, self.lines.append, self._calls.append)
         self.known.read()
 
     def finish(self, seconds: float = 20) -> None:
@@ -243,14 +243,14 @@ def ended(tmp_path: Path, path: Path, before_the_end: Callable[[], object]) -> R
     return in_room(tmp_path, scenario, guided(tmp_path, replace(PLAIN, visitors=str(path))))
 
 
-def hanging(known: Acquaintances) -> threading.Event:
+def hanging(known: KnownVisitors) -> threading.Event:
     """From here on a change waits for the disk until the event is set."""
     gate = threading.Event()
 
     def hang(store: VisitorStore) -> None:
         gate.wait(20)
 
-    known._do(Job(hang, "Anna"))
+    known._do(StoreJob(hang, "Anna"))
     return gate
 
 

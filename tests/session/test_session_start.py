@@ -11,13 +11,13 @@ from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
-from woz_tui.session.participant_identity import Identity
+from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session_start import (
     FILES_BYTES,
-    begin,
     experiment_files,
     name_beside,
-    reloaded,
+    publish_reload,
+    publish_start,
     without_home,
 )
 from woz_tui.system.clock import RealClock
@@ -121,8 +121,8 @@ def test_keys_that_are_other_ones_than_the_file_says_are_told(tmp_path: Path) ->
         hub = Hub(clock, lambda message, line: None)
         hub.listen(lines.append)
         read = load(file, installed())
-        begin(hub, Identity(), read, clock, [])
-        reloaded(hub, read, [], [])
+        publish_start(hub, SessionIdentity(), read, clock, [])
+        publish_reload(hub, read, [], [])
         return [line for line in lines if isinstance(line, m.Notice)]
 
     assert told(1) == []

@@ -26,11 +26,11 @@ from woz_tui.protocol import messages as m
 from woz_tui.sensing import engagement_commands
 from woz_tui.sensing.engagement_model import Transition
 from woz_tui.sensing.engagement_stream import EngagementFollower
-from woz_tui.session.attention_control import Attending
-from woz_tui.session.engagement_robot import Robot
-from woz_tui.session.state_effects import Effects
-from woz_tui.session.visitor_recognition import Visiting
-from woz_tui.session.wake_up import Alarm
+from woz_tui.session.attention_control import AttentionController
+from woz_tui.session.engagement_robot import EngagementRobot
+from woz_tui.session.state_effects import StateEffects
+from woz_tui.session.visitor_recognition import VisitorRecognition
+from woz_tui.session.wake_up import WakeUpTimer
 from woz_tui.timeline.session_state import SessionState
 
 #: Microseconds between two looks at the signs, while no state changes.
@@ -41,7 +41,7 @@ FAILURES = 20
 log = logging.getLogger(__name__)
 
 
-class LiveEngagement:
+class EngagementController:
     """See the module's text.
 
     Args:
@@ -52,16 +52,16 @@ class LiveEngagement:
     """
 
     def __init__(
-        self, robot: Robot, state: SessionState, locked: Mapping[str, bool], logs: Path
+        self, robot: EngagementRobot, state: SessionState, locked: Mapping[str, bool], logs: Path
     ) -> None:
         self._robot, self._state, self._logs = robot, state, logs
         self._hub = robot.hub
         self._loop = asyncio.get_running_loop()
         self._follower: EngagementFollower | None = None
-        self._effects = Effects(robot, locked)
-        self._visiting: Visiting | None = None
-        self._attending: Attending | None = None
-        self._alarm = Alarm(robot.hub, self._ring)
+        self._effects = StateEffects(robot, locked)
+        self._visiting: VisitorRecognition | None = None
+        self._attending: AttentionController | None = None
+        self._alarm = WakeUpTimer(robot.hub, self._ring)
         self._look: asyncio.TimerHandle | None = None
         self._shown: m.EngagementShown | None = None
         self._shown_us = -SHOWN_EVERY_US
@@ -255,7 +255,7 @@ class LiveEngagement:
         """For all but a follower that there is: it reads of them, as in the log."""
         if self._follower is None or self._visiting is None:
             self._follower = EngagementFollower(settings)
-            self._visiting = Visiting(self._robot, settings, self._logs)
+            self._visiting = VisitorRecognition(self._robot, settings, self._logs)
         else:
             self._visiting.adopt(settings)
         if self._attending is None or not self._attending.fits(settings):
@@ -264,7 +264,7 @@ class LiveEngagement:
     def _attend(self, follower: EngagementFollower, settings: EngagementSettings) -> None:
         if self._attending is not None:
             self._attending.close()
-        self._attending = Attending(self._robot, follower, settings, self._show_later)
+        self._attending = AttentionController(self._robot, follower, settings, self._show_later)
         self._attending.entered(follower.model.state)
         self._attending.attend(follower.mode)
 

@@ -19,7 +19,14 @@ from woz_tui.config.experiment import DriverSpec, Engagement, Experiment
 from woz_tui.drivers.contract import Argument, Verb
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
-from woz_tui.session.state_signals import FOLDER, NEARLY, SIGNALS, Signals, default_signals, nearly
+from woz_tui.session.state_signals import (
+    FOLDER,
+    NEARLY,
+    SIGNALS,
+    StateSignals,
+    default_signals,
+    nearly,
+)
 
 FILE = Argument("file", "file", required=True)
 EYES = Verb("eyes", "", (Argument("color", "text", required=True), Argument("animation", "choice")))
@@ -161,7 +168,7 @@ def test_nearly_engaged(verdicts: dict[str, Json], uses: tuple[str, ...], is_so:
 
 def test_who_is_nearly_engaged_sees_green_come_and_go_until_they_are_not(tmp_path: Path) -> None:
     """E6: intermittent green while all conditions hold but the distance."""
-    signals = Signals(made(tmp_path, {"robot": (EYES, SCREEN)}))
+    signals = StateSignals(made(tmp_path, {"robot": (EYES, SCREEN)}))
     assert signals.noticed(True) == ()  # nothing was entered yet
     assert [one.verb for one in signals.entered("PersonDetected")] == ["eyes", "screen"]
     [green] = signals.noticed(True)

@@ -18,13 +18,13 @@ from woz_tui.config.experiment import Call, Experiment, TextVariants
 from woz_tui.config.study import Design, Study
 from woz_tui.protocol import messages as m
 from woz_tui.replay.rerun_plan import plan_of
-from woz_tui.session.action_runner import Origin
+from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.action_texts import variant
-from woz_tui.session.participant_identity import AskError, Identity
+from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.redactor import Redactor
 from woz_tui.session.study_settings import study_settings
 
-KEY = Origin("key", "h", "con1")
+KEY = RequestOrigin("key", "h", "con1")
 HM = ("Hm.", "Let me think.", "Well, well.")
 GREETINGS = {"warm": ("How nice, {participant}!", "Welcome!"), "cold": ("Hello.",)}
 
@@ -74,11 +74,13 @@ class Played(Stage):
 def on_stage(
     folder: Path,
     scenario: Callable[[Played], Awaitable[None]],
-    identity: Identity | None = None,
+    identity: SessionIdentity | None = None,
 ) -> Played:
     async def go() -> Played:
         stage = Played(
-            folder, identity=identity or Identity(participant="P07", seed=5), made=made(folder)
+            folder,
+            identity=identity or SessionIdentity(participant="P07", seed=5),
+            made=made(folder),
         )
         await stage.session.open()
         await scenario(stage)
@@ -134,7 +136,7 @@ def test_what_is_refused_uses_no_variant_up(tmp_path: Path) -> None:
     async def scenario(stage: Played) -> None:
         shown = stage.shown("Filler")
         stage.session.stop("key")
-        with pytest.raises(AskError):
+        with pytest.raises(RequestError):
             stage.session.play("Filler", KEY)
         stage.session.release("key")
         assert await stage.play("Filler") == [shown]
@@ -162,7 +164,7 @@ def test_a_part_that_is_played_alone_leaves_the_whole_action_shown(tmp_path: Pat
 
 def test_a_text_follows_the_condition(tmp_path: Path) -> None:
     async def scenario(stage: Played) -> None:
-        with pytest.raises(AskError) as caught:
+        with pytest.raises(RequestError) as caught:
             await stage.play("Greet")
         assert "depends on the condition, and no condition is set" in caught.value.reason
         assert stage.shown("Greet") == "..."
@@ -181,7 +183,7 @@ def test_a_variable_without_a_value_is_shown_as_it_is_written(tmp_path: Path) ->
         stage.session.set(participant="P09")
         assert stage.shown("Hello") == "Hello P09"
 
-    on_stage(tmp_path, scenario, Identity())
+    on_stage(tmp_path, scenario, SessionIdentity())
 
 
 def test_a_reload_tells_the_new_texts_and_forgets_what_is_gone(tmp_path: Path) -> None:
@@ -212,7 +214,7 @@ def test_a_blind_wizard_is_told_the_same_in_every_condition(tmp_path: Path) -> N
                 if isinstance(line, m.ActionsFilled)
             ]
 
-        who = Identity(participant="P07", condition=condition, seed=5)
+        who = SessionIdentity(participant="P07", condition=condition, seed=5)
         on_stage(tmp_path / condition, scenario, who)
     assert told["warm"] == told["cold"]
     text = repr(told).casefold()
@@ -231,7 +233,7 @@ def test_a_re_run_plays_the_texts_of_its_log(tmp_path: Path) -> None:
     async def scenario(stage: Played) -> None:
         await stage.play("Filler", "Greet", "Filler", "Filler")
 
-    who = Identity(participant="P07", condition="warm", seed=5)
+    who = SessionIdentity(participant="P07", condition="warm", seed=5)
     stage = on_stage(tmp_path, scenario, who)
     plan = plan_of(stage.recorder.path)
     texts = [step.command.args["text"] for step in plan.sent if step.command.verb == "say"]

@@ -7,19 +7,19 @@ from collections.abc import Awaitable, Callable
 
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.bus.hub import Hub
-from woz_tui.session.wake_up import Alarm
+from woz_tui.session.wake_up import WakeUpTimer
 
 SECOND = 1_000_000
 
 
-def rings(scenario: Callable[[Alarm], Awaitable[None]]) -> list[float]:
+def rings(scenario: Callable[[WakeUpTimer], Awaitable[None]]) -> list[float]:
     """When it rang, in seconds of a minute."""
 
     async def go() -> list[float]:
         loop = asyncio.get_running_loop()
         rang: list[float] = []
         hub = Hub(LoopClock(loop), lambda message, line: None)
-        await scenario(Alarm(hub, lambda: rang.append(round(loop.time(), 2))))
+        await scenario(WakeUpTimer(hub, lambda: rang.append(round(loop.time(), 2))))
         await asyncio.sleep(60 - loop.time())
         return rang
 
@@ -27,7 +27,7 @@ def rings(scenario: Callable[[Alarm], Awaitable[None]]) -> list[float]:
 
 
 def test_only_the_moment_that_was_set_last_counts() -> None:
-    async def scenario(alarm: Alarm) -> None:
+    async def scenario(alarm: WakeUpTimer) -> None:
         for seconds in (5, 2, 9, 7):
             alarm.set(seconds * SECOND)
 
@@ -35,7 +35,7 @@ def test_only_the_moment_that_was_set_last_counts() -> None:
 
 
 def test_no_moment_is_no_alarm() -> None:
-    async def scenario(alarm: Alarm) -> None:
+    async def scenario(alarm: WakeUpTimer) -> None:
         alarm.set(5 * SECOND)
         alarm.set(None)
 
@@ -43,7 +43,7 @@ def test_no_moment_is_no_alarm() -> None:
 
 
 def test_it_can_be_cancelled_and_set_again() -> None:
-    async def scenario(alarm: Alarm) -> None:
+    async def scenario(alarm: WakeUpTimer) -> None:
         alarm.set(5 * SECOND)
         alarm.cancel()
         alarm.cancel()
@@ -54,7 +54,7 @@ def test_it_can_be_cancelled_and_set_again() -> None:
 
 
 def test_a_moment_that_has_passed_is_soon_and_not_within_the_call() -> None:
-    async def scenario(alarm: Alarm) -> None:
+    async def scenario(alarm: WakeUpTimer) -> None:
         await asyncio.sleep(10)
         alarm.set(3 * SECOND)
 

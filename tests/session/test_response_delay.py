@@ -16,10 +16,10 @@ from tests.session.rig import Stage
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers.contract import Ask, Verb
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_runner import Origin
-from woz_tui.session.response_delay import Shaper, may_wait
+from woz_tui.session.action_runner import RequestOrigin
+from woz_tui.session.response_delay import ResponseDelay, may_wait
 
-KEY = Origin("key", "h")
+KEY = RequestOrigin("key", "h")
 SECOND = 1_000_000
 
 
@@ -183,7 +183,7 @@ def test_waiting_for_the_moment_is_no_waiting_for_the_robot(play: Play) -> None:
 def test_what_no_hand_asked_for_is_not_held(play: Play, source: str) -> None:
     async def scene(stage: Stage) -> None:
         spoken(stage)
-        stage.session.play("Hello", Origin(source))
+        stage.session.play("Hello", RequestOrigin(source))
 
     assert play(scene).kinds(m.ActionHeld) == []
 
@@ -285,7 +285,7 @@ def test_nothing_begins_before_the_floor_and_nothing_waits_longer_than_floor_and
         hub.listen(see)
         # What fails in a timer would else be told to nobody.
         asyncio.get_running_loop().set_exception_handler(lambda loop, told: wrong.append(told))
-        shaper = Shaper(hub, seed=7)
+        shaper = ResponseDelay(hub, seed=7)
         hub.publish(m.ShapingChanged(floor_us=floor, jitter_us=jitter, cues=["marker"]))
         last = -(10**9)
         for number, (pause, is_cue) in enumerate(course):
@@ -313,12 +313,12 @@ def test_nothing_begins_before_the_floor_and_nothing_waits_longer_than_floor_and
     assert begun == asked
 
 
-def held_by(scene: Callable[[Hub, Shaper], Awaitable[None]]) -> None:
+def held_by(scene: Callable[[Hub, ResponseDelay], Awaitable[None]]) -> None:
     """Runs a scene on a shaper alone, whose cues are markers."""
 
     async def whole() -> None:
         hub = Hub(LoopClock(asyncio.get_running_loop()), _Silent().record)
-        await scene(hub, Shaper(hub, seed=7))
+        await scene(hub, ResponseDelay(hub, seed=7))
         await asyncio.sleep(60)
 
     run_virtual(whole())
@@ -334,7 +334,7 @@ def cued(hub: Hub, floor: float) -> None:
 def test_what_was_dropped_keeps_nothing_waiting(how: str) -> None:
     begun: list[int] = []
 
-    async def scene(hub: Hub, shaper: Shaper) -> None:
+    async def scene(hub: Hub, shaper: ResponseDelay) -> None:
         cued(hub, 30)
         assert shaper.hold("r1", "x", "key", lambda: begun.append(-1))
         if how == "drop":
@@ -354,7 +354,7 @@ def test_one_that_cannot_begin_does_not_keep_those_behind_it() -> None:
     def broken() -> None:
         raise ValueError("it cannot")
 
-    async def scene(hub: Hub, shaper: Shaper) -> None:
+    async def scene(hub: Hub, shaper: ResponseDelay) -> None:
         asyncio.get_running_loop().set_exception_handler(lambda loop, context: None)
         cued(hub, 2)
         assert shaper.hold("r1", "x", "key", broken)
@@ -373,7 +373,7 @@ def test_the_same_seed_gives_the_same_moments() -> None:
             hub.listen(
                 lambda line: found.append(line.until) if isinstance(line, m.ActionHeld) else None
             )
-            shaper = Shaper(hub, seed)
+            shaper = ResponseDelay(hub, seed)
             hub.publish(m.ShapingChanged(floor_us=SECOND, jitter_us=SECOND, cues=["marker"]))
             for number in range(5):
                 hub.publish(m.Marker(text="go"))

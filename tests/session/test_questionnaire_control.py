@@ -10,7 +10,7 @@ from tests.session.rig import Stage
 from tests.session.studied import on_stage, said
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AskAnswer
-from woz_tui.session.participant_identity import AskError
+from woz_tui.session.participant_identity import RequestError
 from woz_tui.session.questionnaire_control import LONGEST
 from woz_tui.timeline.study_history import DueQuestionnaire
 
@@ -128,7 +128,7 @@ def test_what_is_no_answer(
 ) -> None:
     async def scenario(stage: Stage) -> None:
         ask(stage, "ux")
-        with pytest.raises(AskError) as caught:
+        with pytest.raises(RequestError) as caught:
             answer(stage, item, value, **rest)
         assert caught.value.reason == reason
 
@@ -138,12 +138,12 @@ def test_what_is_no_answer(
 
 def test_what_cannot_be_asked(tmp_path: Path) -> None:
     def why(stage: Stage, name: str, what: str, source: str = "wizard") -> str:
-        with pytest.raises(AskError) as caught:
+        with pytest.raises(RequestError) as caught:
             ask(stage, name, what, source)
         return f"{caught.value.reason}; {caught.value.hint}"
 
     async def scenario(stage: Stage) -> None:
-        with pytest.raises(AskError, match="the questionnaire 'ux' is not open"):
+        with pytest.raises(RequestError, match="the questionnaire 'ux' is not open"):
             answer(stage, "pleasant", 3)
         assert why(stage, "xu", "begin") == (
             "there is no questionnaire 'xu'; there are each, ux, last, whenever"
@@ -156,7 +156,7 @@ def test_what_cannot_be_asked(tmp_path: Path) -> None:
         assert why(stage, "last", "begin") == "the questionnaire 'ux' is open; end it first"
         assert why(stage, "last", "done") == ("the questionnaire 'last' is not open; 'ux' is")
         assert why(stage, "ux", "done") == "1 item has no answer yet: pleasant; "
-        with pytest.raises(AskError, match="the questionnaire 'ux' is open"):
+        with pytest.raises(RequestError, match="the questionnaire 'ux' is open"):
             stage.session.study.assign("P01", ["warm", "cold"])
         ask(stage, "ux", "declined")
         assert "ux" in stage.session.study.state.had
@@ -199,7 +199,7 @@ def test_a_questionnaire_by_hand_inside_a_trial_belongs_to_it(tmp_path: Path) ->
         stage.session.study.trial("begin", "")
         ask(stage, "whenever")
         stage.session.study.trial("done", "")
-        with pytest.raises(AskError, match="the questionnaire 'whenever' is open"):
+        with pytest.raises(RequestError, match="the questionnaire 'whenever' is open"):
             stage.session.study.trial("begin", "")
 
     stage = on_stage(tmp_path, scenario)

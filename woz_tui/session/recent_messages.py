@@ -14,7 +14,7 @@ _UNLISTED = (
 )
 
 
-class Recent:
+class RecentMessages:
     """Takes the messages of a session in their order."""
 
     def __init__(self) -> None:

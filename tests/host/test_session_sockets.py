@@ -12,7 +12,7 @@ import pytest
 from tests.host.rig import Peer, Served, served
 from woz_tui.config.experiment import Experiment
 from woz_tui.drivers.plugins import PluginError
-from woz_tui.host.socket_place import PlaceError, answers, bind, folder, inode
+from woz_tui.host.session_sockets import SessionSocketError, answers, bind, folder, inode
 
 
 async def back(host: Served, peer: Peer) -> None:
@@ -67,7 +67,7 @@ async def test_a_socket_of_somebody_else_is_left_alone(tmp_path: Path) -> None:
 def test_only_sockets_are_replaced(tmp_path: Path, kind: str) -> None:
     path = tmp_path / "thesis"
     path.write_text("all my work") if kind == "file" else path.mkdir()
-    with pytest.raises(PlaceError, match="not a socket; remove it"):
+    with pytest.raises(SessionSocketError, match="not a socket; remove it"):
         bind(path)
     assert path.exists()
 
@@ -140,7 +140,7 @@ def test_what_is_no_folder_in_the_runtime_folders_place_is_named_with_a_remedy(
 ) -> None:
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     lay(tmp_path / "woz")
-    with pytest.raises(PlaceError) as caught:
+    with pytest.raises(SessionSocketError) as caught:
         folder()
     assert str(tmp_path / "woz") in str(caught.value)
     assert "remove it" in str(caught.value)
@@ -151,7 +151,7 @@ def test_what_is_no_folder_above_a_socket_is_named_with_a_remedy(
     tmp_path: Path, lay: Callable[[Path], None]
 ) -> None:
     lay(tmp_path / "woz")
-    with pytest.raises(PlaceError) as caught:
+    with pytest.raises(SessionSocketError) as caught:
         bind(tmp_path / "woz" / "S01.sock")
     assert str(tmp_path / "woz") in str(caught.value)
     assert "WOZ_SOCKET" in str(caught.value)
@@ -163,7 +163,7 @@ def test_what_is_no_socket_in_its_place_is_left_there(
 ) -> None:
     place = tmp_path / "S01.sock"
     lay(place)
-    with pytest.raises(PlaceError) as caught:
+    with pytest.raises(SessionSocketError) as caught:
         bind(place)
     assert str(place) in str(caught.value)
     assert "WOZ_SOCKET" in str(caught.value)

@@ -22,15 +22,15 @@ START_WAIT_S = 10.0
 _SESSION = re.compile(r"_S(\d{1,6})(?:[.-]|$)")
 
 
-class PlaceError(OSError):
+class SessionSocketError(OSError):
     """The socket cannot be there; the text says why and what to do."""
 
 
 def folder() -> Path:
     """The user's folder for sockets: `$XDG_RUNTIME_DIR/woz`, else `/tmp/woz-<uid>`.
 
-    Made with mode 0700 if missing. Raises `PlaceError` if it belongs to somebody else, or if there
-    is something else in its place.
+    Made with mode 0700 if missing. Raises `SessionSocketError` if it belongs to somebody else, or
+    if there is something else in its place.
     """
     runtime = os.environ.get("XDG_RUNTIME_DIR", "")
     if runtime and Path(runtime).is_dir() and os.access(runtime, os.W_OK):
@@ -41,12 +41,14 @@ def folder() -> Path:
         place.mkdir(mode=0o700, parents=True, exist_ok=True)
     status = place.lstat()
     if not stat.S_ISDIR(status.st_mode):
-        raise PlaceError(
+        raise SessionSocketError(
             f"{place} is not a folder, but sessions need a folder there: remove it, or set"
             " XDG_RUNTIME_DIR to another folder"
         )
     if status.st_uid != os.getuid():
-        raise PlaceError(f"{place} belongs to another user; remove it or set XDG_RUNTIME_DIR")
+        raise SessionSocketError(
+            f"{place} belongs to another user; remove it or set XDG_RUNTIME_DIR"
+        )
     if stat.S_IMODE(status.st_mode) & 0o077:
         place.chmod(0o700)
     return place
@@ -57,7 +59,9 @@ def socket_path(name: str) -> Path:
     override = os.environ.get("WOZ_SOCKET", "")
     path = Path(override) if override else folder() / f"{name}.sock"
     if len(os.fsencode(path)) > MAX_PATH:
-        raise PlaceError(f"{path} is too long for a socket; set WOZ_SOCKET to a shorter path")
+        raise SessionSocketError(
+            f"{path} is too long for a socket; set WOZ_SOCKET to a shorter path"
+        )
     return path
 
 
@@ -139,23 +143,23 @@ def next_session(recordings: Path, sockets: Iterable[Path] = ()) -> str:
 def bind(path: Path) -> socket.socket:
     """A listening socket with mode 0600; a dead one's leftover is replaced.
 
-    Raises `PlaceError` if a living robot process has it, if it is no socket, or if its folder is
-    not there and cannot be made.
+    Raises `SessionSocketError` if a living robot process has it, if it is no socket, or if its
+    folder is not there and cannot be made.
     """
     try:
         path.parent.mkdir(mode=0o700, exist_ok=True)
     except OSError as error:
-        raise PlaceError(
+        raise SessionSocketError(
             f"cannot create the folder {path.parent}: {error.strerror}; create it, or set"
             " WOZ_SOCKET elsewhere"
         ) from error
     if inode(path) is not None:
         if not path.is_socket():
-            raise PlaceError(
+            raise SessionSocketError(
                 f"{path} exists and is not a socket; remove it, or set WOZ_SOCKET to another path"
             )
         if answers(path):
-            raise PlaceError(
+            raise SessionSocketError(
                 f"session {path.stem} is running ({path}); join it with `woz attach"
                 f" {path.stem}`, or"
                 " choose another --session"
@@ -168,7 +172,7 @@ def bind(path: Path) -> socket.socket:
         listener.listen(BACKLOG)
     except OSError as error:
         listener.close()
-        raise PlaceError(f"cannot create the socket {path}: {error.strerror}") from error
+        raise SessionSocketError(f"cannot create the socket {path}: {error.strerror}") from error
     listener.setblocking(False)
     return listener
 

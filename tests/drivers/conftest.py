@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 from woz_drivers.dynamixel import wire
 
-from tests.drivers.servo_stand import PATIENT_MS
+from tests.drivers.servo_stand import MEASURED_MS
 
 
 @pytest.fixture
 def patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is measured of late answers leaves room for those that this machine delays besides."""
-    monkeypatch.setattr(wire, "AMPLE_MS", PATIENT_MS)
+    monkeypatch.setattr(wire, "AMPLE_MS", MEASURED_MS)
     monkeypatch.setattr(wire, "patience", lambda latency_ms: latency_ms + 200.0)

@@ -17,10 +17,13 @@ from tests.fakes.servos import ServoBus
 from woz_tui.drivers.argument_check import checked
 from woz_tui.protocol.messages import DriverConnected, DriverFaulted, DriverHealth, Json, Notice
 
-#: On a crowded test machine an answer may take far longer than on any wire.
-PATIENT_MS = 1000.0
+#: On a crowded test machine an answer may take far longer than on any wire: servos and driver are
+#: threads of one process, which may stand still for more than a second.
+PATIENT_MS = 20_000.0
 #: Where a servo says nothing, or nothing that is understood, whoever waits for it waits in vain.
 SILENT_MS = 500.0
+#: Where late answers are measured, the measuring takes as long.
+MEASURED_MS = 1000.0
 #: And a tick may come so late that servos would stop by themselves.
 PATIENT_WATCHDOG_MS = 2540
 HEAD = {

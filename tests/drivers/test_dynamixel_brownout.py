@@ -23,7 +23,7 @@ from woz_drivers.dynamixel.setpoint_planning import Keyframe
 from woz_drivers.dynamixel.wire import ServoWire
 
 from tests.drivers.heard import PATIENCE_S, Heard, until
-from tests.drivers.servo_stand import PATIENT_MS, head, stand
+from tests.drivers.servo_stand import SILENT_MS, head, stand
 from tests.fakes.servo_motor import OVERLOAD
 from tests.fakes.servos import ServoBus
 from woz_tui.drivers.contract import DriverError, RejectedError
@@ -42,7 +42,9 @@ JOINTS = {
 
 async def test_a_brownout_in_a_move_leaves_a_protocol_1_joint_limp(tmp_path: Path) -> None:
     joints = {"pan": JOINTS["pan"]}
-    async with stand(tmp_path, ids={1: "MX-28"}, protocol=1, joints=joints, torque=True) as it:
+    async with stand(
+        tmp_path, ids={1: "MX-28"}, protocol=1, joints=joints, torque=True, reply_timeout=SILENT_MS
+    ) as it:
         servo = it.bus.servo(1)
         await until(lambda: servo.torque)
         running = it.begin("pose", joints={"pan": 80.0}, seconds=20.0)
@@ -70,7 +72,7 @@ async def test_a_brownout_in_a_move_leaves_a_protocol_1_joint_limp(tmp_path: Pat
 
 
 async def test_an_x_servo_that_restarted_gets_its_speed_limit_back(tmp_path: Path) -> None:
-    async with stand(tmp_path, torque=True) as it:
+    async with stand(tmp_path, torque=True, reply_timeout=SILENT_MS) as it:
         servo = it.bus.servo(11)
         await until(lambda: servo.torque)
         limit = servo.get(112, 4)
@@ -86,7 +88,9 @@ async def test_an_x_servo_that_restarted_gets_its_speed_limit_back(tmp_path: Pat
 
 async def test_a_protocol_1_servo_that_shut_down_is_not_said_to_hold(tmp_path: Path) -> None:
     joints = {"pan": JOINTS["pan"]}
-    async with stand(tmp_path, ids={1: "MX-28"}, protocol=1, joints=joints, torque=True) as it:
+    async with stand(
+        tmp_path, ids={1: "MX-28"}, protocol=1, joints=joints, torque=True, reply_timeout=SILENT_MS
+    ) as it:
         await until(lambda: it.bus.servo(1).torque)
         it.bus.servo(1).raise_alarm(OVERLOAD)
         await it.noticed("lost its torque (overload)")
@@ -190,7 +194,7 @@ async def _brown_out(folder: Path, protocol: int, brownouts: list[dict[str, floa
             looks += 1
             assert looks < 500, "it holds, and nobody has switched it on"
             await it.tick()
-        it.port.patience_ms = PATIENT_MS
+        it.port.patience_ms = 2 * SILENT_MS
         before = [servo.position for servo in hit]
         it.chain.set_torque(JOINTS, on=True)
         for _ in range(5):

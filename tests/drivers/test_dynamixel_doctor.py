@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.dynamixel import DynamixelServos, JointSettings, port
+from woz_drivers.dynamixel import DynamixelServos, JointSettings, port, wire
 
 from tests.drivers.heard import Heard
-from tests.drivers.servo_stand import HEAD, head
+from tests.drivers.servo_stand import HEAD, SILENT_MS, head
 from tests.fakes.servo_motor import OVERLOAD
 from tests.fakes.servos import ServoBus
 from woz_tui.drivers.contract import Finding, Probe
@@ -19,6 +19,12 @@ pytestmark = pytest.mark.real_clock
 
 async def examined(link: Path, **changes: Any) -> list[Finding]:
     return await DynamixelServos.examine(Probe("head", head(link, **changes)))
+
+
+@pytest.fixture
+def few_ids(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Protocol 1 servos are looked for one by one: each that is not there is waited for."""
+    monkeypatch.setattr(wire, "USUAL_IDS", (1, 7, 8))
 
 
 def said(findings: list[Finding], level: str) -> str:
@@ -43,7 +49,7 @@ async def test_what_is_wrong_is_named(tmp_path: Path) -> None:
     joints = {**HEAD, "tilt": JointSettings(id=12, min=-9, max=9, model="XL330-M288")}
     with ServoBus(ids, tmp_path / "servos") as bus:
         bus.servo(11).raise_alarm(OVERLOAD)
-        findings = await examined(bus.link, joints=joints, watchdog=0)
+        findings = await examined(bus.link, joints=joints, watchdog=0, reply_timeout=SILENT_MS)
         errors, warnings = said(findings, "error"), said(findings, "warning")
         assert "pan (id 11): alarm: overload" in errors
         assert "tilt (id 12): is a XM430-W350, but the settings say XL330-M288" in errors
@@ -88,10 +94,11 @@ async def test_wrong_baud_is_found(tmp_path: Path) -> None:
         assert "1000000 baud these" not in said(findings, "warning")
 
 
+@pytest.mark.usefixtures("few_ids")
 async def test_protocol_1_has_no_watchdog(tmp_path: Path) -> None:
     joints = {"pan": JointSettings(id=1, min=-90, max=90)}
     with ServoBus({1: "AX-12A", 7: "MX-64"}, tmp_path / "servos") as bus:
-        findings = await examined(bus.link, protocol=1, joints=joints, reply_timeout=250.0)
+        findings = await examined(bus.link, protocol=1, joints=joints, reply_timeout=SILENT_MS)
         assert "protocol 1 servos have none" in said(findings, "info")
         assert "pan (id 1): is a AX-12A" in said(findings, "ok")
         assert "id 7: a MX-64 answers" in said(findings, "warning")
@@ -131,7 +138,7 @@ async def test_latency_timer_and_what_it_costs(
         assert "latency timer 1 ms" in said(await examined(bus.link), "ok")
 
 
-@pytest.mark.usefixtures("patient")
+@pytest.mark.usefixtures("patient", "few_ids")
 @pytest.mark.parametrize("model", ["MX-28", "XL330-M288"])
 async def test_an_adapter_whose_answers_come_late_is_named(tmp_path: Path, model: str) -> None:
     with ServoBus([11, 12, 13], tmp_path / "servos", model=model) as bus:

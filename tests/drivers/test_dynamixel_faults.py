@@ -197,7 +197,7 @@ async def test_limits_stored_in_the_servo_win(tmp_path: Path) -> None:
 
 
 async def test_overload_is_named_and_a_reboot_clears_it(tmp_path: Path) -> None:
-    async with stand(tmp_path, torque=True) as it:
+    async with stand(tmp_path, torque=True, reply_timeout=SILENT_MS) as it:
         await until(lambda: it.bus.servo(12).torque)
         running = it.begin("pose", joints={"pan": 80.0, "tilt": 20.0}, seconds=2.5)
         await until(lambda: it.bus.goals(12)[-1] > 2060)
@@ -221,7 +221,7 @@ async def test_overload_is_named_and_a_reboot_clears_it(tmp_path: Path) -> None:
 
 
 async def test_reboot_without_an_alarm_needs_a_name(tmp_path: Path) -> None:
-    async with stand(tmp_path) as it:
+    async with stand(tmp_path, reply_timeout=SILENT_MS) as it:
         with pytest.raises(RejectedError, match="no servo reports an alarm"):
             await it.do("reboot")
         assert await it.do("reboot", joint="pan") == {"joints": ["pan"]}

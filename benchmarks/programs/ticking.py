@@ -17,7 +17,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from woz_drivers.body.settings import BodySettings
-from woz_drivers.body.ticker import Lateness, ThreadTicker
+from woz_drivers.body.tick_loop import Lateness, ThreadTicker
 
 RATE = 50.0
 EVERY_S = 1.0

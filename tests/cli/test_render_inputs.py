@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from tests.cli.test_render import CALM
 from woz_tui.cli import main, modes
 from woz_tui.cli.render import Curve, chart, time_axis
-from woz_tui.cli.render_inputs import lines_of
+from woz_tui.cli.render_target import lines_of
 from woz_tui.motion.input_script import read_inputs
 from woz_tui.motion.rendering import LONGEST_S
 

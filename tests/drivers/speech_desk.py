@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import psutil
-from woz_drivers.orphan_guard import guard
+from woz_drivers.child_process import guard
 from woz_drivers.speech.driver import Speech
 from woz_drivers.speech.settings import SpeechSettings
 from woz_drivers.wav import Wav

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.led_face import LedFace, LedFaceSettings, doctor
-from woz_drivers.led_face.light_pictures import PATTERNS, as_mounted, sleeping_face
+from woz_drivers.led_face.driver import PATTERNS, as_mounted, sleeping_face
 from woz_drivers.led_face.wire import HERE, Packet
 
 from tests.drivers.heard import Heard, Ordered, until

@@ -11,9 +11,9 @@ import numpy as np
 import psutil
 import pytest
 from woz_drivers import pcm_audio
+from woz_drivers.child_process import guard
 from woz_drivers.microphone.driver import Microphone
 from woz_drivers.microphone.settings import MicrophoneSettings
-from woz_drivers.orphan_guard import guard
 
 from tests.drivers.ears import ears, learning
 from tests.drivers.heard import Heard, Ordered, until

@@ -10,9 +10,9 @@ from typing import Any
 
 import psutil
 import pytest
-from woz_drivers.speech.cache import SpeechCache, users_folder
 from woz_drivers.speech.driver import Speech
 from woz_drivers.speech.settings import SpeechSettings
+from woz_drivers.speech.synthesis import SpeechCache, users_folder
 
 from tests.drivers.heard import Ordered, until
 from tests.drivers.speech_desk import Desk, desk_in, say

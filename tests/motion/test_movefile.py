@@ -12,8 +12,14 @@ import yaml
 from tests.motion.heads import EYEPI, FIVE, HEADS
 from woz_tui.motion.keyframes import KeyFrame, KeyframeMove, LayerSamples, MoveLayer
 from woz_tui.motion.move import SoundCue
-from woz_tui.motion.move_files import MAIN, MoveFileError, read_folder, read_move, read_moves
-from woz_tui.motion.move_schema import move_schema
+from woz_tui.motion.move_files import (
+    MAIN,
+    MoveFileError,
+    move_schema,
+    read_folder,
+    read_move,
+    read_moves,
+)
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "experiments" / "moves"

@@ -8,24 +8,25 @@ from __future__ import annotations
 
 import sys
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
-from collections.abc import Mapping
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from woz_tui.cli import argument_types
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.keyboard_take import Live, keyboard
-from woz_tui.cli.render_inputs import lines_of
-from woz_tui.cli.render_target import RenderError, Stage
-from woz_tui.cli.scripted_take import performed
+from woz_tui.cli.render_target import RenderError, Stage, lines_of
 from woz_tui.config.problems import hint
 from woz_tui.drivers import plugins
-from woz_tui.drivers.contract import Driver
+from woz_tui.drivers.contract import Driver, RejectedError
 from woz_tui.motion.body_shape import BodyShape
 from woz_tui.motion.input_script import InputLineError, read_inputs
 from woz_tui.motion.keyframes import KeyframeMove
+from woz_tui.motion.modes import Mode
 from woz_tui.motion.move_files import NAME, NAME_RULE, MoveFileError, read_move
 from woz_tui.motion.move_writer import WriteError, save
 from woz_tui.motion.puppeteer import Puppeteer, with_muted, with_share, without_layer
+from woz_tui.motion.rendering import BEYOND_VERBS, FREEZE, RESUME, STOP, Input
 
 #: Seconds a script's take goes on after the last input.
 AFTER_S = 1.0
@@ -218,3 +219,55 @@ def _finished(puppeteer: Puppeteer, arguments: Namespace) -> KeyframeMove:
 
 def _tell(text: str) -> None:
     print(f"woz record-move: {text}", file=sys.stderr)
+
+
+# -- scripted take ---------------------------------------------------------------------------------
+#: Ticks a second, as the driver's own by default.
+RATE = 50.0
+
+
+def performed(
+    puppeteer: Puppeteer,
+    inputs: Sequence[Input],
+    start: float,
+    seconds: float,
+    tell: Callable[[str], None],
+) -> None:
+    """Go through the inputs; the take is what happens from `start` on, for `seconds`.
+
+    Every input counts from its own moment on, also between two ticks. `tell` hears of those that
+    were refused.
+    """
+    waiting = deque(inputs)
+    end = start + seconds
+    puppeteer.tick(0.0)
+    began = False
+    for moment in _moments(inputs, start, end):
+        puppeteer.tick(moment)
+        if not began and moment >= start:
+            puppeteer.begin()
+            began = True
+        while waiting and waiting[0].t <= moment:
+            _apply(puppeteer, waiting.popleft(), tell)
+
+
+def _moments(inputs: Sequence[Input], start: float, end: float) -> list[float]:
+    """All ticks: those of the rate, those of inputs, the take's beginning and end."""
+    ticks = {index / RATE for index in range(int(end * RATE) + 1)}
+    exact = {one.t for one in inputs if one.t <= end}
+    return sorted(ticks | exact | {start, end})
+
+
+def _apply(puppeteer: Puppeteer, one: Input, tell: Callable[[str], None]) -> None:
+    try:
+        if one.verb == FREEZE:
+            puppeteer.engine.freeze()
+        elif one.verb == RESUME:
+            puppeteer.engine.resume()
+        elif one.verb == STOP:
+            puppeteer.apply("mode", {"mode": Mode.NORMAL.value})
+        elif one.verb not in BEYOND_VERBS:
+            puppeteer.apply(one.verb, one.args)
+    except RejectedError as refused:
+        remedy = f" ({refused.remedy})" if refused.remedy else ""
+        tell(f"{one.place}: {one.verb} refused: {refused.what}{remedy}")

@@ -14,8 +14,7 @@ from typing import Any
 
 from woz_tui.cli import argument_types
 from woz_tui.cli.error_sentences import with_error_sentences
-from woz_tui.cli.render_inputs import described, lines_of
-from woz_tui.cli.render_target import RenderError, Stage
+from woz_tui.cli.render_target import RenderError, Stage, described, lines_of
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.console.bodies.dot_canvas import bit
 from woz_tui.console.text_console import TextConsole

@@ -10,8 +10,7 @@ from typing import Any, ClassVar
 
 from woz_drivers.body import doctor
 from woz_drivers.body.settings import BodySettings, move_changes
-from woz_drivers.body.tick_loop import BodyLoop
-from woz_drivers.body.ticker import ThreadTicker
+from woz_drivers.body.tick_loop import BodyLoop, ThreadTicker
 from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,

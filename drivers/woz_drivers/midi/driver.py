@@ -8,9 +8,9 @@ from typing import Any
 
 from woz_drivers.midi import doctor
 from woz_drivers.midi.control_requests import PanelButton, PanelKnob
+from woz_drivers.midi.devices import MidiPort
 from woz_drivers.midi.learning import MapLearning, begin_learning, map_text
 from woz_drivers.midi.panel_layouts import LAYOUTS, MidiSignal, PanelControl, PanelLayout
-from woz_drivers.midi.port import MidiPort
 from woz_drivers.midi.resolved_map import MappedControl, controls_by_signal, mapped_controls
 from woz_drivers.midi.settings import MidiSettings
 from woz_drivers.midi.wire import CC, NOTE, MidiDecoder, MidiMessage, control_change, note_on

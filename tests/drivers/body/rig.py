@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from woz_drivers.body import Body, BodySettings
-from woz_drivers.body.ticker import Lateness, Step, ThreadTicker
+from woz_drivers.body.tick_loop import Lateness, Step, ThreadTicker
 
 from tests.drivers.heard import Heard, Ordered
 from tests.fakes.virtual_time import LoopClock, run_virtual

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 from woz_drivers.body import Body, BodySettings
-from woz_drivers.body.tick_loop import BodyLoop
-from woz_drivers.body.ticker import Lateness
+from woz_drivers.body.tick_loop import BodyLoop, Lateness
 
 from tests.drivers.body.rig import CALM, Stage, played, robot, small, within
 from tests.drivers.heard import Heard, Ordered

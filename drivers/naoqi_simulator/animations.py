@@ -6,17 +6,17 @@ import asyncio
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 
-from naoqi_simulator.service_table import Refused, Service, offers
-from naoqi_simulator.world import World
+from naoqi_simulator.service_table import CallRefusedError, Service, offers
+from naoqi_simulator.world import SimulatedWorld
 
 #: Seconds that a second animation waits for the body before it gives up.
 PATIENCE_S = 1.0
 
 
-class Animations:
+class AnimationLibrary:
     """What is installed, and what moves the body now."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: SimulatedWorld) -> None:
         self._world = world
         self.lengths = dict(LENGTHS)
         self.done: list[str] = []
@@ -28,25 +28,27 @@ class Animations:
         """The path of an animation; `[posture]` and `[robot]` are filled in. Raises Refused."""
         path = asked.replace("[posture]", "Stand").replace("[robot]", "Pepper").strip("/")
         if path not in self.lengths:
-            raise Refused(f"{method}\n\tanimation {asked} is not installed")
+            raise CallRefusedError(f"{method}\n\tanimation {asked} is not installed")
         return path
 
     def any_of(self, tag: str, method: str) -> str:
         """The path of an animation for a tag. Raises Refused."""
         paths = with_tag(tag)
         if not paths:
-            raise Refused(f"{method}\n\tno animation has the tag {tag}")
+            raise CallRefusedError(f"{method}\n\tno animation has the tag {tag}")
         return self._world.random.choice(paths)
 
     async def run(self, path: str, method: str) -> None:
         """Play until the end or until it is ended. Raises Refused when it cannot begin."""
         going = self._world.going
         if not self._world.body.awake:
-            raise Refused(f"{method}\n\t{path} was not played: the robot is not awake")
+            raise CallRefusedError(f"{method}\n\t{path} was not played: the robot is not awake")
         if going.of("animation"):
             await self._world.time.sleep(PATIENCE_S)
         if running := going.of("animation"):
-            raise Refused(f"{method}\n\t{path} was not played: {running[0].about} has the body")
+            raise CallRefusedError(
+                f"{method}\n\t{path} was not played: {running[0].about} has the body"
+            )
         going.end("joints")
         if await going.last("animation", self.lengths[path], path):
             self.done.append(path)
@@ -64,7 +66,7 @@ class Animations:
                     await asyncio.wait({self._started[asked]})
             else:
                 self._world.note(f"ALAnimatedSpeech: ^{how}({asked}) is not simulated")
-        except Refused as refused:
+        except CallRefusedError as refused:
             self._world.note(str(refused))
 
     async def _play(self, how: str, asked: str) -> None:
@@ -80,7 +82,7 @@ class Animations:
     async def _noting(self, path: str) -> None:
         try:
             await self.run(path, "ALAnimatedSpeech::say")
-        except Refused as refused:
+        except CallRefusedError as refused:
             self._world.note(str(refused))
 
 
@@ -89,7 +91,7 @@ class AnimationPlayer(Service):
 
     name = "ALAnimationPlayer"
 
-    def __init__(self, animations: Animations, world: World) -> None:
+    def __init__(self, animations: AnimationLibrary, world: SimulatedWorld) -> None:
         super().__init__()
         self._animations, self._world = animations, world
 
@@ -111,7 +113,7 @@ class BehaviorManager(Service):
 
     name = "ALBehaviorManager"
 
-    def __init__(self, animations: Animations, world: World) -> None:
+    def __init__(self, animations: AnimationLibrary, world: SimulatedWorld) -> None:
         super().__init__()
         self._animations, self._world = animations, world
 

@@ -7,9 +7,9 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from naoqi_simulator.service_table import Refused, Service, offers
-from naoqi_simulator.visitor import Person
-from naoqi_simulator.world import World
+from naoqi_simulator.service_table import CallRefusedError, Service, offers
+from naoqi_simulator.visitor import SimulatedPerson
+from naoqi_simulator.world import SimulatedWorld
 
 if TYPE_CHECKING:
     import numpy as np
@@ -35,7 +35,7 @@ class AudioDevice(Service):
 
     name = "ALAudioDevice"
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: SimulatedWorld) -> None:
         super().__init__()
         self._world = world
         self._measuring = False
@@ -79,7 +79,9 @@ class AudioDevice(Service):
     def set_output_volume(self, percent: int) -> None:
         """Of the loudspeakers."""
         if not 0 <= percent <= 100:
-            raise Refused("ALAudioDevice::setOutputVolume\n\tvolume must be within [0, 100]")
+            raise CallRefusedError(
+                "ALAudioDevice::setOutputVolume\n\tvolume must be within [0, 100]"
+            )
         self.volume = percent
 
     @offers("getOutputVolume()i")
@@ -94,7 +96,7 @@ class AudioDevice(Service):
         What NAOqi does not document is taken as it does: 48000 with one channel is sent as such.
         """
         if rate not in BLOCKS or not 0 <= channels <= 4 or planes not in (0, 1):
-            raise Refused("ALAudioDevice::setClientPreferences\n\tinvalid preferences")
+            raise CallRefusedError("ALAudioDevice::setClientPreferences\n\tinvalid preferences")
         self._wishes[who] = _Wish(rate, channels)
 
     @offers("subscribe(s)v")
@@ -108,7 +110,7 @@ class AudioDevice(Service):
         """Send no more."""
         task = self._sending.pop(who, None)
         if task is None:
-            raise Refused(f"ALAudioDevice::unsubscribe\n\t{who} is not subscribed")
+            raise CallRefusedError(f"ALAudioDevice::unsubscribe\n\t{who} is not subscribed")
         task.cancel()
 
     def subscribers(self) -> list[str]:
@@ -150,7 +152,7 @@ HIGHEST = 10_000.0
 PITCH_HZ, SYLLABLES_HZ = 160.0, 4.0
 
 
-def energy(person: Person | None, now: float) -> float:
+def energy(person: SimulatedPerson | None, now: float) -> float:
     """Of the front microphone, 0 to about 10000."""
     # A room is never quite the same from one moment to the next.
     noise = QUIET * (1.0 + 0.3 * math.sin(now * 7.3) * math.sin(now * 1.1))
@@ -160,7 +162,9 @@ def energy(person: Person | None, now: float) -> float:
     return min(HIGHEST, noise + LOUD * syllable / max(0.4, person.distance))
 
 
-def block(person: Person | None, begin: float, samples: int, rate: int, channels: int) -> Samples:
+def block(
+    person: SimulatedPerson | None, begin: float, samples: int, rate: int, channels: int
+) -> Samples:
     """Sound of `samples` a channel from a time on, interleaved; the same for the same time."""
     import numpy as np  # noqa: PLC0415 - most robots are not listened to, and start sooner
 

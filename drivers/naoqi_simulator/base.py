@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from naoqi_simulator.motion import Joints
-from naoqi_simulator.service_table import Refused, offers
-from naoqi_simulator.world import World
+from naoqi_simulator.motion import JointsService
+from naoqi_simulator.service_table import CallRefusedError, offers
+from naoqi_simulator.world import SimulatedWorld
 
 #: NAOqi's own figures for MaxVelXY (m/s) and MaxVelTheta (rad/s) on Pepper, when nothing is set.
 SPEED_M_S, SPEED_RAD_S = 0.35, 1.0
@@ -16,10 +16,10 @@ ORTHOGONAL_M, TANGENTIAL_M = 0.4, 0.1
 _FOR_EVER = 1e9
 
 
-class Motion(Joints):
+class MotionService(JointsService):
     """All of ALMotion."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: SimulatedWorld) -> None:
         super().__init__(world)
         self.orthogonal, self.tangential = ORTHOGONAL_M, TANGENTIAL_M
         self.protection = {"All": True, "Move": True, "Arms": True, "LArm": True, "RArm": True}
@@ -62,7 +62,7 @@ class Motion(Joints):
         """As move, in shares of the full speed."""
         for share in (x, y, turn):
             if not -1 <= share <= 1:
-                raise Refused("ALMotion::moveToward\n\tvelocities must be within [-1, 1]")
+                raise CallRefusedError("ALMotion::moveToward\n\tvelocities must be within [-1, 1]")
         await self.move(x * SPEED_M_S, y * SPEED_M_S, turn * SPEED_RAD_S)
 
     @offers("moveIsActive()b")
@@ -135,7 +135,7 @@ class Motion(Joints):
     def set_protection(self, name: str, on: bool) -> None:
         """All, Move, Arms, LArm or RArm."""
         if name not in self.protection:
-            raise Refused(
+            raise CallRefusedError(
                 f"ALMotion::setExternalCollisionProtectionEnabled\n\t{name} is not a valid name"
             )
         for one in self.protection if name == "All" else (name,):
@@ -145,7 +145,7 @@ class Motion(Joints):
     def get_protection(self, name: str) -> bool:
         """Whether it keeps its distances."""
         if name not in self.protection:
-            raise Refused(
+            raise CallRefusedError(
                 f"ALMotion::getExternalCollisionProtectionEnabled\n\t{name} is not a valid name"
             )
         return self.protection[name]
@@ -164,5 +164,5 @@ class Motion(Joints):
 
 def _distance(method: str, metres: float) -> float:
     if metres < 0:
-        raise Refused(f"ALMotion::{method}\n\tsecurity distance must not be negative")
+        raise CallRefusedError(f"ALMotion::{method}\n\tsecurity distance must not be negative")
     return metres

@@ -7,11 +7,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from naoqi_simulator.joints import BREATHING, JOINTS, POSTURES, clip
-from naoqi_simulator.robot_time import Time
+from naoqi_simulator.robot_time import SimulatorTime
 
 
 @dataclass(frozen=True, slots=True)
-class _Course:
+class _JointCourse:
     """From one angle (rad) to another between two times (s), evenly."""
 
     start: float
@@ -37,13 +37,13 @@ class Drive:
     seconds: float
 
 
-class Body:
+class SimulatedBody:
     """Angles in radians, poses in metres and radians of the world in which it was started."""
 
-    def __init__(self, time_: Time) -> None:
+    def __init__(self, time_: SimulatorTime) -> None:
         self._time = time_
         self._courses = {
-            name: _Course(angle, angle, 0.0, 0.0) for name, angle in POSTURES["Crouch"].items()
+            name: _JointCourse(angle, angle, 0.0, 0.0) for name, angle in POSTURES["Crouch"].items()
         }
         self.stiffness = dict.fromkeys(JOINTS, 0.0)
         self.awake = False
@@ -65,14 +65,14 @@ class Body:
         """Let a joint go; without stiffness it stays where it is."""
         if self.stiffness[joint] > 0:
             now = self._time.now()
-            self._courses[joint] = _Course(self.angle(joint), clip(joint, angle), now, seconds)
+            self._courses[joint] = _JointCourse(self.angle(joint), clip(joint, angle), now, seconds)
 
     def hold(self, joints: Iterable[str] = JOINTS) -> None:
         """These joints stay where they are."""
         now = self._time.now()
         for joint in joints:
             here = self._courses[joint].at(now)
-            self._courses[joint] = _Course(here, here, now, 0.0)
+            self._courses[joint] = _JointCourse(here, here, now, 0.0)
 
     def take(self, posture: str, seconds: float) -> None:
         """Let all joints go to those of a posture."""

@@ -6,9 +6,9 @@ import asyncio
 from dataclasses import dataclass
 from typing import Any
 
-from naoqi_simulator.service_table import Refused, Service, offers
-from naoqi_simulator.visitor import HALF_ACROSS, HALF_UPRIGHT, Person
-from naoqi_simulator.world import World
+from naoqi_simulator.service_table import CallRefusedError, Service, offers
+from naoqi_simulator.visitor import HALF_ACROSS, HALF_UPRIGHT, SimulatedPerson
+from naoqi_simulator.world import SimulatedWorld
 
 #: Width and height by NAOqi's number of a resolution.
 RESOLUTIONS = {
@@ -33,7 +33,7 @@ class VideoDevice(Service):
 
     name = "ALVideoDevice"
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: SimulatedWorld) -> None:
         super().__init__()
         self._world = world
         self._subscriptions: dict[str, _Subscription] = {}
@@ -50,17 +50,19 @@ class VideoDevice(Service):
         """Camera 0 or 1; resolutions 0, 1, 2, 3, 7, 8; colours 11 (RGB), 13 (BGR), 0 (grey)."""
         method = "ALVideoDevice::subscribeCamera"
         if camera not in (0, 1):
-            raise Refused(f"{method}\n\tinvalid camera index {camera}")
+            raise CallRefusedError(f"{method}\n\tinvalid camera index {camera}")
         if resolution not in RESOLUTIONS or space not in _LAYERS:
-            raise Refused(f"{method}\n\tinvalid resolution {resolution} or color space {space}")
+            raise CallRefusedError(
+                f"{method}\n\tinvalid resolution {resolution} or color space {space}"
+            )
         if not 1 <= fps <= 30:
-            raise Refused(f"{method}\n\tinvalid frame rate {fps}")
+            raise CallRefusedError(f"{method}\n\tinvalid frame rate {fps}")
         for number in range(_MOST):
             handle = f"{name}_{number}"
             if handle not in self._subscriptions:
                 self._subscriptions[handle] = _Subscription(camera, resolution, space, fps)
                 return handle
-        raise Refused(f"{method}\n\t{name} is subscribed {_MOST} times already")
+        raise CallRefusedError(f"{method}\n\t{name} is subscribed {_MOST} times already")
 
     @offers("unsubscribe(s)b")
     def unsubscribe(self, handle: str) -> bool:
@@ -87,7 +89,7 @@ class VideoDevice(Service):
         """
         held = self._subscriptions.get(handle)
         if held is None:
-            raise Refused(f"ALVideoDevice::getImageRemote\n\t{handle} is not subscribed")
+            raise CallRefusedError(f"ALVideoDevice::getImageRemote\n\t{handle} is not subscribed")
         width, height = RESOLUTIONS[held.resolution]
         body, now = self._world.body, self._world.time.now()
         look = body.angle("HeadYaw"), body.angle("HeadPitch")
@@ -113,7 +115,7 @@ class VideoDevice(Service):
 
 
 def _drawn(
-    width: int, height: int, space: int, person: Person | None, look: tuple[float, float]
+    width: int, height: int, space: int, person: SimulatedPerson | None, look: tuple[float, float]
 ) -> bytes:
     """What is seen with the head at yaw and pitch (rad): a byte a layer of each pixel, by rows."""
     from naoqi_simulator import scene  # noqa: PLC0415 - with numpy: most robots are not watched

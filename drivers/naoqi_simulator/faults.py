@@ -14,8 +14,8 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from naoqi_simulator.robot_time import Time
-from naoqi_simulator.service_table import Method, Refused, Service
+from naoqi_simulator.robot_time import SimulatorTime
+from naoqi_simulator.service_table import CallRefusedError, Service, ServiceMethod
 
 #: Faults that last until they are cleared, or for some seconds; `NAME:DETAIL` where one is needed.
 LASTING = ("invalid-signature", "slow", "refuse", "says-no", "deaf", "moody")
@@ -25,10 +25,10 @@ SUDDEN = ("killed", "frozen")
 UNTOUCHED = "StandIn"
 
 
-class Faults:
+class SimulatedFaults:
     """Which faults are there now, and until when."""
 
-    def __init__(self, time_: Time) -> None:
+    def __init__(self, time_: SimulatorTime) -> None:
         self._time = time_
         self._until: dict[str, float] = {}
         self._detail: dict[str, str] = {}
@@ -50,7 +50,9 @@ class Faults:
             self._until[kind] = self._time.now() + seconds if seconds > 0 else float("inf")
             self._detail[kind] = detail
         else:
-            raise Refused(f"no fault {kind!r}; there are none, {', '.join(SUDDEN + LASTING)}")
+            raise CallRefusedError(
+                f"no fault {kind!r}; there are none, {', '.join(SUDDEN + LASTING)}"
+            )
 
     def clear(self) -> None:
         """Nothing is wrong any more; what waits for a deaf robot goes on."""
@@ -88,7 +90,7 @@ class Faults:
         if self.there("refuse"):
             methods, _, text = self.detail("refuse").partition("=")
             if called in methods.split(","):
-                raise Refused(text or f"{called.replace('.', '::')}\n\tnot now")
+                raise CallRefusedError(text or f"{called.replace('.', '::')}\n\tnot now")
 
 
 def freeze(seconds: float) -> None:
@@ -113,16 +115,16 @@ Entry = tuple[str, str, str, int]
 MOST_ENTRIES = 100_000
 
 
-class Desk:
+class CallRecord:
     """Where every call arrives: it is written down, meets the faults, and is carried out."""
 
-    def __init__(self, faults: Faults) -> None:
+    def __init__(self, faults: SimulatedFaults) -> None:
         self.faults = faults
         #: The latest ones: a robot that is read ten times a second for a day stays small.
         self.entries: deque[Entry] = deque(maxlen=MOST_ENTRIES)
         self.heard: list[Callable[[Entry], None]] = []
 
-    async def enter(self, service: Service, method: Method, args: Sequence[Any]) -> Any:
+    async def enter(self, service: Service, method: ServiceMethod, args: Sequence[Any]) -> Any:
         """Carry out one call. Raises Refused."""
         if service.name != UNTOUCHED:
             self._write_down(service.name, method.name, args)
@@ -130,12 +132,12 @@ class Desk:
         try:
             result = method.run(service, *args)
             return await result if inspect.isawaitable(result) else result
-        except Refused:
+        except CallRefusedError:
             raise
         except Exception as error:
             # A mistake of ours must not look like a robot's answer.
             traceback.print_exc()
-            raise Refused(f"mistake of the stand-in: {error!r}") from error
+            raise CallRefusedError(f"mistake of the stand-in: {error!r}") from error
 
     def _write_down(self, service: str, method: str, args: Sequence[Any]) -> None:
         entry = (service, method, as_json(list(args)), time.monotonic_ns())

@@ -5,8 +5,8 @@ from __future__ import annotations
 import random
 from typing import Any
 
-from naoqi_simulator.service_table import Refused, Service, offers
-from naoqi_simulator.world import World
+from naoqi_simulator.service_table import CallRefusedError, Service, offers
+from naoqi_simulator.world import SimulatedWorld
 
 _EYES = tuple(f"{side}FaceLed{number}" for side in ("Right", "Left") for number in range(1, 9))
 _EARS = tuple(f"{side}EarLed{number}" for side in ("Right", "Left") for number in range(1, 11))
@@ -52,7 +52,7 @@ class Leds(Service):
 
     name = "ALLeds"
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: SimulatedWorld) -> None:
         super().__init__()
         self._world = world
         self._fades: dict[str, tuple[Color, Color, float, float]] = {}
@@ -73,7 +73,7 @@ class Leds(Service):
         """Go to a colour within some seconds; returns when it is there."""
         for value in (red, green, blue):
             if not 0 <= value <= 1:
-                raise Refused("ALLeds::fadeRGB\n\tintensities must be within [0.0, 1.0]")
+                raise CallRefusedError("ALLeds::fadeRGB\n\tintensities must be within [0.0, 1.0]")
         self._set(self._leds("fadeRGB", name), (red, green, blue), s)
         await self._world.going.last("leds", s, "fadeRGB")
 
@@ -86,7 +86,7 @@ class Leds(Service):
     async def fade_rgb_named(self, name: str, color: str, seconds: float) -> None:
         """As above, with white, red, green, blue, yellow, magenta or cyan."""
         if color not in _NAMED:
-            raise Refused(f"ALLeds::fadeRGB\n\tunknown colour {color}")
+            raise CallRefusedError(f"ALLeds::fadeRGB\n\tunknown colour {color}")
         await self.fade_rgb(name, *_color(_NAMED[color]), seconds)
 
     @offers("fade(sff)v")
@@ -98,7 +98,7 @@ class Leds(Service):
     def set_intensity(self, name: str, intensity: float) -> None:
         """All channels at once: white of this brightness."""
         if not 0 <= intensity <= 1:
-            raise Refused("ALLeds::setIntensity\n\tintensity must be within [0.0, 1.0]")
+            raise CallRefusedError("ALLeds::setIntensity\n\tintensity must be within [0.0, 1.0]")
         self._set(self._leds("setIntensity", name), (intensity,) * 3, 0.0)
 
     @offers("getIntensity(s)m")
@@ -140,7 +140,7 @@ class Leds(Service):
     async def rotate_eyes(self, rgb: int, turn_s: float, seconds: float) -> None:
         """A colour going round; nothing ends it early."""
         if turn_s <= 0:
-            raise Refused("ALLeds::rotateEyes\n\ttimeForRotation must be above 0")
+            raise CallRefusedError("ALLeds::rotateEyes\n\ttimeForRotation must be above 0")
         await self._animate(f"rotateEyes {rgb:06x} {turn_s:g}", seconds)
 
     async def _animate(self, about: str, seconds: float) -> None:
@@ -154,7 +154,7 @@ class Leds(Service):
     def _leds(self, method: str, name: str) -> tuple[str, ...]:
         leds: Any = GROUPS.get(name, (name,) if name in GROUPS["AllLeds"] else ())
         if not leds:
-            raise Refused(f"ALLeds::{method}\n\tunknown group or LED {name}")
+            raise CallRefusedError(f"ALLeds::{method}\n\tunknown group or LED {name}")
         return tuple(leds)
 
     def _set(self, leds: tuple[str, ...], color: Color, seconds: float) -> None:

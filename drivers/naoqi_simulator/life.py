@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from naoqi_simulator.base import Motion
-from naoqi_simulator.service_table import Refused, Service, offers
-from naoqi_simulator.world import World
+from naoqi_simulator.base import MotionService
+from naoqi_simulator.service_table import CallRefusedError, Service, offers
+from naoqi_simulator.world import SimulatedWorld
 
 STATES = ("solitary", "interactive", "safeguard", "disabled")
 #: What each state switches on; everything else it switches off (ref/life/
@@ -25,7 +25,7 @@ _MODES = {"solitary": "Unengaged", "interactive": "FullyEngaged"}
 class Ability(Service):
     """Something it does by itself that can be switched: blinking, moving while it listens ..."""
 
-    def __init__(self, name: str, world: World) -> None:
+    def __init__(self, name: str, world: SimulatedWorld) -> None:
         super().__init__()
         self.name = name
         self._world = world
@@ -47,7 +47,7 @@ class Awareness(Ability):
 
     modes: ClassVar[tuple[str, ...]] = ("Unengaged", "FullyEngaged", "SemiEngaged")
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: SimulatedWorld) -> None:
         super().__init__("ALBasicAwareness", world)
         self.mode = "Unengaged"
 
@@ -55,7 +55,7 @@ class Awareness(Ability):
     def set_engagement_mode(self, mode: str) -> None:
         """Unengaged, SemiEngaged or FullyEngaged."""
         if mode not in self.modes:
-            raise Refused(f"ALBasicAwareness::setEngagementMode\n\tunknown mode {mode}")
+            raise CallRefusedError(f"ALBasicAwareness::setEngagementMode\n\tunknown mode {mode}")
         self.mode = mode
 
     @offers("getEngagementMode()s")
@@ -72,12 +72,14 @@ class Awareness(Ability):
                 body.move_joint(joint, angle, body.seconds_to({joint: angle}, 0.2))
 
 
-class Life(Service):
+class AutonomousLife(Service):
     """ALAutonomousLife."""
 
     name = "ALAutonomousLife"
 
-    def __init__(self, world: World, motion: Motion, abilities: dict[str, Ability]) -> None:
+    def __init__(
+        self, world: SimulatedWorld, motion: MotionService, abilities: dict[str, Ability]
+    ) -> None:
         super().__init__()
         self._world, self._motion, self._abilities = world, motion, abilities
         self.state = "disabled"
@@ -86,10 +88,12 @@ class Life(Service):
     async def set_state(self, state: str) -> None:
         """Solitary or interactive: it wakes up and does things by itself; disabled: it rests."""
         if state not in STATES:
-            raise Refused(f"ALAutonomousLife::setState\n\t{state} is not a valid state")
+            raise CallRefusedError(f"ALAutonomousLife::setState\n\t{state} is not a valid state")
         if (self.state, state) == ("interactive", "solitary"):
             # naoqi/interaction/autonomouslife-api of NAOqi 2.5: "manual change ... will fail".
-            raise Refused("ALAutonomousLife::setState\n\tinteractive to solitary is not allowed")
+            raise CallRefusedError(
+                "ALAutonomousLife::setState\n\tinteractive to solitary is not allowed"
+            )
         self.become(state)
         if state == "disabled":
             await self._motion.rest()

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, ClassVar
 
-from naoqi_simulator.service_table import Refused, Service, offers
-from naoqi_simulator.world import World, flat
+from naoqi_simulator.service_table import CallRefusedError, Service, offers
+from naoqi_simulator.world import SimulatedWorld, flat
 
 
 class Subscriber(Service):
@@ -15,17 +15,17 @@ class Subscriber(Service):
     name = "subscriber"
     signals: ClassVar = {"signal": "(m)"}
 
-    def __init__(self, world: World, key: str) -> None:
+    def __init__(self, world: SimulatedWorld, key: str) -> None:
         super().__init__()
         world.store.listen(key, lambda value: self.emit("signal", value))
 
 
-class Memory(Service):
+class MemoryService(Service):
     """The robot's blackboard."""
 
     name = "ALMemory"
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: SimulatedWorld) -> None:
         super().__init__()
         self._world, self._store = world, world.store
 
@@ -33,7 +33,7 @@ class Memory(Service):
     def subscriber(self, event: str) -> Subscriber:
         """An object with a signal; this version of NAOqi cannot give it to Python 3."""
         if self._world.options.invalid_signature:
-            raise Refused("Invalid signature")
+            raise CallRefusedError("Invalid signature")
         self._check()
         return Subscriber(self._world, event)
 
@@ -89,7 +89,7 @@ class Memory(Service):
 
     def _check(self) -> None:
         if self._world.faults.there("invalid-signature"):
-            raise Refused("Invalid signature")
+            raise CallRefusedError("Invalid signature")
 
     def _or_none(self, key: str) -> Any:
         try:
@@ -104,8 +104,8 @@ class Memory(Service):
             raise self._no_key(method, key) from None
 
     @staticmethod
-    def _no_key(method: str, key: str) -> Refused:
-        return Refused(f"ALMemory::{method}\n\tno data is found for the key {key}")
+    def _no_key(method: str, key: str) -> CallRefusedError:
+        return CallRefusedError(f"ALMemory::{method}\n\tno data is found for the key {key}")
 
 
 #: Reads or writes one thing by name, for `StandIn.get` and `set`.

@@ -9,7 +9,7 @@ from typing import Any
 Provider = Callable[[str], Any]
 
 
-class Store:
+class MemoryStore:
     """Keys and values; events reach their listeners in the order they were raised."""
 
     def __init__(self) -> None:

@@ -6,20 +6,20 @@ import asyncio
 from typing import Any
 
 from naoqi_simulator.joints import BREATHING, JOINTS, SET_STIFF, expand
-from naoqi_simulator.service_table import Refused, Service, offers
-from naoqi_simulator.world import World, flat
+from naoqi_simulator.service_table import CallRefusedError, Service, offers
+from naoqi_simulator.world import SimulatedWorld, flat
 
 #: Seconds that waking up and resting take.
 WAKE_S, REST_S = 2.5, 2.5
 _OWN_SPEED = 0.3
 
 
-class Joints(Service):
+class JointsService(Service):
     """The part of ALMotion that has to do with joints; `base.Motion` adds the base."""
 
     name = "ALMotion"
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: SimulatedWorld) -> None:
         super().__init__()
         self._world = world
         self._body = world.body
@@ -58,7 +58,9 @@ class Joints(Service):
         wanted = self._pairs("setStiffnesses", names, values)
         for name in flat(names):
             if name not in SET_STIFF:
-                raise Refused(f"ALMotion::setStiffnesses\n\t{name} is not allowed on Pepper")
+                raise CallRefusedError(
+                    f"ALMotion::setStiffnesses\n\t{name} is not allowed on Pepper"
+                )
         for joint, stiffness in wanted.items():
             self._body.stiffness[joint] = min(1.0, max(0.0, float(stiffness)))
 
@@ -86,7 +88,7 @@ class Joints(Service):
     def set_angles(self, names: Any, angles: Any, fraction: float) -> None:
         """Let joints go there; returns at once. Angles out of range are clipped."""
         if not 0 < fraction <= 1:
-            raise Refused("ALMotion::setAngles\n\tfractionMaxSpeed must be within ]0, 1]")
+            raise CallRefusedError("ALMotion::setAngles\n\tfractionMaxSpeed must be within ]0, 1]")
         for joint, angle in self._pairs("setAngles", names, angles).items():
             seconds = self._body.seconds_to({joint: float(angle)}, fraction)
             self._body.move_joint(joint, float(angle), seconds)
@@ -114,7 +116,9 @@ class Joints(Service):
             # One joint takes a plain list of its own.
             angles, times = [angles], [times if not isinstance(times[0], list) else times[0]]
         if not len(joints) == len(angles) == len(times):
-            raise Refused("ALMotion::angleInterpolation\n\tlists do not have the same size")
+            raise CallRefusedError(
+                "ALMotion::angleInterpolation\n\tlists do not have the same size"
+            )
         courses = [
             (joint, [float(one) for one in flat(turns)], [float(one) for one in flat(when)])
             for joint, turns, when in zip(joints, angles, times, strict=True)
@@ -122,7 +126,7 @@ class Joints(Service):
         for joint, turns, when in courses:
             rising = all(a < b for a, b in zip([0.0, *when], when, strict=False))
             if len(turns) != len(when) or not rising:
-                raise Refused(
+                raise CallRefusedError(
                     f"ALMotion::angleInterpolation\n\t{joint}: times must be positive and rise,"
                     " one for each angle"
                 )
@@ -146,7 +150,9 @@ class Joints(Service):
         wanted = self._pairs("angleInterpolationWithSpeed", names, angles)
         targets = {joint: float(angle) for joint, angle in wanted.items()}
         if not 0 < fraction <= 1:
-            raise Refused("ALMotion::angleInterpolationWithSpeed\n\tspeed must be within ]0, 1]")
+            raise CallRefusedError(
+                "ALMotion::angleInterpolationWithSpeed\n\tspeed must be within ]0, 1]"
+            )
         seconds = self._body.seconds_to(targets, fraction)
         for joint, angle in targets.items():
             self._body.move_joint(joint, angle, seconds)
@@ -166,21 +172,23 @@ class Joints(Service):
 
     def _breathing(self, method: str, chain: str) -> tuple[str, ...]:
         if chain not in BREATHING:
-            raise Refused(f"ALMotion::{method}\n\t{chain} is not a valid chain name")
+            raise CallRefusedError(f"ALMotion::{method}\n\t{chain} is not a valid chain name")
         return BREATHING[chain]
 
     def _joints(self, method: str, names: Any) -> list[str]:
         try:
             return [joint for name in flat(names) for joint in expand(str(name))]
         except KeyError as error:
-            raise Refused(f"ALMotion::{method}\n\tunknown joint name {error.args[0]}") from None
+            raise CallRefusedError(
+                f"ALMotion::{method}\n\tunknown joint name {error.args[0]}"
+            ) from None
 
     def _pairs(self, method: str, names: Any, values: Any) -> dict[str, Any]:
         joints, given = self._joints(method, names), flat(values)
         if len(given) == 1:
             given = given * len(joints)
         if len(given) != len(joints):
-            raise Refused(f"ALMotion::{method}\n\tlists do not have the same size")
+            raise CallRefusedError(f"ALMotion::{method}\n\tlists do not have the same size")
         return dict(zip(joints, given, strict=True))
 
     def _end_all(self) -> None:

@@ -6,23 +6,23 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from types import MappingProxyType
 
-from naoqi_simulator.animations import AnimationPlayer, Animations, BehaviorManager
+from naoqi_simulator.animations import AnimationLibrary, AnimationPlayer, BehaviorManager
 from naoqi_simulator.audio import AudioDevice
-from naoqi_simulator.base import Motion
+from naoqi_simulator.base import MotionService
 from naoqi_simulator.camera import VideoDevice
 from naoqi_simulator.leds import Leds
-from naoqi_simulator.life import Ability, Awareness, Life
-from naoqi_simulator.memory import Memory
-from naoqi_simulator.posture import Postures
+from naoqi_simulator.life import Ability, AutonomousLife, Awareness
+from naoqi_simulator.memory import MemoryService
+from naoqi_simulator.posture import RobotPosture
 from naoqi_simulator.recognition import SpeechRecognition
-from naoqi_simulator.senses import Senses
+from naoqi_simulator.senses import SensorKeys
 from naoqi_simulator.service_table import Service
-from naoqi_simulator.sounds import AudioPlayer, AudioRecorder, Disk
-from naoqi_simulator.speech import AnimatedSpeech, TextToSpeech, Voice
+from naoqi_simulator.sounds import AudioPlayer, AudioRecorder, RobotDisk
+from naoqi_simulator.speech import AnimatedSpeech, SpeechVoice, TextToSpeech
 from naoqi_simulator.system import Battery, System
-from naoqi_simulator.tablet import Tablet
-from naoqi_simulator.test_service import Knobs, StandIn
-from naoqi_simulator.world import World
+from naoqi_simulator.tablet import TabletService
+from naoqi_simulator.test_service import TestCalls, TestService
+from naoqi_simulator.world import SimulatedWorld
 
 #: Seconds of the robot between two looks at what has changed.
 TICK_S = 0.1
@@ -30,22 +30,22 @@ TICK_S = 0.1
 MOOD_PER_S = 0.1
 
 
-class Pepper:
+class PepperSimulator:
     """One robot."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: SimulatedWorld) -> None:
         self.world = world
-        self.knobs = Knobs()
-        self.animations = Animations(world)
-        self.voice = Voice(world)
-        self.motion = Motion(world)
+        self.knobs = TestCalls()
+        self.animations = AnimationLibrary(world)
+        self.voice = SpeechVoice(world)
+        self.motion = MotionService(world)
         self.leds = Leds(world)
-        self.senses = Senses(world)
+        self.senses = SensorKeys(world)
         self.recognition = SpeechRecognition(world)
         self.battery = Battery(world)
         self.awareness = Awareness(world)
-        self.tablet = Tablet(world)
-        self.disk = Disk(world)
+        self.tablet = TabletService(world)
+        self.disk = RobotDisk(world)
         self.player = AudioPlayer(world, self.disk)
         self.recorder = AudioRecorder(world, self.disk)
         self.audio = AudioDevice(world)
@@ -53,11 +53,11 @@ class Pepper:
         abilities: dict[str, Ability] = {"ALBasicAwareness": self.awareness}
         for name in ("ALAutonomousBlinking", "ALListeningMovement", "ALSpeakingMovement"):
             abilities[name] = Ability(name, world)
-        self.life = Life(world, self.motion, abilities)
-        self.standin = StandIn(world, self.knobs, self.tablet.touch)
+        self.life = AutonomousLife(world, self.motion, abilities)
+        self.standin = TestService(world, self.knobs, self.tablet.touch)
         everything: tuple[Service, ...] = (
-            *(self.motion, Postures(world), self.leds, self.battery, System(world), self.life),
-            *(TextToSpeech(self.voice, self.animations), Memory(world)),
+            *(self.motion, RobotPosture(world), self.leds, self.battery, System(world), self.life),
+            *(TextToSpeech(self.voice, self.animations), MemoryService(world)),
             *(AnimatedSpeech(self.voice, self.animations), *abilities.values()),
             *(AnimationPlayer(self.animations, world), BehaviorManager(self.animations, world)),
             *(*self.senses.extractors.values(), self.recognition),

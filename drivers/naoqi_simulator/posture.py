@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from naoqi_simulator.joints import POSTURES
-from naoqi_simulator.service_table import Refused, Service, offers
-from naoqi_simulator.world import World
+from naoqi_simulator.service_table import CallRefusedError, Service, offers
+from naoqi_simulator.world import SimulatedWorld
 
 
-class Postures(Service):
+class RobotPosture(Service):
     """Named postures; the ways between them are not checked for balance."""
 
     name = "ALRobotPosture"
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: SimulatedWorld) -> None:
         super().__init__()
         self._world = world
 
@@ -20,9 +20,9 @@ class Postures(Service):
     async def go_to_posture(self, posture: str, fraction: float) -> bool:
         """Take a posture; False if it was not reached."""
         if posture not in POSTURES:
-            raise Refused(f"ALRobotPosture::goToPosture\n\tunknown posture {posture}")
+            raise CallRefusedError(f"ALRobotPosture::goToPosture\n\tunknown posture {posture}")
         if not 0 < fraction <= 1:
-            raise Refused("ALRobotPosture::goToPosture\n\tspeed must be within ]0, 1]")
+            raise CallRefusedError("ALRobotPosture::goToPosture\n\tspeed must be within ]0, 1]")
         body = self._world.body
         if not body.awake or self._world.faults.there("says-no"):
             return False

@@ -6,10 +6,10 @@ import asyncio
 import re
 from typing import Any
 
-from naoqi_simulator.senses import Extractor
-from naoqi_simulator.service_table import Refused, offers
-from naoqi_simulator.visitor import Person, reply, speaking_s
-from naoqi_simulator.world import World
+from naoqi_simulator.senses import ExtractorService
+from naoqi_simulator.service_table import CallRefusedError, offers
+from naoqi_simulator.visitor import SimulatedPerson, reply, speaking_s
+from naoqi_simulator.world import SimulatedWorld
 
 DETECTED, RECOGNIZED = "SpeechDetected", "WordRecognized"
 #: Confidence of a phrase that was said, and of the nearest one when none was.
@@ -22,10 +22,10 @@ NEAR_M = 2.0
 ANSWERS_AFTER_S = 1.2
 
 
-class SpeechRecognition(Extractor):
+class SpeechRecognition(ExtractorService):
     """Recognises phrases of a list that it was given, and nothing else."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: SimulatedWorld) -> None:
         super().__init__("ALSpeechRecognition")
         self._world = world
         self._language = "English"
@@ -44,7 +44,7 @@ class SpeechRecognition(Extractor):
     def set_vocabulary(self, phrases: list[str], spotting: bool) -> None:
         """Phrases to recognise from now on; `spotting`: within longer sentences, too."""
         if self.on and not self._paused:
-            raise Refused(
+            raise CallRefusedError(
                 "ALSpeechRecognition::setVocabulary\n\tA grammar named modifiable_grammar already"
                 " exists."
             )
@@ -59,7 +59,9 @@ class SpeechRecognition(Extractor):
     def set_language(self, language: str) -> None:
         """One of those that are installed."""
         if language not in self.get_available_languages():
-            raise Refused(f"ALSpeechRecognition::setLanguage\n\t{language} is not installed")
+            raise CallRefusedError(
+                f"ALSpeechRecognition::setLanguage\n\t{language} is not installed"
+            )
         self._language = language
 
     @offers("getLanguage()s")
@@ -119,7 +121,7 @@ class SpeechRecognition(Extractor):
         return [self.vocabulary[0], GUESSED]
 
 
-def _called(person: Person) -> str:
+def _called(person: SimulatedPerson) -> str:
     return person.name or STRANGERS[person.number % len(STRANGERS)]
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 
-class Time(Protocol):
+class SimulatorTime(Protocol):
     """Seconds of the robot. A test injects one that it moves by hand."""
 
     def now(self) -> float:
@@ -40,7 +40,7 @@ class PacedTime:
 
 
 @dataclass(eq=False, slots=True)
-class Span:
+class Activity:
     """Something that is going on."""
 
     kind: str
@@ -50,17 +50,17 @@ class Span:
     ended: asyncio.Future[None] = field(repr=False)
 
 
-class Going:
+class Activities:
     """What is going on, by kind: speech, animation, move, joints, posture, sound, leds, video."""
 
-    def __init__(self, time_: Time) -> None:
+    def __init__(self, time_: SimulatorTime) -> None:
         self._time = time_
-        self._spans: list[Span] = []
+        self._spans: list[Activity] = []
 
     async def last(self, kind: str, seconds: float, about: str = "") -> bool:
         """Let something go on; True when it came to its end, False when it was ended before."""
         ended: asyncio.Future[None] = asyncio.get_running_loop().create_future()
-        span = Span(kind, about, self._time.now(), seconds, ended)
+        span = Activity(kind, about, self._time.now(), seconds, ended)
         self._spans.append(span)
         sleeper = asyncio.ensure_future(self._time.sleep(seconds))
         try:
@@ -78,9 +78,9 @@ class Going:
                 one.ended.set_result(None)
         return len(hit)
 
-    def of(self, *kinds: str) -> list[Span]:
+    def of(self, *kinds: str) -> list[Activity]:
         """What of these kinds is going on, the oldest first."""
         return [one for one in self._spans if one.kind in kinds]
 
-    def __iter__(self) -> Iterator[Span]:
+    def __iter__(self) -> Iterator[Activity]:
         return iter(tuple(self._spans))

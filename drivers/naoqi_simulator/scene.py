@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from naoqi_simulator.visitor import HALF_ACROSS, HALF_UPRIGHT, Person
+from naoqi_simulator.visitor import HALF_ACROSS, HALF_UPRIGHT, SimulatedPerson
 
 Picture = NDArray[np.uint8]
 
@@ -17,7 +17,9 @@ _SKIN, _SHIRT, _DARK = (224, 172, 136), (52, 96, 168), (40, 30, 30)
 _FACE_M, _ABOVE_M = 0.11, 0.25
 
 
-def draw(width: int, height: int, person: Person | None, yaw: float, pitch: float) -> Picture:
+def draw(
+    width: int, height: int, person: SimulatedPerson | None, yaw: float, pitch: float
+) -> Picture:
     """RGB of `height` x `width` x 3, seen with the head turned (rad, left) and lowered (rad)."""
     x = np.linspace(HALF_ACROSS, -HALF_ACROSS, width)[None, :] + yaw
     y = np.linspace(HALF_UPRIGHT, -HALF_UPRIGHT, height)[:, None] - pitch
@@ -36,7 +38,9 @@ def draw(width: int, height: int, person: Person | None, yaw: float, pitch: floa
     return picture
 
 
-def _person(picture: Picture, x: NDArray[np.float64], y: NDArray[np.float64], who: Person) -> None:
+def _person(
+    picture: Picture, x: NDArray[np.float64], y: NDArray[np.float64], who: SimulatedPerson
+) -> None:
     face = math.atan2(_FACE_M, who.distance)
     up = math.atan2(_ABOVE_M, who.distance)
     across, upright = (x - who.angle) / face, (y - up) / face

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from naoqi_simulator.service_table import Refused, Service, offers
-from naoqi_simulator.visitor import Person
-from naoqi_simulator.world import World
+from naoqi_simulator.service_table import CallRefusedError, Service, offers
+from naoqi_simulator.visitor import SimulatedPerson
+from naoqi_simulator.world import SimulatedWorld
 
 SONAR = "Device/SubDeviceList/Platform/Front/Sonar/Sensor/Value"
 SONAR_BACK = "Device/SubDeviceList/Platform/Back/Sonar/Sensor/Value"
@@ -29,7 +29,7 @@ FIRST_ID = 26000
 LEARNING_S = 2.0
 
 
-class Extractor(Service):
+class ExtractorService(Service):
     """A service that fills keys while somebody is subscribed to it."""
 
     def __init__(self, name: str) -> None:
@@ -51,7 +51,7 @@ class Extractor(Service):
     def unsubscribe(self, who: str) -> None:
         """Not for this subscriber any more."""
         if self.subscribers.pop(who, None) is None:
-            raise Refused(f"{self.name}::unsubscribe\n\t{who} is not subscribed")
+            raise CallRefusedError(f"{self.name}::unsubscribe\n\t{who} is not subscribed")
 
     @offers("getSubscribersInfo()m")
     def get_subscribers_info(self) -> list[Any]:
@@ -64,10 +64,10 @@ class Extractor(Service):
         return bool(self.subscribers)
 
 
-class FaceDetection(Extractor):
+class FaceDetection(ExtractorService):
     """ALFaceDetection with its database of names, by the number of whoever has that face."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: SimulatedWorld) -> None:
         super().__init__("ALFaceDetection")
         self._world = world
         self._learnt: dict[int, str] = {}
@@ -95,22 +95,22 @@ class FaceDetection(Extractor):
         """The names."""
         return list(self._learnt.values())
 
-    def whose(self, person: Person) -> str:
+    def whose(self, person: SimulatedPerson) -> str:
         """Whose face that is, or nothing: those whom the robot was taught, and who came so."""
         return self._learnt.get(person.number, person.name)
 
 
-class Senses:
+class SensorKeys:
     """Fills ALMemory from the world."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: SimulatedWorld) -> None:
         self._world = world
         names = (
             *("ALSonar", "ALPeoplePerception", "ALGazeAnalysis"),
             *("ALSoundLocalization", "ALEngagementZones", "ALSoundDetection"),
         )
         self._database = FaceDetection(world)
-        self.extractors = {name: Extractor(name) for name in names}
+        self.extractors = {name: ExtractorService(name) for name in names}
         self.extractors[self._database.name] = self._database
         self._last: dict[str, Any] = {}
         store = world.store

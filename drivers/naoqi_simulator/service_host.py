@@ -8,19 +8,19 @@ from typing import Any
 
 from qimessaging import QiError
 from qimessaging import hosted_objects as wire
-from qimessaging.server import Server
+from qimessaging.server import QiServer
 
-from naoqi_simulator.faults import Desk
-from naoqi_simulator.service_table import Method, Service, methods_of
-from naoqi_simulator.world import Clients
+from naoqi_simulator.faults import CallRecord
+from naoqi_simulator.service_table import Service, ServiceMethod, methods_of
+from naoqi_simulator.world import ConnectedClients
 
 
-class Host(Clients):
+class ServiceHost(ConnectedClients):
     """A server in the running loop."""
 
-    def __init__(self, desk: Desk) -> None:
+    def __init__(self, desk: CallRecord) -> None:
         self._desk = desk
-        self._server = Server()
+        self._server = QiServer()
         #: Calls that go on although their client is gone or has cancelled them.
         self._going: set[asyncio.Task[Any]] = set()
 
@@ -48,13 +48,13 @@ class Host(Clients):
             task.cancel()
         await self._server.close()
 
-    def _methods(self, service: Service) -> list[wire.Method]:
+    def _methods(self, service: Service) -> list[wire.HostedMethod]:
         return [
-            wire.Method(one.name, one.takes, one.gives, self._bound(service, one))
+            wire.HostedMethod(one.name, one.takes, one.gives, self._bound(service, one))
             for one in methods_of(service)
         ]
 
-    def _bound(self, service: Service, method: Method) -> Callable[..., Awaitable[Any]]:
+    def _bound(self, service: Service, method: ServiceMethod) -> Callable[..., Awaitable[Any]]:
         async def entered(*args: Any) -> Any:
             task = asyncio.ensure_future(self._carry_out(service, method, args))
             self._going.add(task)
@@ -63,18 +63,18 @@ class Host(Clients):
 
         return entered
 
-    async def _carry_out(self, service: Service, method: Method, args: Sequence[Any]) -> Any:
+    async def _carry_out(self, service: Service, method: ServiceMethod, args: Sequence[Any]) -> Any:
         value = await self._desk.enter(service, method, args)
         if not isinstance(value, Service):
             return value
-        hosted = wire.Hosted([*self._methods(value), *_signals(value)])
+        hosted = wire.HostedObject([*self._methods(value), *_signals(value)])
         value.sinks.append(_emitter(hosted))
         return hosted
 
 
-def _signals(service: Service) -> list[wire.Signal]:
-    return [wire.Signal(name, signature) for name, signature in service.signals.items()]
+def _signals(service: Service) -> list[wire.HostedSignal]:
+    return [wire.HostedSignal(name, signature) for name, signature in service.signals.items()]
 
 
-def _emitter(hosted: wire.Hosted) -> Callable[[str, Sequence[Any]], None]:
+def _emitter(hosted: wire.HostedObject) -> Callable[[str, Sequence[Any]], None]:
     return lambda signal, values: hosted.emit(signal, *values)

@@ -16,12 +16,12 @@ _F = TypeVar("_F", bound=Callable[..., Any])
 _MARK = "_offered_on_the_wire"
 
 
-class Refused(Exception):  # noqa: N818 - read as `raise Refused(...)`
+class CallRefusedError(Exception):
     """The robot says no; the text goes to the caller as NAOqi would word it."""
 
 
 @dataclass(frozen=True, slots=True)
-class Method:
+class ServiceMethod:
     """One method on the wire: `takes` is a tuple signature such as `(sf)`, `gives` one of a value.
 
     `gives_typed` is the same value more narrowly, for a host that cannot put raw bytes into `m`.
@@ -55,7 +55,11 @@ def offers(wire: str, *, typed: str = "", cancellable: bool = False) -> Callable
     name, takes, gives = split_signature(wire)
 
     def mark(function: _F) -> _F:
-        setattr(function, _MARK, Method(name, takes, gives, function, typed or gives, cancellable))
+        setattr(
+            function,
+            _MARK,
+            ServiceMethod(name, takes, gives, function, typed or gives, cancellable),
+        )
         return function
 
     return mark
@@ -77,7 +81,7 @@ class Service:
             sink(signal, values)
 
 
-def methods_of(service: Service) -> tuple[Method, ...]:
+def methods_of(service: Service) -> tuple[ServiceMethod, ...]:
     """What the service offers, by name and arguments."""
     marked = [
         getattr(function, _MARK)

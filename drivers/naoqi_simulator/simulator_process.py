@@ -14,17 +14,17 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Protocol
 
-from naoqi_simulator.faults import Desk
+from naoqi_simulator.faults import CallRecord
 from naoqi_simulator.life import STATES
-from naoqi_simulator.pepper import Pepper
+from naoqi_simulator.pepper import PepperSimulator
 from naoqi_simulator.robot_time import PacedTime
-from naoqi_simulator.service_host import Host
-from naoqi_simulator.service_table import Refused, Service
-from naoqi_simulator.test_service import StandIn
-from naoqi_simulator.world import Clients, Options, World
+from naoqi_simulator.service_host import ServiceHost
+from naoqi_simulator.service_table import CallRefusedError, Service
+from naoqi_simulator.test_service import TestService
+from naoqi_simulator.world import ConnectedClients, SimulatedWorld, SimulatorOptions
 
 #: Makes what carries the services.
-Hosting = Callable[[Desk], "Carrier"]
+Hosting = Callable[[CallRecord], "ServiceCarrier"]
 
 EPILOG = """\
 The first line on standard output says where it listens: {"address": "tcp://127.0.0.1:PORT"}.
@@ -46,8 +46,8 @@ moody, invalid-signature (ALMemory), none. The service StandIn on the wire does 
 """
 
 
-class Carrier(Clients, Protocol):
-    """What carries the services: `Host`, or a test's."""
+class ServiceCarrier(ConnectedClients, Protocol):
+    """What carries the services: `ServiceHost`, or a test's."""
 
     def offer(self, services: Mapping[str, Service]) -> None:
         """Offer all services as soon as it listens."""
@@ -86,7 +86,7 @@ def parser() -> argparse.ArgumentParser:
     return made
 
 
-def main(arguments: list[str] | None = None, hosting: Hosting = Host) -> int:
+def main(arguments: list[str] | None = None, hosting: Hosting = ServiceHost) -> int:
     """Run until SIGTERM, SIGINT, or the end of the orders."""
     given = parser().parse_args(arguments)
     if given.server == "qi":
@@ -113,7 +113,7 @@ def _own_output() -> int:
 
 async def _serve(given: argparse.Namespace, out: int, hosting: Hosting) -> None:
     loop = asyncio.get_running_loop()
-    options = Options(
+    options = SimulatorOptions(
         seed=given.seed,
         visitors=given.visitors == "seeded",
         life=given.life,
@@ -122,7 +122,7 @@ async def _serve(given: argparse.Namespace, out: int, hosting: Hosting) -> None:
         version=given.naoqi,
         files=given.files,
     )
-    pepper = Pepper(World(PacedTime(given.pace), options))
+    pepper = PepperSimulator(SimulatedWorld(PacedTime(given.pace), options))
     host, address = await start(pepper, given.host, given.port, hosting)
     ended = asyncio.Event()
     for one in (signal.SIGTERM, signal.SIGINT):
@@ -130,7 +130,7 @@ async def _serve(given: argparse.Namespace, out: int, hosting: Hosting) -> None:
     os.write(out, json.dumps({"address": address}).encode() + b"\n")
     tasks = {asyncio.ensure_future(pepper.live()), asyncio.ensure_future(ended.wait())}
     if given.control:
-        tasks.add(asyncio.ensure_future(Control(pepper, out).run()))
+        tasks.add(asyncio.ensure_future(StdinControl(pepper, out).run()))
     done, going = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     for task in going:
         task.cancel()
@@ -140,8 +140,8 @@ async def _serve(given: argparse.Namespace, out: int, hosting: Hosting) -> None:
 
 
 async def start(
-    pepper: Pepper, host: str = "127.0.0.1", port: int = 0, hosting: Hosting = Host
-) -> tuple[Carrier, str]:
+    pepper: PepperSimulator, host: str = "127.0.0.1", port: int = 0, hosting: Hosting = ServiceHost
+) -> tuple[ServiceCarrier, str]:
     """Let a robot be reached; how to hang up, and the address. Raises OSError."""
     hosted = hosting(pepper.world.desk)
     hosted.offer(pepper.services)
@@ -153,10 +153,10 @@ async def start(
 # -- orders: the service StandIn by JSON lines on standard input and output ------------------------
 
 
-class Control:
+class StdinControl:
     """Reads orders, answers each with `{"ok": ...}` or `{"error": ...}`, in order."""
 
-    def __init__(self, pepper: Pepper, out: int) -> None:
+    def __init__(self, pepper: PepperSimulator, out: int) -> None:
         self._standin, self._out = pepper.standin, out
 
     async def run(self) -> None:
@@ -171,7 +171,7 @@ class Control:
     def _answer(self, line: bytes) -> None:
         try:
             answer: dict[str, Any] = {"ok": carry_out(self._standin, json.loads(line))}
-        except Refused as refused:
+        except CallRefusedError as refused:
             answer = {"error": str(refused)}
         except (ValueError, TypeError, KeyError, AttributeError) as error:
             answer = {"error": f"not understood: {line!r}: {error!r}"}
@@ -193,7 +193,7 @@ def _read_lines(loop: asyncio.AbstractEventLoop, lines: asyncio.Queue[bytes]) ->
         loop.call_soon_threadsafe(lines.put_nowait, b"")
 
 
-def carry_out(standin: StandIn, order: Mapping[str, Any]) -> Any:
+def carry_out(standin: TestService, order: Mapping[str, Any]) -> Any:
     """Carry out one order: `{"do": "get", "name": "state"}`. Raises Refused."""
     orders: Mapping[str, Callable[[], Any]] = {
         "trace": standin.trace,
@@ -205,5 +205,5 @@ def carry_out(standin: StandIn, order: Mapping[str, Any]) -> Any:
         "fault": lambda: standin.fault(order["kind"], order.get("seconds", 0.0)),
     }
     if order["do"] not in orders:
-        raise Refused(f"no order {order['do']!r}; there is {', '.join(orders)}")
+        raise CallRefusedError(f"no order {order['do']!r}; there is {', '.join(orders)}")
     return orders[order["do"]]()

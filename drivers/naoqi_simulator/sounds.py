@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from naoqi_simulator.audio import block
-from naoqi_simulator.service_table import Refused, Service, offers
+from naoqi_simulator.service_table import CallRefusedError, Service, offers
 from naoqi_simulator.web import fetch
-from naoqi_simulator.world import World, flat
+from naoqi_simulator.world import SimulatedWorld, flat
 
 #: Sounds that come with the stand-in, with seconds: `set("sounds", ...)` adds others.
 FILES = {
@@ -26,12 +26,12 @@ FILES = {
 STREAM_S = 3.0
 
 
-class Disk:
+class RobotDisk:
     """The robot's files, and no others: a table of sounds, and the folder that is its root, if it
     was given one. Files of the machine that it runs on are not its own.
     """
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: SimulatedWorld) -> None:
         self._world = world
         self.table = dict(FILES)
 
@@ -83,7 +83,7 @@ class AudioPlayer(Service):
 
     name = "ALAudioPlayer"
 
-    def __init__(self, world: World, disk: Disk) -> None:
+    def __init__(self, world: SimulatedWorld, disk: RobotDisk) -> None:
         super().__init__()
         self._world, self._disk = world, disk
         self._numbers = itertools.count(1)
@@ -97,7 +97,7 @@ class AudioPlayer(Service):
         """Make a file ready; its number."""
         seconds = self._disk.seconds(path)
         if seconds is None:
-            raise Refused(f"ALAudioPlayer::loadFile\n\tcannot find or open file {path}")
+            raise CallRefusedError(f"ALAudioPlayer::loadFile\n\tcannot find or open file {path}")
         number = next(self._numbers)
         self._loaded[number] = _Loaded(path, seconds)
         return number
@@ -126,7 +126,9 @@ class AudioPlayer(Service):
         fetched, content = await asyncio.to_thread(fetch, url)
         if fetched.error:
             self._world.note(f"sound: {url}: {fetched.error}")
-            raise Refused(f"ALAudioPlayer::playWebStream\n\tcannot open {url}: {fetched.error}")
+            raise CallRefusedError(
+                f"ALAudioPlayer::playWebStream\n\tcannot open {url}: {fetched.error}"
+            )
         self.streamed.append({"url": url, "type": fetched.type, "size": fetched.size})
         await self._world.going.last("sound", _wav_seconds(content) or STREAM_S, url)
 
@@ -144,7 +146,7 @@ class AudioPlayer(Service):
     def set_volume(self, number: int, volume: float) -> None:
         """0 to 1."""
         if not 0 <= volume <= 1:
-            raise Refused("ALAudioPlayer::setVolume\n\tvolume must be within [0.0, 1.0]")
+            raise CallRefusedError("ALAudioPlayer::setVolume\n\tvolume must be within [0.0, 1.0]")
         self._file("setVolume", number).volume = volume
 
     @offers("getVolume(i)f")
@@ -202,7 +204,7 @@ class AudioPlayer(Service):
 
     def _file(self, method: str, number: int) -> _Loaded:
         if number not in self._loaded:
-            raise Refused(f"ALAudioPlayer::{method}\n\tno file is loaded under {number}")
+            raise CallRefusedError(f"ALAudioPlayer::{method}\n\tno file is loaded under {number}")
         return self._loaded[number]
 
     def state(self) -> list[dict[str, Any]]:
@@ -214,7 +216,7 @@ class AudioPlayer(Service):
 
 
 @dataclass(frozen=True, slots=True)
-class _Recording:
+class _OpenRecording:
     path: str
     rate: int
     channels: int
@@ -226,26 +228,28 @@ class AudioRecorder(Service):
 
     name = "ALAudioRecorder"
 
-    def __init__(self, world: World, disk: Disk) -> None:
+    def __init__(self, world: SimulatedWorld, disk: RobotDisk) -> None:
         super().__init__()
         self._world, self._disk = world, disk
-        self._recording: _Recording | None = None
+        self._recording: _OpenRecording | None = None
 
     @offers("startMicrophonesRecording(ssim)v")
     def start(self, path: str, kind: str, rate: int, channels: Any) -> None:
         """Begin; channels are flags for left, right, front, rear."""
         method = "ALAudioRecorder::startMicrophonesRecording"
         if self._recording is not None:
-            raise Refused(f"{method}\n\talready recording")
+            raise CallRefusedError(f"{method}\n\talready recording")
         if kind not in ("wav", "ogg"):
-            raise Refused(f"{method}\n\tunknown type {kind}")
+            raise CallRefusedError(f"{method}\n\tunknown type {kind}")
         flags = flat(channels)
         if len(flags) != 4 or not any(flags):
-            raise Refused(f"{method}\n\tchannels must be four flags, one of them at least set")
+            raise CallRefusedError(
+                f"{method}\n\tchannels must be four flags, one of them at least set"
+            )
         if rate not in (16_000, 48_000):
-            raise Refused(f"{method}\n\tsample rate must be 16000 or 48000")
+            raise CallRefusedError(f"{method}\n\tsample rate must be 16000 or 48000")
         # All four come at 48 kHz or 16 kHz, as the documentation's examples have it.
-        self._recording = _Recording(
+        self._recording = _OpenRecording(
             path, rate, sum(bool(one) for one in flags), self._world.time.now()
         )
 
@@ -254,7 +258,7 @@ class AudioRecorder(Service):
         """End, and write the file; a file that cannot be written is noted in the robot's log."""
         recording, self._recording = self._recording, None
         if recording is None:
-            raise Refused("ALAudioRecorder::stopMicrophonesRecording\n\tnot recording")
+            raise CallRefusedError("ALAudioRecorder::stopMicrophonesRecording\n\tnot recording")
         try:
             self._disk.write(recording.path, self._content(recording))
         except OSError as error:
@@ -267,7 +271,7 @@ class AudioRecorder(Service):
         """The file that is being recorded, or nothing."""
         return self._recording.path if self._recording else ""
 
-    def _content(self, recording: _Recording) -> bytes:
+    def _content(self, recording: _OpenRecording) -> bytes:
         passed = self._world.time.now() - recording.begun
         samples = round(min(passed, 600.0) * recording.rate)
         sound = block(

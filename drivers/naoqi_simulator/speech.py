@@ -8,19 +8,19 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar
 
-from naoqi_simulator.animations import Animations
-from naoqi_simulator.service_table import Refused, Service, offers
-from naoqi_simulator.world import World
+from naoqi_simulator.animations import AnimationLibrary
+from naoqi_simulator.service_table import CallRefusedError, Service, offers
+from naoqi_simulator.world import SimulatedWorld
 
 #: Seconds from the call until the sound begins.
 ONSET_S = 0.15
 _LIMITS = {"pitchShift": (0.0, 4.0), "speed": (50.0, 400.0), "volume": (0.0, 100.0)}
 
 
-class Voice:
+class SpeechVoice:
     """The voice itself: what it says now, how, and what it has said."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: SimulatedWorld) -> None:
         self._world = world
         self._turn = asyncio.Lock()
         self._generation = 0
@@ -29,7 +29,7 @@ class Voice:
         self.volume = 0.7
         self.said: list[dict[str, object]] = []
 
-    async def say(self, pieces: list[Piece], text: str, animations: Animations) -> None:
+    async def say(self, pieces: list[Piece], text: str, animations: AnimationLibrary) -> None:
         """Say the pieces when all before are said; a stop ends this one and all that wait."""
         self._number += 1
         number, generation = self._number, self._generation
@@ -55,7 +55,7 @@ class Voice:
         """Whether a text is being said."""
         return bool(self._world.going.of("speech"))
 
-    async def _pieces(self, pieces: list[Piece], animations: Animations) -> bool:
+    async def _pieces(self, pieces: list[Piece], animations: AnimationLibrary) -> bool:
         generation, last = self._generation, self._world.going.last
         whole = await last("speech", ONSET_S, "onset")
         for piece in pieces:
@@ -89,7 +89,7 @@ class TextToSpeech(Service):
     name = "ALTextToSpeech"
     signals: ClassVar = {"synchroTTS": "(s)", "languageTTS": "(s)"}
 
-    def __init__(self, voice: Voice, animations: Animations) -> None:
+    def __init__(self, voice: SpeechVoice, animations: AnimationLibrary) -> None:
         super().__init__()
         self._voice, self._animations = voice, animations
         self._language = "English"
@@ -113,7 +113,7 @@ class TextToSpeech(Service):
     def set_volume(self, volume: float) -> None:
         """0 to 1."""
         if not 0 <= volume <= 1:
-            raise Refused("ALTextToSpeech::setVolume\n\tvolume must be within [0.0, 1.0]")
+            raise CallRefusedError("ALTextToSpeech::setVolume\n\tvolume must be within [0.0, 1.0]")
         self._voice.volume = volume
 
     @offers("getVolume()f")
@@ -126,16 +126,18 @@ class TextToSpeech(Service):
         """Speed in percent, pitchShift 0 or 1 to 4, and others that are only kept."""
         low, high = _LIMITS.get(name, (float("-inf"), float("inf")))
         if name not in {*self._voice.parameters, *_LIMITS}:
-            raise Refused(f"ALTextToSpeech::setParameter\n\tunknown parameter {name}")
+            raise CallRefusedError(f"ALTextToSpeech::setParameter\n\tunknown parameter {name}")
         if not low <= value <= high or (name == "pitchShift" and 0 < value < 1):
-            raise Refused(f"ALTextToSpeech::setParameter\n\t{value:g} is out of range for {name}")
+            raise CallRefusedError(
+                f"ALTextToSpeech::setParameter\n\t{value:g} is out of range for {name}"
+            )
         self._voice.parameters[name] = value
 
     @offers("getParameter(s)f")
     def get_parameter(self, name: str) -> float:
         """The value set last, or the default."""
         if name not in self._voice.parameters:
-            raise Refused(f"ALTextToSpeech::getParameter\n\tunknown parameter {name}")
+            raise CallRefusedError(f"ALTextToSpeech::getParameter\n\tunknown parameter {name}")
         return self._voice.parameters[name]
 
     @offers("resetSpeed()v")
@@ -152,7 +154,7 @@ class TextToSpeech(Service):
     def set_language(self, language: str) -> None:
         """Kept; the length of speech is the same in every language here."""
         if language not in self.get_available_languages():
-            raise Refused(f"ALTextToSpeech::setLanguage\n\t{language} is not installed")
+            raise CallRefusedError(f"ALTextToSpeech::setLanguage\n\t{language} is not installed")
         self._language = language
 
     @offers("getAvailableLanguages()[s]")
@@ -166,7 +168,7 @@ class AnimatedSpeech(Service):
 
     name = "ALAnimatedSpeech"
 
-    def __init__(self, voice: Voice, animations: Animations) -> None:
+    def __init__(self, voice: SpeechVoice, animations: AnimationLibrary) -> None:
         super().__init__()
         self._voice, self._animations = voice, animations
         self._mode = "contextual"
@@ -185,7 +187,7 @@ class AnimatedSpeech(Service):
     def set_mode(self, mode: str) -> None:
         """Disabled, random or contextual: only kept."""
         if mode not in ("disabled", "random", "contextual"):
-            raise Refused("ALAnimatedSpeech::setBodyLanguageModeFromStr\n\tunknown mode")
+            raise CallRefusedError("ALAnimatedSpeech::setBodyLanguageModeFromStr\n\tunknown mode")
         self._mode = mode
 
     @offers("getBodyLanguageModeToStr()s")
@@ -212,7 +214,7 @@ _RANGES = {"vct": (50, 200), "rspd": (50, 400), "vol": (0, 100), "pau": (0, 6553
 
 
 @dataclass(frozen=True, slots=True)
-class Manner:
+class SpeechManner:
     """How it is said, in percent: pitch, speed, volume."""
 
     vct: int = 100
@@ -225,7 +227,7 @@ class Words:
     """Words said in one manner."""
 
     text: str
-    manner: Manner
+    manner: SpeechManner
 
     def seconds(self, speed: float) -> float:
         """How long they take at the voice's own speed in percent."""
@@ -252,13 +254,13 @@ Piece = Words | Pause | Animate
 
 def plain(text: str) -> list[Piece]:
     """The pieces of a text for ALTextToSpeech, which knows no animations."""
-    return list(_voiced(text, Manner()))
+    return list(_voiced(text, SpeechManner()))
 
 
 def animated(text: str) -> list[Piece]:
     """The pieces of a text for ALAnimatedSpeech; a tag's effect lasts until the end or a reset."""
     pieces: list[Piece] = []
-    manner, position = Manner(), 0
+    manner, position = SpeechManner(), 0
     for match in [*_RUN.finditer(text), None]:
         end = match.start() if match else len(text)
         pieces += _voiced(text[position:end], manner)
@@ -269,7 +271,7 @@ def animated(text: str) -> list[Piece]:
     return pieces
 
 
-def _voiced(text: str, manner: Manner) -> Iterator[Piece]:
+def _voiced(text: str, manner: SpeechManner) -> Iterator[Piece]:
     position = 0
     for match in [*_TAG.finditer(text), None]:
         words = text[position : match.start() if match else len(text)].strip()
@@ -282,16 +284,16 @@ def _voiced(text: str, manner: Manner) -> Iterator[Piece]:
             position = match.end()
 
 
-def _manner_after(text: str, manner: Manner) -> Manner:
+def _manner_after(text: str, manner: SpeechManner) -> SpeechManner:
     for match in _TAG.finditer(text):
         manner = _changed(manner, match)
     return manner
 
 
-def _changed(manner: Manner, match: re.Match[str]) -> Manner:
+def _changed(manner: SpeechManner, match: re.Match[str]) -> SpeechManner:
     name = match[1].lower()
     if name == "rst":
-        return Manner()
+        return SpeechManner()
     # Tags that are not simulated are not read out either.
     return replace(manner, **{name: _number(match)}) if name in asdict(manner) else manner
 

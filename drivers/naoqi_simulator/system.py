@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from naoqi_simulator.service_table import Service, offers
-from naoqi_simulator.world import World
+from naoqi_simulator.world import SimulatedWorld
 
 #: Percent that the battery loses in an hour awake: from 100 to 0 in the 12 hours the maker names.
 PER_HOUR = 100 / 12
@@ -17,7 +17,7 @@ class System(Service):
 
     name = "ALSystem"
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: SimulatedWorld) -> None:
         super().__init__()
         self._world = world
         self._robot_name = "Pepper"
@@ -49,7 +49,7 @@ class Battery(Service):
 
     name = "ALBattery"
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: SimulatedWorld) -> None:
         super().__init__()
         self._world = world
         self.full = 87.0

@@ -6,9 +6,9 @@ import asyncio
 from collections.abc import Coroutine
 from typing import Any, ClassVar
 
-from naoqi_simulator.service_table import Refused, Service, offers
+from naoqi_simulator.service_table import CallRefusedError, Service, offers
 from naoqi_simulator.web import Fetched, fetch
-from naoqi_simulator.world import World
+from naoqi_simulator.world import SimulatedWorld
 
 #: Pixels of Pepper's tablet; the signals `onTouch...` but the ratio one count in these.
 WIDTH, HEIGHT = 1280, 800
@@ -16,7 +16,7 @@ WIDTH, HEIGHT = 1280, 800
 VIDEO_S = 10.0
 
 
-class Tablet(Service):
+class TabletService(Service):
     """The tablet at its chest."""
 
     name = "ALTabletService"
@@ -27,7 +27,7 @@ class Tablet(Service):
         **{"onLoadPageError": "(iss)", "onImageLoaded": "()", "onWifiStatusChange": "(s)"},
     }
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: SimulatedWorld) -> None:
         super().__init__()
         self._world = world
         self._work: set[asyncio.Task[None]] = set()
@@ -153,7 +153,9 @@ class Tablet(Service):
     def set_brightness(self, level: float) -> bool:
         """0 to 1."""
         if not 0 <= level <= 1:
-            raise Refused("ALTabletService::setBrightness\n\tbrightness must be within [0, 1]")
+            raise CallRefusedError(
+                "ALTabletService::setBrightness\n\tbrightness must be within [0, 1]"
+            )
         self.brightness = level
         return True
 

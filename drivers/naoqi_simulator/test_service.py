@@ -1,4 +1,4 @@
-"""`StandIn`: the service with which a test or a rehearsal looks behind the robot's face.
+"""`TestService`: the service with which a test or a rehearsal looks behind the robot's face.
 
 No real robot has it. It answers whatever fault there is, but not while the process is frozen.
 """
@@ -11,16 +11,16 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from naoqi_simulator.faults import Entry, as_json
-from naoqi_simulator.service_table import Refused, Service, offers
-from naoqi_simulator.visitor import Person
-from naoqi_simulator.world import World
+from naoqi_simulator.service_table import CallRefusedError, Service, offers
+from naoqi_simulator.visitor import SimulatedPerson
+from naoqi_simulator.world import SimulatedWorld
 
 #: Distance (m) and number of somebody who is put there without saying where.
-_DEFAULT = Person(number=1, distance=1.0, angle=0.0, looking=True, talking=False)
+_DEFAULT = SimulatedPerson(number=1, distance=1.0, angle=0.0, looking=True, talking=False)
 
 
 @dataclass(frozen=True, slots=True)
-class Knob:
+class TestCall:
     """Something that can be looked at, and perhaps changed, by name."""
 
     read: Callable[[], Any]
@@ -28,24 +28,26 @@ class Knob:
 
 
 @dataclass(slots=True)
-class Knobs:
+class TestCalls:
     """All of them, by name."""
 
-    by_name: dict[str, Knob] = field(default_factory=dict)
+    by_name: dict[str, TestCall] = field(default_factory=dict)
 
     def add(
         self, name: str, read: Callable[[], Any], write: Callable[[Any], None] | None = None
     ) -> None:
         """One more."""
-        self.by_name[name] = Knob(read, write)
+        self.by_name[name] = TestCall(read, write)
 
 
-class StandIn(Service):
+class TestService(Service):
     """See the module's text."""
 
     name = "StandIn"
 
-    def __init__(self, world: World, knobs: Knobs, touch: Callable[[float, float], None]) -> None:
+    def __init__(
+        self, world: SimulatedWorld, knobs: TestCalls, touch: Callable[[float, float], None]
+    ) -> None:
         super().__init__()
         self._world, self._knobs, self._touch = world, knobs, touch
 
@@ -78,11 +80,13 @@ class StandIn(Service):
         knob = self._knobs.by_name.get(name)
         if knob is None or knob.write is None:
             known = ", ".join(one for one, knob in self._knobs.by_name.items() if knob.write)
-            raise Refused(f"StandIn::set\n\tnothing to change under {name}; there is {known}")
+            raise CallRefusedError(
+                f"StandIn::set\n\tnothing to change under {name}; there is {known}"
+            )
         try:
             knob.write(decoded)
         except (TypeError, ValueError, KeyError) as error:
-            raise Refused(f"StandIn::set\n\t{name} cannot be {value}: {error}") from None
+            raise CallRefusedError(f"StandIn::set\n\t{name} cannot be {value}: {error}") from None
 
     @offers("get(s)s")
     def get(self, name: str) -> str:
@@ -93,16 +97,18 @@ class StandIn(Service):
             try:
                 return as_json(self._world.store.get(name.removeprefix("memory:")))
             except KeyError:
-                raise Refused(f"StandIn::get\n\tALMemory has no {name[7:]}") from None
+                raise CallRefusedError(f"StandIn::get\n\tALMemory has no {name[7:]}") from None
         if name not in self._knobs.by_name:
-            raise Refused(f"StandIn::get\n\tnothing under {name}; there is state, and all in it")
+            raise CallRefusedError(
+                f"StandIn::get\n\tnothing under {name}; there is state, and all in it"
+            )
         return as_json(self._knobs.by_name[name].read())
 
     @offers("touch(ff)v")
     def touch(self, x: float, y: float) -> None:
         """Somebody touches the tablet: shares of its width and height from the left top."""
         if not (0 <= x <= 1 and 0 <= y <= 1):
-            raise Refused("StandIn::touch\n\tx and y are shares of the screen, 0 to 1")
+            raise CallRefusedError("StandIn::touch\n\tx and y are shares of the screen, 0 to 1")
         self._touch(x, y)
 
     @offers("person(s)v")
@@ -119,23 +125,27 @@ class StandIn(Service):
         elif isinstance(decoded, Mapping):
             self._world.placed = _placed(decoded)
         else:
-            raise Refused(f'StandIn::person\n\t{who} is nobody; give an object, null or "auto"')
+            raise CallRefusedError(
+                f'StandIn::person\n\t{who} is nobody; give an object, null or "auto"'
+            )
 
 
-def _placed(given: Mapping[str, Any]) -> Person:
+def _placed(given: Mapping[str, Any]) -> SimulatedPerson:
     fields = asdict(_DEFAULT)
     if unknown := set(given) - set(fields):
-        raise Refused(f"StandIn::person\n\tnobody has {', '.join(sorted(unknown))}")
+        raise CallRefusedError(f"StandIn::person\n\tnobody has {', '.join(sorted(unknown))}")
     for name, value in given.items():
         kind = type(fields[name])
         if type(value) is not kind and (kind, type(value)) != (float, int):
-            raise Refused(f"StandIn::person\n\t{name} must be {kind.__name__}, not {value!r}")
+            raise CallRefusedError(
+                f"StandIn::person\n\t{name} must be {kind.__name__}, not {value!r}"
+            )
         fields[name] = kind(value)
-    return Person(**fields)
+    return SimulatedPerson(**fields)
 
 
 def _decoded(text: str) -> Any:
     try:
         return json.loads(text)
     except ValueError as error:
-        raise Refused(f"StandIn\n\t{text!r} is not JSON: {error}") from None
+        raise CallRefusedError(f"StandIn\n\t{text!r} is not JSON: {error}") from None

@@ -26,7 +26,7 @@ _WHETHER = re.compile(r"\b(right|correct)\b", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True)
-class Person:
+class SimulatedPerson:
     """Somebody as the robot perceives them: metres, radians (left positive)."""
 
     number: int
@@ -61,7 +61,7 @@ class _Doing:
 
 
 @dataclass(frozen=True, slots=True)
-class _Visit:
+class _CurrentVisit:
     number: int
     comes: float
     stays: float
@@ -73,21 +73,21 @@ class _Visit:
     doings: tuple[_Doing, ...]
 
 
-class Visitors:
+class SimulatedVisitors:
     """All visits, as far as they were asked for."""
 
     def __init__(self, seed: int) -> None:
         self._random = random.Random(seed)
-        self._visits: list[_Visit] = []
+        self._visits: list[_CurrentVisit] = []
 
-    def at(self, seconds: float) -> Person | None:
+    def at(self, seconds: float) -> SimulatedPerson | None:
         """Who is there after so many seconds of the robot."""
         while not self._visits or self._visits[-1].gone <= seconds:
             self._visits.append(self._next())
         visit = next(one for one in self._visits if seconds < one.gone)
         return None if seconds < visit.comes else _seen(visit, seconds)
 
-    def _next(self) -> _Visit:
+    def _next(self) -> _CurrentVisit:
         draw = self._random
         number = len(self._visits) + 1
         comes = (self._visits[-1].gone if self._visits else 0.0) + draw.uniform(4.0, 10.0)
@@ -95,7 +95,7 @@ class Visitors:
         doings = self._doings(stays, draw.randint(3, 6))
         leaves = doings[-1].until
         name = draw.choice(NAMES) if draw.random() < 0.5 else ""
-        return _Visit(
+        return _CurrentVisit(
             *(number, comes, stays, leaves, leaves + WALK_S),
             *(draw.uniform(0.8, 1.4), draw.uniform(-0.4, 0.4), name, doings),
         )
@@ -111,18 +111,20 @@ class Visitors:
         return tuple(doings)
 
 
-def _seen(visit: _Visit, now: float) -> Person:
+def _seen(visit: _CurrentVisit, now: float) -> SimulatedPerson:
     sway = 0.05 * math.sin(now * 0.8)
     if now < visit.stays:
         share = (now - visit.comes) / WALK_S
         distance = FAR_M + share * (visit.distance - FAR_M)
-        return Person(visit.number, distance, visit.angle + sway, True, False, visit.name)
+        return SimulatedPerson(visit.number, distance, visit.angle + sway, True, False, visit.name)
     if now >= visit.leaves:
         share = (now - visit.leaves) / WALK_S
         distance = visit.distance + share * (FAR_M - visit.distance)
-        return Person(visit.number, distance, visit.angle + 0.6 * share, False, False, visit.name)
+        return SimulatedPerson(
+            visit.number, distance, visit.angle + 0.6 * share, False, False, visit.name
+        )
     doing = next(one for one in visit.doings if now < one.until)
-    return Person(
+    return SimulatedPerson(
         *(visit.number, visit.distance, visit.angle + sway),
         *(doing.looking, doing.talking, visit.name),
     )

@@ -8,14 +8,14 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Protocol
 
-from naoqi_simulator.body import Body
-from naoqi_simulator.faults import Desk, Faults
-from naoqi_simulator.memory_store import Store
-from naoqi_simulator.robot_time import Going, Time
-from naoqi_simulator.visitor import Person, Visitors
+from naoqi_simulator.body import SimulatedBody
+from naoqi_simulator.faults import CallRecord, SimulatedFaults
+from naoqi_simulator.memory_store import MemoryStore
+from naoqi_simulator.robot_time import Activities, SimulatorTime
+from naoqi_simulator.visitor import SimulatedPerson, SimulatedVisitors
 
 
-class Clients(Protocol):
+class ConnectedClients(Protocol):
     """Services that clients of the robot have registered: where sound is sent to."""
 
     async def call(self, service: str, method: str, *args: Any) -> Any:
@@ -24,7 +24,7 @@ class Clients(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class SimulatorOptions:
     """How this robot is: `python -m naoqi_simulator --help` says what each means."""
 
     seed: int = 7
@@ -37,43 +37,43 @@ class Options:
 
 
 @dataclass(slots=True)
-class World:
+class SimulatedWorld:
     """Everything that is so at this moment."""
 
-    time: Time
-    options: Options = field(default_factory=Options)
-    clients: Clients | None = None
-    faults: Faults = field(init=False)
-    desk: Desk = field(init=False)
-    going: Going = field(init=False)
-    body: Body = field(init=False)
-    store: Store = field(init=False)
+    time: SimulatorTime
+    options: SimulatorOptions = field(default_factory=SimulatorOptions)
+    clients: ConnectedClients | None = None
+    faults: SimulatedFaults = field(init=False)
+    desk: CallRecord = field(init=False)
+    going: Activities = field(init=False)
+    body: SimulatedBody = field(init=False)
+    store: MemoryStore = field(init=False)
     random: random.Random = field(init=False)
     #: What went wrong without anybody being told on the wire: an animation in speech that is not
     #: installed, an address that the tablet could not load.
     notes: list[str] = field(init=False)
     #: A person put there by hand; False: nobody.
-    placed: Person | bool | None = field(init=False)
+    placed: SimulatedPerson | bool | None = field(init=False)
     #: Whether the person there answers the robot just now.
     talks: bool = field(init=False)
-    _visitors: Visitors = field(init=False)
+    _visitors: SimulatedVisitors = field(init=False)
 
     def __post_init__(self) -> None:
-        self.faults = Faults(self.time)
-        self.desk = Desk(self.faults)
-        self.going = Going(self.time)
-        self.body = Body(self.time)
-        self.store = Store()
+        self.faults = SimulatedFaults(self.time)
+        self.desk = CallRecord(self.faults)
+        self.going = Activities(self.time)
+        self.body = SimulatedBody(self.time)
+        self.store = MemoryStore()
         self.random = random.Random(self.options.seed)
         self.notes = []
         self.talks = False
         self.placed = None if self.options.visitors else False
-        self._visitors = Visitors(self.options.seed)
+        self._visitors = SimulatedVisitors(self.options.seed)
 
-    def person(self) -> Person | None:
+    def person(self) -> SimulatedPerson | None:
         """Who stands before the robot now."""
-        if isinstance(self.placed, Person):
-            person: Person | None = self.placed
+        if isinstance(self.placed, SimulatedPerson):
+            person: SimulatedPerson | None = self.placed
         else:
             person = None if self.placed is False else self._visitors.at(self.time.now())
         return replace(person, talking=True, looking=True) if person and self.talks else person

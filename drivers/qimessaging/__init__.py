@@ -1,41 +1,41 @@
 """The qi messaging protocol, NAOqi's wire, in Python alone.
 
-`Client` calls services of a robot; `Server` offers some, with a directory of its own.
+`NaoqiClient` calls services of a robot; `QiServer` offers some, with a directory of its own.
 """
 
-from qimessaging.client import Client
+from qimessaging.client import NaoqiClient
 from qimessaging.errors import (
-    Cancelled,
-    ConnectionLost,
+    CallCancelledError,
+    CallTimeoutError,
+    ConnectionLostError,
     LoginError,
     ProtocolError,
     QiError,
-    Refused,
+    RefusedError,
     RemoteError,
-    ServiceLost,
-    TimedOut,
+    ServiceLostError,
 )
-from qimessaging.hosted_objects import Hosted, Method, Property, Signal
+from qimessaging.hosted_objects import HostedMethod, HostedObject, HostedProperty, HostedSignal
 from qimessaging.registering import Registration
 from qimessaging.remote import RemoteObject
-from qimessaging.server import Server
+from qimessaging.server import QiServer
 
 __all__ = [
-    "Cancelled",
-    "Client",
-    "ConnectionLost",
-    "Hosted",
+    "CallCancelledError",
+    "CallTimeoutError",
+    "ConnectionLostError",
+    "HostedMethod",
+    "HostedObject",
+    "HostedProperty",
+    "HostedSignal",
     "LoginError",
-    "Method",
-    "Property",
+    "NaoqiClient",
     "ProtocolError",
     "QiError",
-    "Refused",
+    "QiServer",
+    "RefusedError",
     "Registration",
     "RemoteError",
     "RemoteObject",
-    "Server",
-    "ServiceLost",
-    "Signal",
-    "TimedOut",
+    "ServiceLostError",
 ]

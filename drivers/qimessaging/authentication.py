@@ -17,12 +17,18 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from qimessaging.connection import CAPABILITIES, Connection, Incoming
-from qimessaging.decoding import Decoder, decode
+from qimessaging.connection import CAPABILITIES, Incoming, QiConnection
+from qimessaging.decoding import ValueDecoder, decode
 from qimessaging.encoding import encode
 from qimessaging.endpoints import Endpoint
-from qimessaging.errors import ConnectionLost, LoginError, ProtocolError, QiError, TimedOut
-from qimessaging.frames import LONGEST, Frame, Kind
+from qimessaging.errors import (
+    CallTimeoutError,
+    ConnectionLostError,
+    LoginError,
+    ProtocolError,
+    QiError,
+)
+from qimessaging.frames import LONGEST, MessageKind, QiMessage
 
 AUTHENTICATE: Final = 8
 STATE: Final = "__qi_auth_state"
@@ -38,7 +44,7 @@ _SILENCE: Final = 2.0
 
 
 @dataclass(frozen=True, slots=True)
-class Entered:
+class Authenticated:
     """How it went.
 
     Attributes:
@@ -51,7 +57,7 @@ class Entered:
     objection: str = ""
 
 
-async def enter(connection: Connection, user: str, token: str, within: float) -> Entered:
+async def enter(connection: QiConnection, user: str, token: str, within: float) -> Authenticated:
     """Say who we are.
 
     Raises:
@@ -62,23 +68,23 @@ async def enter(connection: Connection, user: str, token: str, within: float) ->
     """
     silence = within if user or token else min(_SILENCE, within)
     answer = await _first(connection, _greeting(user, token), silence)
-    if answer is None or answer.kind != Kind.REPLY:
+    if answer is None or answer.kind != MessageKind.REPLY:
         return _without_login(connection, answer, user, token)
     state, said = _read(connection, answer)
     if state == GO_ON:
         token = _new_token(said)
         answer = await _ask(connection, _greeting(user, token), within)
-        if answer.kind != Kind.REPLY:
+        if answer.kind != MessageKind.REPLY:
             raise LoginError(f"the robot refuses the login: {error_text(answer)}")
         state, said = _read(connection, answer)
     if state != DONE:
         raise LoginError(_why_refused(state, said))
-    return Entered(token)
+    return Authenticated(token)
 
 
 async def _first(
-    connection: Connection, greeting: Mapping[str, Any], within: float
-) -> Frame | None:
+    connection: QiConnection, greeting: Mapping[str, Any], within: float
+) -> QiMessage | None:
     """Return the answer to the greeting; None where capabilities came unasked, or nothing."""
     asked = asyncio.ensure_future(_ask(connection, greeting, within))
     told = asyncio.ensure_future(connection.capabilities_told())
@@ -87,7 +93,7 @@ async def _first(
         if asked.done():
             return asked.result()
         return None
-    except TimedOut:
+    except CallTimeoutError:
         if USER in greeting:
             raise
         return None
@@ -96,7 +102,7 @@ async def _first(
             task.cancel()
 
 
-async def _ask(connection: Connection, greeting: Mapping[str, Any], within: float) -> Frame:
+async def _ask(connection: QiConnection, greeting: Mapping[str, Any], within: float) -> QiMessage:
     return await connection.ask(0, 0, AUTHENTICATE, encode("{sm}", greeting), within)
 
 
@@ -105,16 +111,22 @@ def _greeting(user: str, token: str) -> dict[str, Any]:
     return {**CAPABILITIES, **who}
 
 
-def _without_login(connection: Connection, answer: Frame | None, user: str, token: str) -> Entered:
+def _without_login(
+    connection: QiConnection, answer: QiMessage | None, user: str, token: str
+) -> Authenticated:
     if user or token:
         said = error_text(answer) if answer is not None else "it does not ask for one"
         raise LoginError(f"the robot refuses the login: {said}")
-    with contextlib.suppress(ConnectionLost):  # the next call finds it, and knows the objection
-        connection.send(Frame(Kind.CAPABILITY, 0, 0, 0, 0, encode("{sm}", dict(CAPABILITIES))))
-    return Entered(token, error_text(answer) if answer is not None else "")
+    with contextlib.suppress(
+        ConnectionLostError
+    ):  # the next call finds it, and knows the objection
+        connection.send(
+            QiMessage(MessageKind.CAPABILITY, 0, 0, 0, 0, encode("{sm}", dict(CAPABILITIES)))
+        )
+    return Authenticated(token, error_text(answer) if answer is not None else "")
 
 
-def _read(connection: Connection, answer: Frame) -> tuple[int, Mapping[Any, Any]]:
+def _read(connection: QiConnection, answer: QiMessage) -> tuple[int, Mapping[Any, Any]]:
     said = decode("{sm}", answer.payload)
     connection.learn(said)
     state = said.get(STATE, DONE)
@@ -137,10 +149,10 @@ def _why_refused(state: int, said: Mapping[Any, Any]) -> str:
     return f"the robot refuses the login: {reason or 'wrong name or password'}"
 
 
-def error_text(frame: Frame) -> str:
+def error_text(frame: QiMessage) -> str:
     """Return what an error message says."""
     try:
-        found = Decoder(frame.payload).value("m")
+        found = ValueDecoder(frame.payload).value("m")
     except ProtocolError:
         found = frame.payload
     if isinstance(found, bytes):
@@ -152,7 +164,7 @@ def error_text(frame: Frame) -> str:
 
 
 @dataclass(slots=True)
-class WayIn:
+class Authenticator:
     """How to open connections to one robot.
 
     Attributes:
@@ -173,7 +185,7 @@ class WayIn:
     objection: str = ""
     prepare: Callable[[socket.socket], None] | None = None
 
-    async def connect(self, endpoint: Endpoint, within: float) -> Connection:
+    async def connect(self, endpoint: Endpoint, within: float) -> QiConnection:
         """Open a connection and log in.
 
         Raises:
@@ -187,26 +199,26 @@ class WayIn:
                 connection = await self._connect(endpoint)
                 return await self._enter(connection, within)
         except TimeoutError:
-            raise TimedOut(f"{endpoint} does not answer within {within:g} s") from None
+            raise CallTimeoutError(f"{endpoint} does not answer within {within:g} s") from None
 
-    async def _connect(self, endpoint: Endpoint) -> Connection:
+    async def _connect(self, endpoint: Endpoint) -> QiConnection:
         loop = asyncio.get_running_loop()
         try:
             _, connection = await loop.create_connection(
-                lambda: Connection(self.incoming, self.longest),
+                lambda: QiConnection(self.incoming, self.longest),
                 endpoint.host,
                 endpoint.port,
                 ssl=self.tls if endpoint.tls else None,
             )
         except ssl.SSLError as error:
-            raise ConnectionLost(f"no TLS with {endpoint}: {error.reason or error}") from error
+            raise ConnectionLostError(f"no TLS with {endpoint}: {error.reason or error}") from error
         except OSError as error:
-            raise ConnectionLost(f"cannot connect to {endpoint}: {_reason(error)}") from error
+            raise ConnectionLostError(f"cannot connect to {endpoint}: {_reason(error)}") from error
         except ValueError as error:  # a name that no machine can have; UnicodeError is one, too
-            raise ConnectionLost(f"cannot connect to {endpoint.host!r}: {error}") from error
+            raise ConnectionLostError(f"cannot connect to {endpoint.host!r}: {error}") from error
         return connection
 
-    async def _enter(self, connection: Connection, within: float) -> Connection:
+    async def _enter(self, connection: QiConnection, within: float) -> QiConnection:
         try:
             entered = await enter(connection, self.user, self.token, within)
         except QiError as error:

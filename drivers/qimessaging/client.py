@@ -8,8 +8,8 @@ import ssl
 from collections.abc import Callable
 from typing import Any, Final, Self
 
-from qimessaging.authentication import WayIn
-from qimessaging.connection import Connection
+from qimessaging.authentication import Authenticator
+from qimessaging.connection import QiConnection
 from qimessaging.directory import MACHINE
 from qimessaging.endpoints import (
     DIRECTORY,
@@ -20,16 +20,16 @@ from qimessaging.endpoints import (
     shares_socket,
 )
 from qimessaging.errors import (
-    ConnectionLost,
+    CallTimeoutError,
+    ConnectionLostError,
     LoginError,
     ProtocolError,
     QiError,
-    ServiceLost,
-    TimedOut,
+    ServiceLostError,
 )
-from qimessaging.hosted_objects import Hosted
-from qimessaging.object_host import Host
-from qimessaging.registering import Listener, Registration, describe, register
+from qimessaging.hosted_objects import HostedObject
+from qimessaging.object_host import ObjectHost
+from qimessaging.registering import Registration, ServiceListener, describe, register
 from qimessaging.remote import RemoteObject, Unsubscribe
 
 DIRECTORY_SERVICE: Final = 1
@@ -41,7 +41,7 @@ _LONGEST_CALL: Final = 1 << 20
 _MOST_CALLERS: Final = 16
 
 
-class Client:
+class NaoqiClient:
     """One client of one directory. All of it belongs to the event loop in which it was opened.
 
     Attributes:
@@ -49,16 +49,18 @@ class Client:
             words. Services that live elsewhere may be lost before; their calls tell it.
     """
 
-    def __init__(self, connection: Connection, way_in: WayIn, host: Host, timeout: float) -> None:
+    def __init__(
+        self, connection: QiConnection, way_in: Authenticator, host: ObjectHost, timeout: float
+    ) -> None:
         """Use a connection that has let us in; `open` makes it and the rest."""
         self._connection = connection
         self._way_in = way_in
         self._host = host
-        self._listener = Listener(host, longest=_LONGEST_CALL, most=_MOST_CALLERS)
+        self._listener = ServiceListener(host, longest=_LONGEST_CALL, most=_MOST_CALLERS)
         self._timeout = timeout
         self._directory = ServiceInfo(DIRECTORY, DIRECTORY_SERVICE, "", 0, (), "")
         self._found: dict[str, asyncio.Task[RemoteObject]] = {}
-        self._elsewhere: dict[Endpoint, Connection] = {}
+        self._elsewhere: dict[Endpoint, QiConnection] = {}
         self.lost: asyncio.Future[str] = connection.lost
 
     @classmethod
@@ -90,8 +92,8 @@ class Client:
             LoginError: The robot does not let us in.
             ProtocolError: Something else listens there.
         """
-        services = Host()
-        way_in = WayIn(tls, user, token, services.handle, prepare=prepare)
+        services = ObjectHost()
+        way_in = Authenticator(tls, user, token, services.handle, prepare=prepare)
         endpoint = Endpoint(host, port, tls is not None)
         try:
             async with asyncio.timeout(timeout):
@@ -99,7 +101,7 @@ class Client:
                 this = cls(connection, way_in, services, timeout)
                 await this._begin()
         except TimeoutError:
-            raise TimedOut(f"{endpoint} does not answer within {timeout:g} s") from None
+            raise CallTimeoutError(f"{endpoint} does not answer within {timeout:g} s") from None
         return this
 
     @property
@@ -131,7 +133,7 @@ class Client:
             return await asyncio.shield(task)
         except asyncio.CancelledError:
             if task.cancelled() and self.lost.done():  # the search was ended, not who waits
-                raise ConnectionLost(self.lost.result()) from None
+                raise ConnectionLostError(self.lost.result()) from None
             raise
 
     async def call(self, service: str, method: str, *args: Any, within: float) -> Any:
@@ -141,16 +143,18 @@ class Client:
 
         Raises:
             Refused: There is no such service or method, it does not take these arguments, it
-                failed (`RemoteError`), or its process has gone (`ServiceLost`).
+                failed (`RemoteError`), or its process has gone (`ServiceLostError`).
             TimedOut: No answer came within that many seconds; a late one is dropped.
             ConnectionLost: The connection to the directory is lost.
         """
         found, left = await self._service_within(service, within)
         try:
             return await found.call(method, *args, within=left)
-        except TimedOut:
-            raise TimedOut(f"{service}.{method} gave no answer within {within:g} s") from None
-        except ConnectionLost as error:
+        except CallTimeoutError:
+            raise CallTimeoutError(
+                f"{service}.{method} gave no answer within {within:g} s"
+            ) from None
+        except ConnectionLostError as error:
             raise self._loss_of(service, error) from error
 
     async def listen(
@@ -163,7 +167,7 @@ class Client:
         found, left = await self._service_within(service, within)
         try:
             return await found.listen(signal, heard, left)
-        except ConnectionLost as error:
+        except ConnectionLostError as error:
             raise self._loss_of(service, error) from error
 
     async def property(self, service: str, name: str, within: float = TIMEOUT) -> Any:
@@ -171,10 +175,12 @@ class Client:
         found, left = await self._service_within(service, within)
         try:
             return await found.property(name, left)
-        except ConnectionLost as error:
+        except ConnectionLostError as error:
             raise self._loss_of(service, error) from error
 
-    async def register(self, name: str, hosted: Hosted, *, listen: bool = True) -> Registration:
+    async def register(
+        self, name: str, hosted: HostedObject, *, listen: bool = True
+    ) -> Registration:
         """Register a service of ours, which the robot then calls by its name.
 
         Args:
@@ -192,7 +198,7 @@ class Client:
             try:
                 await self._listener.listen(self.local_host, 0)
             except OSError as error:
-                raise ConnectionLost(f"cannot listen on {self.local_host}: {error}") from error
+                raise ConnectionLostError(f"cannot listen on {self.local_host}: {error}") from error
         directory = await self.service(DIRECTORY)
         endpoints = self._listener.endpoints if listen else []
         # On one and the same machine its own name for it is used: libqi does not look for
@@ -217,7 +223,7 @@ class Client:
     async def _begin(self) -> None:
         try:
             await self._meet_directory()
-        except ConnectionLost as error:
+        except ConnectionLostError as error:
             if self._way_in.objection:
                 raise LoginError(_refusal(self._way_in.objection)) from error
             raise
@@ -246,7 +252,7 @@ class Client:
             connection = await self._reach(info)
         return await RemoteObject.fetch(connection, info.service, self._timeout)
 
-    async def _reach(self, info: ServiceInfo) -> Connection:
+    async def _reach(self, info: ServiceInfo) -> QiConnection:
         """Connect to the process in which a service lives, where that is not done yet."""
         peer = self._connection.address("peername")[0]
         endpoints = reachable(info, peer, self._way_in.tls is not None)
@@ -257,12 +263,12 @@ class Client:
         for endpoint in endpoints:
             try:
                 return await self._connect_elsewhere(endpoint)
-            except (ConnectionLost, TimedOut) as error:
+            except (ConnectionLostError, CallTimeoutError) as error:
                 tried.append(str(error))
         why = "; ".join(tried) or "the directory names no address that can be reached from here"
-        raise ServiceLost(f"{info.name} cannot be reached: {why}")
+        raise ServiceLostError(f"{info.name} cannot be reached: {why}")
 
-    async def _connect_elsewhere(self, endpoint: Endpoint) -> Connection:
+    async def _connect_elsewhere(self, endpoint: Endpoint) -> QiConnection:
         connection = await self._way_in.connect(endpoint, self._timeout)
         if endpoint in self._elsewhere:  # two services of one process were looked up at once
             connection.end("there is another")
@@ -273,7 +279,7 @@ class Client:
             connection.end("closed")
         return connection
 
-    def _drop(self, endpoint: Endpoint, connection: Connection) -> None:
+    def _drop(self, endpoint: Endpoint, connection: QiConnection) -> None:
         self._elsewhere.pop(endpoint, None)
         for name, task in tuple(self._found.items()):
             if _result(task) and task.result().connection is connection:
@@ -302,13 +308,13 @@ class Client:
             async with asyncio.timeout_at(end):
                 found = await self.service(name)
         except TimeoutError:
-            raise TimedOut(f"{name} was not found within {within:g} s") from None
+            raise CallTimeoutError(f"{name} was not found within {within:g} s") from None
         return found, end - loop.time()
 
-    def _loss_of(self, service: str, error: ConnectionLost) -> QiError:
+    def _loss_of(self, service: str, error: ConnectionLostError) -> QiError:
         if self.lost.done():
             return error
-        return ServiceLost(f"{service} has gone: {error}")
+        return ServiceLostError(f"{service} has gone: {error}")
 
 
 def _refusal(objection: str) -> str:

@@ -14,10 +14,10 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, Final, Protocol
 
-from qimessaging.decoding import Decoder
+from qimessaging.decoding import ValueDecoder
 from qimessaging.encoding import encode
-from qimessaging.errors import ConnectionLost, ProtocolError, TimedOut
-from qimessaging.frames import LONGEST, Frame, FrameReader, Kind
+from qimessaging.errors import CallTimeoutError, ConnectionLostError, ProtocolError
+from qimessaging.frames import LONGEST, MessageKind, QiMessage, QiMessageReader
 
 #: Where an event comes from: service, object, signal.
 Source = tuple[int, int, int]
@@ -36,36 +36,36 @@ _MOST_WAITING: Final = 128 << 20
 #: Messages are taken for so long without a break, in seconds.
 _A_TURN_S: Final = 0.005
 
-_ANSWERS: Final = frozenset({Kind.REPLY, Kind.ERROR, Kind.CANCELED})
-_ASKING: Final = frozenset({Kind.CALL, Kind.POST, Kind.CANCEL})
+_ANSWERS: Final = frozenset({MessageKind.REPLY, MessageKind.ERROR, MessageKind.CANCELED})
+_ASKING: Final = frozenset({MessageKind.CALL, MessageKind.POST, MessageKind.CANCEL})
 
-Incoming = Callable[["Connection", Frame], None]
+Incoming = Callable[["QiConnection", QiMessage], None]
 
 
-class Hearer(Protocol):
+class MessageListener(Protocol):
     """Takes the events of one source."""
 
-    def take(self, frame: Frame) -> None:
+    def take(self, frame: QiMessage) -> None:
         """Take an event. Raises `ProtocolError` where it is none that can be read."""
         ...
 
 
-class Connection(asyncio.Protocol):
+class QiConnection(asyncio.Protocol):
     """One connection. All of it belongs to the event loop in which it was opened."""
 
     def __init__(self, incoming: Incoming | None = None, longest: int = LONGEST) -> None:
         """Wait for `connection_made`, which the event loop calls."""
         self._incoming = incoming
-        self._reader = FrameReader(longest)
+        self._reader = QiMessageReader(longest)
         self._transport: asyncio.Transport | None = None
         self._numbers = itertools.count(1)
-        self._pending: dict[int, asyncio.Future[Frame]] = {}
-        self._heard: dict[Source, Hearer] = {}
+        self._pending: dict[int, asyncio.Future[QiMessage]] = {}
+        self._heard: dict[Source, MessageListener] = {}
         self._capabilities: dict[str, Any] = {}
         self._told = asyncio.Event()
         self._reason = ""
         #: Messages that wait for their turn, and why what came behind them is none.
-        self._came: deque[Frame] = deque()
+        self._came: deque[QiMessage] = deque()
         self._broken = ""
         self._next: asyncio.Handle | None = None
         self._reads = True
@@ -135,21 +135,21 @@ class Connection(asyncio.Protocol):
         """Return once the other end has said what it can do, unasked or not."""
         await self._told.wait()
 
-    def send(self, frame: Frame) -> None:
-        """Send a message. Raises `ConnectionLost`."""
+    def send(self, frame: QiMessage) -> None:
+        """Send a message. Raises `ConnectionLostError`."""
         if self._transport is None or self._transport.is_closing() or self.lost.done():
-            raise ConnectionLost(self._reason or "the connection is closed")
+            raise ConnectionLostError(self._reason or "the connection is closed")
         self._transport.write(frame.encoded())
         if self._transport.get_write_buffer_size() > _MOST_WAITING:
             self.end("the other end has stopped reading")
 
     def post(self, service: int, obj: int, action: int, payload: bytes) -> None:
-        """Send a call that wants no answer. Raises `ConnectionLost`."""
-        self.send(Frame(Kind.POST, self._number(), service, obj, action, payload))
+        """Send a call that wants no answer. Raises `ConnectionLostError`."""
+        self.send(QiMessage(MessageKind.POST, self._number(), service, obj, action, payload))
 
     async def ask(
         self, service: int, obj: int, action: int, payload: bytes, within: float
-    ) -> Frame:
+    ) -> QiMessage:
         """Call and return the message that answers: a reply, an error or that it was cancelled.
 
         A cancelled call is cancelled on the other end, too, where it lets itself be.
@@ -159,30 +159,30 @@ class Connection(asyncio.Protocol):
             ConnectionLost: The connection ended meanwhile.
         """
         number = self._number()
-        answer: asyncio.Future[Frame] = asyncio.get_running_loop().create_future()
+        answer: asyncio.Future[QiMessage] = asyncio.get_running_loop().create_future()
         self._pending[number] = answer
-        frame = Frame(Kind.CALL, number, service, obj, action, payload)
+        frame = QiMessage(MessageKind.CALL, number, service, obj, action, payload)
         try:
             self.send(frame)
             async with asyncio.timeout(within):
                 return await answer
         except TimeoutError:
-            raise TimedOut(f"no answer within {within:g} s") from None
+            raise CallTimeoutError(f"no answer within {within:g} s") from None
         except asyncio.CancelledError:
             self._cancel(frame)
             raise
         finally:
             self._pending.pop(number, None)
 
-    def hearer(self, source: Source) -> Hearer | None:
+    def hearer(self, source: Source) -> MessageListener | None:
         """Return who takes the events from there."""
         return self._heard.get(source)
 
-    def hear(self, source: Source, hearer: Hearer) -> None:
+    def hear(self, source: Source, hearer: MessageListener) -> None:
         """Give all events from there to one, from now on."""
         self._heard[source] = hearer
 
-    def unhear(self, source: Source, hearer: Hearer) -> None:
+    def unhear(self, source: Source, hearer: MessageListener) -> None:
         """Give events from there to this one no longer."""
         if self._heard.get(source) is hearer:
             del self._heard[source]
@@ -205,11 +205,15 @@ class Connection(asyncio.Protocol):
     def _number(self) -> int:
         return next(self._numbers) & 0xFFFFFFFF
 
-    def _cancel(self, call: Frame) -> None:
+    def _cancel(self, call: QiMessage) -> None:
         if self.may("RemoteCancelableCalls") and not self.lost.done():
             number = encode("I", call.id)
-            with contextlib.suppress(ConnectionLost):  # then it is cancelled in any case
-                self.send(Frame(Kind.CANCEL, self._number(), call.service, call.object, 0, number))
+            with contextlib.suppress(ConnectionLostError):  # then it is cancelled in any case
+                self.send(
+                    QiMessage(
+                        MessageKind.CANCEL, self._number(), call.service, call.object, 0, number
+                    )
+                )
 
     def _take_some(self, seconds: float) -> None:
         """Take what has come, for so long; go on in the next turn of the loop, and read no more
@@ -220,7 +224,7 @@ class Connection(asyncio.Protocol):
         until = loop.time() + seconds
         try:
             while self._came and not self.lost.done():
-                with contextlib.suppress(ConnectionLost):  # nobody is left to be answered
+                with contextlib.suppress(ConnectionLostError):  # nobody is left to be answered
                     self._take(self._came.popleft())
                 if self._came and loop.time() > until:
                     self._reading(False)
@@ -241,25 +245,25 @@ class Connection(asyncio.Protocol):
         else:
             self._transport.pause_reading()
 
-    def _take(self, frame: Frame) -> None:
+    def _take(self, frame: QiMessage) -> None:
         if frame.kind in _ANSWERS:
             answer = self._pending.get(frame.id)
             if answer is not None and not answer.done():
                 answer.set_result(frame)
-        elif frame.kind == Kind.EVENT:
+        elif frame.kind == MessageKind.EVENT:
             hearer = self._heard.get((frame.service, frame.object, frame.action))
             if hearer is not None:
                 hearer.take(frame)
-        elif frame.kind == Kind.CAPABILITY:
-            self.learn(Decoder(frame.payload).value("{sm}"))
+        elif frame.kind == MessageKind.CAPABILITY:
+            self.learn(ValueDecoder(frame.payload).value("{sm}"))
         elif frame.kind in _ASKING:
             self._serve(frame)
 
-    def _serve(self, frame: Frame) -> None:
+    def _serve(self, frame: QiMessage) -> None:
         if self._incoming is not None:
             self._incoming(self, frame)
-        elif frame.kind == Kind.CALL:
-            self.send(frame.answer(Kind.ERROR, encode("m", "there are no services here")))
+        elif frame.kind == MessageKind.CALL:
+            self.send(frame.answer(MessageKind.ERROR, encode("m", "there are no services here")))
 
     def _finish(self, reason: str) -> None:
         if self.lost.done():
@@ -268,7 +272,7 @@ class Connection(asyncio.Protocol):
         self.lost.set_result(reason)
         for answer in self._pending.values():
             if not answer.done():
-                answer.set_exception(ConnectionLost(reason))
+                answer.set_exception(ConnectionLostError(reason))
         self._heard.clear()
         self._came.clear()
         if self._next is not None:

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from qimessaging.errors import ProtocolError
-from qimessaging.signature import Type, parse
+from qimessaging.signature import SignatureType, parse
 
 #: How many values one message may hold, lists' elements included: reading them takes a part of a
 #: second, in which nothing else runs.
@@ -31,10 +31,12 @@ _NUMBERS: Final = {
 _LENGTH: Final = struct.Struct("<I")
 
 
-class Decoder:
+class ValueDecoder:
     """Reads values, one after the other, from one message's payload."""
 
-    def __init__(self, data: bytes, make_object: Callable[[Decoder], Any] | None = None) -> None:
+    def __init__(
+        self, data: bytes, make_object: Callable[[ValueDecoder], Any] | None = None
+    ) -> None:
         """Begin at the first byte.
 
         Args:
@@ -52,7 +54,7 @@ class Decoder:
         """How many bytes have not been read."""
         return len(self._data) - self._at
 
-    def value(self, wanted: Type | str) -> Any:
+    def value(self, wanted: SignatureType | str) -> Any:
         """Read one value of that type. Raises `ProtocolError`."""
         kind = parse(wanted) if isinstance(wanted, str) else wanted
         self._spend(1)
@@ -63,7 +65,7 @@ class Decoder:
             return self._string()
         return self._nested(kind)
 
-    def _nested(self, kind: Type) -> Any:
+    def _nested(self, kind: SignatureType) -> Any:
         read = _READERS.get(kind.kind)
         if read is None:
             raise ProtocolError(f"values of type {kind.kind!r} cannot be sent")
@@ -90,7 +92,7 @@ class Decoder:
         if self._left < 0:
             raise ProtocolError("more values than a message of that length may hold")
 
-    def _bool(self, _kind: Type) -> bool:
+    def _bool(self, _kind: SignatureType) -> bool:
         return self._take(1) != b"\0"
 
     def _string(self) -> str | bytes:
@@ -102,13 +104,13 @@ class Decoder:
             # handed over whole instead of being mended.
             return raw
 
-    def _raw(self, _kind: Type) -> bytes:
+    def _raw(self, _kind: SignatureType) -> bytes:
         return self._take(self._count())
 
-    def _nothing(self, _kind: Type) -> None:
+    def _nothing(self, _kind: SignatureType) -> None:
         return None
 
-    def _list(self, kind: Type) -> list[Any]:
+    def _list(self, kind: SignatureType) -> list[Any]:
         count = self._count()
         element = kind.inner[0]
         number = _NUMBERS.get(element.kind)
@@ -120,7 +122,7 @@ class Decoder:
             raise ProtocolError(f"a list of {count} values is announced")
         return [self.value(element) for _ in range(count)]
 
-    def _map(self, kind: Type) -> dict[Any, Any]:
+    def _map(self, kind: SignatureType) -> dict[Any, Any]:
         count = self._count()
         if count > self._left:
             raise ProtocolError(f"a map of {count} values is announced")
@@ -134,42 +136,42 @@ class Decoder:
                 raise ProtocolError(f"a map's key cannot be a {type(name).__name__}") from error
         return found
 
-    def _tuple(self, kind: Type) -> tuple[Any, ...]:
+    def _tuple(self, kind: SignatureType) -> tuple[Any, ...]:
         return tuple([self.value(member) for member in kind.inner])
 
-    def _dynamic(self, _kind: Type) -> Any:
+    def _dynamic(self, _kind: SignatureType) -> Any:
         signature = self._string()
         if isinstance(signature, bytes):
             raise ProtocolError("a signature is not text")
         self._spend(len(signature))  # to read it takes time, too
         return self.value(signature) if signature else None
 
-    def _optional(self, kind: Type) -> Any:
+    def _optional(self, kind: SignatureType) -> Any:
         return self.value(kind.inner[0]) if self._bool(kind) else None
 
-    def _object(self, _kind: Type) -> Any:
+    def _object(self, _kind: SignatureType) -> Any:
         if self._make_object is None:
             raise ProtocolError("an object is no use here")
         return self._make_object(self)
 
 
-_READERS: Final[dict[str, Callable[[Decoder, Type], Any]]] = {
-    "b": Decoder._bool,
-    "r": Decoder._raw,
-    "v": Decoder._nothing,
-    "_": Decoder._nothing,
-    "[": Decoder._list,
-    "{": Decoder._map,
-    "(": Decoder._tuple,
-    "m": Decoder._dynamic,
-    "+": Decoder._optional,
-    "o": Decoder._object,
+_READERS: Final[dict[str, Callable[[ValueDecoder, SignatureType], Any]]] = {
+    "b": ValueDecoder._bool,
+    "r": ValueDecoder._raw,
+    "v": ValueDecoder._nothing,
+    "_": ValueDecoder._nothing,
+    "[": ValueDecoder._list,
+    "{": ValueDecoder._map,
+    "(": ValueDecoder._tuple,
+    "m": ValueDecoder._dynamic,
+    "+": ValueDecoder._optional,
+    "o": ValueDecoder._object,
 }
 
 
-def decode(signature: Type | str, data: bytes) -> Any:
+def decode(signature: SignatureType | str, data: bytes) -> Any:
     """Read one value that fills the data wholly. Raises `ProtocolError`."""
-    decoder = Decoder(data)
+    decoder = ValueDecoder(data)
     found = decoder.value(signature)
     if decoder.rest:
         raise ProtocolError(f"{decoder.rest} bytes too many")

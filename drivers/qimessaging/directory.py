@@ -11,10 +11,10 @@ import uuid
 from collections.abc import Callable
 from typing import Any, Final
 
-from qimessaging.connection import Connection
+from qimessaging.connection import QiConnection
 from qimessaging.endpoints import DIRECTORY, Endpoint, ServiceInfo
-from qimessaging.errors import Refused
-from qimessaging.hosted_objects import Hosted, Method, Signal
+from qimessaging.errors import RefusedError
+from qimessaging.hosted_objects import HostedMethod, HostedObject, HostedSignal
 
 #: The directory's own number; services have higher ones.
 NUMBER: Final = 1
@@ -26,7 +26,7 @@ _INFO: Final = (
 MACHINE: Final = str(uuid.uuid4())
 
 
-class Directory:
+class ServiceDirectory:
     """Knows services of ours and those which clients register."""
 
     def __init__(self, endpoints: Callable[[], list[Endpoint]]) -> None:
@@ -35,24 +35,26 @@ class Directory:
         self._numbers = itertools.count(NUMBER + 1)
         self._ready: dict[int, ServiceInfo] = {}
         self._pending: dict[int, ServiceInfo] = {}
-        self._owners: dict[int, Connection] = {}
-        self.hosted = Hosted(
+        self._owners: dict[int, QiConnection] = {}
+        self.hosted = HostedObject(
             [  # in the order of libqi's numbers, 100 to 109
-                Method("service", "(s)", _INFO, self._service, with_caller=True),
-                Method("services", "()", f"[{_INFO}]", self._services, with_caller=True),
-                Method("registerService", f"({_INFO})", "I", self._register, with_caller=True),
-                Method("unregisterService", "(I)", "v", self.remove),
-                Method("serviceReady", "(I)", "v", self._make_ready),
-                Method("updateServiceInfo", f"({_INFO})", "v", self._update),
-                Signal("serviceAdded", "(Is)"),
-                Signal("serviceRemoved", "(Is)"),
-                Method("machineId", "()", "s", lambda: MACHINE),
+                HostedMethod("service", "(s)", _INFO, self._service, with_caller=True),
+                HostedMethod("services", "()", f"[{_INFO}]", self._services, with_caller=True),
+                HostedMethod(
+                    "registerService", f"({_INFO})", "I", self._register, with_caller=True
+                ),
+                HostedMethod("unregisterService", "(I)", "v", self.remove),
+                HostedMethod("serviceReady", "(I)", "v", self._make_ready),
+                HostedMethod("updateServiceInfo", f"({_INFO})", "v", self._update),
+                HostedSignal("serviceAdded", "(Is)"),
+                HostedSignal("serviceRemoved", "(Is)"),
+                HostedMethod("machineId", "()", "s", lambda: MACHINE),
             ]
         )
         self._ready[NUMBER] = _ours(DIRECTORY, NUMBER)
 
     def add(self, name: str) -> int:
-        """Add a service of ours; return its number. Raises `Refused` where there is one."""
+        """Add a service of ours; return its number. Raises `RefusedError` where there is one."""
         self._refuse_double(name)
         number = next(self._numbers)
         self._ready[number] = _ours(name, number)
@@ -60,33 +62,33 @@ class Directory:
         return number
 
     def remove(self, number: int) -> None:
-        """Remove a service. Raises `Refused` where there is none."""
+        """Remove a service. Raises `RefusedError` where there is none."""
         found = self._ready.pop(number, None) or self._pending.pop(number, None)
         if found is None:
-            raise Refused(f"Unregister Service: Can't find service #{number}")
+            raise RefusedError(f"Unregister Service: Can't find service #{number}")
         self._owners.pop(number, None)
         self.hosted.emit("serviceRemoved", number, found.name)
 
     def number(self, name: str) -> int:
-        """Return a service's number. Raises `Refused`."""
+        """Return a service's number. Raises `RefusedError`."""
         for number, info in self._ready.items():
             if info.name == name:
                 return number
-        raise Refused(f"Cannot find service '{name}' in index")
+        raise RefusedError(f"Cannot find service '{name}' in index")
 
-    def owner(self, number: int) -> Connection | None:
+    def owner(self, number: int) -> QiConnection | None:
         """Return the connection over which a client has registered a service."""
         return self._owners.get(number)
 
     # Methods.
 
-    def _service(self, caller: Connection, name: str) -> tuple[Any, ...]:
+    def _service(self, caller: QiConnection, name: str) -> tuple[Any, ...]:
         return self._told(self._ready[self.number(name)], caller)
 
-    def _services(self, caller: Connection) -> list[tuple[Any, ...]]:
+    def _services(self, caller: QiConnection) -> list[tuple[Any, ...]]:
         return [self._told(info, caller) for _, info in sorted(self._ready.items())]
 
-    def _register(self, caller: Connection, members: tuple[Any, ...]) -> int:
+    def _register(self, caller: QiConnection, members: tuple[Any, ...]) -> int:
         info = ServiceInfo.of(members)
         self._refuse_double(info.name)
         number = next(self._numbers)
@@ -99,7 +101,7 @@ class Directory:
     def _make_ready(self, number: int) -> None:
         info = self._pending.pop(number, None)
         if info is None:
-            raise Refused(f"Can't find pending service #{number}")
+            raise RefusedError(f"Can't find pending service #{number}")
         self._ready[number] = info
         self.hosted.emit("serviceAdded", number, info.name)
 
@@ -109,11 +111,11 @@ class Directory:
             if info.service in known and info.service in self._owners:
                 known[info.service] = info
                 return
-        raise Refused(f"updateServiceInfo: Can't find service #{info.service}")
+        raise RefusedError(f"updateServiceInfo: Can't find service #{info.service}")
 
     # Inside.
 
-    def _told(self, info: ServiceInfo, caller: Connection) -> tuple[Any, ...]:
+    def _told(self, info: ServiceInfo, caller: QiConnection) -> tuple[Any, ...]:
         """Say where a service of ours is by the address at which the caller has come."""
         if info.service in self._owners:
             return info.members()
@@ -126,12 +128,12 @@ class Directory:
     def _refuse_double(self, name: str) -> None:
         for info in (*self._ready.values(), *self._pending.values()):
             if info.name == name:
-                raise Refused(
+                raise RefusedError(
                     f'Service "{name}" (#{info.service}) is already registered. '
                     "Rejecting conflicting registration attempt."
                 )
 
-    def _remove_all_of(self, caller: Connection) -> None:
+    def _remove_all_of(self, caller: QiConnection) -> None:
         for number, owner in tuple(self._owners.items()):
             if owner is caller:
                 self.remove(number)

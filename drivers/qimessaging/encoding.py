@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final, Protocol
 
 from qimessaging.errors import ProtocolError
-from qimessaging.signature import Type, parse
+from qimessaging.signature import SignatureType, parse
 
 #: How deeply values may nest; also ends a list that holds itself.
 DEEPEST: Final = 64
@@ -25,7 +25,7 @@ _LENGTH: Final = struct.Struct("<I")
 _WHOLE: Final = frozenset("cCwWiIlL")
 
 
-class Passed(Protocol):
+class PassedObject(Protocol):
     """What can be sent as an object (`o`)."""
 
     def passed(self) -> bytes:
@@ -33,7 +33,7 @@ class Passed(Protocol):
         ...
 
 
-def encode(signature: Type | str, value: Any) -> bytes:
+def encode(signature: SignatureType | str, value: Any) -> bytes:
     """Write one value as that type. Raises `ProtocolError` where it does not fit."""
     out = bytearray()
     _write(parse(signature) if isinstance(signature, str) else signature, value, out, 0)
@@ -82,7 +82,7 @@ def _short(value: Any) -> str:
     return f"a value of type {type(value).__name__}"
 
 
-def _write(kind: Type, value: Any, out: bytearray, depth: int) -> None:
+def _write(kind: SignatureType, value: Any, out: bytearray, depth: int) -> None:
     if depth > DEEPEST:
         raise ProtocolError(f"a value nests more deeply than {DEEPEST}")
     write = _WRITERS.get(kind.kind)
@@ -91,7 +91,7 @@ def _write(kind: Type, value: Any, out: bytearray, depth: int) -> None:
     write(kind, value, out, depth)
 
 
-def _number(kind: Type, value: Any, out: bytearray, _depth: int) -> None:
+def _number(kind: SignatureType, value: Any, out: bytearray, _depth: int) -> None:
     out += _NUMBERS[kind.kind].pack(as_number(kind.kind, value))
 
 
@@ -112,13 +112,13 @@ def as_number(letter: str, value: Any) -> int | float:
     return number
 
 
-def _bool(kind: Type, value: Any, out: bytearray, _depth: int) -> None:
+def _bool(kind: SignatureType, value: Any, out: bytearray, _depth: int) -> None:
     if not isinstance(value, int | float):
         raise _misfit(kind.kind, value)
     out.append(1 if value else 0)
 
 
-def _string(kind: Type, value: Any, out: bytearray, _depth: int) -> None:
+def _string(kind: SignatureType, value: Any, out: bytearray, _depth: int) -> None:
     if isinstance(value, str):
         try:
             value = value.encode()
@@ -127,7 +127,7 @@ def _string(kind: Type, value: Any, out: bytearray, _depth: int) -> None:
     _raw(kind, value, out, 0)
 
 
-def _raw(kind: Type, value: Any, out: bytearray, _depth: int) -> None:
+def _raw(kind: SignatureType, value: Any, out: bytearray, _depth: int) -> None:
     if not isinstance(value, bytes | bytearray | memoryview):
         raise _misfit(kind.kind, value)
     data = bytes(value)
@@ -139,11 +139,11 @@ def _length(length: int, out: bytearray) -> None:
     out += _LENGTH.pack(length)
 
 
-def _nothing(_kind: Type, _value: Any, _out: bytearray, _depth: int) -> None:
+def _nothing(_kind: SignatureType, _value: Any, _out: bytearray, _depth: int) -> None:
     """Write what has no bytes; a function that returns nothing may return anything."""
 
 
-def _list(kind: Type, value: Any, out: bytearray, depth: int) -> None:
+def _list(kind: SignatureType, value: Any, out: bytearray, depth: int) -> None:
     if not isinstance(value, list | tuple):
         raise _misfit(kind.text, value)
     _length(len(value), out)
@@ -151,7 +151,7 @@ def _list(kind: Type, value: Any, out: bytearray, depth: int) -> None:
         _write(kind.inner[0], element, out, depth + 1)
 
 
-def _map(kind: Type, value: Any, out: bytearray, depth: int) -> None:
+def _map(kind: SignatureType, value: Any, out: bytearray, depth: int) -> None:
     if not isinstance(value, Mapping):
         raise _misfit(kind.text, value)
     _length(len(value), out)
@@ -160,12 +160,12 @@ def _map(kind: Type, value: Any, out: bytearray, depth: int) -> None:
         _write(kind.inner[1], element, out, depth + 1)
 
 
-def _tuple(kind: Type, value: Any, out: bytearray, depth: int) -> None:
+def _tuple(kind: SignatureType, value: Any, out: bytearray, depth: int) -> None:
     for member, element in zip(kind.inner, members_of(kind, value), strict=True):
         _write(member, element, out, depth + 1)
 
 
-def members_of(kind: Type, value: Any) -> Sequence[Any]:
+def members_of(kind: SignatureType, value: Any) -> Sequence[Any]:
     """Return a tuple's members, also of a struct given by its names. Raises `ProtocolError`."""
     if isinstance(value, Mapping) and kind.names and set(value) == set(kind.names):
         return [value[name] for name in kind.names]
@@ -174,26 +174,26 @@ def members_of(kind: Type, value: Any) -> Sequence[Any]:
     return value
 
 
-def _dynamic(_kind: Type, value: Any, out: bytearray, depth: int) -> None:
+def _dynamic(_kind: SignatureType, value: Any, out: bytearray, depth: int) -> None:
     signature = infer(value)
     _string(_STRING, signature, out, depth)
     _write(parse(signature), value, out, depth + 1)
 
 
-def _optional(kind: Type, value: Any, out: bytearray, depth: int) -> None:
+def _optional(kind: SignatureType, value: Any, out: bytearray, depth: int) -> None:
     out.append(0 if value is None else 1)
     if value is not None:
         _write(kind.inner[0], value, out, depth + 1)
 
 
-def _object(kind: Type, value: Any, out: bytearray, _depth: int) -> None:
+def _object(kind: SignatureType, value: Any, out: bytearray, _depth: int) -> None:
     if not hasattr(value, "passed"):
         raise _misfit(kind.kind, value)
     out += value.passed()
 
 
 _STRING: Final = parse("s")
-_WRITERS: Final[dict[str, Callable[[Type, Any, bytearray, int], None]]] = {
+_WRITERS: Final[dict[str, Callable[[SignatureType, Any, bytearray, int], None]]] = {
     **dict.fromkeys("cCwWiIlLfd", _number),
     "b": _bool,
     "s": _string,

@@ -11,29 +11,29 @@ class ProtocolError(QiError):
     """Bytes that are no qi messaging, or a value that does not fit its signature."""
 
 
-class Refused(QiError):  # noqa: N818 - read as `raise Refused(...)`
+class RefusedError(QiError):
     """The other end said no: no such service or method, other arguments, or the method failed."""
 
 
-class RemoteError(Refused):
+class RemoteError(RefusedError):
     """The method was called and failed; the text is the other end's."""
 
 
-class LoginError(Refused):
+class LoginError(RefusedError):
     """The other end does not let us in."""
 
 
-class ServiceLost(Refused):
+class ServiceLostError(RefusedError):
     """This one service has gone; the connection to the directory stands."""
 
 
-class Cancelled(Refused):
+class CallCancelledError(RefusedError):
     """The other end says that the call was cancelled, though not by us."""
 
 
-class TimedOut(QiError):  # noqa: N818 - as above
+class CallTimeoutError(QiError):
     """No answer came in time. The other end may still carry the call out."""
 
 
-class ConnectionLost(QiError):  # noqa: N818 - as above
+class ConnectionLostError(QiError):
     """The connection has ended; nothing else will come through it."""

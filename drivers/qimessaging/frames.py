@@ -21,7 +21,7 @@ HEADER_SIZE: Final = _HEADER.size
 _MAGIC: Final = struct.pack("<I", MAGIC)
 
 
-class Kind(enum.IntEnum):
+class MessageKind(enum.IntEnum):
     """What a message is."""
 
     CALL = 1
@@ -41,7 +41,7 @@ RETURN_TYPE: Final = 2
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class QiMessage:
     """One message.
 
     Attributes:
@@ -77,12 +77,12 @@ class Frame:
         )
         return header + self.payload
 
-    def answer(self, kind: Kind, payload: bytes = b"", flags: int = 0) -> Frame:
+    def answer(self, kind: MessageKind, payload: bytes = b"", flags: int = 0) -> QiMessage:
         """Return the message that answers this call."""
-        return Frame(kind, self.id, self.service, self.object, self.action, payload, flags)
+        return QiMessage(kind, self.id, self.service, self.object, self.action, payload, flags)
 
 
-class FrameReader:
+class QiMessageReader:
     """Puts messages together from the pieces in which they arrive."""
 
     def __init__(self, longest: int = LONGEST) -> None:
@@ -90,14 +90,14 @@ class FrameReader:
         self._longest = longest
         self._buffer = bytearray()
 
-    def feed(self, data: bytes) -> list[Frame]:
+    def feed(self, data: bytes) -> list[QiMessage]:
         """Take a piece; return the messages that are complete now.
 
         Raises `ProtocolError` at the first byte that cannot be a message's; nothing can be read
         after that.
         """
         self._buffer += data
-        frames: list[Frame] = []
+        frames: list[QiMessage] = []
         at = 0
         while len(self._buffer) - at >= HEADER_SIZE:
             frame, end = self._frame(at)
@@ -110,7 +110,7 @@ class FrameReader:
             raise _no_messaging()
         return frames
 
-    def _frame(self, at: int) -> tuple[Frame | None, int]:
+    def _frame(self, at: int) -> tuple[QiMessage | None, int]:
         magic, number, size, version, kind, flags, service, obj, action = _HEADER.unpack_from(
             self._buffer, at
         )
@@ -126,7 +126,7 @@ class FrameReader:
             return None, at
         with memoryview(self._buffer) as view:
             payload = bytes(view[start:end])
-        return Frame(kind, number, service, obj, action, payload, flags), end
+        return QiMessage(kind, number, service, obj, action, payload, flags), end
 
 
 def _no_messaging() -> ProtocolError:

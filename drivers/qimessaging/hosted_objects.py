@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from qimessaging.connection import Connection
-from qimessaging.decoding import Decoder
+from qimessaging.connection import QiConnection
+from qimessaging.decoding import ValueDecoder
 from qimessaging.encoding import encode
-from qimessaging.errors import ProtocolError, Refused
-from qimessaging.frames import DYNAMIC_PAYLOAD, Frame, Kind
+from qimessaging.errors import ProtocolError, RefusedError
+from qimessaging.frames import DYNAMIC_PAYLOAD, MessageKind, QiMessage
 from qimessaging.metaobject import SIGNATURE, MetaMethod, MetaObject, MetaSignal
-from qimessaging.signature import Type, parse, parse_members
+from qimessaging.signature import SignatureType, parse, parse_members
 
 #: Numbers below belong to libqi's own methods.
 FIRST_UID: Final = 100
@@ -32,7 +32,7 @@ _BUILT_IN: Final = (
 
 
 @dataclass(frozen=True, slots=True)
-class Method:
+class HostedMethod:
     """A method of a service.
 
     Attributes:
@@ -52,7 +52,7 @@ class Method:
 
 
 @dataclass(frozen=True, slots=True)
-class Signal:
+class HostedSignal:
     """A signal of a service: its name and the signature of its values, `(ff)`."""
 
     name: str
@@ -60,7 +60,7 @@ class Signal:
 
 
 @dataclass(slots=True)
-class Property:
+class HostedProperty:
     """A property of a service.
 
     Attributes:
@@ -76,21 +76,21 @@ class Property:
     changed: Callable[[Any], None] = field(default=lambda _value: None)
 
 
-Member = Method | Signal | Property
+Member = HostedMethod | HostedSignal | HostedProperty
 
 
-class Hosted:
+class HostedObject:
     """A service of ours, or an object which a method of ours returns."""
 
     def __init__(self, members: Iterable[Member]) -> None:
         """Number the members in their order. Raises `ProtocolError` for a wrong signature."""
         self.meta = MetaObject({each.uid: each for each in _BUILT_IN})
-        self.methods: dict[int, Method] = {}
-        self.properties: dict[int, Property] = {}
+        self.methods: dict[int, HostedMethod] = {}
+        self.properties: dict[int, HostedProperty] = {}
         self.place: tuple[int, int] | None = None
-        self._kinds: dict[int, Type] = {}
+        self._kinds: dict[int, SignatureType] = {}
         self._uids: dict[str, int] = {}
-        self._hearing: dict[int, dict[tuple[Connection, int], None]] = {}
+        self._hearing: dict[int, dict[tuple[QiConnection, int], None]] = {}
         for uid, member in enumerate(members, FIRST_UID):
             self._add(uid, member)
         self.described = self.meta.encoded()
@@ -103,32 +103,32 @@ class Hosted:
             ProtocolError: The values do not fit it.
         """
         if signal not in self._uids:
-            raise Refused(f"there is no signal {signal}")
+            raise RefusedError(f"there is no signal {signal}")
         uid = self._uids[signal]
         payload = encode(self._kinds[uid], values)
         if self.place is None:
             return
         service, obj = self.place
-        frame = Frame(Kind.EVENT, 0, service, obj, uid, payload)
+        frame = QiMessage(MessageKind.EVENT, 0, service, obj, uid, payload)
         for connection, _link in tuple(self._hearing.get(uid, ())):
             if not connection.lost.done():
                 connection.send(frame)
 
     def get(self, name: str) -> Any:
-        """Return a property's value. Raises `Refused`."""
+        """Return a property's value. Raises `RefusedError`."""
         return self.property(name)[1].value
 
     def set(self, name: str, value: Any) -> None:
-        """Set a property and tell all who hear it. Raises `Refused` and `ProtocolError`."""
+        """Set a property and tell all who hear it. Raises `RefusedError` and `ProtocolError`."""
         _, found = self.property(name)
         encode(found.signature, value)
         found.value = value
         self.emit(name, value)
 
     def hearers(self, signal: str) -> int:
-        """Return how many registrations a signal has. Raises `Refused`."""
+        """Return how many registrations a signal has. Raises `RefusedError`."""
         if signal not in self._uids:
-            raise Refused(f"there is no signal {signal}")
+            raise RefusedError(f"there is no signal {signal}")
         return len(self._hearing.get(self._uids[signal], ()))
 
     # What `Host` calls.
@@ -144,35 +144,35 @@ class Hosted:
         self.place = None
         self._hearing.clear()
 
-    def property(self, which: Any) -> tuple[int, Property]:
-        """Return a property by its name or number. Raises `Refused`."""
+    def property(self, which: Any) -> tuple[int, HostedProperty]:
+        """Return a property by its name or number. Raises `RefusedError`."""
         for uid, found in self.properties.items():
             if which in (uid, found.name):
                 return uid, found
-        raise Refused(f"there is no property {which}")
+        raise RefusedError(f"there is no property {which}")
 
-    def register(self, connection: Connection, uid: int, link: int) -> None:
-        """Send a signal's events to a connection from now on. Raises `Refused`."""
+    def register(self, connection: QiConnection, uid: int, link: int) -> None:
+        """Send a signal's events to a connection from now on. Raises `RefusedError`."""
         if uid not in self._kinds:
-            raise Refused("No such signal")
+            raise RefusedError("No such signal")
         hearing = self._hearing.setdefault(uid, {})
         if len(hearing) >= _MOST_HEARERS:
-            raise Refused("too many registrations")
+            raise RefusedError("too many registrations")
         hearing[connection, link] = None
 
-    def relay(self, frame: Frame) -> bool:
+    def relay(self, frame: QiMessage) -> bool:
         """Emit a signal of ours which a client sets off; tell whether it is one."""
         meta = self.meta.signals.get(frame.action)
         if meta is None:
             return False
         wanted = "m" if frame.flags & DYNAMIC_PAYLOAD else meta.signature
-        values = Decoder(frame.payload).value(wanted)
+        values = ValueDecoder(frame.payload).value(wanted)
         if not isinstance(values, tuple | list):
             raise ProtocolError("the values of a signal are no tuple")
         self.emit(meta.name, *values)
         return True
 
-    def unregister(self, connection: Connection, link: int | None = None) -> bool:
+    def unregister(self, connection: QiConnection, link: int | None = None) -> bool:
         """Send no more of it, or nothing at all; tell whether there was something to stop."""
         found = False
         for hearing in self._hearing.values():
@@ -183,14 +183,14 @@ class Hosted:
         return found
 
     def _add(self, uid: int, member: Member) -> None:
-        if isinstance(member, Method):
+        if isinstance(member, HostedMethod):
             parse_members(member.parameters)
             parse(member.returns)
             self.methods[uid] = member
             self.meta.methods[uid] = MetaMethod(uid, member.name, member.parameters, member.returns)
             return
         whole = member.signature
-        if isinstance(member, Property):
+        if isinstance(member, HostedProperty):
             whole = f"({member.signature})"
             self.properties[uid] = member
             self.meta.properties[uid] = MetaSignal(uid, member.name, member.signature)

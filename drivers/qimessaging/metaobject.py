@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from qimessaging.decoding import Decoder
+from qimessaging.decoding import ValueDecoder
 from qimessaging.encoding import encode
-from qimessaging.errors import ProtocolError, Refused
+from qimessaging.errors import ProtocolError, RefusedError
 from qimessaging.overloads import misfit
 from qimessaging.signature import parse_members
 
@@ -76,21 +76,21 @@ class MetaObject:
         fitting = [(cost, method) for cost, method in rated if cost is not None]
         if fitting:
             return min(fitting, key=lambda each: each[0])[1]
-        raise Refused(_no_method(name, candidates, arguments))
+        raise RefusedError(_no_method(name, candidates, arguments))
 
     def signal(self, name: str) -> MetaSignal:
-        """Return the signal (or property) of that name. Raises `Refused`."""
+        """Return the signal (or property) of that name. Raises `RefusedError`."""
         for signal in (*self.signals.values(), *self.properties.values()):
             if signal.name == name:
                 return signal
-        raise Refused(f"there is no signal {name}")
+        raise RefusedError(f"there is no signal {name}")
 
     def property(self, name: str) -> MetaSignal:
-        """Return the property of that name. Raises `Refused`."""
+        """Return the property of that name. Raises `RefusedError`."""
         for found in self.properties.values():
             if found.name == name:
                 return found
-        raise Refused(f"there is no property {name}")
+        raise RefusedError(f"there is no property {name}")
 
     def encoded(self) -> bytes:
         """Return the meta object as it is sent."""
@@ -108,7 +108,7 @@ def _plain(members: Mapping[int, MetaSignal]) -> dict[int, tuple[int, str, str]]
     return {each.uid: (each.uid, each.name, each.signature) for each in members.values()}
 
 
-def read(decoder: Decoder) -> MetaObject:
+def read(decoder: ValueDecoder) -> MetaObject:
     """Read a meta object. Raises `ProtocolError`."""
     methods, signals, properties, description = decoder.value(SIGNATURE)
     return MetaObject(

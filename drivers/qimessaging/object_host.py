@@ -9,12 +9,12 @@ from collections import Counter
 from collections.abc import Awaitable, Callable
 from typing import Any, Final
 
-from qimessaging.connection import Connection
-from qimessaging.decoding import Decoder
+from qimessaging.connection import QiConnection
+from qimessaging.decoding import ValueDecoder
 from qimessaging.encoding import encode
-from qimessaging.errors import ConnectionLost, ProtocolError, Refused
-from qimessaging.frames import DYNAMIC_PAYLOAD, RETURN_TYPE, Frame, Kind
-from qimessaging.hosted_objects import FIRST_UID, Hosted
+from qimessaging.errors import ConnectionLostError, ProtocolError, RefusedError
+from qimessaging.frames import DYNAMIC_PAYLOAD, RETURN_TYPE, MessageKind, QiMessage
+from qimessaging.hosted_objects import FIRST_UID, HostedObject
 from qimessaging.metaobject import MetaMethod
 from qimessaging.remote import read_object
 
@@ -22,18 +22,18 @@ from qimessaging.remote import read_object
 MAIN: Final = 1
 
 
-class Host:
+class ObjectHost:
     """All services and objects of ours."""
 
     def __init__(self) -> None:
         """Begin without any."""
-        self._objects: dict[tuple[int, int], Hosted] = {}
-        self._holders: dict[tuple[int, int], Counter[Connection]] = {}
-        self._running: dict[tuple[Connection, int], asyncio.Task[None]] = {}
-        self._connections: set[Connection] = set()
+        self._objects: dict[tuple[int, int], HostedObject] = {}
+        self._holders: dict[tuple[int, int], Counter[QiConnection]] = {}
+        self._running: dict[tuple[QiConnection, int], asyncio.Task[None]] = {}
+        self._connections: set[QiConnection] = set()
         self._numbers = itertools.count(MAIN + 1)
 
-    def add(self, service: int, hosted: Hosted) -> None:
+    def add(self, service: int, hosted: HostedObject) -> None:
         """Offer a service under that number."""
         hosted.place = (service, MAIN)
         self._objects[hosted.place] = hosted
@@ -44,23 +44,23 @@ class Host:
             if place[0] == service:
                 self._drop(place)
 
-    def handle(self, connection: Connection, frame: Frame) -> None:
+    def handle(self, connection: QiConnection, frame: QiMessage) -> None:
         """Take a call, a post or that a call is to be cancelled; never raises."""
         self._know(connection)
         try:
-            if frame.kind == Kind.CANCEL:
-                self._cancel(connection, Decoder(frame.payload).value("I"))
+            if frame.kind == MessageKind.CANCEL:
+                self._cancel(connection, ValueDecoder(frame.payload).value("I"))
                 return
             hosted = self._objects.get((frame.service, frame.object))
             if hosted is None:
-                raise Refused(f"there is no object {frame.object} of service {frame.service}")
+                raise RefusedError(f"there is no object {frame.object} of service {frame.service}")
             if frame.action < FIRST_UID:
                 self._answer(connection, frame, *self._built_in(connection, hosted, frame))
             else:
                 self._call(connection, hosted, frame)
-        except (Refused, ProtocolError) as error:
+        except (RefusedError, ProtocolError) as error:
             self._refuse(connection, frame, str(error))
-        except ConnectionLost:
+        except ConnectionLostError:
             pass  # nobody is left to be answered
 
     async def close(self) -> None:
@@ -72,12 +72,12 @@ class Host:
 
     # Methods of ours.
 
-    def _call(self, connection: Connection, hosted: Hosted, frame: Frame) -> None:
+    def _call(self, connection: QiConnection, hosted: HostedObject, frame: QiMessage) -> None:
         method = hosted.methods.get(frame.action)
-        if method is None and frame.kind == Kind.POST and hosted.relay(frame):
+        if method is None and frame.kind == MessageKind.POST and hosted.relay(frame):
             return
         if method is None:
-            raise Refused(f"there is no method {frame.action}")
+            raise RefusedError(f"there is no method {frame.action}")
         args, wanted = _arguments(connection, frame, hosted.meta.methods[frame.action])
         if method.with_caller:
             args = (connection, *args)
@@ -85,7 +85,7 @@ class Host:
         try:
             found = method.function(*args)
         except Exception as error:
-            raise Refused(_text(error)) from error
+            raise RefusedError(_text(error)) from error
         if inspect.isawaitable(found):
             self._run(connection, frame, returns, wanted, found)
         else:
@@ -93,8 +93,8 @@ class Host:
 
     def _run(
         self,
-        connection: Connection,
-        frame: Frame,
+        connection: QiConnection,
+        frame: QiMessage,
         returns: str,
         wanted: str,
         found: Awaitable[Any],
@@ -105,7 +105,7 @@ class Host:
             except asyncio.CancelledError:
                 self._tell_cancelled(connection, frame)
                 raise
-            except ConnectionLost:
+            except ConnectionLostError:
                 pass  # nobody is left to be answered
             except Exception as error:  # noqa: BLE001 - it belongs to the caller
                 self._refuse(connection, frame, _text(error))
@@ -116,42 +116,46 @@ class Host:
         task.add_done_callback(lambda _: self._running.pop(key, None))
 
     def _reply(
-        self, connection: Connection, frame: Frame, returns: str, wanted: str, value: Any
+        self, connection: QiConnection, frame: QiMessage, returns: str, wanted: str, value: Any
     ) -> None:
-        if isinstance(value, Hosted):
+        if isinstance(value, HostedObject):
             self._hand_out(connection, frame.service, value)
         payload = encode(returns, value)
         if wanted:
             payload = encode("s", wanted) + payload
         self._answer(connection, frame, payload, DYNAMIC_PAYLOAD if wanted else 0)
 
-    def _answer(self, connection: Connection, frame: Frame, payload: bytes, flags: int = 0) -> None:
-        if frame.kind == Kind.CALL:
-            connection.send(frame.answer(Kind.REPLY, payload, flags))
+    def _answer(
+        self, connection: QiConnection, frame: QiMessage, payload: bytes, flags: int = 0
+    ) -> None:
+        if frame.kind == MessageKind.CALL:
+            connection.send(frame.answer(MessageKind.REPLY, payload, flags))
 
-    def _refuse(self, connection: Connection, frame: Frame, text: str) -> None:
-        if frame.kind == Kind.CALL and not connection.lost.done():
-            connection.send(frame.answer(Kind.ERROR, encode("m", _sendable(text))))
+    def _refuse(self, connection: QiConnection, frame: QiMessage, text: str) -> None:
+        if frame.kind == MessageKind.CALL and not connection.lost.done():
+            connection.send(frame.answer(MessageKind.ERROR, encode("m", _sendable(text))))
 
-    def _tell_cancelled(self, connection: Connection, frame: Frame) -> None:
-        if connection.lost.done() or frame.kind != Kind.CALL:
+    def _tell_cancelled(self, connection: QiConnection, frame: QiMessage) -> None:
+        if connection.lost.done() or frame.kind != MessageKind.CALL:
             return
         if connection.may("RemoteCancelableCalls"):
-            connection.send(frame.answer(Kind.CANCELED))
+            connection.send(frame.answer(MessageKind.CANCELED))
         else:
             self._refuse(connection, frame, "Call has been canceled.")
 
-    def _cancel(self, connection: Connection, number: int) -> None:
+    def _cancel(self, connection: QiConnection, number: int) -> None:
         task = self._running.get((connection, number))
         if task is not None:
             task.cancel()
 
     # Methods every object has.
 
-    def _built_in(self, connection: Connection, hosted: Hosted, frame: Frame) -> tuple[bytes]:
+    def _built_in(
+        self, connection: QiConnection, hosted: HostedObject, frame: QiMessage
+    ) -> tuple[bytes]:
         handler = _BUILT_IN.get(frame.action)
         if handler is None:
-            raise Refused(f"there is no method {frame.action}")
+            raise RefusedError(f"there is no method {frame.action}")
         meta = hosted.meta.methods[frame.action]
         args, _ = _arguments(connection, frame, meta)
         if frame.action == _TERMINATE:
@@ -161,14 +165,14 @@ class Host:
 
     # Objects that were handed out, and connections that have gone.
 
-    def _hand_out(self, connection: Connection, service: int, hosted: Hosted) -> None:
+    def _hand_out(self, connection: QiConnection, service: int, hosted: HostedObject) -> None:
         if hosted.place is None:
             hosted.place = (service, next(self._numbers))
         if hosted.place[1] != MAIN:
             self._objects[hosted.place] = hosted
             self._holders.setdefault(hosted.place, Counter())[connection] += 1
 
-    def _let_go(self, connection: Connection, place: tuple[int, int], times: int) -> None:
+    def _let_go(self, connection: QiConnection, place: tuple[int, int], times: int) -> None:
         """Forget an object which the other end was handed as often as it lets go."""
         holders = self._holders.get(place)
         if holders is None:
@@ -183,12 +187,12 @@ class Host:
         if hosted is not None:
             hosted.withdraw()
 
-    def _know(self, connection: Connection) -> None:
+    def _know(self, connection: QiConnection) -> None:
         if connection not in self._connections:
             self._connections.add(connection)
             connection.lost.add_done_callback(lambda _: self._forget(connection))
 
-    def _forget(self, connection: Connection) -> None:
+    def _forget(self, connection: QiConnection) -> None:
         self._connections.discard(connection)
         for hosted in self._objects.values():
             hosted.unregister(connection)
@@ -197,58 +201,65 @@ class Host:
 
 
 def _arguments(
-    connection: Connection, frame: Frame, method: MetaMethod
+    connection: QiConnection, frame: QiMessage, method: MetaMethod
 ) -> tuple[tuple[Any, ...], str]:
     """Return a call's arguments and the signature it wants for the result, or none."""
-    decoder = Decoder(frame.payload, lambda each: read_object(each, connection))
+    decoder = ValueDecoder(frame.payload, lambda each: read_object(each, connection))
     args = decoder.value("m" if frame.flags & DYNAMIC_PAYLOAD else method.parameters)
     if not isinstance(args, tuple | list):
         raise ProtocolError("the arguments are no tuple")
     if frame.flags & DYNAMIC_PAYLOAD:
-        args = Decoder(encode(method.parameters, args)).value(method.parameters)
+        args = ValueDecoder(encode(method.parameters, args)).value(method.parameters)
     wanted = decoder.value("s") if frame.flags & RETURN_TYPE else ""
     return tuple(args), wanted if isinstance(wanted, str) else ""
 
 
-def _register(connection: Connection, hosted: Hosted, _: int, uid: int, link: int) -> bytes:
+def _register(connection: QiConnection, hosted: HostedObject, _: int, uid: int, link: int) -> bytes:
     hosted.register(connection, uid, link)
     return encode("L", link)
 
 
 def _register_with_signature(
-    connection: Connection, hosted: Hosted, service: int, uid: int, link: int, _signature: str
+    connection: QiConnection,
+    hosted: HostedObject,
+    service: int,
+    uid: int,
+    link: int,
+    _signature: str,
 ) -> bytes:
     """Register; the values stay as the signal says, as libqi does where it cannot convert."""
     return _register(connection, hosted, service, uid, link)
 
 
-def _unregister(connection: Connection, hosted: Hosted, _: int, _uid: int, link: int) -> bytes:
+def _unregister(
+    connection: QiConnection, hosted: HostedObject, _: int, _uid: int, link: int
+) -> bytes:
     if not hosted.unregister(connection, link):
-        raise Refused(f"there is no registration {link}")
+        raise RefusedError(f"there is no registration {link}")
     return b""
 
 
-def _meta_object(_connection: Connection, hosted: Hosted, _: int) -> bytes:
+def _meta_object(_connection: QiConnection, hosted: HostedObject, _: int) -> bytes:
     return hosted.described
 
 
-def _terminate(_connection: Connection, _hosted: Hosted, _: int) -> bytes:
+def _terminate(_connection: QiConnection, _hosted: HostedObject, _: int) -> bytes:
     return b""
 
 
-def _get_property(_connection: Connection, hosted: Hosted, which: Any) -> bytes:
+def _get_property(_connection: QiConnection, hosted: HostedObject, which: Any) -> bytes:
     _, found = hosted.property(which)
     return encode("s", found.signature) + encode(found.signature, found.value)
 
 
-def _set_property(_connection: Connection, hosted: Hosted, which: Any, value: Any) -> bytes:
+def _set_property(_connection: QiConnection, hosted: HostedObject, which: Any, value: Any) -> bytes:
     _, found = hosted.property(which)
     hosted.set(found.name, value)
     found.changed(value)
     return b""
 
 
-def _properties(_connection: Connection, hosted: Hosted) -> bytes:
+def _properties(_connection: QiConnection, hosted: HostedObject) -> bytes:
     return encode("[s]", [each.name for each in hosted.properties.values()])
 
 

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from qimessaging.encoding import as_number, members_of
 from qimessaging.errors import ProtocolError
-from qimessaging.signature import Type
+from qimessaging.signature import SignatureType
 
 #: Whole numbers in the order in which they are preferred: the one a dynamic value has, and the
 #: one most of NAOqi's methods have, before others.
@@ -18,7 +18,7 @@ _DYNAMIC: Final = 12
 _OTHER_CONTAINER: Final = 2
 
 
-def misfit(kind: Type, value: Any) -> int | None:
+def misfit(kind: SignatureType, value: Any) -> int | None:
     """Return how badly a value fits: 0 exactly, more for each conversion, None not at all."""
     if kind.kind == "m":
         return _DYNAMIC
@@ -30,19 +30,19 @@ def misfit(kind: Type, value: Any) -> int | None:
     return 0 if kind.kind == "o" and hasattr(value, "passed") else None
 
 
-def _nothing(kind: Type, _value: None) -> int | None:
+def _nothing(kind: SignatureType, _value: None) -> int | None:
     return 0 if kind.kind in "v_" else None
 
 
-def _string(kind: Type, _value: str) -> int | None:
+def _string(kind: SignatureType, _value: str) -> int | None:
     return 0 if kind.kind == "s" else None
 
 
-def _raw(kind: Type, _value: bytes) -> int | None:
+def _raw(kind: SignatureType, _value: bytes) -> int | None:
     return {"r": 0, "s": 4}.get(kind.kind)
 
 
-def _number(kind: Type, value: float) -> int | None:
+def _number(kind: SignatureType, value: float) -> int | None:
     letter = kind.kind
     if letter == "b":
         return 0 if isinstance(value, bool) else 8
@@ -59,21 +59,21 @@ def _number(kind: Type, value: float) -> int | None:
     return _REAL.get(letter, 7)
 
 
-def _list(kind: Type, value: Any) -> int | None:
+def _list(kind: SignatureType, value: Any) -> int | None:
     if kind.kind == "[":
         cost = _worst([misfit(kind.inner[0], each) for each in value])
         return _more(cost, 0 if isinstance(value, list) else _OTHER_CONTAINER)
     return _tuple(kind, value) if kind.kind == "(" else None
 
 
-def _map(kind: Type, value: Mapping[Any, Any]) -> int | None:
+def _map(kind: SignatureType, value: Mapping[Any, Any]) -> int | None:
     if kind.kind == "{":
         names = [misfit(kind.inner[0], each) for each in value]
         return _worst(names + [misfit(kind.inner[1], each) for each in value.values()])
     return _tuple(kind, value) if kind.kind == "(" else None
 
 
-def _tuple(kind: Type, value: Any) -> int | None:
+def _tuple(kind: SignatureType, value: Any) -> int | None:
     try:
         members = members_of(kind, value)
     except ProtocolError:
@@ -96,7 +96,7 @@ def _more(cost: int | None, by: int) -> int | None:
     return None if cost is None else cost + by
 
 
-_RATED: Final[tuple[tuple[Any, Callable[[Type, Any], int | None]], ...]] = (
+_RATED: Final[tuple[tuple[Any, Callable[[SignatureType, Any], int | None]], ...]] = (
     (type(None), _nothing),
     ((bool, int, float), _number),
     (str, _string),

@@ -17,15 +17,15 @@ from dataclasses import dataclass
 from typing import Final
 
 from qimessaging import authentication
-from qimessaging.connection import CAPABILITIES, Connection
+from qimessaging.connection import CAPABILITIES, QiConnection
 from qimessaging.decoding import decode
 from qimessaging.directory import MACHINE
 from qimessaging.encoding import encode
 from qimessaging.endpoints import Endpoint, ServiceInfo
-from qimessaging.errors import ConnectionLost, ProtocolError, QiError, Refused
-from qimessaging.frames import LONGEST, Frame, Kind
-from qimessaging.hosted_objects import Hosted
-from qimessaging.object_host import Host
+from qimessaging.errors import ConnectionLostError, ProtocolError, QiError, RefusedError
+from qimessaging.frames import LONGEST, MessageKind, QiMessage
+from qimessaging.hosted_objects import HostedObject
+from qimessaging.object_host import ObjectHost
 from qimessaging.remote import RemoteObject
 from qimessaging.signature import parse_members
 
@@ -54,13 +54,17 @@ def describe(name: str, endpoints: list[Endpoint], machine: str = MACHINE) -> Se
 
 
 async def register(
-    directory: RemoteObject, host: Host, info: ServiceInfo, hosted: Hosted, within: float
+    directory: RemoteObject,
+    host: ObjectHost,
+    info: ServiceInfo,
+    hosted: HostedObject,
+    within: float,
 ) -> Registration:
     """Make a service known. Raises as `RemoteObject.call`."""
     methods = directory.meta.overloads("registerService")
     wanted = parse_members(methods[0].parameters) if len(methods) == 1 else ()
     if len(wanted) != 1:
-        raise Refused("the directory takes no services as it should")
+        raise RefusedError("the directory takes no services as it should")
     # Directories from before libqi 1.8 know nothing of an identity.
     members = info.members()[: len(wanted[0].inner)]
     number = await directory.call("registerService", members, within=within)
@@ -81,7 +85,8 @@ async def register(
     return Registration(info.name, number, withdraw)
 
 
-# -- listening: who comes in shows who they are, and may then call what `Host` offers --------------
+# -- listening: who comes in shows who they are, and may then call what `ObjectHost` offers
+# --------------
 
 #: Tells whether a name and a token are let in.
 Authenticator = Callable[[str, str], bool]
@@ -92,12 +97,12 @@ _SERVER: Final = 0
 MOST: Final = 256
 
 
-class Listener:
+class ServiceListener:
     """Accepts connections for one host, on as many addresses as wanted."""
 
     def __init__(
         self,
-        host: Host,
+        host: ObjectHost,
         authenticator: Authenticator | None = None,
         longest: int = LONGEST,
         most: int = MOST,
@@ -111,8 +116,8 @@ class Listener:
         self._authenticator = authenticator
         self._longest = longest
         self._servers: list[asyncio.Server] = []
-        self._entered: set[Connection] = set()
-        self._connections: dict[Connection, None] = {}
+        self._entered: set[QiConnection] = set()
+        self._connections: dict[QiConnection, None] = {}
         self.endpoints: list[Endpoint] = []
 
     async def listen(self, host: str, port: int, tls: ssl.SSLContext | None = None) -> Endpoint:
@@ -137,8 +142,8 @@ class Listener:
         self._servers.clear()
         self.endpoints.clear()
 
-    def _accept(self) -> Connection:
-        connection = Connection(self._incoming, self._longest)
+    def _accept(self) -> QiConnection:
+        connection = QiConnection(self._incoming, self._longest)
         self._connections[connection] = None
         if len(self._connections) > self._most:
             silent = (each for each in self._connections if each not in self._entered)
@@ -148,12 +153,12 @@ class Listener:
         connection.lost.add_done_callback(lambda _: self._forget(connection))
         return connection
 
-    def _forget(self, connection: Connection) -> None:
+    def _forget(self, connection: QiConnection) -> None:
         self._connections.pop(connection, None)
         self._entered.discard(connection)
 
-    def _incoming(self, connection: Connection, frame: Frame) -> None:
-        with contextlib.suppress(ConnectionLost):
+    def _incoming(self, connection: QiConnection, frame: QiMessage) -> None:
+        with contextlib.suppress(ConnectionLostError):
             if frame.service == _SERVER:
                 self._greet(connection, frame)
             elif self._authenticator is None or connection in self._entered:
@@ -161,8 +166,8 @@ class Listener:
             else:
                 self._turn_away(connection, frame, "Expected authentication")
 
-    def _greet(self, connection: Connection, frame: Frame) -> None:
-        if frame.kind != Kind.CALL or frame.action != authentication.AUTHENTICATE:
+    def _greet(self, connection: QiConnection, frame: QiMessage) -> None:
+        if frame.kind != MessageKind.CALL or frame.action != authentication.AUTHENTICATE:
             self._turn_away(connection, frame, "Expected authentication")
             return
         try:
@@ -177,11 +182,11 @@ class Listener:
                 self._turn_away(connection, frame, "Authentication failed: wrong name or token")
                 return
         self._entered.add(connection)
-        connection.send(frame.answer(Kind.REPLY, _welcome()))
+        connection.send(frame.answer(MessageKind.REPLY, _welcome()))
 
-    def _turn_away(self, connection: Connection, frame: Frame, text: str) -> None:
+    def _turn_away(self, connection: QiConnection, frame: QiMessage, text: str) -> None:
         """Answer with an error and hang up, as libqi does."""
-        connection.send(frame.answer(Kind.ERROR, encode("m", text)))
+        connection.send(frame.answer(MessageKind.ERROR, encode("m", text)))
         connection.hang_up(text)
 
 

@@ -10,13 +10,13 @@ from typing import Any, Final
 
 from qimessaging import metaobject
 from qimessaging.authentication import error_text
-from qimessaging.connection import Connection
-from qimessaging.decoding import Decoder
+from qimessaging.connection import QiConnection
+from qimessaging.decoding import ValueDecoder
 from qimessaging.encoding import encode
-from qimessaging.errors import Cancelled, ProtocolError, Refused, RemoteError
-from qimessaging.frames import DYNAMIC_PAYLOAD, Frame, Kind
+from qimessaging.errors import CallCancelledError, ProtocolError, RefusedError, RemoteError
+from qimessaging.frames import DYNAMIC_PAYLOAD, MessageKind, QiMessage
 from qimessaging.metaobject import MetaMethod, MetaObject, MetaSignal
-from qimessaging.signature import Type, parse, parse_members
+from qimessaging.signature import SignatureType, parse, parse_members
 
 #: Takes back what was subscribed. Raises nothing where the connection is lost.
 Unsubscribe = Callable[[], Awaitable[None]]
@@ -43,7 +43,7 @@ log = logging.getLogger(__name__)
 class RemoteObject:
     """One object of the other end: a service, or what a call returned."""
 
-    def __init__(self, connection: Connection, service: int, obj: int, meta: MetaObject) -> None:
+    def __init__(self, connection: QiConnection, service: int, obj: int, meta: MetaObject) -> None:
         """Stand for the object of these numbers."""
         self.connection = connection
         self.service = service
@@ -51,14 +51,14 @@ class RemoteObject:
         self.meta = meta
 
     @classmethod
-    async def fetch(cls, connection: Connection, service: int, within: float) -> RemoteObject:
+    async def fetch(cls, connection: QiConnection, service: int, within: float) -> RemoteObject:
         """Ask a service what it offers. Raises as `call`."""
         this = cls(connection, service, 1, MetaObject())
         reply = await this._described(within)
-        this.meta = metaobject.read(Decoder(reply.payload))
+        this.meta = metaobject.read(ValueDecoder(reply.payload))
         return this
 
-    async def _described(self, within: float) -> Frame:
+    async def _described(self, within: float) -> QiMessage:
         """Ask again where a service does not answer for itself yet.
 
         libqi tells the directory that a service is ready while another thread of it still makes
@@ -96,8 +96,8 @@ class RemoteObject:
         """
         found = self.meta.signal(signal)
         hearing = self.connection.hearer((self.service, self.object, found.uid))
-        if not isinstance(hearing, Hearing):
-            hearing = Hearing(self, found, within)
+        if not isinstance(hearing, SignalSubscription):
+            hearing = SignalSubscription(self, found, within)
         return await hearing.join(heard)
 
     async def property(self, name: str, within: float = WITHIN) -> Any:
@@ -117,25 +117,25 @@ class RemoteObject:
             payload = encode("I", self.object)
             self.connection.post(self.service, self.object, TERMINATE, payload)
 
-    async def ask(self, action: int, payload: bytes, within: float) -> Frame:
+    async def ask(self, action: int, payload: bytes, within: float) -> QiMessage:
         """Call the action of that number and return its reply. Raises as `call`."""
         answer = await self.connection.ask(self.service, self.object, action, payload, within)
-        if answer.kind == Kind.ERROR:
+        if answer.kind == MessageKind.ERROR:
             raise RemoteError(error_text(answer) or "the robot reports an error without a text")
-        if answer.kind == Kind.CANCELED:
-            raise Cancelled("the robot has cancelled the call")
+        if answer.kind == MessageKind.CANCELED:
+            raise CallCancelledError("the robot has cancelled the call")
         return answer
 
-    def values(self, reply: Frame, returns: Type | str) -> Any:
+    def values(self, reply: QiMessage, returns: SignatureType | str) -> Any:
         """Read what a message from this object holds. Raises `ProtocolError`."""
         wanted = "m" if reply.flags & DYNAMIC_PAYLOAD else returns
-        return Decoder(reply.payload, self._make_object).value(wanted)
+        return ValueDecoder(reply.payload, self._make_object).value(wanted)
 
-    def _make_object(self, decoder: Decoder) -> RemoteObject | None:
+    def _make_object(self, decoder: ValueDecoder) -> RemoteObject | None:
         return read_object(decoder, self.connection)
 
 
-class Hearing:
+class SignalSubscription:
     """One signal of one object: registered once over there, for all who listen here.
 
     The other end sends an event once for each registration; with one a listener, every event
@@ -207,7 +207,7 @@ class Hearing:
                 self._remote.service, self._remote.object, UNREGISTER_EVENT, self._registration()
             )
 
-    def take(self, frame: Frame) -> None:
+    def take(self, frame: QiMessage) -> None:
         """Hand an event's values to all listeners; one that holds others is left out."""
         try:
             values = self._remote.values(frame, self._kind)
@@ -223,7 +223,7 @@ class Hearing:
             self._loop.call_soon(listener, *values)
 
 
-def read_object(decoder: Decoder, connection: Connection) -> RemoteObject | None:
+def read_object(decoder: ValueDecoder, connection: QiConnection) -> RemoteObject | None:
     """Read an object that was passed; None where it is the null object."""
     meta = metaobject.read(decoder)
     service, obj = decoder.value("I"), decoder.value("I")
@@ -231,7 +231,7 @@ def read_object(decoder: Decoder, connection: Connection) -> RemoteObject | None
 
 
 def _arguments(method: MetaMethod, args: tuple[Any, ...]) -> bytes:
-    """Write the arguments. Raises `Refused` where one does not fit."""
+    """Write the arguments. Raises `RefusedError` where one does not fit."""
     if method.parameters == "m":
         return encode("m", args)
     parts = []
@@ -239,7 +239,7 @@ def _arguments(method: MetaMethod, args: tuple[Any, ...]) -> bytes:
         try:
             parts.append(encode(kind, value))
         except ProtocolError as error:
-            raise Refused(f"argument {at + 1} of {method}: {error}") from error
+            raise RefusedError(f"argument {at + 1} of {method}: {error}") from error
     return b"".join(parts)
 
 

@@ -21,17 +21,23 @@ from collections.abc import Iterable
 from typing import Any
 
 from qimessaging import directory
-from qimessaging.directory import Directory
+from qimessaging.directory import ServiceDirectory
 from qimessaging.endpoints import Endpoint
-from qimessaging.errors import Refused
+from qimessaging.errors import RefusedError
 from qimessaging.frames import LONGEST
-from qimessaging.hosted_objects import Hosted, Member, Method, Property, Signal
-from qimessaging.object_host import Host
-from qimessaging.registering import Authenticator, Listener
+from qimessaging.hosted_objects import (
+    HostedMethod,
+    HostedObject,
+    HostedProperty,
+    HostedSignal,
+    Member,
+)
+from qimessaging.object_host import ObjectHost
+from qimessaging.registering import Authenticator, ServiceListener
 from qimessaging.remote import WITHIN, RemoteObject
 
 
-class Server:
+class QiServer:
     """Services under names. All of it belongs to the event loop in which it listens."""
 
     def __init__(
@@ -43,21 +49,21 @@ class Server:
             authenticator: Told name and token, says who is let in; None lets everybody in.
             longest: The longest message accepted, in bytes.
         """
-        self._host = Host()
-        self._listener = Listener(self._host, authenticator, longest)
-        self._directory = Directory(lambda: self._listener.endpoints)
+        self._host = ObjectHost()
+        self._listener = ServiceListener(self._host, authenticator, longest)
+        self._directory = ServiceDirectory(lambda: self._listener.endpoints)
         self._host.add(directory.NUMBER, self._directory.hosted)
-        self._services: dict[str, tuple[int, Hosted]] = {}
+        self._services: dict[str, tuple[int, HostedObject]] = {}
         self._called: dict[int, RemoteObject] = {}
 
     def add(
         self,
         name: str,
         *,
-        methods: Iterable[Method] = (),
-        signals: Iterable[Signal] = (),
-        properties: Iterable[Property] = (),
-    ) -> Hosted:
+        methods: Iterable[HostedMethod] = (),
+        signals: Iterable[HostedSignal] = (),
+        properties: Iterable[HostedProperty] = (),
+    ) -> HostedObject:
         """Offer a service; also while listening.
 
         Raises:
@@ -65,16 +71,16 @@ class Server:
             ProtocolError: A signature is wrong.
         """
         members: list[Member] = [*methods, *signals, *properties]
-        hosted = Hosted(members)
+        hosted = HostedObject(members)
         number = self._directory.add(name)
         self._host.add(number, hosted)
         self._services[name] = (number, hosted)
         return hosted
 
     def remove(self, name: str) -> None:
-        """Offer a service no longer. Raises `Refused` where it is none of ours."""
+        """Offer a service no longer. Raises `RefusedError` where it is none of ours."""
         if name not in self._services:
-            raise Refused(f"there is no service {name}")
+            raise RefusedError(f"there is no service {name}")
         number, _ = self._services.pop(name)
         self._host.remove(number)
         self._directory.remove(number)
@@ -98,9 +104,9 @@ class Server:
         return await self._listener.listen(host, port, tls)
 
     def emit(self, service: str, signal: str, *values: Any) -> None:
-        """Emit a signal of a service. Raises as `Hosted.emit`."""
+        """Emit a signal of a service. Raises as `HostedObject.emit`."""
         if service not in self._services:
-            raise Refused(f"there is no service {service}")
+            raise RefusedError(f"there is no service {service}")
         self._services[service][1].emit(signal, *values)
 
     async def call(self, service: str, method: str, *args: Any, within: float = WITHIN) -> Any:
@@ -111,7 +117,7 @@ class Server:
         number = self._directory.number(service)
         owner = self._directory.owner(number)
         if owner is None:
-            raise Refused(f"{service} is no service of a client")
+            raise RefusedError(f"{service} is no service of a client")
         found = self._called.get(number)
         if found is None:
             found = await RemoteObject.fetch(owner, number, within)

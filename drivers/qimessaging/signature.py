@@ -24,7 +24,7 @@ _ONE_ELEMENT = {"#": "[", "+": "+"}
 
 
 @dataclass(frozen=True, slots=True)
-class Type:
+class SignatureType:
     """The type of one value.
 
     Attributes:
@@ -35,22 +35,22 @@ class Type:
     """
 
     kind: str
-    inner: tuple[Type, ...] = ()
+    inner: tuple[SignatureType, ...] = ()
     names: tuple[str, ...] = ()
     text: str = ""
 
 
-_PLAIN = {letter: Type(letter, text=letter) for letter in _LETTERS}
+_PLAIN = {letter: SignatureType(letter, text=letter) for letter in _LETTERS}
 
 
-def parse(text: str) -> Type:
+def parse(text: str) -> SignatureType:
     """Read the signature of exactly one value. Raises `ProtocolError`."""
     if len(text) > LONGEST:
         raise ProtocolError(f"a signature of {len(text)} characters; at most {LONGEST} are read")
     return _known(text) if len(text) <= _REMEMBERED else _whole(text)
 
 
-def _whole(text: str) -> Type:
+def _whole(text: str) -> SignatureType:
     found, end = _one(text, 0, 0)
     if end != len(text):
         raise ProtocolError(f"{_short(text)} is more than one signature")
@@ -60,7 +60,7 @@ def _whole(text: str) -> Type:
 _known = lru_cache(maxsize=512)(_whole)
 
 
-def parse_members(text: str) -> tuple[Type, ...]:
+def parse_members(text: str) -> tuple[SignatureType, ...]:
     """Read a method's or signal's parameters, `(..)`. Raises `ProtocolError`."""
     found = parse(text)
     if found.kind != "(":
@@ -68,7 +68,7 @@ def parse_members(text: str) -> tuple[Type, ...]:
     return found.inner
 
 
-def _one(text: str, at: int, depth: int) -> tuple[Type, int]:
+def _one(text: str, at: int, depth: int) -> tuple[SignatureType, int]:
     if depth > DEEPEST:
         raise ProtocolError(f"a signature nests more deeply than {DEEPEST}")
     if at >= len(text):
@@ -76,26 +76,26 @@ def _one(text: str, at: int, depth: int) -> tuple[Type, int]:
     letter = text[at]
     if letter in _LETTERS:
         end = _skip_annotation(text, at + 1)
-        return _PLAIN[letter] if end == at + 1 else Type(letter, text=text[at:end]), end
+        return _PLAIN[letter] if end == at + 1 else SignatureType(letter, text=text[at:end]), end
     if letter == "[":
         element, end = _one(text, at + 1, depth + 1)
         end = _skip_annotation(text, _expect(text, end, "]"))
-        return Type("[", (element,), text=text[at:end]), end
+        return SignatureType("[", (element,), text=text[at:end]), end
     if letter == "{":
         key, end = _one(text, at + 1, depth + 1)
         value, end = _one(text, end, depth + 1)
         end = _skip_annotation(text, _expect(text, end, "}"))
-        return Type("{", (key, value), text=text[at:end]), end
+        return SignatureType("{", (key, value), text=text[at:end]), end
     if letter == "(":
         return _tuple(text, at, depth)
     if letter in _ONE_ELEMENT:
         element, end = _one(text, at + 1, depth + 1)
-        return Type(_ONE_ELEMENT[letter], (element,), text=text[at:end]), end
+        return SignatureType(_ONE_ELEMENT[letter], (element,), text=text[at:end]), end
     raise ProtocolError(f"{letter!r} in the signature {_short(text)} is no type")
 
 
-def _tuple(text: str, at: int, depth: int) -> tuple[Type, int]:
-    members: list[Type] = []
+def _tuple(text: str, at: int, depth: int) -> tuple[SignatureType, int]:
+    members: list[SignatureType] = []
     end = at + 1
     while end < len(text) and text[end] != ")":
         member, end = _one(text, end, depth + 1)
@@ -105,7 +105,7 @@ def _tuple(text: str, at: int, depth: int) -> tuple[Type, int]:
     names = tuple(text[end + 1 : after - 1].split(",")[1:]) if after > end else ()
     if len(names) != len(members):
         names = ()
-    return Type("(", tuple(members), names, text[at:after]), after
+    return SignatureType("(", tuple(members), names, text[at:after]), after
 
 
 def _skip_annotation(text: str, at: int) -> int:

@@ -15,11 +15,11 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from typing import Any, NamedTuple
 
-from naoqi_simulator.pepper import Pepper
-from naoqi_simulator.robot_time import PacedTime, Time
-from naoqi_simulator.service_table import Refused
+from naoqi_simulator.pepper import PepperSimulator
+from naoqi_simulator.robot_time import PacedTime, SimulatorTime
+from naoqi_simulator.service_table import CallRefusedError
 from naoqi_simulator.simulator_process import carry_out, start
-from naoqi_simulator.world import Options, World
+from naoqi_simulator.world import SimulatedWorld, SimulatorOptions
 
 from tests.fakes import libqi
 
@@ -202,27 +202,27 @@ async def stand_in(
 class StandInHere(Robot):
     """A robot in the test's own loop, on our own server; `pepper` is all of it."""
 
-    def __init__(self, pepper: Pepper) -> None:
+    def __init__(self, pepper: PepperSimulator) -> None:
         self.pepper = pepper
 
     async def order(self, **order: Any) -> Any:
         """Carried out at once. Raises AssertionError if it says no."""
         try:
             return carry_out(self.pepper.standin, order)
-        except Refused as refused:
+        except CallRefusedError as refused:
             raise AssertionError(str(refused)) from None
 
 
 @asynccontextmanager
 async def stand_in_here(
-    time: Time | None = None, options: Options | None = None
+    time: SimulatorTime | None = None, options: SimulatorOptions | None = None
 ) -> AsyncIterator[StandInHere]:
     """As `stand_in`, without a process: it cannot be killed, but its time can be injected.
 
     What goes on by itself needs `robot.pepper.tick()`.
     """
-    world = World(time or PacedTime(20.0), options or Options(visitors=False))
-    robot = StandInHere(Pepper(world))
+    world = SimulatedWorld(time or PacedTime(20.0), options or SimulatorOptions(visitors=False))
+    robot = StandInHere(PepperSimulator(world))
     host, robot.address = await start(robot.pepper)
     try:
         yield robot

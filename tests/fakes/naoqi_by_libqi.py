@@ -11,20 +11,20 @@ import sys
 from collections.abc import Callable, Coroutine, Mapping, Sequence
 from typing import Any
 
-from naoqi_simulator.faults import Desk
-from naoqi_simulator.service_table import Method, Refused, Service, methods_of
+from naoqi_simulator.faults import CallRecord
+from naoqi_simulator.service_table import CallRefusedError, Service, ServiceMethod, methods_of
 from naoqi_simulator.simulator_process import main
-from naoqi_simulator.world import Clients
+from naoqi_simulator.world import ConnectedClients
 
 
-class QiHost(Clients):
+class QiHost(ConnectedClients):
     """A listening session. Calls come in threads of the library and are carried out in our loop.
 
     The library cannot put bytes into a value of any type (`m`): pictures come as a typed tuple, and
     sound reaches only a `processRemote` that is declared to take raw data (`r`).
     """
 
-    def __init__(self, desk: Desk) -> None:
+    def __init__(self, desk: CallRecord) -> None:
         # Before the import: the library writes its log to standard output.
         os.environ.setdefault("QI_LOG_LEVEL", "0")
         import qi  # noqa: PLC0415 - not installed everywhere
@@ -85,7 +85,7 @@ class QiHost(Clients):
         self._objects.append(made)
         return made
 
-    def _bound(self, service: Service, method: Method) -> Callable[..., Any]:
+    def _bound(self, service: Service, method: ServiceMethod) -> Callable[..., Any]:
         def entered(_self: Any, *args: Any) -> Any:
             return self._start(self._carry_out(service, method, args), method.cancellable)
 
@@ -97,7 +97,7 @@ class QiHost(Clients):
         )
         return entered
 
-    async def _carry_out(self, service: Service, method: Method, args: Sequence[Any]) -> Any:
+    async def _carry_out(self, service: Service, method: ServiceMethod, args: Sequence[Any]) -> Any:
         value = await self._desk.enter(service, method, args)
         return self._object(value) if isinstance(value, Service) else value
 
@@ -122,7 +122,7 @@ async def _into(promise: Any, work: Coroutine[Any, Any, Any]) -> None:
         value = await work
     except asyncio.CancelledError:
         promise.setCanceled()
-    except Refused as refused:
+    except CallRefusedError as refused:
         promise.setError(str(refused))
     else:
         promise.setValue(value)

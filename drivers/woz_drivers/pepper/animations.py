@@ -7,8 +7,8 @@ import difflib
 from collections.abc import Mapping
 
 from woz_drivers.pepper.memory import flag
-from woz_drivers.pepper.parts import Part, Robot
-from woz_drivers.pepper.parts_calls import LONG_S, Endings
+from woz_drivers.pepper.parts import PepperPart, RobotCalls
+from woz_drivers.pepper.parts_calls import LONG_S, CleanUpCalls
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import text
 from woz_tui.drivers.contract import (
@@ -29,14 +29,14 @@ LANE = "body"
 ASK_S = 0.03
 
 
-class Animations(Part):
+class AnimationsPart(PepperPart):
     """Plays one animation at a time. The robot ends it when the call is cancelled."""
 
     name = "animations"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
-        self._endings = Endings()
+        self._endings = CleanUpCalls()
         self._playing = ""
 
     @classmethod

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from woz_drivers.pepper import memory
-from woz_drivers.pepper.parts import LOOK_S, Part, Robot
-from woz_drivers.pepper.parts_calls import put, read_back
+from woz_drivers.pepper.parts import LOOK_S, PepperPart, RobotCalls
+from woz_drivers.pepper.parts_calls import put_setting, read_back
 from woz_drivers.pepper.robot_settings import SETTINGS, STATE_S, of_verb
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import number
@@ -29,12 +29,12 @@ LANE = "settings"
 _BACK = "from interactive it gets to solitary by disabled alone, in which it rests"
 
 
-class Autonomy(Part):
+class AutonomyPart(PepperPart):
     """Switches of the robot's autonomy, and the distances that it keeps."""
 
     name = "autonomy"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         #: Asked for last, by the robot file or by a command: set again after a loss.
         self._asked = settings.initial_values(of_verb("autonomy", "collision").values())
@@ -111,7 +111,7 @@ class Autonomy(Part):
         refused: dict[str, DriverError] = {}
         for name in filter(wanted.__contains__, SETTINGS):
             try:
-                await put(self._robot, SETTINGS[name], wanted[name])
+                await put_setting(self._robot, SETTINGS[name], wanted[name])
             except DeviceLostError:
                 raise
             except DriverError as error:

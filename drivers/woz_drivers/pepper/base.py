@@ -8,8 +8,8 @@ from collections.abc import Mapping
 
 from woz_drivers.pepper.memory import items
 from woz_drivers.pepper.memory import number as number_of
-from woz_drivers.pepper.parts import LOOK_S, Part, Robot
-from woz_drivers.pepper.parts_calls import Endings, answers
+from woz_drivers.pepper.parts import LOOK_S, PepperPart, RobotCalls
+from woz_drivers.pepper.parts_calls import CleanUpCalls, answers
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import number
 from woz_tui.drivers.contract import (
@@ -34,14 +34,14 @@ STILL, ASK_S = 0.01, 0.03
 _METRES = Range(-5, 5, "m")
 
 
-class Base(Part):
+class BasePart(PepperPart):
     """Three wheels by `ALMotion.moveTo`; the posture stays as it is."""
 
     name = "driving"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
-        self._endings = Endings()
+        self._endings = CleanUpCalls()
 
     @classmethod
     def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:

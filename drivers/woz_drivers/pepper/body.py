@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 
 from woz_drivers.pepper import memory
 from woz_drivers.pepper.body_joints import checked, limb, native
-from woz_drivers.pepper.parts import Part, Robot
-from woz_drivers.pepper.parts_calls import LONG_S, Call, Endings, read_back
+from woz_drivers.pepper.parts import PepperPart, RobotCalls
+from woz_drivers.pepper.parts_calls import LONG_S, Call, CleanUpCalls, read_back
 from woz_drivers.pepper.robot_settings import SETTINGS, of_section
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import positive, text
@@ -37,14 +37,14 @@ SHORTEST_S = 0.1
 _SECONDS = Range(0, 60, "s")
 
 
-class Body(Part):
+class BodyPart(PepperPart):
     """Joints and postures by ALMotion and ALRobotPosture."""
 
     name = "motion"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
-        self._endings = Endings()
+        self._endings = CleanUpCalls()
 
     @classmethod
     def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
@@ -179,7 +179,7 @@ class Body(Part):
             await self._robot.call(MOTION, "killAll")
 
 
-async def hold(robot: Robot, names: list[str]) -> None:
+async def hold(robot: RobotCalls, names: list[str]) -> None:
     """Switch on the motors of those limbs that are slack: they would not follow.
 
     Raises `DriverError` for hip and knee: a Pepper's lower part is stiff while it is awake, and

@@ -13,9 +13,9 @@ from typing import Any
 
 from woz_drivers.pepper import camera_files
 from woz_drivers.pepper.memory import item, number, within
-from woz_drivers.pepper.naoqi_link import Said, binary
-from woz_drivers.pepper.parts import Part, Robot
-from woz_drivers.pepper.parts_calls import Endings
+from woz_drivers.pepper.naoqi_link import RobotRefusedError, binary
+from woz_drivers.pepper.parts import PepperPart, RobotCalls
+from woz_drivers.pepper.parts_calls import CleanUpCalls
 from woz_drivers.pepper.parts_task import Background, apart
 from woz_drivers.pepper.settings import PepperSettings
 from woz_tui.drivers.contract import (
@@ -44,12 +44,12 @@ _FAREWELL_S = 0.5
 _NO_PICTURE = "is the robot awake? else restart it"
 
 
-class Camera(Part):
+class CameraPart(PepperPart):
     """Asks for pictures only while `core.pictures.WATCHED` holds, each after the last has come."""
 
     name = "camera"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         self._folder = settings.pictures
         self._pictures = context.feed(PICTURE)
@@ -60,7 +60,7 @@ class Camera(Part):
         #: When the last of them came, in the loop's time.
         self._came = 0.0
         self._trouble = ""
-        self._endings = Endings()
+        self._endings = CleanUpCalls()
 
     @classmethod
     def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
@@ -146,7 +146,7 @@ class Camera(Part):
             self._subscribed = (await self._subscribe(VIEW, size, rate), (size, rate))
             self._came = loop.time()
         came = frame(await self._robot.call("ALVideoDevice", "getImageRemote", self._subscribed[0]))
-        if isinstance(came, Frame):
+        if isinstance(came, CameraFrame):
             now_us = self._context.clock.now_us()
             self._pictures.put(Picture(now_us, came.width, came.height, came.rgb))
             self._came, self._trouble = loop.time(), ""
@@ -176,7 +176,7 @@ class Camera(Part):
 
     # -- a single one --------------------------------------------------------------------------
 
-    async def _take(self) -> tuple[Frame, int, datetime]:
+    async def _take(self) -> tuple[CameraFrame, int, datetime]:
         """A picture of 640 x 480 with the moment it came, of the clock and of the day."""
         held = ""
         try:
@@ -187,12 +187,12 @@ class Camera(Part):
             self._endings.send(self._robot.call("ALVideoDevice", *words, within=_FAREWELL_S))
         return came, self._context.clock.now_us(), self._context.clock.wall()
 
-    async def _first(self, held: str) -> Frame:
+    async def _first(self, held: str) -> CameraFrame:
         loop = asyncio.get_running_loop()
         until = loop.time() + _PATIENCE_S
         while True:
             came = frame(await self._robot.call("ALVideoDevice", "getImageRemote", held))
-            if isinstance(came, Frame):
+            if isinstance(came, CameraFrame):
                 return came
             if loop.time() >= until:
                 raise DriverError(came, _NO_PICTURE)
@@ -223,7 +223,7 @@ def resolution(width: int) -> int:
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class CameraFrame:
     """`rgb` as in `core.pictures`; `robot_s`: when the robot took it, by its own clock (Unix)."""
 
     width: int
@@ -232,7 +232,7 @@ class Frame:
     robot_s: float | None
 
 
-def frame(said: Any) -> Frame | str:
+def frame(said: Any) -> CameraFrame | str:
     """A picture, or why it is none.
 
     `[width, height, layers, colour space, s, us, bytes, ...]`; None while the camera has none.
@@ -251,11 +251,11 @@ def frame(said: Any) -> Frame | str:
         )
     try:
         pixels = binary(item(said, 6))
-    except (Said, UnicodeEncodeError):
+    except (RobotRefusedError, UnicodeEncodeError):
         return "the camera's picture holds no pixels"
     if len(pixels) != 3 * wide * high:
         return f"the camera's picture is broken: {len(pixels)} bytes for {wide} x {high}"
-    return Frame(wide, high, _red_first(pixels, space), _taken(item(said, 4), item(said, 5)))
+    return CameraFrame(wide, high, _red_first(pixels, space), _taken(item(said, 4), item(said, 5)))
 
 
 def _red_first(pixels: bytes, space: int) -> bytes:

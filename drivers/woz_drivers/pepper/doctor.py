@@ -12,11 +12,11 @@ from typing import Any
 
 from woz_drivers.pepper import memory
 from woz_drivers.pepper.address import Address, parse
-from woz_drivers.pepper.naoqi_link import Link, LinkError, Missing, open_link
+from woz_drivers.pepper.naoqi_link import LinkError, NaoqiLink, ServiceMissingError, open_link
 from woz_drivers.pepper.robot_line import ESSENTIAL, WANTED
 from woz_drivers.pepper.served_files import REMEDY, places
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.pepper.simulated_robot import SimulatedRobot
+from woz_drivers.pepper.simulated_robot import SimulatedPepper
 from woz_drivers.pepper.tablet_page import is_address
 from woz_tui.drivers.contract import DriverError, Finding, Probe
 
@@ -52,7 +52,7 @@ async def _robot(text: str, probe: Probe) -> list[Finding]:
         address = parse(text)
     except DriverError as error:
         return [Finding("error", "robots", error.what, error.remedy)]
-    simulated = SimulatedRobot(settings.pace, probe.folder)
+    simulated = SimulatedPepper(settings.pace, probe.folder)
     try:
         real = await simulated.address() if address.simulated else address
         link = await open_link(real, settings)
@@ -69,7 +69,7 @@ async def _robot(text: str, probe: Probe) -> list[Finding]:
         await simulated.close()
 
 
-async def _visit(address: Address, link: Link, settings: PepperSettings) -> list[Finding]:
+async def _visit(address: Address, link: NaoqiLink, settings: PepperSettings) -> list[Finding]:
     """What a robot that is there says of itself. Raises `LinkError` if it goes."""
     services = await link.services(_WITHIN_S)
     findings = [await _line(address, link)]
@@ -82,7 +82,7 @@ async def _visit(address: Address, link: Link, settings: PepperSettings) -> list
     return findings
 
 
-async def _line(address: Address, link: Link) -> Finding:
+async def _line(address: Address, link: NaoqiLink) -> Finding:
     loop = asyncio.get_running_loop()
     took = []
     for _ in range(_QUESTIONS):
@@ -97,7 +97,7 @@ async def _line(address: Address, link: Link) -> Finding:
     return Finding("ok", address.shown, text)
 
 
-def _certificate(address: Address, link: Link, settings: PepperSettings) -> Finding:
+def _certificate(address: Address, link: NaoqiLink, settings: PepperSettings) -> Finding:
     if settings.trusted:
         return Finding("ok", address.shown, "shows the trusted certificate")
     return Finding(
@@ -126,12 +126,12 @@ class _Question:
     judged: Callable[[Any], tuple[str, str, str]]
 
 
-async def _asked(address: Address, link: Link, question: _Question) -> Finding:
+async def _asked(address: Address, link: NaoqiLink, question: _Question) -> Finding:
     what = f"{question.service}.{question.method}"
     try:
         answer = await link.call(question.service, question.method, within=_WITHIN_S)
         level, text, remedy = question.judged(answer)
-    except Missing as missing:
+    except ServiceMissingError as missing:
         return Finding("warning", address.shown, str(missing), "try again")
     except LinkError as error:
         return Finding("warning", address.shown, f"does not tell {what}: {error}", "restart it")

@@ -9,18 +9,18 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from woz_drivers.pepper import doctor, outline, verbs
 from woz_drivers.pepper import text_remarks as written_as
-from woz_drivers.pepper.autonomy import Autonomy
-from woz_drivers.pepper.base import Base
-from woz_drivers.pepper.body import Body
+from woz_drivers.pepper.autonomy import AutonomyPart
+from woz_drivers.pepper.base import BasePart
+from woz_drivers.pepper.body import BodyPart
 from woz_drivers.pepper.body_joints import JOINTS
-from woz_drivers.pepper.parts import Part
+from woz_drivers.pepper.parts import PepperPart
 from woz_drivers.pepper.parts_task import Background
-from woz_drivers.pepper.recognition import Recognition
-from woz_drivers.pepper.robot_connection import Connection
-from woz_drivers.pepper.senses import Senses
+from woz_drivers.pepper.recognition import RecognitionPart
+from woz_drivers.pepper.robot_connection import RobotConnection
+from woz_drivers.pepper.senses import SensesPart
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.pepper.settings_reading import Reading
-from woz_drivers.pepper.tablet import Screen
+from woz_drivers.pepper.settings_reading import SettingsReader
+from woz_drivers.pepper.tablet import TabletPart
 from woz_drivers.simulated.argument_values import text
 from woz_tui.drivers.contract import (
     DeviceLostError,
@@ -56,14 +56,14 @@ class Pepper(Driver):
 
     def __init__(self, name: str, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(name, settings, context)
-        self._connection = Connection(
+        self._connection = RobotConnection(
             settings, context, on_connected=self._connected, on_lost=self._gone
         )
-        self._parts: tuple[Part, ...] = tuple(
+        self._parts: tuple[PepperPart, ...] = tuple(
             kind(self._connection, settings, context) for kind in verbs.PARTS
         )
         self._by_verb = verbs.by_verb(self._parts, settings)
-        self._reading = Reading(self._connection, self._parts, settings, context)
+        self._reading = SettingsReader(self._connection, self._parts, settings, context)
         #: Whether it was there and went without being asked to: nobody knows what it does now.
         self._astray = False
         self._present = False
@@ -86,7 +86,7 @@ class Pepper(Driver):
     @classmethod
     def sensors(cls, settings: PepperSettings) -> tuple[str, ...]:
         """What its senses publish, speech and touches of the tablet, as the file wants them."""
-        parts = (Senses, Screen, Recognition)
+        parts = (SensesPart, TabletPart, RecognitionPart)
         return tuple(sensor for part in parts for sensor in part.sensors(settings))
 
     @classmethod
@@ -152,9 +152,9 @@ class Pepper(Driver):
 
     async def _halt(self, scope: Scope) -> StopReport | None:
         """Stand still, as for a stop, but nobody need release it: a robot is let go."""
-        parts = [part for part in self._parts if scope is Scope.ALL or isinstance(part, Base)]
+        parts = [part for part in self._parts if scope is Scope.ALL or isinstance(part, BasePart)]
         if not self._present:
-            moving = [part.name for part in parts if isinstance(part, Base | Body)]
+            moving = [part.name for part in parts if isinstance(part, BasePart | BodyPart)]
             return StopReport(missing=tuple(moving)) if self._astray else None
         until = asyncio.get_running_loop().time() + STOP_S
         stops = self._stop_all(parts, scope)
@@ -176,8 +176,8 @@ class Pepper(Driver):
         return StopReport(tuple(sorted(confirmed)), tuple(sorted(missing)))
 
     def _stop_all(
-        self, parts: Sequence[Part], scope: Scope
-    ) -> dict[asyncio.Task[tuple[str, ...]], Part]:
+        self, parts: Sequence[PepperPart], scope: Scope
+    ) -> dict[asyncio.Task[tuple[str, ...]], PepperPart]:
         """Ask all at once. Those that come too late go on: a slow line must not keep it moving."""
         loop = asyncio.get_running_loop()
         stops = {
@@ -199,7 +199,7 @@ class Pepper(Driver):
 
     async def _live(self) -> None:
         with contextlib.suppress(DeviceLostError):  # then the next connection does it
-            await self._apply([part for part in self._parts if isinstance(part, Autonomy)])
+            await self._apply([part for part in self._parts if isinstance(part, AutonomyPart)])
 
     async def rest(self) -> None:
         """Take the posture of the robot file, otherwise rest; autonomous life stays as it is."""
@@ -266,10 +266,10 @@ class Pepper(Driver):
         self._reading.begin()
         self._waits = self._stopped
         await self._apply(
-            [part for part in self._parts if not (self._stopped and isinstance(part, Autonomy))]
+            [part for part in self._parts if not (self._stopped and isinstance(part, AutonomyPart))]
         )
 
-    async def _apply(self, parts: Sequence[Part]) -> None:
+    async def _apply(self, parts: Sequence[PepperPart]) -> None:
         """Let these parts set what the file says, or the wizard since."""
         self._settled.clear()
         try:

@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from woz_drivers.pepper import memory
-from woz_drivers.pepper.parts import Part, Robot
-from woz_drivers.pepper.parts_calls import Endings
+from woz_drivers.pepper.parts import PepperPart, RobotCalls
+from woz_drivers.pepper.parts_calls import CleanUpCalls
 from woz_drivers.pepper.robot_settings import SETTINGS
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import color as color_of
@@ -51,16 +51,16 @@ LONGEST = Range(0, 3600, "s")
 MARGIN_S = 5.0
 
 
-class Eyes(Part):
+class EyesPart(PepperPart):
     """Both eyes together."""
 
     name = "eyes"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
-        self._endings = Endings()
+        self._endings = CleanUpCalls()
         #: Shown last by command, undimmed; None: whatever the robot shows by itself.
-        self._shown: Color | None = None
+        self._shown: EyeColor | None = None
         self._level = 1.0
         self._loop: asyncio.Task[None] | None = None
         self._animated = False
@@ -134,7 +134,7 @@ class Eyes(Part):
         self.lost()
         seconds = 0.0
         if self._settings.eyes and self._shown is None:
-            self._shown = Color.of(color_of({"color": self._settings.eyes}, "color"))
+            self._shown = EyeColor.of(color_of({"color": self._settings.eyes}, "color"))
             seconds = COMES_S
         if self._shown is not None:
             try:
@@ -156,7 +156,7 @@ class Eyes(Part):
         """
         if self._shown is not None and (self._loop or self._animated):
             return {"eyes": self._shown.text, "eyes_brightness": round(self._level, 3)}
-        seen = Color.read_back(await self._robot.ask(LEDS, "getIntensity", ONE_LIGHT))
+        seen = EyeColor.read_back(await self._robot.ask(LEDS, "getIntensity", ONE_LIGHT))
         if seen is None:
             return {}
         if self._shown is not None and seen.close_to(self._shown.dimmed(self._level)):
@@ -174,7 +174,7 @@ class Eyes(Part):
     # -- verbs -----------------------------------------------------------------------------------
 
     async def _color(self, job: Job) -> dict[str, Json]:
-        shown = Color.of(color_of(job.args, "color"))
+        shown = EyeColor.of(color_of(job.args, "color"))
         animation = word(
             {"animation": job.args.get("animation", "steady")}, "animation", ANIMATIONS
         )
@@ -192,7 +192,7 @@ class Eyes(Part):
     async def _animation(self, job: Job) -> dict[str, Json]:
         kind = word(job.args, "kind", KINDS)
         seconds = positive(job.args, "seconds", 3.0)
-        light = Color.of(color_of({"color": job.args.get("color", "white")}, "color"))
+        light = EyeColor.of(color_of({"color": job.args.get("color", "white")}, "color"))
         self._end_loop()
         before = await self._before()
         job.expects(seconds)
@@ -221,7 +221,7 @@ class Eyes(Part):
 
     # -- lights ----------------------------------------------------------------------------------
 
-    async def _slice(self, kind: str, light: Color, seconds: float, before: Color) -> None:
+    async def _slice(self, kind: str, light: EyeColor, seconds: float, before: EyeColor) -> None:
         """A piece of an animation. Cut short, the colour of before comes back behind it."""
         match kind:
             case "rasta":
@@ -241,7 +241,7 @@ class Eyes(Part):
             self._endings.send(self._after(playing, before))
             raise
 
-    async def _after(self, playing: asyncio.Task[object], before: Color) -> None:
+    async def _after(self, playing: asyncio.Task[object], before: EyeColor) -> None:
         """NAOqi ends no animation early: cover it now, and once more when it is over."""
         await self._fade(before, 0.0)
         await asyncio.wait([playing])
@@ -249,17 +249,17 @@ class Eyes(Part):
         self._animated = False
         await self._fade(before, 0.0)
 
-    async def _fade(self, shown: Color, seconds: float) -> None:
+    async def _fade(self, shown: EyeColor, seconds: float) -> None:
         red, green, blue = shown.dimmed(self._level).parts
         await self._robot.call(
             *(LEDS, "fadeRGB", GROUP, red, green, blue, float(seconds)), within=seconds + MARGIN_S
         )
 
-    async def _before(self) -> Color:
+    async def _before(self) -> EyeColor:
         """The colour asked for last, otherwise what is seen now."""
         if self._shown is not None:
             return self._shown
-        seen = Color.read_back(await self._robot.call(LEDS, "getIntensity", ONE_LIGHT))
+        seen = EyeColor.read_back(await self._robot.call(LEDS, "getIntensity", ONE_LIGHT))
         return WHITE if seen is None else seen
 
     async def _repeat(self, animation: str) -> None:
@@ -292,7 +292,7 @@ CLOSE = 3 / 255
 
 
 @dataclass(frozen=True, slots=True)
-class Color:
+class EyeColor:
     """Red, green and blue from 0 to 1."""
 
     red: float
@@ -300,13 +300,13 @@ class Color:
     blue: float
 
     @classmethod
-    def of(cls, text: str) -> Color:
+    def of(cls, text: str) -> EyeColor:
         """From `#rrggbb`."""
         red, green, blue = bytes.fromhex(text.removeprefix("#"))
         return cls(red / 255, green / 255, blue / 255)
 
     @classmethod
-    def read_back(cls, intensities: object) -> Color | None:
+    def read_back(cls, intensities: object) -> EyeColor | None:
         """From what `ALLeds.getIntensity` says of a light: blue, green, red. None: unreadable."""
         told = [memory.number(part) for part in memory.items(intensities)]
         parts = [min(max(part, 0.0), 1.0) for part in told if part is not None]
@@ -340,14 +340,14 @@ class Color:
         """Whether it is white of some brightness."""
         return self.red == self.green == self.blue
 
-    def dimmed(self, level: float) -> Color:
+    def dimmed(self, level: float) -> EyeColor:
         """The same colour at a share of its brightness."""
-        return Color(self.red * level, self.green * level, self.blue * level)
+        return EyeColor(self.red * level, self.green * level, self.blue * level)
 
-    def close_to(self, other: Color) -> bool:
+    def close_to(self, other: EyeColor) -> bool:
         """Whether nobody could tell them apart."""
         pairs = zip(self.parts, other.parts, strict=True)
         return all(abs(one - two) <= CLOSE for one, two in pairs)
 
 
-BLACK, WHITE = Color(0, 0, 0), Color(1, 1, 1)
+BLACK, WHITE = EyeColor(0, 0, 0), EyeColor(1, 1, 1)

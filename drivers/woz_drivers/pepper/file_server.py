@@ -66,8 +66,8 @@ class FileServer:
         self._troubled = troubled
         self._patience = patience
         self._token = secrets.token_urlsafe(16)
-        self._listed: dict[str, Listed] = {}
-        self._known: dict[Listed, str] = {}
+        self._listed: dict[str, ListedFile] = {}
+        self._known: dict[ListedFile, str] = {}
         self._clients: dict[socket.socket, float] = {}
         self._threads: set[threading.Thread] = set()
         self._lock = threading.Lock()
@@ -96,11 +96,11 @@ class FileServer:
             raise DriverError(
                 f"{path} cannot be served: {why}", "check its name and that you may read it"
             ) from None
-        return self._list(Listed(real.suffix.lower(), path=real))
+        return self._list(ListedFile(real.suffix.lower(), path=real))
 
     def list_page(self, html: str) -> str:
         """The address of a page that was made here."""
-        return self._list(Listed(".html", content=html.encode()))
+        return self._list(ListedFile(".html", content=html.encode()))
 
     def close(self) -> None:
         """End it with all connections. Waits for its threads a second at most."""
@@ -117,7 +117,7 @@ class FileServer:
             thread.join(max(0.0, until - time.monotonic()))
         self._waker.close()
 
-    def _list(self, listed: Listed) -> str:
+    def _list(self, listed: ListedFile) -> str:
         place = self._known.get(listed)
         if place is None:
             place = f"/{self._token}/{len(self._known)}{listed.suffix}"
@@ -190,7 +190,7 @@ class FileServer:
 
     def _answer(self, client: socket.socket) -> None:
         try:
-            Answers(client, self._listed, self._asked)
+            FileRequestHandler(client, self._listed, self._asked)
         except (OSError, ValueError):
             pass  # the client went away, was too slow, or its socket was closed under it
         except Exception as error:  # noqa: BLE001 - nothing else would notice
@@ -276,7 +276,7 @@ def _opened(path: str, flags: int) -> int:
 
 
 @dataclass(frozen=True, slots=True)
-class Listed:
+class ListedFile:
     """What may be asked for: a file by its real path, or a page as it is."""
 
     suffix: str
@@ -297,7 +297,7 @@ class Listed:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class ByteRange:
     """Bytes `start` to `end`, without the last, of `size`."""
 
     start: int
@@ -310,25 +310,25 @@ class Part:
         return self.start == 0 and self.end == self.size
 
 
-def part(wish: str, size: int) -> Part | None:
+def byte_range(wish: str, size: int) -> ByteRange | None:
     """What a `Range` header asks for; all of it for a wish that is not understood.
 
     None if there are no such bytes.
     """
     found = _RANGE.fullmatch(wish.strip())
     if found is None or found[1] == found[2] == "":
-        return Part(0, size, size)
+        return ByteRange(0, size, size)
     if not found[1]:
         last = int(found[2])
-        return Part(max(0, size - last), size, size) if last and size else None
+        return ByteRange(max(0, size - last), size, size) if last and size else None
     start = int(found[1])
     if found[2] and int(found[2]) < start:
-        return Part(0, size, size)
+        return ByteRange(0, size, size)
     end = min(int(found[2]) + 1, size) if found[2] else size
-    return Part(start, end, size) if start < size else None
+    return ByteRange(start, end, size) if start < size else None
 
 
-class Answers(BaseHTTPRequestHandler):
+class FileRequestHandler(BaseHTTPRequestHandler):
     """One connection with one request: it is answered when this is made."""
 
     protocol_version = "HTTP/1.1"
@@ -338,7 +338,7 @@ class Answers(BaseHTTPRequestHandler):
     def __init__(
         self,
         client: socket.socket,
-        listed: Mapping[str, Listed],
+        listed: Mapping[str, ListedFile],
         asked: Callable[[socket.socket], None],
     ) -> None:
         self._listed = listed
@@ -381,10 +381,10 @@ class Answers(BaseHTTPRequestHandler):
         with file:
             self._send(listed, file, size, body=body)
 
-    def _send(self, listed: Listed, file: IO[bytes], size: int, *, body: bool) -> None:
+    def _send(self, listed: ListedFile, file: IO[bytes], size: int, *, body: bool) -> None:
         # There are no validators here, so whoever makes a range depend on one gets the whole.
         wish = "" if self.headers["If-Range"] else self.headers["Range"] or ""
-        wanted = part(wish, size) if self.command == "GET" else Part(0, size, size)
+        wanted = byte_range(wish, size) if self.command == "GET" else ByteRange(0, size, size)
         if wanted is None:
             headers = {"Content-Range": f"bytes */{size}", "Content-Length": "0"}
             self._head(HTTPStatus.REQUESTED_RANGE_NOT_SATISFIABLE, headers)
@@ -402,7 +402,7 @@ class Answers(BaseHTTPRequestHandler):
         if body:
             self._pour(file, wanted)
 
-    def _pour(self, file: IO[bytes], wanted: Part) -> None:
+    def _pour(self, file: IO[bytes], wanted: ByteRange) -> None:
         file.seek(wanted.start)
         left = wanted.end - wanted.start
         while left > 0 and (piece := file.read(min(_PIECE, left))):

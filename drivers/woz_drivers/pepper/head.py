@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from woz_drivers.pepper.body import MOTION, hold
 from woz_drivers.pepper.body_joints import HEAD_PITCH, HEAD_YAW, HIP_PITCH, HIP_ROLL, head, hip
 from woz_drivers.pepper.memory import item, within
-from woz_drivers.pepper.parts import Part, Robot
+from woz_drivers.pepper.parts import PepperPart, RobotCalls
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import number
 from woz_tui.drivers.contract import (
@@ -44,10 +44,10 @@ _STEP = Range(-90, 90, "degrees")
 
 
 @dataclass
-class Pair:
+class JointPair:
     """Two joints that move together, and what of them was asked for last."""
 
-    robot: Robot
+    robot: RobotCalls
     clock: Clock
     joints: tuple[str, str]
     speed: float
@@ -109,16 +109,16 @@ class Pair:
         )
 
 
-class Head(Part):
+class HeadPart(PepperPart):
     """`gaze`, `nudge` and `hip`. What they began ends with the stop of all motion (`Body`)."""
 
     name = "head"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         clock = context.clock
-        self._head = Pair(robot, clock, (HEAD_YAW, HEAD_PITCH), HEAD_SPEED, head)
-        self._hip = Pair(robot, clock, (HIP_PITCH, HIP_ROLL), HIP_SPEED, hip)
+        self._head = JointPair(robot, clock, (HEAD_YAW, HEAD_PITCH), HEAD_SPEED, head)
+        self._hip = JointPair(robot, clock, (HIP_PITCH, HIP_ROLL), HIP_SPEED, hip)
 
     @classmethod
     def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:

@@ -97,7 +97,7 @@ def loudness(value: Any) -> float | None:
 
 
 @dataclass(frozen=True, slots=True)
-class Sound:
+class SoundSource:
     """A sound that was located: `stamp` of the robot's clock tells one from the next; `degrees` to
     the left of the robot's front, -180 to 180.
     """
@@ -106,7 +106,7 @@ class Sound:
     degrees: float
 
 
-def sound(value: Any) -> Sound | None:
+def sound(value: Any) -> SoundSource | None:
     """`[[s, us], [azimuth, elevation, confidence, energy], head in torso, head in robot]`.
 
     The azimuth (radians, left is positive) counts from where the head looks, so the head's turn
@@ -118,7 +118,7 @@ def sound(value: Any) -> Sound | None:
         return None
     turn = within(item(value, 2, 5), -math.pi, math.pi)
     around = math.degrees(azimuth + (turn or 0.0))
-    return Sound(stamp, (around + 180.0) % 360.0 - 180.0)
+    return SoundSource(stamp, (around + 180.0) % 360.0 - 180.0)
 
 
 def stamped(value: Any) -> tuple[float, float] | None:

@@ -17,9 +17,9 @@ from typing import Any
 
 from woz_drivers.pepper.camera_files import stamp
 from woz_drivers.pepper.memory import stamped, within
-from woz_drivers.pepper.naoqi_link import Said, Unsubscribe, binary
-from woz_drivers.pepper.parts import Part, Robot
-from woz_drivers.pepper.parts_calls import Endings
+from woz_drivers.pepper.naoqi_link import RobotRefusedError, Unsubscribe, binary
+from woz_drivers.pepper.parts import PepperPart, RobotCalls
+from woz_drivers.pepper.parts_calls import CleanUpCalls
 from woz_drivers.pepper.settings import PepperSettings
 from woz_tui.drivers.contract import Argument, DriverContext, DriverError, Job, RejectedError, Verb
 from woz_tui.protocol.messages import Json
@@ -40,18 +40,18 @@ class _Recording:
     t_us: int
 
 
-class Microphones(Part):
+class MicrophonesPart(PepperPart):
     """`record_sound` has the robot write a file of its own, `listen` brings its sound here."""
 
     name = "microphones"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         self._folder = settings.recordings
         self._recording: _Recording | None = None
-        self._listening: Listening | None = None
+        self._listening: SoundRecording | None = None
         #: Those that ended without being waited for.
-        self._left: list[Listening] = []
+        self._left: list[SoundRecording] = []
 
     @classmethod
     def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
@@ -148,7 +148,7 @@ class Microphones(Part):
             raise RejectedError(
                 f"it is listening already, to {self._listening.file}", "end it first"
             )
-        listening = Listening(self._robot, self._context)
+        listening = SoundRecording(self._robot, self._context)
         self._listening = listening
         try:
             return await listening.begin()
@@ -164,7 +164,7 @@ class Microphones(Part):
             return {"file": ""}
         return await listening.end()
 
-    def _leave(self, listening: Listening) -> None:
+    def _leave(self, listening: SoundRecording) -> None:
         listening.abandon()
         self._left.append(listening)
 
@@ -181,10 +181,10 @@ _FRONT, _NOT_DEINTERLEAVED = 3, 0
 _COMES_WITHIN_S = 3.0
 
 
-class Listening:
+class SoundRecording:
     """The front microphone's sound on its way into one file in the media folder."""
 
-    def __init__(self, robot: Robot, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, context: DriverContext) -> None:
         self._robot = robot
         self._context = context
         self._path = context.media / f"robot-{stamp(context.clock.wall())}.wav"
@@ -192,12 +192,12 @@ class Listening:
         self.file = f"{context.media.name}/{self._path.name}"
         self._service = f"{SERVICE}_{secrets.token_hex(4)}"
         self._sound: SoundFile | None = None
-        self._first: asyncio.Future[Block] = asyncio.get_running_loop().create_future()
+        self._first: asyncio.Future[SoundBlock] = asyncio.get_running_loop().create_future()
         self._t_us = 0
         self._bad = 0
         self._over = False
         self._withdraw: Unsubscribe | None = None
-        self._endings = Endings()
+        self._endings = CleanUpCalls()
 
     async def begin(self) -> Mapping[str, Json]:
         """Return when the first sound has come; `t` is the moment of its first sample.
@@ -316,7 +316,7 @@ _NEW = os.O_CREAT | os.O_EXCL | os.O_RDWR | os.O_CLOEXEC
 
 
 @dataclass(frozen=True, slots=True)
-class Block:
+class SoundBlock:
     """One buffer: `data` holds `samples` frames of `channels` samples. `robot_s`: its time stamp by
     the robot's clock, in seconds since 1970.
     """
@@ -327,23 +327,23 @@ class Block:
     robot_s: float | None
 
 
-def block(channels: Any, samples: Any, stamp: Any, buffer: Any) -> Block | str:
+def block(channels: Any, samples: Any, stamp: Any, buffer: Any) -> SoundBlock | str:
     """What the robot sent, or why it is no sound. Never raises."""
     some, many = within(channels, 1, _MOST_CHANNELS), within(samples, 1, _MOST_SAMPLES)
     if some is None or many is None or some != int(some) or many != int(many):
         return f"{channels!r} channels of {samples!r} samples are no sound"
     try:
         data = binary(buffer)
-    except (Said, UnicodeEncodeError) as trouble:
+    except (RobotRefusedError, UnicodeEncodeError) as trouble:
         return f"the robot's sound: {trouble}"
     if len(data) != int(some) * int(many) * _WIDTH:
         return f"{len(data)} bytes for {int(some)} channels of {int(many)} samples are no sound"
     at = stamped(stamp)
-    return Block(int(some), int(many), data, None if at is None else at[0] + at[1] / 1_000_000)
+    return SoundBlock(int(some), int(many), data, None if at is None else at[0] + at[1] / 1_000_000)
 
 
 @dataclass(slots=True)
-class Written:
+class WriteProgress:
     """How much of it is on the disk: frames, and what went wrong."""
 
     frames: int = 0
@@ -362,7 +362,7 @@ class SoundFile:
     rate: int
     channels: int
     failed: Callable[[str], None]
-    _written: Written = field(default_factory=Written)
+    _written: WriteProgress = field(default_factory=WriteProgress)
     _blocks: queue.SimpleQueue[bytes | None] = field(default_factory=queue.SimpleQueue)
     _done: asyncio.Future[None] = field(
         default_factory=lambda: asyncio.get_running_loop().create_future()
@@ -387,7 +387,7 @@ class SoundFile:
         """Nothing more comes; return at once."""
         self._blocks.put(None)
 
-    async def finish(self) -> Written:
+    async def finish(self) -> WriteProgress:
         """Return when everything is written, or could not be. A disk that hangs is left alone."""
         self.end()
         await asyncio.wait([self._done], timeout=_WRITTEN_WITHIN_S)

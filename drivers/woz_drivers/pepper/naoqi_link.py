@@ -18,8 +18,8 @@ from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, TypeVar
 
 from qimessaging import errors
-from qimessaging.client import Client
-from qimessaging.hosted_objects import Hosted, Method
+from qimessaging.client import NaoqiClient
+from qimessaging.hosted_objects import HostedMethod, HostedObject
 
 from woz_drivers.pepper.address import Address
 from woz_drivers.pepper.secrets import Secret, password
@@ -53,19 +53,19 @@ class LinkError(Exception):
     """A call did not work; the text says why, as the robot or the line says it."""
 
 
-class Said(LinkError):  # noqa: N818 - read as `raise Said(...)`
+class RobotRefusedError(LinkError):
     """The robot said no: the method raised, does not exist, or does not take these arguments."""
 
 
-class Missing(Said):
+class ServiceMissingError(RobotRefusedError):
     """The robot has no such service now; after a start they come up one after the other."""
 
 
-class Unanswered(LinkError):  # noqa: N818 - as above
+class UnansweredError(LinkError):
     """No answer came in time. The robot may still carry the call out."""
 
 
-class Gone(LinkError):  # noqa: N818 - as above
+class LinkClosedError(LinkError):
     """The connection is lost; nothing else will come through this link."""
 
 
@@ -76,7 +76,7 @@ Unsubscribe = Callable[[], Awaitable[None]]
 Methods = Mapping[str, tuple[str, Callable[..., None]]]
 
 
-class RefusedError(DeviceLostError):
+class ConnectionRefusedByRobotError(DeviceLostError):
     """The robot is there, but will not have us, or is not the one we trust: trying again is of no
     use until somebody changes something.
     """
@@ -84,8 +84,9 @@ class RefusedError(DeviceLostError):
 
 async def open_link(
     address: Address, settings: PepperSettings, within: float = OPENS_WITHIN_S
-) -> Link:
-    """Connect. Raises `DeviceLostError`, or `RefusedError` where trying again is of no use.
+) -> NaoqiLink:
+    """Connect. Raises `DeviceLostError`, or `ConnectionRefusedByRobotError` where trying again is
+    of no use.
 
     Args:
         address: A real one; for the simulated robot where that listens.
@@ -96,7 +97,7 @@ async def open_link(
     watch = CertificateWatch(settings.trusted)
     try:
         async with asyncio.timeout(within):
-            client = await Client.open(
+            client = await NaoqiClient.open(
                 *await resolved(address),
                 tls=watch.context if address.secure else None,
                 user=address.user,
@@ -114,7 +115,7 @@ async def open_link(
         if watch.refused:
             raise wrong_certificate(address, watch.found) from None
         raise _not_opened(address, error, secret) from None
-    return Link(client, watch.found)
+    return NaoqiLink(client, watch.found)
 
 
 def _not_opened(address: Address, error: errors.QiError, secret: Secret) -> DeviceLostError:
@@ -171,7 +172,7 @@ class CertificateWatch:
             raise refusal
 
 
-class Link:
+class NaoqiLink:
     """One connection. All of it belongs to the event loop in which it was opened.
 
     Attributes:
@@ -181,7 +182,7 @@ class Link:
         local_host: The address of this machine on the line to the robot: what the robot can reach.
     """
 
-    def __init__(self, client: Client, certificate: str) -> None:
+    def __init__(self, client: NaoqiClient, certificate: str) -> None:
         self._client = client
         self.certificate = certificate
         self.local_host = client.local_host
@@ -191,10 +192,11 @@ class Link:
         """Call `service.method(*args)` and return its value.
 
         Arguments and values are bool, int, float, str, bytes, list, tuple, dict and None (for a
-        picture or a sound use `binary(value)`); the overload is chosen by name, number and types
-        of the arguments. Services are looked up once a link. Raises `Said` (`Missing` where there
-        is no such service), `Unanswered` after `within` seconds, or `Gone`. A cancelled call is
-        cancelled on the robot, too, where it lets itself be.
+        picture or a sound use `binary(value)`); the overload is chosen by name, number and types of
+        the arguments. Services are looked up once a link. Raises `RobotRefusedError`
+        (`ServiceMissingError` where there is no such service), `UnansweredError` after `within`
+        seconds, or `LinkClosedError`. A cancelled call is cancelled on the robot, too, where it
+        lets itself be.
         """
         beyond = within + _BEYOND_S
         calling = self._client.call(service, method, *args, within=beyond)
@@ -228,9 +230,12 @@ class Link:
         """Offer the robot a service of ours under `name` until the result is called, or the line
         is lost: its functions are called in the loop, and what they return is not sent.
 
-        Raises as `call`; `Said` if the name is taken, or the robot takes no service from here.
+        Raises as `call`; `RobotRefusedError` if the name is taken, or the robot takes no service
+        from here.
         """
-        hosted = Hosted(Method(one, takes, "v", run) for one, (takes, run) in methods.items())
+        hosted = HostedObject(
+            HostedMethod(one, takes, "v", run) for one, (takes, run) in methods.items()
+        )
         registering = self._client.register(name, hosted)
         served = await self._in_time(registering, _LISTENS_WITHIN_S, _DIRECTORY, name)
         return served.withdraw
@@ -238,8 +243,8 @@ class Link:
     async def close(self) -> None:
         """Let go. Never raises, never waits for the robot.
 
-        Calls under way end with `Gone`. What the system has not yet brought to the robot is thrown
-        away, so that it does not arrive when a cut cable is plugged in again.
+        Calls under way end with `LinkClosedError`. What the system has not yet brought to the robot
+        is thrown away, so that it does not arrive when a cut cable is plugged in again.
         """
         await self._client.close()
 
@@ -248,22 +253,24 @@ class Link:
         try:
             async with asyncio.timeout(within):
                 return await doing
-        except (TimeoutError, errors.TimedOut):
-            raise Unanswered(f"no answer to {what} within {within:g} s") from None
-        except errors.ConnectionLost as error:
-            raise Gone(str(error)) from None
-        except errors.ServiceLost:
+        except (TimeoutError, errors.CallTimeoutError):
+            raise UnansweredError(f"no answer to {what} within {within:g} s") from None
+        except errors.ConnectionLostError as error:
+            raise LinkClosedError(str(error)) from None
+        except errors.ServiceLostError:
             # With the whole line gone, the library may tell of the service a moment earlier.
             await asyncio.wait([self.lost], timeout=_TELLS_WITHIN_S)
             if self.lost.done():
-                raise Gone(self.lost.result()) from None
-            raise Missing(f"{service} has just ended on the robot") from None
+                raise LinkClosedError(self.lost.result()) from None
+            raise ServiceMissingError(f"{service} has just ended on the robot") from None
         except errors.ProtocolError as error:
-            raise Said(f"{what}: its answer cannot be read: {words(str(error))}") from None
+            raise RobotRefusedError(
+                f"{what}: its answer cannot be read: {words(str(error))}"
+            ) from None
         except errors.QiError as error:
             if _ABSENT.search(str(error)):
-                raise Missing(f"the robot has no service {service} now") from None
-            raise Said(f"{what}: {words(str(error))}") from None
+                raise ServiceMissingError(f"the robot has no service {service} now") from None
+            raise RobotRefusedError(f"{what}: {words(str(error))}") from None
 
 
 async def resolved(address: Address) -> tuple[str, int]:
@@ -305,13 +312,13 @@ def _settle(found: asyncio.Future[list[Any]], answer: list[Any] | OSError) -> No
 def binary(value: Any) -> bytes:
     """A picture or a sound as bytes. A robot may send it as text.
 
-    Raises `Said` if it is neither bytes nor text.
+    Raises `RobotRefusedError` if it is neither bytes nor text.
     """
     if isinstance(value, (bytes, bytearray)):
         return bytes(value)
     if isinstance(value, str):
         return value.encode()
-    raise Said(f"bytes were expected, but the robot gave {type(value).__name__}")
+    raise RobotRefusedError(f"bytes were expected, but the robot gave {type(value).__name__}")
 
 
 def words(text: str) -> str:
@@ -346,23 +353,23 @@ def unknown_host(address: Address) -> DeviceLostError:
     )
 
 
-def wrong_password(address: Address, variable: str, given: bool) -> RefusedError:
+def wrong_password(address: Address, variable: str, given: bool) -> ConnectionRefusedByRobotError:
     """The robot does not take user and password."""
     if not given:
-        return RefusedError(
+        return ConnectionRefusedByRobotError(
             f"{address.shown} wants a password for the user {address.user or 'nao'}",
             f"set the environment variable {variable} before `woz` is started, and write the"
             " address as tcps://USER@HOST",
         )
-    return RefusedError(
+    return ConnectionRefusedByRobotError(
         f"{address.shown} refused the password of the user {address.user}",
         f"correct {variable} and start again, or give another user: tcps://USER@HOST",
     )
 
 
-def wrong_certificate(address: Address, found: str) -> RefusedError:
+def wrong_certificate(address: Address, found: str) -> ConnectionRefusedByRobotError:
     """Another certificate than the trusted one."""
-    return RefusedError(
+    return ConnectionRefusedByRobotError(
         f"{address.shown} shows another certificate than `trusted` says",
         f"is it the right robot? if so, set `trusted: {found}`",
     )

@@ -16,7 +16,7 @@ from woz_tui.drivers.contract import DriverContext, DriverError, Job, RejectedEr
 from woz_tui.protocol.messages import Json
 
 if TYPE_CHECKING:
-    from woz_drivers.pepper.served_files import Files
+    from woz_drivers.pepper.served_files import ServedFiles
 
 #: Seconds that an ordinary call may take; what takes its time (speech, a move) says so itself.
 WITHIN_S = 2.0
@@ -24,16 +24,16 @@ WITHIN_S = 2.0
 LOOK_S = 0.9
 
 
-class Absent(DriverError):  # noqa: N818 - read as `except Absent`
+class ServiceAbsentError(DriverError):
     """The robot has no such service now."""
 
 
-class Robot(Protocol):
+class RobotCalls(Protocol):
     """The robot as its parts see it: `connection.Connection` implements it.
 
     All raise `core.driver` errors: `DeviceLostError` when the robot is not connected or silent
     (nothing is sent while it is silent), `DriverError` with the robot's own words when it says no,
-    `Absent` where it has no such service.
+    `ServiceAbsentError` where it has no such service.
     """
 
     async def call(self, service: str, method: str, *args: Any, within: float = WITHIN_S) -> Any:
@@ -69,12 +69,12 @@ class Robot(Protocol):
         ...
 
     @property
-    def files(self) -> Files:
+    def files(self) -> ServedFiles:
         """What the robot and its tablet may fetch from this machine."""
         ...
 
 
-class Part:
+class PepperPart:
     """One part. Made once a session; survives reconnections. By itself it offers nothing, and
     has nothing to stop, to set, to forget, to read back, to let go of.
     """
@@ -82,7 +82,7 @@ class Part:
     #: What the stop calls it: speech, motion, animations, tablet ...
     name: ClassVar[str]
 
-    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
         self._robot = robot
         self._settings = settings
         self._context = context

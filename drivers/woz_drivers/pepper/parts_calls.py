@@ -8,7 +8,7 @@ from collections.abc import Callable, Coroutine, Iterable, Mapping
 from typing import Any
 
 from woz_drivers.pepper import memory
-from woz_drivers.pepper.parts import WITHIN_S, Robot
+from woz_drivers.pepper.parts import WITHIN_S, RobotCalls
 from woz_drivers.pepper.robot_settings import RobotSetting
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
 from woz_tui.protocol.messages import Json
@@ -39,7 +39,7 @@ async def answers(calls: Mapping[str, Call]) -> dict[str, Any]:
     return found
 
 
-async def read_back(robot: Robot, settings: Iterable[RobotSetting]) -> dict[str, Json]:
+async def read_back(robot: RobotCalls, settings: Iterable[RobotSetting]) -> dict[str, Json]:
     """These settings as the robot has them, by name; what makes no sense is left out."""
     asked = {one.name: one for one in settings if one.get}
     said = await answers({name: robot.ask(*one.get) for name, one in asked.items()})
@@ -47,7 +47,7 @@ async def read_back(robot: Robot, settings: Iterable[RobotSetting]) -> dict[str,
     return {name: value for name, value in understood.items() if value is not None}
 
 
-def put(robot: Robot, setting: RobotSetting, value: Json) -> Call:
+def put_setting(robot: RobotCalls, setting: RobotSetting, value: Json) -> Call:
     """Set it on the robot."""
     if setting.kind == "number":
         value = float(str(value))
@@ -83,7 +83,7 @@ async def apply(context: DriverContext, calls: Mapping[str, Call]) -> list[str]:
     return done
 
 
-class Endings:
+class CleanUpCalls:
     """What must still be said to the robot after a job was cut short, without the job waiting.
 
     The next job of the same kind waits for it: an ending that arrives late would end that one.

@@ -12,9 +12,9 @@ import contextlib
 from typing import Any
 
 from woz_drivers.pepper.memory import flag, item, within
-from woz_drivers.pepper.parts import Part, Robot
+from woz_drivers.pepper.parts import PepperPart, RobotCalls
 from woz_drivers.pepper.parts_task import Background
-from woz_drivers.pepper.senses_modules import NAME, Asking
+from woz_drivers.pepper.senses_modules import NAME, MemoryQuery
 from woz_drivers.pepper.settings import PepperSettings
 from woz_tui.drivers.contract import (
     SPEECH,
@@ -36,14 +36,14 @@ _FAREWELL_S = 0.5
 _LONGEST = 200
 
 
-class Recognition(Part):
+class RecognitionPart(PepperPart):
     """Tells when somebody speaks, and what, where `recognition.phrases` names what to expect."""
 
     name = "recognition"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
-        self._asking = Asking(robot)
+        self._asking = MemoryQuery(robot)
         self._polling = Background("reading the robot's speech recognition", context)
         self._segment = 0
         #: When the segment under way began; None: nobody speaks.

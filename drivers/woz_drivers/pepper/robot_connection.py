@@ -30,20 +30,20 @@ from typing import Any, TypeVar
 
 from woz_drivers.pepper.address import Address, parse
 from woz_drivers.pepper.naoqi_link import (
-    Gone,
+    ConnectionRefusedByRobotError,
+    LinkClosedError,
     Methods,
-    Missing,
-    RefusedError,
-    Said,
-    Unanswered,
+    RobotRefusedError,
+    ServiceMissingError,
+    UnansweredError,
     Unsubscribe,
     open_link,
 )
-from woz_drivers.pepper.parts import LOOK_S, WITHIN_S, Absent
-from woz_drivers.pepper.robot_line import HALTS, Line, silence, until_services
-from woz_drivers.pepper.served_files import Files
+from woz_drivers.pepper.parts import LOOK_S, WITHIN_S, ServiceAbsentError
+from woz_drivers.pepper.robot_line import HALTS, RobotLine, silence, until_services
+from woz_drivers.pepper.served_files import ServedFiles
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.pepper.simulated_robot import SimulatedRobot
+from woz_drivers.pepper.simulated_robot import SimulatedPepper
 from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
@@ -63,7 +63,7 @@ SPACING_S = 0.004
 _T = TypeVar("_T")
 
 
-class Connection:
+class RobotConnection:
     """Implements `parts.Robot`. Made in the event loop; begins with `start`, ends with `close`.
 
     `on_connected` is awaited after each connection, once the robot is silent and its services are
@@ -82,10 +82,10 @@ class Connection:
         self._context = context
         self._on_connected = on_connected
         self._on_lost = on_lost
-        self._simulated = SimulatedRobot(settings.pace, context.folder)
-        self.files = Files(self, settings.tablet, context)
+        self._simulated = SimulatedPepper(settings.pace, context.folder)
+        self.files = ServedFiles(self, settings.tablet, context)
         self._address: Address | None = None
-        self._line: Line | None = None
+        self._line: RobotLine | None = None
         self._keeper: asyncio.Task[None] | None = None
         self._changing = asyncio.Lock()
         self._changes: set[asyncio.Task[Any]] = set()
@@ -205,28 +205,28 @@ class Connection:
             await line.pulse.fresh()
             return await line.link.serve(name, methods)
 
-    def _need(self) -> Line:
+    def _need(self) -> RobotLine:
         if self._line is None:
             raise DeviceLostError(self._why.what, self._why.remedy)
         return self._line
 
     @contextlib.contextmanager
-    def _in_words(self, line: Line, what: str) -> Iterator[None]:
+    def _in_words(self, line: RobotLine, what: str) -> Iterator[None]:
         """What a link raises, as sentences for the wizard."""
         try:
             yield
-        except Missing as missing:
-            raise Absent(
+        except ServiceMissingError as missing:
+            raise ServiceAbsentError(
                 str(missing), "after its start they come one by one; else it is without"
             ) from None
-        except Said as said:
+        except RobotRefusedError as said:
             raise DriverError(f"the robot refused {said}") from None
-        except Unanswered:
+        except UnansweredError:
             raise DeviceLostError(
                 f"the robot did not answer {what} in time; it may still do it",
                 "stop it if it moves unexpectedly",
             ) from None
-        except Gone as gone:
+        except LinkClosedError as gone:
             raise line.lost(str(gone)) from None
 
     # -- keeping it ----------------------------------------------------------------------------
@@ -299,7 +299,7 @@ class Connection:
         while True:
             try:
                 line = await self._opened(address)
-            except RefusedError as refused:
+            except ConnectionRefusedByRobotError as refused:
                 self._failed(first, refused)
                 self._tell(Health.FAULTED, refused)
                 return
@@ -312,12 +312,12 @@ class Connection:
             await asyncio.sleep(pause)
             pause = min(2 * pause, _LONGEST_PAUSE_S)
 
-    async def _opened(self, address: Address) -> Line:
+    async def _opened(self, address: Address) -> RobotLine:
         real = await self._simulated.address() if address.simulated else address
         link = await open_link(real, self._settings)
-        return Line(link, address, self._settings.heartbeat)
+        return RobotLine(link, address, self._settings.heartbeat)
 
-    async def _served(self, line: Line, first: asyncio.Future[None]) -> bool:
+    async def _served(self, line: RobotLine, first: asyncio.Future[None]) -> bool:
         """Watch this connection until it is lost; tells whether it had been ready."""
         getting_ready = asyncio.create_task(self._get_ready(line, first))
         try:
@@ -334,7 +334,7 @@ class Connection:
                 self._on_lost()
         return was_there
 
-    async def _get_ready(self, line: Line, first: asyncio.Future[None]) -> None:
+    async def _get_ready(self, line: RobotLine, first: asyncio.Future[None]) -> None:
         """Wait for its services, silence it, let calls through, have the settings applied."""
         address = line.address
         known = self._absent.get(address, frozenset())
@@ -364,7 +364,7 @@ class Connection:
         if not first.done():
             first.set_result(None)
 
-    def _tell_certificate(self, line: Line) -> None:
+    def _tell_certificate(self, line: RobotLine) -> None:
         """Once for each robot on a secured line of which the file does not say what to trust."""
         found = line.link.certificate
         if found and not self._settings.trusted:
@@ -374,7 +374,7 @@ class Connection:
                 f"set `trusted: {found}` to be sure which robot it is",
             )
 
-    def _starting(self, line: Line, missing: frozenset[str]) -> None:
+    def _starting(self, line: RobotLine, missing: frozenset[str]) -> None:
         """It has just been started: services come up one after the other."""
         names = ", ".join(sorted(missing))
         self._why = DeviceLostError(f"{line.shown} is starting: waiting for {names}", "wait")

@@ -8,7 +8,12 @@ from collections.abc import Callable
 from typing import Protocol
 
 from woz_drivers.pepper.address import Address
-from woz_drivers.pepper.naoqi_link import Gone, Link, Said, Unanswered
+from woz_drivers.pepper.naoqi_link import (
+    LinkClosedError,
+    NaoqiLink,
+    RobotRefusedError,
+    UnansweredError,
+)
 from woz_tui.drivers.contract import DeviceLostError
 
 #: What only ends something. Sent even to a robot that is silent.
@@ -60,13 +65,13 @@ _ANSWERS_WITHIN_S = 2.0
 _LOOKED_FOR = "the program keeps searching for it; check its power and the network"
 
 
-class Line:
+class RobotLine:
     """A link with its pulse, and why it ended."""
 
-    def __init__(self, link: Link, address: Address, heartbeat: float) -> None:
+    def __init__(self, link: NaoqiLink, address: Address, heartbeat: float) -> None:
         self.link = link
         self.address = address
-        self.pulse = Pulse(link, heartbeat)
+        self.pulse = Heartbeat(link, heartbeat)
         #: Set when it has ended.
         self.why: DeviceLostError | None = None
         #: The wizard lets it go: what goes on must not begin anything behind the last stop.
@@ -106,19 +111,21 @@ class Line:
             dead.cancel()
 
 
-async def silence(line: Line) -> None:
-    """End speech, sound and motion. Raises `Unanswered` or `Gone` if that is not known to work."""
+async def silence(line: RobotLine) -> None:
+    """End speech, sound and motion. Raises `UnansweredError` or `LinkClosedError` if that is not
+    known to work.
+    """
     calls = (line.link.call(*halt, within=_SILENT_WITHIN_S) for halt in _SILENCE)
     done = await asyncio.gather(*calls, return_exceptions=True)
     for one in done:
         # A robot that refuses has nothing to end there.
-        if isinstance(one, BaseException) and not isinstance(one, Said):
+        if isinstance(one, BaseException) and not isinstance(one, RobotRefusedError):
             raise one
     line.pulse.heard()
 
 
 async def until_services(
-    line: Line, known: frozenset[str], waiting: Callable[[Line, frozenset[str]], None]
+    line: RobotLine, known: frozenset[str], waiting: Callable[[RobotLine, frozenset[str]], None]
 ) -> frozenset[str]:
     """Wait while services come up; returns those that this robot seems to be without.
 
@@ -133,7 +140,7 @@ async def until_services(
     while True:
         try:
             there = await line.link.services(_ANSWERS_WITHIN_S)
-        except Unanswered:
+        except UnansweredError:
             continue
         line.pulse.heard()
         if WANTED - there != missing:
@@ -165,18 +172,18 @@ KNOWN_S = 1.9
 _OVERSLEPT_S = 0.1
 
 
-class Asked(Protocol):
-    """What is asked: a `Link`."""
+class Answering(Protocol):
+    """What is asked: a `NaoqiLink`."""
 
     async def ask(self, within: float) -> None:
-        """See `Link.ask`."""
+        """See `NaoqiLink.ask`."""
         ...
 
 
-class Pulse:
+class Heartbeat:
     """The life of one link, by the time of the event loop."""
 
-    def __init__(self, link: Asked, heartbeat: float) -> None:
+    def __init__(self, link: Answering, heartbeat: float) -> None:
         self._link = link
         self._loop = asyncio.get_running_loop()
         self._heartbeat = heartbeat
@@ -220,13 +227,13 @@ class Pulse:
             try:
                 # Less where it has answered something else since it was asked before.
                 await asyncio.shield(self._ask(max(SILENT_S, min(self._patience, limit - quiet))))
-            except Unanswered:
+            except UnansweredError:
                 if self._heard > self._asked:
                     continue
                 if overslept or not self._has_overslept():
                     return f"the robot has not answered for {self._loop.time() - self._heard:.1f} s"
                 overslept = True
-            except Gone as gone:
+            except LinkClosedError as gone:
                 return str(gone)
             else:
                 overslept = False
@@ -234,14 +241,15 @@ class Pulse:
     async def fresh(self) -> None:
         """Return at once if the robot was heard just now, else when it answers a question.
 
-        Raises `DeviceLostError` at once if it is silent, later if it stays so, or `Gone`.
+        Raises `DeviceLostError` at once if it is silent, later if it stays so, or
+        `LinkClosedError`.
         """
         if self._loop.time() - self._heard > FRESH_S:
             await self._answer_within(self._patience)
 
     async def ask(self) -> None:
         """Ask now; return on the answer. Raises `DeviceLostError` if it does not come at once, or
-        `Gone`.
+        `LinkClosedError`.
         """
         await self._answer_within(SILENT_S)
 
@@ -253,7 +261,7 @@ class Pulse:
             # is lost in it, and what a stop has just ended would be sent.
             async with asyncio.timeout(seconds):
                 await asyncio.shield(self._ask(self._patience))
-        except (TimeoutError, Unanswered):
+        except (TimeoutError, UnansweredError):
             raise _silent() from None
 
     # -- the question --------------------------------------------------------------------------
@@ -269,7 +277,7 @@ class Pulse:
         return self._question
 
     async def _asking(self, patience: float) -> None:
-        with contextlib.suppress(Said):  # that is an answer, too
+        with contextlib.suppress(RobotRefusedError):  # that is an answer, too
             await self._link.ask(patience)
         self.heard()
 

@@ -14,9 +14,9 @@ from typing import Any
 
 from woz_drivers.pepper import memory
 from woz_drivers.pepper.memory import item, items, number, within
-from woz_drivers.pepper.parts import Part, Robot, together
+from woz_drivers.pepper.parts import PepperPart, RobotCalls, together
 from woz_drivers.pepper.parts_task import Background
-from woz_drivers.pepper.senses_modules import Asking, Modules, wanted
+from woz_drivers.pepper.senses_modules import MemoryQuery, SensorModules, modules_for
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import text
 from woz_tui.drivers.contract import (
@@ -36,19 +36,19 @@ _AGAIN_US = 10_000_000
 LEARN_S = 20.0
 
 
-class Senses(Part):
+class SensesPart(PepperPart):
     """Readings of the robot's own sensors, `senses.rate` times a second."""
 
     name = "senses"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         self._rate = settings.senses.rate
         self._sensors = self.sensors(settings)
-        self._modules = Modules(robot, wanted(settings), self._silent)
+        self._modules = SensorModules(robot, modules_for(settings), self._silent)
         self._begun_us = 0
-        self._asking = Asking(robot)
-        self._told = Told(context)
+        self._asking = MemoryQuery(robot)
+        self._told = RoundReport(context)
         self._ids: tuple[int, ...] = ()
         self._battery: float | None = None
         self._polling = Background("reading the robot's sensors", context)
@@ -71,7 +71,7 @@ class Senses(Part):
     @classmethod
     def sensors(cls, settings: PepperSettings) -> tuple[str, ...]:
         """What it publishes with these settings."""
-        named = [sensor for module in wanted(settings) for sensor in module.sensors]
+        named = [sensor for module in modules_for(settings) for sensor in module.sensors]
         return (*dict.fromkeys(named), "battery")
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
@@ -173,7 +173,7 @@ class Senses(Part):
         except DeviceLostError:
             raise
         except DriverError as error:
-            return Refusal(error.what)
+            return ValueRefusal(error.what)
 
     def _say(self, values: Mapping[str, Any]) -> None:
         self._battery = memory.battery(values[memory.BATTERY])
@@ -208,13 +208,13 @@ _CALM_US = 1_000_000
 
 
 @dataclass(frozen=True, slots=True)
-class Refusal:
+class ValueRefusal:
     """Instead of a value: why the robot gives none."""
 
     why: str
 
 
-class Told:
+class RoundReport:
     """Says what came of each round."""
 
     def __init__(self, context: DriverContext) -> None:
@@ -301,7 +301,7 @@ class Told:
 def _why(said: Any) -> str:
     if said is None:
         return "the robot has no value for it"
-    if isinstance(said, Refusal):
+    if isinstance(said, ValueRefusal):
         return said.why
     return f"is not a valid value: {memory.brief(said)}"
 
@@ -346,7 +346,7 @@ def visible(value: Any) -> tuple[int, ...] | None:
 
 
 @dataclass(frozen=True, slots=True)
-class Person:
+class VisiblePerson:
     """Somebody visible: metres and whether they look at the robot, None where it does not say."""
 
     id: int
@@ -354,10 +354,12 @@ class Person:
     looking: bool | None
 
 
-def nearest(ids: Sequence[int], values: Mapping[str, Any]) -> Person | None:
+def nearest(ids: Sequence[int], values: Mapping[str, Any]) -> VisiblePerson | None:
     """The nearest of `ids` whose values were read; who has no distance comes last."""
     people = [
-        Person(one, metres(values.get(distance_key(one))), looks(values.get(looking_key(one))))
+        VisiblePerson(
+            one, metres(values.get(distance_key(one))), looks(values.get(looking_key(one)))
+        )
         for one in ids
         if distance_key(one) in values
     ]
@@ -378,18 +380,18 @@ def looks(value: Any) -> bool | None:
 
 
 @dataclass(frozen=True, slots=True)
-class Face:
+class RecognisedFace:
     """A face: `name` is empty if nobody knows it, `score` of the recognition if there is one."""
 
     name: str
     score: float | None
 
 
-NOBODY = Face("", None)
+NOBODY = RecognisedFace("", None)
 
 
-def face(value: Any) -> Face | None:
-    """The largest face of `FaceDetected`; a `Face` without a name where there is none.
+def face(value: Any) -> RecognisedFace | None:
+    """The largest face of `FaceDetected`; a `RecognisedFace` without a name where there is none.
 
     `[]`, or `[time, [face, ..., recognised], ...]` with faces `[[0, alpha, beta, width, height],
     [id, score, name, ...]]`; in some versions the second part holds a list of such lists. The last
@@ -406,7 +408,7 @@ def face(value: Any) -> Face | None:
         return None if entries else NOBODY
     known = _face_of(max(faces, key=lambda one: _size(one) or 0.0))
     if known is not None and not known.name and len(faces) == 1:
-        return Face(_over_time(entries[-1]), known.score)
+        return RecognisedFace(_over_time(entries[-1]), known.score)
     return known
 
 
@@ -421,14 +423,14 @@ def _size(entry: Any) -> float | None:
     return None if width is None or height is None else abs(width * height)
 
 
-def _face_of(entry: Any) -> Face | None:
+def _face_of(entry: Any) -> RecognisedFace | None:
     extra = item(entry, 1)
     if isinstance(item(extra, 0), (list, tuple)):
         extra = item(extra, 0)
     if not items(extra):
         return NOBODY
     name = _name(item(extra, 2))
-    return None if name is None else Face(name, within(item(extra, 1), 0.0, 1.0))
+    return None if name is None else RecognisedFace(name, within(item(extra, 1), 0.0, 1.0))
 
 
 def _name(value: Any) -> str | None:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from woz_drivers.pepper.memory import items
-from woz_drivers.pepper.parts import Robot, together
+from woz_drivers.pepper.parts import RobotCalls, together
 from woz_drivers.pepper.settings import PepperSettings
 from woz_tui.drivers.contract import DeviceLostError, DriverError
 
@@ -20,7 +20,7 @@ _FAREWELL_S = 0.5
 
 
 @dataclass(frozen=True, slots=True)
-class Module:
+class SensorModule:
     """A module that has to run, and the sensors that are nothing without it."""
 
     service: str
@@ -29,21 +29,21 @@ class Module:
     end: tuple[str, ...] = ("unsubscribe", NAME)
 
 
-_SONAR = (Module("ALSonar", ("distance",)),)
+_SONAR = (SensorModule("ALSonar", ("distance",)),)
 _PEOPLE = (
-    Module("ALPeoplePerception", ("presence", "people", "nearest", "gaze")),
-    Module("ALGazeAnalysis", ("gaze",)),
-    Module("ALFaceDetection", ("identity",)),
+    SensorModule("ALPeoplePerception", ("presence", "people", "nearest", "gaze")),
+    SensorModule("ALGazeAnalysis", ("gaze",)),
+    SensorModule("ALFaceDetection", ("identity",)),
 )
 _SOUND = (
-    Module("ALSoundLocalization", ("direction",)),
-    Module(
+    SensorModule("ALSoundLocalization", ("direction",)),
+    SensorModule(
         "ALAudioDevice", ("loudness",), ("enableEnergyComputation",), ("disableEnergyComputation",)
     ),
 )
 
 
-def wanted(settings: PepperSettings) -> tuple[Module, ...]:
+def modules_for(settings: PepperSettings) -> tuple[SensorModule, ...]:
     """The modules for what is to be read."""
     senses = settings.senses
     return (
@@ -53,19 +53,19 @@ def wanted(settings: PepperSettings) -> tuple[Module, ...]:
     )
 
 
-class Modules:
+class SensorModules:
     """Those modules of a robot: which run, and why the others do not.
 
     `silent(sensor, why)` hears of each sensor whose module does not run.
     """
 
     def __init__(
-        self, robot: Robot, modules: Sequence[Module], silent: Callable[[str, str], None]
+        self, robot: RobotCalls, modules: Sequence[SensorModule], silent: Callable[[str, str], None]
     ) -> None:
         self._robot = robot
         self._modules = modules
         self._silent = silent
-        self._missing: dict[Module, str] = dict.fromkeys(modules, "")
+        self._missing: dict[SensorModule, str] = dict.fromkeys(modules, "")
 
     @property
     def complete(self) -> bool:
@@ -105,7 +105,7 @@ class Modules:
         if self._robot.there:
             await asyncio.gather(*(self._end(module) for module in running))
 
-    async def _end(self, module: Module) -> None:
+    async def _end(self, module: SensorModule) -> None:
         with contextlib.suppress(DriverError):  # it goes on measuring, which disturbs nobody
             await self._robot.call(module.service, *module.end, within=_FAREWELL_S)
 
@@ -113,10 +113,10 @@ class Modules:
 # -- many values at once ---------------------------------------------------------------------------
 
 
-class Asking:
+class MemoryQuery:
     """All keys by one question; key by key at a robot that refuses all of it for one of them."""
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: RobotCalls) -> None:
         self._robot = robot
         self._key_by_key = False
 

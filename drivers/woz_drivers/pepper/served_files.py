@@ -7,14 +7,14 @@ from typing import Protocol
 
 from woz_drivers.pepper.file_server import FileServer
 from woz_drivers.pepper.parts_task import apart
-from woz_drivers.pepper.settings import Tablet
+from woz_drivers.pepper.settings import TabletSettings
 from woz_drivers.pepper.tablet_page import is_address
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
 
 REMEDY = "check its name, and tablet.root"
 
 
-class Reached(Protocol):
+class RobotAddress(Protocol):
     """A robot, as far as it is served files."""
 
     @property
@@ -22,13 +22,15 @@ class Reached(Protocol):
         """This machine's address as the robot reaches it; empty: it is not there."""
 
 
-class Files:
+class ServedFiles:
     """Serves files where the robot reaches this machine.
 
     The server begins with the first file, and anew when the robot is reached in another way.
     """
 
-    def __init__(self, robot: Reached, settings: Tablet, context: DriverContext) -> None:
+    def __init__(
+        self, robot: RobotAddress, settings: TabletSettings, context: DriverContext
+    ) -> None:
         self._robot = robot
         self._settings = settings
         self._context = context

@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from woz_drivers.pepper.parts import Part
+from woz_drivers.pepper.parts import PepperPart
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import text
 from woz_tui.drivers.contract import Argument, Job, RejectedError, Verb
@@ -21,7 +21,7 @@ _LONGEST = 50_000
 _CALL = re.compile(r"(?P<service>\w+)\.(?P<method>\w+)", re.ASCII)
 
 
-class NaoqiCall(Part):
+class ServiceCallPart(PepperPart):
     """The verb `naoqi`."""
 
     name = "calls"

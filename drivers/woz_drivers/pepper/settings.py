@@ -19,7 +19,7 @@ CLIENTS = ("auto", "qi", "own")
 
 
 @dataclass(frozen=True, slots=True)
-class Autonomy:
+class AutonomySettings:
     """What the robot does by itself. What is not named is left as the robot has it."""
 
     state: Annotated[str, SETTINGS["state"].one_of, SETTINGS["state"].doc] = ""
@@ -41,7 +41,7 @@ class Autonomy:
 
 
 @dataclass(frozen=True, slots=True)
-class Voice:
+class VoiceSettings:
     """How it speaks. What is not named is left as the robot has it."""
 
     volume: Annotated[float | None, SETTINGS["volume"].range, SETTINGS["volume"].doc] = None
@@ -54,7 +54,7 @@ class Voice:
 
 
 @dataclass(frozen=True, slots=True)
-class Tablet:
+class TabletSettings:
     """The tablet at its chest."""
 
     root: Annotated[str, Doc("folder of its files, relative to the experiment file")] = ""
@@ -66,7 +66,7 @@ class Tablet:
 
 
 @dataclass(frozen=True, slots=True)
-class Senses:
+class SensesSettings:
     """What is read from the robot all the time."""
 
     rate: Annotated[float, Range(1, 20, "Hz"), Doc("readings a second")] = 5.0
@@ -77,7 +77,7 @@ class Senses:
 
 
 @dataclass(frozen=True, slots=True)
-class Recognition:
+class RecognitionSettings:
     """What the robot understands of what is said to it."""
 
     phrases: Annotated[
@@ -114,13 +114,17 @@ class PepperSettings(Section):
         Seconds(0.1, 1.5),
         Doc("time of silence after which the robot is asked for an answer"),
     ] = 0.5
-    autonomy: Annotated[Autonomy, Doc("applied on connect")] = field(default_factory=Autonomy)
-    voice: Annotated[Voice, Doc("applied on connect")] = field(default_factory=Voice)
+    autonomy: Annotated[AutonomySettings, Doc("applied on connect")] = field(
+        default_factory=AutonomySettings
+    )
+    voice: Annotated[VoiceSettings, Doc("applied on connect")] = field(
+        default_factory=VoiceSettings
+    )
     eyes: Annotated[str, Doc("colour of the eyes on connect: a name or #rrggbb")] = ""
-    tablet: Annotated[Tablet, Doc("its tablet")] = field(default_factory=Tablet)
-    senses: Annotated[Senses, Doc("what is read")] = field(default_factory=Senses)
-    recognition: Annotated[Recognition, Doc("what it understands of speech")] = field(
-        default_factory=Recognition
+    tablet: Annotated[TabletSettings, Doc("its tablet")] = field(default_factory=TabletSettings)
+    senses: Annotated[SensesSettings, Doc("what is read")] = field(default_factory=SensesSettings)
+    recognition: Annotated[RecognitionSettings, Doc("what it understands of speech")] = field(
+        default_factory=RecognitionSettings
     )
     posture: Annotated[str, Doc("taken when the robot is left alone; empty: it rests")] = ""
     pictures: Annotated[

@@ -11,9 +11,9 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from woz_drivers.pepper.address import parse
-from woz_drivers.pepper.eyes import Color
-from woz_drivers.pepper.parts import Part
-from woz_drivers.pepper.robot_connection import Connection
+from woz_drivers.pepper.eyes import EyeColor
+from woz_drivers.pepper.parts import PepperPart
+from woz_drivers.pepper.robot_connection import RobotConnection
 from woz_drivers.pepper.robot_settings import SETTINGS
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import color as color_of
@@ -30,22 +30,22 @@ LULL_S = 0.1
 log = logging.getLogger(__name__)
 
 
-class Reading:
+class SettingsReader:
     """A loop while the robot is there. A part whose robot does not answer hides no other."""
 
     def __init__(
         self,
-        connection: Connection,
-        parts: Sequence[Part],
+        connection: RobotConnection,
+        parts: Sequence[PepperPart],
         settings: PepperSettings,
         context: DriverContext,
     ) -> None:
         self._connection = connection
         self._parts = parts
         self._context = context
-        self._wanted = Wanted(settings)
+        self._wanted = DesiredSettings(settings)
         self._names = _names(settings)
-        self._uses = Uses(context.clock)
+        self._uses = VerbUses(context.clock)
         self._soon = asyncio.Event()
         self._loop: asyncio.Task[None] | None = None
         self._told: SettingsShown | None = None
@@ -157,7 +157,7 @@ WHOLE = "body_breathing"
 PARTS = ("head_breathing", "arms_breathing", "legs_breathing")
 
 
-class Wanted:
+class DesiredSettings:
     """By name what was asked for: by the robot file, or by a command since."""
 
     def __init__(self, settings: PepperSettings) -> None:
@@ -212,7 +212,7 @@ def _color(value: Json) -> Json:
 
 def _same(name: str, has: Json, wants: Json) -> bool:
     if name == "eyes" and isinstance(has, str) and isinstance(wants, str):
-        return has == wants or Color.of(has).close_to(Color.of(wants))
+        return has == wants or EyeColor.of(has).close_to(EyeColor.of(wants))
     if isinstance(has, bool) or isinstance(wants, bool):
         return has == wants
     if isinstance(has, int | float) and isinstance(wants, int | float):
@@ -232,7 +232,7 @@ GESTURES = ("play", "pose")
 RECENT_S = 60.0
 
 
-class Uses:
+class VerbUses:
     """Which verbs the wizard uses: those under way, and those that ended within `RECENT_S`.
 
     So a sentence about a verb, once told, stays for a minute at least, and goes only after a minute
@@ -273,8 +273,8 @@ def conflicts(
 
     Args:
         values: Settings as the robot has them; what is missing is unknown and no conflict.
-        used: Verbs that the wizard uses (`Uses.now`). What may hurt somebody, or keeps the robot
-            from obeying, does not depend on them.
+        used: Verbs that the wizard uses (`VerbUses.now`). What may hurt somebody, or keeps the
+            robot from obeying, does not depend on them.
         asked: Settings that the file or the wizard asked for.
     """
     # What may hurt somebody or keeps the robot from obeying comes first: a console with little room

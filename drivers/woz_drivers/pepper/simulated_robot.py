@@ -22,7 +22,7 @@ _APART_S = 10.0
 _REMEDY = "start `python -m naoqi_simulator` yourself to see what is wrong"
 
 
-class SimulatedRobot:
+class SimulatedPepper:
     """Started when it is first needed, and again when it has ended, until `close`."""
 
     def __init__(self, pace: float, folder: Path) -> None:

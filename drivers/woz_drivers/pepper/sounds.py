@@ -12,8 +12,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from woz_drivers.pepper.memory import within
-from woz_drivers.pepper.parts import Absent, Part, Robot
-from woz_drivers.pepper.parts_calls import LONG_S, Endings
+from woz_drivers.pepper.parts import PepperPart, RobotCalls, ServiceAbsentError
+from woz_drivers.pepper.parts_calls import LONG_S, CleanUpCalls
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet_page import is_address
 from woz_drivers.simulated.argument_values import number, sound_seconds, text
@@ -49,15 +49,15 @@ def here_of(path: str, folder: Path) -> Path | None:
         return None
 
 
-class Sounds(Part):
+class SoundsPart(PepperPart):
     """One sound at a time; a file is loaded once."""
 
     name = "sounds"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         self._folder = context.folder
-        self._endings = Endings()
+        self._endings = CleanUpCalls()
         self._ids: dict[str, int] = {}
         self._playing = ""
 
@@ -93,7 +93,7 @@ class Sounds(Part):
             return ()
         try:
             await self._robot.call(PLAYER, "stopAll")
-        except Absent:
+        except ServiceAbsentError:
             if self._playing:
                 raise
             return ()  # a robot without a player: a stop that always complains is not looked at

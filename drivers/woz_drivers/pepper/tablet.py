@@ -11,10 +11,10 @@ from typing import Any
 
 from woz_drivers.pepper.memory import number
 from woz_drivers.pepper.naoqi_link import Unsubscribe
-from woz_drivers.pepper.parts import Part, Robot
+from woz_drivers.pepper.parts import PepperPart, RobotCalls
 from woz_drivers.pepper.parts_task import Background
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.pepper.tablet_page import Kind, kind, page
+from woz_drivers.pepper.tablet_page import PageKind, kind, page
 from woz_drivers.pepper.touch import SENSORS, Touch
 from woz_tui.drivers.contract import (
     Argument,
@@ -44,12 +44,12 @@ class _Video:
     text: str
 
 
-class Screen(Part):
+class TabletPart(PepperPart):
     """Verbs `screen` and `tablet`, the default picture, and touches as readings."""
 
     name = "tablet"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         self._default = settings.tablet.default
         self._touch = Touch(robot, context) if settings.senses.touch else None
@@ -172,12 +172,12 @@ class Screen(Part):
         """Show a file or an address. Raises `DriverError`."""
         what = kind(text)
         address = await self._robot.files.shown(text)
-        if what is Kind.PICTURE:
+        if what is PageKind.PICTURE:
             address = await self._robot.files.page(page(address))
         await self._end_video()
         await self._network()
         self._shows = ""
-        if what is Kind.VIDEO:
+        if what is PageKind.VIDEO:
             await self._play(text, address)
         else:
             await self._call("showWebview", address)
@@ -306,7 +306,7 @@ _BEGINS_WITHIN_S = 20.0
 _NEAR_MS = 300.0
 
 
-async def played(robot: Robot) -> bool:
+async def played(robot: RobotCalls) -> bool:
     """Return when the video is over: True if it has played, False if it never began.
 
     A tablet that does not tell is never over here. Raises `DeviceLostError`.
@@ -329,7 +329,7 @@ async def played(robot: Robot) -> bool:
             return False
 
 
-async def _asked(robot: Robot, what: str) -> float | None:
+async def _asked(robot: RobotCalls, what: str) -> float | None:
     """Milliseconds; None if the tablet does not tell."""
     try:
         return number(await robot.call("ALTabletService", f"getVideo{what}"))

@@ -33,7 +33,7 @@ img {{ display: block; width: 100%; height: 100%; object-fit: contain; }}
 """
 
 
-class Kind(enum.Enum):
+class PageKind(enum.Enum):
     """How something is shown."""
 
     PICTURE = "picture"
@@ -46,7 +46,7 @@ def is_address(text: str) -> bool:
     return "://" in text
 
 
-def kind(text: str) -> Kind:
+def kind(text: str) -> PageKind:
     """What a file or an http(s) address holds, by its suffix; an address without a known one is a
     page. Raises `RejectedError` for what no tablet shows.
     """
@@ -60,12 +60,22 @@ def kind(text: str) -> Kind:
     if split.scheme.lower() not in ("http", "https") or not host:
         raise RejectedError(f"the tablet cannot fetch {text!r}", "write http://HOST/PATH")
     suffix = PurePosixPath(split.path).suffix.lower()
-    return Kind.PICTURE if suffix in PICTURES else Kind.VIDEO if suffix in VIDEOS else Kind.PAGE
+    return (
+        PageKind.PICTURE
+        if suffix in PICTURES
+        else PageKind.VIDEO
+        if suffix in VIDEOS
+        else PageKind.PAGE
+    )
 
 
-def _by_suffix(text: str) -> Kind:
+def _by_suffix(text: str) -> PageKind:
     suffix = PurePosixPath(text).suffix.lower()
-    for suffixes, found in ((PICTURES, Kind.PICTURE), (VIDEOS, Kind.VIDEO), (PAGES, Kind.PAGE)):
+    for suffixes, found in (
+        (PICTURES, PageKind.PICTURE),
+        (VIDEOS, PageKind.VIDEO),
+        (PAGES, PageKind.PAGE),
+    ):
         if suffix in suffixes:
             return found
     known = ", ".join(sorted(one[1:] for one in PICTURES | VIDEOS | PAGES))

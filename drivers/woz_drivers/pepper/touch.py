@@ -12,7 +12,7 @@ from typing import Any
 
 from woz_drivers.pepper.memory import number
 from woz_drivers.pepper.naoqi_link import Unsubscribe
-from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.parts import RobotCalls
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
 
 SENSORS = ("touch.x", "touch.y")
@@ -36,7 +36,7 @@ def place(x: Any, y: Any) -> Place | None:
     return None if across is None or down is None else (across, down)
 
 
-class Scale:
+class TouchScale:
     """How many pixels the tablet counts."""
 
     def __init__(self) -> None:
@@ -71,10 +71,10 @@ def _within(found: Place) -> Place:
 class Touch:
     """Listens to the tablet and tells where it is touched: down, move, up."""
 
-    def __init__(self, robot: Robot, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, context: DriverContext) -> None:
         self._robot = robot
         self._context = context
-        self._scale = Scale()
+        self._scale = TouchScale()
         self._down: tuple[float, Place] | None = None
         self._down_pixels: tuple[float, Place] | None = None
         self._next_move = 0.0
@@ -88,7 +88,7 @@ class Touch:
     async def connected(self) -> None:
         """Listen to a tablet anew; what it cannot tell is left out."""
         self._forget()
-        self._scale = Scale()
+        self._scale = TouchScale()
         shares = await self._listen("onTouchDownRatio", self._came_down)
         down = self._came_down_pixels if not shares else self._compare
         pixels = await self._listen("onTouchDown", down)

@@ -5,28 +5,28 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from woz_drivers.pepper import address
-from woz_drivers.pepper.animations import Animations
-from woz_drivers.pepper.autonomy import Autonomy
-from woz_drivers.pepper.base import Base
-from woz_drivers.pepper.body import Body
-from woz_drivers.pepper.camera import Camera
-from woz_drivers.pepper.eyes import Eyes
-from woz_drivers.pepper.head import Head
-from woz_drivers.pepper.microphones import Microphones
-from woz_drivers.pepper.parts import Part
-from woz_drivers.pepper.recognition import Recognition
-from woz_drivers.pepper.senses import Senses
-from woz_drivers.pepper.service_call import NaoqiCall
+from woz_drivers.pepper.animations import AnimationsPart
+from woz_drivers.pepper.autonomy import AutonomyPart
+from woz_drivers.pepper.base import BasePart
+from woz_drivers.pepper.body import BodyPart
+from woz_drivers.pepper.camera import CameraPart
+from woz_drivers.pepper.eyes import EyesPart
+from woz_drivers.pepper.head import HeadPart
+from woz_drivers.pepper.microphones import MicrophonesPart
+from woz_drivers.pepper.parts import PepperPart
+from woz_drivers.pepper.recognition import RecognitionPart
+from woz_drivers.pepper.senses import SensesPart
+from woz_drivers.pepper.service_call import ServiceCallPart
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.pepper.sounds import Sounds
-from woz_drivers.pepper.tablet import Screen
-from woz_drivers.pepper.voice import Voice
+from woz_drivers.pepper.sounds import SoundsPart
+from woz_drivers.pepper.tablet import TabletPart
+from woz_drivers.pepper.voice import VoicePart
 from woz_tui.drivers.contract import Argument, Verb
 
 #: What a stop reaches first stands first.
-PARTS: tuple[type[Part], ...] = (
-    *(Base, Body, Animations, Voice, Sounds, Head, Eyes, Screen),
-    *(Autonomy, Senses, Recognition, Camera, Microphones, NaoqiCall),
+PARTS: tuple[type[PepperPart], ...] = (
+    *(BasePart, BodyPart, AnimationsPart, VoicePart, SoundsPart, HeadPart, EyesPart, TabletPart),
+    *(AutonomyPart, SensesPart, RecognitionPart, CameraPart, MicrophonesPart, ServiceCallPart),
 )
 #: A robot that has just been switched on takes its time before it answers.
 CONNECT_LIMIT_S = 180.0
@@ -58,6 +58,6 @@ def offered(settings: PepperSettings) -> tuple[Verb, ...]:
     return (*(verb for part in PARTS for verb in part.verbs(settings)), *LINE)
 
 
-def by_verb(parts: tuple[Part, ...], settings: PepperSettings) -> Mapping[str, Part]:
+def by_verb(parts: tuple[PepperPart, ...], settings: PepperSettings) -> Mapping[str, PepperPart]:
     """Which part performs which verb."""
     return {verb.name: part for part in parts for verb in part.verbs(settings)}

@@ -11,8 +11,8 @@ import asyncio
 from collections.abc import Mapping
 
 from woz_drivers.pepper import tags
-from woz_drivers.pepper.parts import Part, Robot
-from woz_drivers.pepper.parts_calls import LONG_S, Endings, apply, put, read_back
+from woz_drivers.pepper.parts import PepperPart, RobotCalls
+from woz_drivers.pepper.parts_calls import LONG_S, CleanUpCalls, apply, put_setting, read_back
 from woz_drivers.pepper.robot_settings import SETTINGS, TTS, of_section
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tags import problems
@@ -32,16 +32,16 @@ LANE, SETTINGS_LANE = "voice", "voice-settings"
 SOUNDS = tuple(of_section("Voice"))
 
 
-class Voice(Part):
+class VoicePart(PepperPart):
     """Text to speech; one utterance at a time."""
 
     name = "speech"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         #: Asked for last, by the robot file or by a command: set again after a loss.
         self._asked = settings.initial_values(SOUNDS)
-        self._endings = Endings()
+        self._endings = CleanUpCalls()
         #: In per cent, as last read; only the expected duration depends on it.
         self._speed = settings.voice.speed or 100.0
 
@@ -99,7 +99,7 @@ class Voice(Part):
         await apply(
             self._context,
             {
-                name.replace("_", " "): put(self._robot, SETTINGS[name], to)
+                name.replace("_", " "): put_setting(self._robot, SETTINGS[name], to)
                 for name, to in self._asked.items()
             },
         )
@@ -167,7 +167,7 @@ class Voice(Part):
         value = number(job.args, setting.argument)
         if not setting.allows(value):
             raise RejectedError(f"{job.verb} takes {setting.numbers}, not {value:g}", setting.what)
-        await put(self._robot, setting, value)
+        await put_setting(self._robot, setting, value)
         self._asked[setting.name] = value
         if setting.name == "speech_speed":
             self._speed = value

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from woz_drivers.pepper.settings import Autonomy, Voice
+from woz_drivers.pepper.settings import AutonomySettings, VoiceSettings
 
 from tests.config.woz4u.reading import does, messages, panel, problems, read, settings
 
@@ -85,7 +85,7 @@ def test_what_the_robot_does_by_itself(tmp_path: Path) -> None:
   speaking_movement: 1
 """
     assert problems(tmp_path, text) == []
-    assert settings(read(tmp_path, text)).autonomy == Autonomy(
+    assert settings(read(tmp_path, text)).autonomy == AutonomySettings(
         state="solitary",
         tangential=0.05,
         orthogonal=0.4,
@@ -106,7 +106,7 @@ def test_what_the_robot_does_by_itself(tmp_path: Path) -> None:
 def test_an_empty_value_leaves_the_robots(tmp_path: Path, nothing: str) -> None:
     names = ("autonomous_state", "blinking", "tangential_collision", "engagement_mode")
     text = "autonomous_life_config:\n" + "".join(f"  {name}: {nothing}\n" for name in names)
-    assert settings(read(tmp_path, text)).autonomy == Autonomy()
+    assert settings(read(tmp_path, text)).autonomy == AutonomySettings()
     assert problems(tmp_path, text) == []
 
 
@@ -117,7 +117,7 @@ def test_values_that_cannot_be_used_leave_the_robots_with_a_warning(tmp_path: Pa
   blinking: maybe
   breathing: true
 """
-    assert settings(read(tmp_path, text)).autonomy == Autonomy()
+    assert settings(read(tmp_path, text)).autonomy == AutonomySettings()
     assert problems(tmp_path, text) == [
         "3:3: warning: autonomous_life_config.autonomous_state: 'solitry' is not known; the robot's"
         " value stays; did you mean 'solitary'?",
@@ -141,7 +141,7 @@ def test_a_list_instead_of_the_settings_is_an_error(tmp_path: Path) -> None:
 @pytest.mark.woz4u("volume", "voice_speed", "voice_pitch")
 def test_the_voice(tmp_path: Path) -> None:
     experiment = read(tmp_path, "volume: 0.35\nvoice_speed: '85'\nvoice_pitch: 1.2\n")
-    assert settings(experiment).voice == Voice(volume=0.35, speed=85.0, pitch=1.2)
+    assert settings(experiment).voice == VoiceSettings(volume=0.35, speed=85.0, pitch=1.2)
     assert [does(action) for action in panel(experiment, "Voice").actions] == [
         [("volume", {"level": 0.35})],
         [("speech_speed", {"percent": 85.0})],
@@ -153,17 +153,33 @@ def test_the_voice(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "value", "warning"),
     [
-        ("volume: 0,5", Voice(volume=0.5), "'0,5' is read as 0.5: the decimal sign is a point"),
-        ("volume: 50", Voice(), "'50' is out of range; allowed is 0 to 1; the robot's value stays"),
-        ("volume: .nan", Voice(), "expected a number (0 to 1), not '.nan'; the robot's value"
-         " stays"),
-        ("voice_pitch: 0", Voice(pitch=0.0), ""),
-        ("voice_pitch: 0.5", Voice(), "0.5 is not a pitch: allowed are 0 and 1 to 4; the robot's"
-         " value stays"),
-        ("voice_speed: ''", Voice(), ""),
+        (
+            "volume: 0,5",
+            VoiceSettings(volume=0.5),
+            "'0,5' is read as 0.5: the decimal sign is a point",
+        ),
+        (
+            "volume: 50",
+            VoiceSettings(),
+            "'50' is out of range; allowed is 0 to 1; the robot's value stays",
+        ),
+        (
+            "volume: .nan",
+            VoiceSettings(),
+            "expected a number (0 to 1), not '.nan'; the robot's value stays",
+        ),
+        ("voice_pitch: 0", VoiceSettings(pitch=0.0), ""),
+        (
+            "voice_pitch: 0.5",
+            VoiceSettings(),
+            "0.5 is not a pitch: allowed are 0 and 1 to 4; the robot's value stays",
+        ),
+        ("voice_speed: ''", VoiceSettings(), ""),
     ],
 )  # fmt: skip
-def test_odd_figures_of_the_voice(tmp_path: Path, text: str, value: Voice, warning: str) -> None:
+def test_odd_figures_of_the_voice(
+    tmp_path: Path, text: str, value: VoiceSettings, warning: str
+) -> None:
     assert settings(read(tmp_path, f"{text}\n")).voice == value
     found = messages(tmp_path, f"{text}\n")
     assert found == ([f"warning: {text.partition(':')[0]}: {warning}"] if warning else [])

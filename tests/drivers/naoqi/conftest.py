@@ -6,8 +6,8 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-from naoqi_simulator.world import Options
-from qimessaging import Client
+from naoqi_simulator.world import SimulatorOptions
+from qimessaging import NaoqiClient
 
 from tests.drivers.naoqi.hands import HandTime, Wired
 from tests.fakes.naoqi import stand_in_here
@@ -17,9 +17,9 @@ from tests.fakes.naoqi import stand_in_here
 async def wired(tmp_path: Path) -> AsyncIterator[Wired]:
     """A robot in this loop, reached over a socket; its time stands still, nobody is there."""
     time = HandTime()
-    options = Options(visitors=False, invalid_signature=False, files=tmp_path)
+    options = SimulatorOptions(visitors=False, invalid_signature=False, files=tmp_path)
     async with stand_in_here(time, options) as robot:
-        client = await Client.open("127.0.0.1", int(robot.address.rpartition(":")[2]))
+        client = await NaoqiClient.open("127.0.0.1", int(robot.address.rpartition(":")[2]))
         try:
             yield Wired(robot, client, time)
         finally:

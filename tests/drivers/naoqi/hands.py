@@ -11,7 +11,7 @@ from contextlib import asynccontextmanager
 from typing import Any, Protocol
 
 from naoqi_simulator.pepper import TICK_S
-from qimessaging import Client, Refused
+from qimessaging import NaoqiClient, RefusedError
 
 from tests.fakes.naoqi import Robot, StandInHere
 
@@ -70,7 +70,7 @@ class Said(Exception):  # noqa: N818 - read as `raises(Said)`
 class Wired:
     """One test's hold on a robot in its own loop: call, let time pass."""
 
-    def __init__(self, robot: StandInHere, client: Client, time: HandTime) -> None:
+    def __init__(self, robot: StandInHere, client: NaoqiClient, time: HandTime) -> None:
         self.robot, self.client, self.time = robot, client, time
         self.pepper = robot.pepper
         self._signals: list[Any] = []
@@ -80,7 +80,7 @@ class Wired:
         service, _, method = name.partition(".")
         try:
             return await self.client.call(service, method, *args, within=WITHIN_S)
-        except Refused as error:
+        except RefusedError as error:
             raise Said(str(error)) from None
 
     async def begin(self, name: str, *args: Any, kind: str = "") -> asyncio.Task[Any]:
@@ -125,15 +125,15 @@ class Wired:
         return wait
 
 
-async def own_caller(robot: Robot) -> tuple[Caller, Client]:
+async def own_caller(robot: Robot) -> tuple[Caller, NaoqiClient]:
     """Calls with our own client."""
-    client = await Client.open("127.0.0.1", int(robot.address.rpartition(":")[2]))
+    client = await NaoqiClient.open("127.0.0.1", int(robot.address.rpartition(":")[2]))
 
     async def call(name: str, *args: Any) -> Any:
         service, _, method = name.partition(".")
         try:
             return await client.call(service, method, *args, within=WITHIN_S)
-        except Refused as error:
+        except RefusedError as error:
             raise Said(str(error)) from None
 
     return call, client

@@ -6,7 +6,7 @@ import asyncio
 import json
 
 import pytest
-from naoqi_simulator.world import Options
+from naoqi_simulator.world import SimulatorOptions
 
 from tests.drivers.naoqi.hands import Said, Wired, own_caller
 from tests.fakes.naoqi import stand_in_here
@@ -22,7 +22,7 @@ async def test_memory_refuses_as_an_old_naoqi_does(wired: Wired) -> None:
 
 
 async def test_subscriber_is_refused_unless_told_otherwise() -> None:
-    async with stand_in_here(options=Options(visitors=False)) as robot:
+    async with stand_in_here(options=SimulatorOptions(visitors=False)) as robot:
         call, client = await own_caller(robot)
         with pytest.raises(Said, match=r"^Invalid signature$"):
             await call("ALMemory.subscriber", "FaceDetected")

@@ -10,14 +10,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from naoqi_simulator.animations import LENGTHS, with_tag
 from naoqi_simulator.audio import HIGHEST, energy
-from naoqi_simulator.body import Body
+from naoqi_simulator.body import SimulatedBody
 from naoqi_simulator.joints import JOINTS
-from naoqi_simulator.pepper import Pepper
+from naoqi_simulator.pepper import PepperSimulator
 from naoqi_simulator.robot_time import PacedTime
 from naoqi_simulator.service_table import methods_of, split_signature
-from naoqi_simulator.speech import Animate, Manner, Pause, Words, animated, plain
-from naoqi_simulator.visitor import FAR_M, Visitors
-from naoqi_simulator.world import World
+from naoqi_simulator.speech import Animate, Pause, SpeechManner, Words, animated, plain
+from naoqi_simulator.visitor import FAR_M, SimulatedVisitors
+from naoqi_simulator.world import SimulatedWorld
 from qimessaging.signature import parse, parse_members
 
 PARTS = st.lists(
@@ -58,20 +58,24 @@ def test_what_is_said_has_no_tags_in_it(text: str) -> None:
 
 def test_a_text_with_everything() -> None:
     pieces = animated(r"\vct=150\ Hi ^start(a) you \pau=500\ \rspd=80\ ^wait(a) bye \rst\ now")
-    slow = Manner(vct=150, rspd=80)
+    slow = SpeechManner(vct=150, rspd=80)
     assert pieces == [
-        *(Words("Hi", Manner(vct=150)), Animate("start", "a"), Words("you", Manner(vct=150))),
-        *(Pause(0.5), Animate("wait", "a"), Words("bye", slow), Words("now", Manner())),
+        *(
+            Words("Hi", SpeechManner(vct=150)),
+            Animate("start", "a"),
+            Words("you", SpeechManner(vct=150)),
+        ),
+        *(Pause(0.5), Animate("wait", "a"), Words("bye", slow), Words("now", SpeechManner())),
     ]
 
 
 def test_text_to_speech_knows_no_animations() -> None:
-    assert plain("hi ^run(a)") == [Words("hi ^run(a)", Manner())]
+    assert plain("hi ^run(a)") == [Words("hi ^run(a)", SpeechManner())]
 
 
 @given(st.integers(0, 10_000), st.lists(st.floats(0, 600), min_size=1, max_size=20))
 def test_visitors_depend_on_seed_and_time_alone(seed: int, times: list[float]) -> None:
-    one, other = Visitors(seed), Visitors(seed)
+    one, other = SimulatedVisitors(seed), SimulatedVisitors(seed)
     seen = {time: one.at(time) for time in times}
     assert {time: other.at(time) for time in sorted(times, reverse=True)} == seen
     for person in seen.values():
@@ -81,7 +85,7 @@ def test_visitors_depend_on_seed_and_time_alone(seed: int, times: list[float]) -
 
 
 def test_visitors_do_everything_that_visitors_do() -> None:
-    visitors = Visitors(7)
+    visitors = SimulatedVisitors(7)
     people = [visitors.at(second / 2) for second in range(1200)]
     there = [one for one in people if one is not None]
     assert None in people
@@ -97,7 +101,7 @@ def test_visitors_do_everything_that_visitors_do() -> None:
 
 @given(st.integers(0, 1000), st.floats(0, 300))
 def test_energy_is_within_its_range(seed: int, now: float) -> None:
-    assert 0 < energy(Visitors(seed).at(now), now) <= HIGHEST
+    assert 0 < energy(SimulatedVisitors(seed).at(now), now) <= HIGHEST
 
 
 class FixedTime:
@@ -121,7 +125,7 @@ def test_a_joint_never_leaves_its_range(
     joint: str, moves: list[tuple[float, float, float]]
 ) -> None:
     time = FixedTime()
-    body = Body(time)
+    body = SimulatedBody(time)
     body.wake()
     low, high, _ = JOINTS[joint]
     for angle, seconds, passed in moves:
@@ -131,7 +135,7 @@ def test_a_joint_never_leaves_its_range(
 
 
 async def test_every_signature_is_one() -> None:
-    pepper = Pepper(World(PacedTime()))
+    pepper = PepperSimulator(SimulatedWorld(PacedTime()))
     count = 0
     for service in pepper.services.values():
         for method in methods_of(service):

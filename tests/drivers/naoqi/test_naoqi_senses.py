@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from naoqi_simulator.senses import FACES, FIRST_ID, PERSON, SONAR, SONAR_M, SOUND, VISIBLE
-from qimessaging.hosted_objects import Hosted, Method
+from qimessaging.hosted_objects import HostedMethod, HostedObject
 
 from tests.drivers.naoqi.hands import Said, Wired
 
@@ -162,7 +162,9 @@ async def test_a_client_gets_sound_in_blocks(
         blocks.append((many, each, stamp, bytes(sound)))
 
     takes = "(iimm)"
-    await wired.client.register("Ears", Hosted([Method("processRemote", takes, "v", heard)]))
+    await wired.client.register(
+        "Ears", HostedObject([HostedMethod("processRemote", takes, "v", heard)])
+    )
     await wired.robot.person(ADA)
     await wired.call("ALAudioDevice.setClientPreferences", "Ears", rate, channels, 0)
     await wired.call("ALAudioDevice.subscribe", "Ears")

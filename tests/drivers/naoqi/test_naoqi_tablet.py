@@ -8,8 +8,8 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
 import pytest
-from naoqi_simulator.sounds import Disk
-from naoqi_simulator.world import Options, World
+from naoqi_simulator.sounds import RobotDisk
+from naoqi_simulator.world import SimulatedWorld, SimulatorOptions
 from woz_drivers.wav import Wav, parse
 
 from tests.drivers.naoqi.hands import HandTime, Said, Wired
@@ -218,7 +218,7 @@ async def test_a_sound_at_an_address_is_fetched_and_lasts_its_length(
 def test_without_a_folder_of_its_own_it_leaves_this_machine_alone(tmp_path: Path) -> None:
     here = tmp_path / "here.wav"
     here.write_bytes(SOUND)
-    disk = Disk(World(HandTime(), Options(visitors=False)))
+    disk = RobotDisk(SimulatedWorld(HandTime(), SimulatorOptions(visitors=False)))
     assert disk.seconds(str(here)) is None
     disk.write(str(tmp_path / "recorded.wav"), SOUND)
     assert disk.seconds(str(tmp_path / "recorded.wav")) == pytest.approx(2.0)

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from qimessaging import Method, Server
-from woz_drivers.pepper.robot_connection import Connection
+from qimessaging import HostedMethod, QiServer
+from woz_drivers.pepper.robot_connection import RobotConnection
 from woz_drivers.pepper.robot_line import WANTED
 from woz_drivers.pepper.settings import PepperSettings
 
@@ -43,7 +43,7 @@ _ASKED = {
 class Babbler:
     """`says` by method, such as `ALMotion.getAngles`; nothing for what is not in it."""
 
-    connection: Connection
+    connection: RobotConnection
     heard: Heard
     says: dict[str, Any] = field(default_factory=dict)
     #: What it was called with, by method.
@@ -56,7 +56,7 @@ async def babbler(folder: Path, **settings: Any) -> AsyncIterator[Babbler]:
     says: dict[str, Any] = {}
     called: dict[str, list[tuple[Any, ...]]] = {}
 
-    def method(name: str, takes: str) -> Method:
+    def method(name: str, takes: str) -> HostedMethod:
         def answer(*args: Any) -> Any:
             called.setdefault(name, []).append(args)
             said = says.get(name)
@@ -64,19 +64,19 @@ async def babbler(folder: Path, **settings: Any) -> AsyncIterator[Babbler]:
                 raise said
             return said
 
-        return Method(name.partition(".")[2], takes, "m", answer)
+        return HostedMethod(name.partition(".")[2], takes, "m", answer)
 
     async def connected() -> None:
         """Nothing is set."""
 
-    server = Server()
+    server = QiServer()
     for service in sorted(WANTED | _ASKED.keys()):
         asked = _ASKED.get(service, ())
         server.add(service, methods=[method(f"{service}.{one}", takes) for one, takes in asked])
     end = await server.listen("127.0.0.1")
     heard = Heard(folder)
     given = replace(SETTINGS, robots=(f"127.0.0.1:{end.port}",), **settings)
-    connection = Connection(given, heard.context, on_connected=connected, on_lost=lambda: None)
+    connection = RobotConnection(given, heard.context, on_connected=connected, on_lost=lambda: None)
     connection.start()
     try:
         await heard.first(DriverConnected)

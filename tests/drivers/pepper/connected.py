@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from woz_drivers.pepper import robot_connection, robot_line
 from woz_drivers.pepper.parts import LOOK_S
-from woz_drivers.pepper.robot_connection import Connection
+from woz_drivers.pepper.robot_connection import RobotConnection
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.heard import Heard
@@ -60,7 +60,7 @@ class Outcome:
 class Stand:
     """One connection with what it told, and the calls made by `call`."""
 
-    connection: Connection
+    connection: RobotConnection
     heard: Heard
     came: int = 0
     went: int = 0
@@ -122,7 +122,7 @@ async def stand(folder: Path, *robots: str, **settings: Any) -> AsyncIterator[St
         made.went += 1
 
     given = replace(SETTINGS, robots=robots, **settings)
-    made = Stand(Connection(given, heard.context, on_connected=came, on_lost=went), heard)
+    made = Stand(RobotConnection(given, heard.context, on_connected=came, on_lost=went), heard)
     made.connection.start()
     try:
         yield made

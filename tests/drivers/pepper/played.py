@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from woz_drivers.pepper.driver import Pepper
-from woz_drivers.pepper.settings import PepperSettings, Senses
+from woz_drivers.pepper.settings import PepperSettings, SensesSettings
 
 from tests.drivers.heard import Heard, Ordered
 from tests.drivers.pepper.connected import patience
@@ -21,7 +21,7 @@ from woz_tui.protocol.messages import DriverConnected, Json, Notice, SettingsSho
 #: How many times as fast the robot's time passes.
 PACE = 20.0
 #: Nothing of the senses is read where a test is not about them.
-QUIET = Senses(rate=1, sonar=False, people=False, loudness=False, touch=False)
+QUIET = SensesSettings(rate=1, sonar=False, people=False, loudness=False, touch=False)
 
 
 class Played:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.pepper.settings import Autonomy
+from woz_drivers.pepper.settings import AutonomySettings
 
 from tests.drivers.pepper.played import Played, played
 from woz_tui.drivers.contract import DriverError, RejectedError
@@ -108,7 +108,9 @@ async def test_the_way_from_interactive_to_solitary_is_told(it: Played) -> None:
 async def test_the_file_is_applied_on_connect_and_what_it_leaves_out_is_left(
     tmp_path: Path,
 ) -> None:
-    wants = Autonomy(state="interactive", awareness=False, head_breathing=False, orthogonal=0.25)
+    wants = AutonomySettings(
+        state="interactive", awareness=False, head_breathing=False, orthogonal=0.25
+    )
     async with played(tmp_path, autonomy=wants) as it:
         shown = await it.shows(
             orthogonal=0.25,

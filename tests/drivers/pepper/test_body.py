@@ -6,9 +6,9 @@ import math
 from pathlib import Path
 
 import pytest
-from naoqi_simulator.motion import Joints
+from naoqi_simulator.motion import JointsService
 from naoqi_simulator.service_table import offers
-from woz_drivers.pepper.body import Body
+from woz_drivers.pepper.body import BodyPart
 from woz_drivers.pepper.body_joints import JOINTS, limb
 
 from tests.drivers.pepper.played import QUIET, Played, played
@@ -201,13 +201,13 @@ async def _plays(it: Played) -> bool:
 async def test_motors_that_stay_as_they_are_are_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refuses(_: Joints) -> bool:
+    def refuses(_: JointsService) -> bool:
         return False
 
-    monkeypatch.setattr(Joints, "wake_up", offers("wakeUp()b")(refuses))
+    monkeypatch.setattr(JointsService, "wake_up", offers("wakeUp()b")(refuses))
     async with (
         stand_in_here() as robot,
-        wired(Body, tmp_path, robot, senses=QUIET) as it,
+        wired(BodyPart, tmp_path, robot, senses=QUIET) as it,
     ):
         with pytest.raises(DriverError, match="did not wake up") as told:
             await it.do("torque", on=True)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from PIL import Image
-from woz_drivers.pepper.camera import SINGLE, VIEW, Camera
+from woz_drivers.pepper.camera import SINGLE, VIEW, CameraPart
 
 from tests.drivers.heard import until
 from tests.drivers.pepper.wired import Wired, wired
@@ -17,17 +17,19 @@ from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError
 from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
 
 
-def _watch(it: Wired[Camera], width: int = 320, rate: float = 30.0, seconds: float = 60.0) -> None:
+def _watch(
+    it: Wired[CameraPart], width: int = 320, rate: float = 30.0, seconds: float = 60.0
+) -> None:
     now = it.heard.clock.now_us()
     watched = CameraWatched(now + round(seconds * 1e6), width, rate)
     it.heard.context.feed(WATCHED).put(watched)
 
 
-def _came(it: Wired[Camera]) -> int:
+def _came(it: Wired[CameraPart]) -> int:
     return it.heard.context.feed(PICTURE).latest().serial
 
 
-def _last(it: Wired[Camera]) -> Picture:
+def _last(it: Wired[CameraPart]) -> Picture:
     found = it.heard.context.feed(PICTURE).latest().value
     assert isinstance(found, Picture)
     return found
@@ -46,7 +48,7 @@ async def _let_go(robot: StandIn) -> None:
 async def test_pictures_come_while_somebody_watches_and_not_otherwise(
     tmp_path: Path, robot: StandIn
 ) -> None:
-    async with wired(Camera, tmp_path, robot) as it:
+    async with wired(CameraPart, tmp_path, robot) as it:
         assert await robot.trace("ALVideoDevice.subscribe") == []
         _watch(it)
         await until(lambda: _came(it) >= 3)
@@ -64,7 +66,7 @@ async def test_pictures_come_while_somebody_watches_and_not_otherwise(
 
 
 async def test_a_wider_view_is_asked_for_anew(tmp_path: Path, robot: StandIn) -> None:
-    async with wired(Camera, tmp_path, robot) as it:
+    async with wired(CameraPart, tmp_path, robot) as it:
         _watch(it, width=100)
         await until(lambda: _came(it) >= 1 and _last(it).width == 160)
         _watch(it, width=600)
@@ -78,7 +80,7 @@ async def test_a_wider_view_is_asked_for_anew(tmp_path: Path, robot: StandIn) ->
 async def test_no_more_pictures_than_wanted_and_each_after_the_last(
     tmp_path: Path, robot: StandIn
 ) -> None:
-    async with wired(Camera, tmp_path, robot) as it:
+    async with wired(CameraPart, tmp_path, robot) as it:
         begun_us = it.heard.clock.now_us()
         _watch(it, rate=5)
         await until(lambda: _came(it) >= 4)
@@ -98,7 +100,7 @@ async def test_a_refusal_is_told_once_and_the_camera_tried_again(
     tmp_path: Path, robot: StandIn, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("woz_drivers.pepper.camera._TROUBLED_S", 0.1)
-    async with wired(Camera, tmp_path, robot) as it:
+    async with wired(CameraPart, tmp_path, robot) as it:
         await robot.fault("refuse:ALVideoDevice.getImageRemote=the camera is broken")
         _watch(it)
         await until(lambda: bool(it.notices))
@@ -110,15 +112,15 @@ async def test_a_refusal_is_told_once_and_the_camera_tried_again(
 
 
 async def test_what_an_earlier_program_left_is_removed(tmp_path: Path, robot: StandIn) -> None:
-    async with wired(Camera, tmp_path, robot) as it:
+    async with wired(CameraPart, tmp_path, robot) as it:
         for name in (VIEW, VIEW, SINGLE, "somebody"):
             await it.connection.call("ALVideoDevice", "subscribe", name, 1, 11, 5)
-    async with wired(Camera, tmp_path, robot):
+    async with wired(CameraPart, tmp_path, robot):
         assert await robot.get("camera.subscribers") == ["somebody_0"]
 
 
 async def test_after_a_loss_the_view_comes_back(tmp_path: Path) -> None:
-    async with stand_in() as robot, wired(Camera, tmp_path, robot) as it:
+    async with stand_in() as robot, wired(CameraPart, tmp_path, robot) as it:
         _watch(it)
         await until(lambda: _came(it) >= 1)
         robot.kill()
@@ -133,7 +135,7 @@ async def test_after_a_loss_the_view_comes_back(tmp_path: Path) -> None:
 @pytest.mark.naoqi("ALVideoDevice.subscribe", "ALVideoDevice.getImageRemote")
 @pytest.mark.woz4u("camera_save_dir")
 async def test_a_picture_is_kept_with_its_time(tmp_path: Path, robot: StandIn) -> None:
-    async with wired(Camera, tmp_path, robot) as it:
+    async with wired(CameraPart, tmp_path, robot) as it:
         before = it.heard.context.t(it.heard.clock.now_us())
         told = await it.do("picture")
         after = it.heard.context.t(it.heard.clock.now_us())
@@ -159,19 +161,19 @@ async def test_a_picture_is_kept_with_its_time(tmp_path: Path, robot: StandIn) -
 
 @pytest.mark.woz4u("camera_save_dir")
 async def test_pictures_go_where_the_file_says(tmp_path: Path, robot: StandIn) -> None:
-    async with wired(Camera, tmp_path, robot, pictures="shots") as it:
+    async with wired(CameraPart, tmp_path, robot, pictures="shots") as it:
         told = await it.do("picture")
         assert str(told["file"]).startswith("shots/picture-")
         assert (tmp_path / str(told["file"])).exists()
     (tmp_path / "file").write_bytes(b"")
-    async with wired(Camera, tmp_path, robot, pictures="file") as it:
+    async with wired(CameraPart, tmp_path, robot, pictures="file") as it:
         with pytest.raises(DriverError, match="could not be kept"):
             await it.do("picture")
         await _let_go(robot)
 
 
 async def test_no_picture_is_an_error_with_the_robots_words(tmp_path: Path, robot: StandIn) -> None:
-    async with wired(Camera, tmp_path, robot) as it:
+    async with wired(CameraPart, tmp_path, robot) as it:
         await robot.fault("refuse:ALVideoDevice.subscribe=too many already")
         with pytest.raises(DriverError, match="too many already"):
             await it.do("picture")
@@ -188,7 +190,7 @@ async def test_no_picture_is_an_error_with_the_robots_words(tmp_path: Path, robo
 async def test_a_picture_that_is_cut_short_lets_the_camera_go(
     tmp_path: Path, robot: StandIn
 ) -> None:
-    async with wired(Camera, tmp_path, robot) as it:
+    async with wired(CameraPart, tmp_path, robot) as it:
         await robot.fault("slow:200")
         for tried in range(1, 20):  # on a busy machine the picture may be there first
             taking = asyncio.create_task(it.do("picture"))

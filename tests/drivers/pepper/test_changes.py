@@ -9,15 +9,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from naoqi_simulator.pepper import Pepper as Standing
+from naoqi_simulator.pepper import PepperSimulator as Standing
 from naoqi_simulator.robot_time import PacedTime
-from naoqi_simulator.service_table import Method, Service
+from naoqi_simulator.service_table import Service, ServiceMethod
 from naoqi_simulator.simulator_process import start
-from naoqi_simulator.world import Options, World
+from naoqi_simulator.world import SimulatedWorld, SimulatorOptions
 from woz_drivers.pepper.address import parse
 from woz_drivers.pepper.driver import Pepper
 from woz_drivers.pepper.naoqi_link import open_link
-from woz_drivers.pepper.settings import Autonomy, PepperSettings
+from woz_drivers.pepper.settings import AutonomySettings, PepperSettings
 
 from tests.drivers.heard import Heard, Ordered
 from tests.drivers.pepper.connected import stand
@@ -96,7 +96,7 @@ async def test_a_robot_that_is_let_go_without_confirming_is_told_of(tmp_path: Pa
 async def test_letting_go_while_settings_are_applied_is_no_trouble(tmp_path: Path) -> None:
     async with stand_in() as robot:
         heard = Heard(tmp_path)
-        one_by_one = Autonomy(awareness=True, blinking=True, head_breathing=True)
+        one_by_one = AutonomySettings(awareness=True, blinking=True, head_breathing=True)
         settings = PepperSettings(robots=(robot.address,), autonomy=one_by_one)
         driver = Pepper("it", settings, heard.context)
         await robot.fault("slow:100")
@@ -144,10 +144,10 @@ async def test_a_robot_that_wakes_takes_connections_again() -> None:
 
 
 async def test_what_begins_behind_the_stop_that_overtook_it_is_ended_too(tmp_path: Path) -> None:
-    pepper = Standing(World(PacedTime(1.0), Options(visitors=False)))
+    pepper = Standing(SimulatedWorld(PacedTime(1.0), SimulatorOptions(visitors=False)))
     entered, asked, overtaken = pepper.world.desk.enter, asyncio.Event(), asyncio.Event()
 
-    async def enter(service: Service, method: Method, args: Sequence[Any]) -> Any:
+    async def enter(service: Service, method: ServiceMethod, args: Sequence[Any]) -> Any:
         if method.name == "goToPosture":
             asked.set()
             await overtaken.wait()
@@ -177,7 +177,7 @@ async def test_a_robot_without_a_player_confirms_its_stop(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("woz_drivers.pepper.robot_line._COMES_WITHIN_S", 0.1)
-    pepper = Standing(World(PacedTime(20.0), Options(visitors=False)))
+    pepper = Standing(SimulatedWorld(PacedTime(20.0), SimulatorOptions(visitors=False)))
     pepper.services = {
         name: one for name, one in pepper.services.items() if name != "ALAudioPlayer"
     }

@@ -8,9 +8,9 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-from qimessaging.server import Server
+from qimessaging.server import QiServer
 from woz_drivers.pepper import robot_connection as module
-from woz_drivers.pepper.robot_connection import Connection
+from woz_drivers.pepper.robot_connection import RobotConnection
 from woz_drivers.pepper.robot_line import ESSENTIAL, WANTED
 
 from tests.drivers.heard import Heard
@@ -23,7 +23,7 @@ from woz_tui.protocol.messages import DriverFaulted, Notice
 @pytest.fixture
 async def bare() -> AsyncIterator[str]:
     """The address of a robot in this loop that has all services, and nothing in them."""
-    server = Server()
+    server = QiServer()
     endpoint = await server.listen("127.0.0.1")
     for name in sorted(WANTED):
         server.add(name)
@@ -136,7 +136,7 @@ async def test_a_mistake_of_this_program_does_not_end_it_in_silence(
     def mistaken() -> None:
         raise ZeroDivisionError
 
-    it = Connection(SETTINGS, heard.context, on_connected=applied, on_lost=mistaken)
+    it = RobotConnection(SETTINGS, heard.context, on_connected=applied, on_lost=mistaken)
     await it.connect(bare)
     await it.disconnect()
     told = await heard.first(DriverFaulted)
@@ -171,7 +171,7 @@ async def test_a_robot_that_is_not_there_is_looked_for(tmp_path: Path) -> None:
 
 
 async def test_services_that_come_one_by_one_are_waited_for(tmp_path: Path) -> None:
-    server = Server()
+    server = QiServer()
     endpoint = await server.listen("127.0.0.1")
     server.add("ALMemory")
     async with stand(tmp_path, str(endpoint)) as it:
@@ -186,7 +186,7 @@ async def test_services_that_come_one_by_one_are_waited_for(tmp_path: Path) -> N
 
 
 async def test_a_robot_that_goes_while_it_starts_was_never_there(tmp_path: Path) -> None:
-    server = Server()
+    server = QiServer()
     endpoint = await server.listen("127.0.0.1")
     server.add("ALMemory")
     async with stand(tmp_path, str(endpoint)) as it:
@@ -200,7 +200,7 @@ async def test_a_robot_without_some_services_is_played_even_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("woz_drivers.pepper.robot_line._COMES_WITHIN_S", 0.3)
-    server = Server()
+    server = QiServer()
     endpoint = await server.listen("127.0.0.1")
     for name in sorted(ESSENTIAL):
         server.add(name)
@@ -223,7 +223,7 @@ async def test_a_wrong_password_is_not_tried_again_and_again(
         asked.append(user)
         return False
 
-    server = Server(authenticator=refuse)
+    server = QiServer(authenticator=refuse)
     endpoint = await server.listen("127.0.0.1")
     async with stand(tmp_path, str(endpoint), password="ROBOT_PASSWORD", connect=False) as it:
         with pytest.raises(DeviceLostError):
@@ -247,7 +247,7 @@ async def test_parts_that_fail_to_apply_are_told_of(
             raise failure
         await asyncio.sleep(3600)
 
-    it = Connection(SETTINGS, heard.context, on_connected=apply, on_lost=lambda: None)
+    it = RobotConnection(SETTINGS, heard.context, on_connected=apply, on_lost=lambda: None)
     await it.connect(bare)
     notice = await heard.first(Notice)
     assert notice.level == "warning"

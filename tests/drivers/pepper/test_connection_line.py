@@ -8,8 +8,8 @@ from collections.abc import Callable
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.pepper.naoqi_link import Gone, Unanswered
-from woz_drivers.pepper.robot_line import ALERT_S, ANSWER_S, FRESH_S, SILENT_S, Pulse
+from woz_drivers.pepper.naoqi_link import LinkClosedError, UnansweredError
+from woz_drivers.pepper.robot_line import ALERT_S, ANSWER_S, FRESH_S, SILENT_S, Heartbeat
 
 from tests.fakes.virtual_time import run_virtual
 from woz_tui.drivers.contract import DeviceLostError
@@ -31,15 +31,15 @@ class FarEnd:
         loop = asyncio.get_running_loop()
         self.asked.append(loop.time())
         if self.gone:
-            raise Gone("closed")
+            raise LinkClosedError("closed")
         if loop.time() >= self.freezes or self.takes > within:
             await asyncio.sleep(within)
-            raise Unanswered("no answer")
+            raise UnansweredError("no answer")
         await asyncio.sleep(self.takes)
 
 
-def pulse(end: FarEnd, heartbeat: float = 0.5) -> Pulse:
-    return Pulse(end, heartbeat)
+def pulse(end: FarEnd, heartbeat: float = 0.5) -> Heartbeat:
+    return Heartbeat(end, heartbeat)
 
 
 @given(heartbeat=st.floats(0.1, 1.5), freezes=st.floats(0, 3), takes=st.floats(0.0005, 0.2))

@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from qimessaging.hosted_objects import Method
-from qimessaging.server import Server
+from qimessaging.hosted_objects import HostedMethod
+from qimessaging.server import QiServer
 from woz_drivers.pepper import doctor
 from woz_drivers.pepper.robot_line import WANTED
-from woz_drivers.pepper.settings import PepperSettings, Tablet
+from woz_drivers.pepper.settings import PepperSettings, TabletSettings
 
 from tests.fakes.naoqi import StandIn
 from woz_tui.drivers.contract import Finding, Probe
@@ -47,14 +47,14 @@ async def test_a_robot_that_is_well(
 
 
 async def test_what_is_not_well_has_a_remedy(tmp_path: Path) -> None:
-    server = Server()
+    server = QiServer()
     endpoint = await server.listen("127.0.0.1")
     answers = {
-        "ALBattery": Method("getBatteryCharge", "()", "i", lambda: 12),
-        "ALMotion": Method("robotIsWakeUp", "()", "b", lambda: False),
-        "ALAutonomousLife": Method("getState", "()", "s", lambda: "interactive"),
-        "ALTabletService": Method("getWifiStatus", "()", "s", lambda: "DISCONNECTED"),
-        "ALSystem": Method("systemVersion", "()", "s", lambda: 1 / 0),
+        "ALBattery": HostedMethod("getBatteryCharge", "()", "i", lambda: 12),
+        "ALMotion": HostedMethod("robotIsWakeUp", "()", "b", lambda: False),
+        "ALAutonomousLife": HostedMethod("getState", "()", "s", lambda: "interactive"),
+        "ALTabletService": HostedMethod("getWifiStatus", "()", "s", lambda: "DISCONNECTED"),
+        "ALSystem": HostedMethod("systemVersion", "()", "s", lambda: 1 / 0),
     }
     for name, method in answers.items():
         server.add(name, methods=[method])
@@ -72,11 +72,11 @@ async def test_what_is_not_well_has_a_remedy(tmp_path: Path) -> None:
 
 
 async def test_answers_nobody_understands_are_told_of(tmp_path: Path) -> None:
-    server = Server()
+    server = QiServer()
     endpoint = await server.listen("127.0.0.1")
     for name in sorted(WANTED):
         server.add(name)
-    server.add("ALBattery", methods=[Method("getBatteryCharge", "()", "s", lambda: "much")])
+    server.add("ALBattery", methods=[HostedMethod("getBatteryCharge", "()", "s", lambda: "much")])
     findings = await examined(tmp_path, str(endpoint))
     assert "'much': not understood" in texts(findings, "warning")
     await server.close()
@@ -84,7 +84,7 @@ async def test_answers_nobody_understands_are_told_of(tmp_path: Path) -> None:
 
 async def test_answers_that_make_no_sense_are_told_in_few_words(tmp_path: Path) -> None:
     says: list[Any] = []
-    server = Server()
+    server = QiServer()
     endpoint = await server.listen("127.0.0.1")
     asked = {
         "ALSystem": ("systemVersion", "robotName"),
@@ -94,7 +94,7 @@ async def test_answers_that_make_no_sense_are_told_in_few_words(tmp_path: Path) 
         "ALTabletService": ("getWifiStatus",),
     }
     for name in sorted(WANTED | asked.keys()):
-        methods = [Method(one, "()", "m", lambda: says[0]) for one in asked.get(name, ())]
+        methods = [HostedMethod(one, "()", "m", lambda: says[0]) for one in asked.get(name, ())]
         server.add(name, methods=methods)
     for nonsense in (float("inf"), float("nan"), "L" * 100_000, [["x"]], None, b"\xff"):
         says[:] = [nonsense]
@@ -125,7 +125,7 @@ async def test_the_tablets_default_is_looked_for(
 ) -> None:
     (tmp_path / "pictures").mkdir()
     (tmp_path / "pictures" / "map.png").touch()
-    found = await examined(tmp_path, tablet=Tablet(root="pictures", default=default))
+    found = await examined(tmp_path, tablet=TabletSettings(root="pictures", default=default))
     told = [one for one in found if one.subject == "tablet"]
     assert says in texts(told, level)
     assert bool(told) is bool(says)

@@ -9,8 +9,7 @@ from pathlib import Path
 import pytest
 from woz_drivers.pepper import Pepper
 from woz_drivers.pepper.robot_settings import SETTINGS
-from woz_drivers.pepper.settings import Autonomy as AutonomySettings
-from woz_drivers.pepper.settings import PepperSettings, Voice
+from woz_drivers.pepper.settings import AutonomySettings, PepperSettings, VoiceSettings
 
 from tests.drivers.heard import PATIENCE_S, Heard, Ordered
 from tests.drivers.pepper.played import QUIET, joined, played
@@ -148,7 +147,9 @@ async def test_another_robot_gets_the_files_autonomy_too(tmp_path: Path) -> None
 
 @pytest.mark.usefixtures("patient")
 async def test_a_robot_that_comes_back_gets_the_files_settings_again(tmp_path: Path) -> None:
-    settings = PepperSettings(robots=(), senses=QUIET, voice=Voice(volume=0.3), eyes="green")
+    settings = PepperSettings(
+        robots=(), senses=QUIET, voice=VoiceSettings(volume=0.3), eyes="green"
+    )
     async with stand_in() as robot:
         address, port = robot.address, robot.port
         it = await joined(

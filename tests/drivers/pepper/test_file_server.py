@@ -18,7 +18,7 @@ from urllib.parse import urlsplit
 import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
-from woz_drivers.pepper.file_server import MOST, TYPES, FileServer, Part, part
+from woz_drivers.pepper.file_server import MOST, TYPES, ByteRange, FileServer, byte_range
 
 from woz_tui.drivers.contract import DriverError
 
@@ -169,10 +169,10 @@ def test_a_part_of_something_else_than_before_gets_all(server: FileServer, film:
 @example("bytes=0-", 0)
 @example("bytes=-5", 3)
 def test_every_range_lies_within_the_file(wish: str, size: int) -> None:
-    found = part(wish, size)
+    found = byte_range(wish, size)
     if found is not None:
         assert 0 <= found.start <= found.end <= size == found.size
-        assert found.start < found.end or found == Part(0, 0, 0)
+        assert found.start < found.end or found == ByteRange(0, 0, 0)
 
 
 def test_a_page_is_had_like_a_file(server: FileServer) -> None:

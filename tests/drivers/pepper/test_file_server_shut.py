@@ -12,7 +12,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from woz_drivers.pepper.file_server import FileServer, Listed
+from woz_drivers.pepper.file_server import FileServer, ListedFile
 
 HOST, PATIENCE_S = "127.0.0.1", 20.0
 
@@ -49,7 +49,7 @@ def test_it_is_told_and_keeps_nothing_busy(monkeypatch: pytest.MonkeyPatch) -> N
 def test_what_is_no_file_any_more_holds_nothing_open(tmp_path: Path) -> None:
     film = tmp_path / "film.mp4"
     film.write_bytes(b"film")
-    listed = Listed(".mp4", path=film)
+    listed = ListedFile(".mp4", path=film)
     film.unlink()
     film.mkdir()
     before = len([*Path("/proc/self/fd").iterdir()])

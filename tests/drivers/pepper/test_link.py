@@ -11,16 +11,16 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from qimessaging.hosted_objects import Method, Signal
-from qimessaging.server import Server
+from qimessaging.hosted_objects import HostedMethod, HostedSignal
+from qimessaging.server import QiServer
 from woz_drivers.pepper.address import Address, parse
 from woz_drivers.pepper.naoqi_link import (
     UNCONFIRMED_MS,
-    Gone,
-    Link,
-    Missing,
-    Said,
-    Unanswered,
+    LinkClosedError,
+    NaoqiLink,
+    RobotRefusedError,
+    ServiceMissingError,
+    UnansweredError,
     binary,
     open_link,
 )
@@ -37,7 +37,7 @@ class Desk:
     """A robot with one service, in the test's own loop."""
 
     def __init__(self) -> None:
-        self.server = Server()
+        self.server = QiServer()
         self.cancelled = asyncio.Event()
         self.entered = asyncio.Event()
         self.host = ""
@@ -47,12 +47,12 @@ class Desk:
         self.server.add(
             "Desk",
             methods=[
-                Method("echo", "(m)", "m", lambda value: value),
-                Method("picture", "()", "m", lambda: [2, 1, b"\xff\x00"]),
-                Method("fails", "()", "v", self._fails),
-                Method("waits", "()", "v", self._waits),
+                HostedMethod("echo", "(m)", "m", lambda value: value),
+                HostedMethod("picture", "()", "m", lambda: [2, 1, b"\xff\x00"]),
+                HostedMethod("fails", "()", "v", self._fails),
+                HostedMethod("waits", "()", "v", self._waits),
             ],
-            signals=[Signal("touched", "(fs)")],
+            signals=[HostedSignal("touched", "(fs)")],
         )
 
     def _fails(self) -> None:
@@ -77,7 +77,7 @@ async def desk() -> AsyncIterator[Desk]:
 
 
 @asynccontextmanager
-async def opened(desk: Desk) -> AsyncIterator[Link]:
+async def opened(desk: Desk) -> AsyncIterator[NaoqiLink]:
     settings = PepperSettings(robots=())
     link = await open_link(parse(desk.host), settings, within=WITHIN_S)
     try:
@@ -114,29 +114,29 @@ async def test_a_text_that_looks_like_bytes_stays_a_text(desk: Desk) -> None:
 
 
 def test_a_number_is_no_picture() -> None:
-    with pytest.raises(Said, match="int"):
+    with pytest.raises(RobotRefusedError, match="int"):
         binary(3)
 
 
 async def test_what_the_robot_refuses_is_said_in_one_line(desk: Desk) -> None:
     async with opened(desk) as link:
-        with pytest.raises(Said, match=r"Desk\.fails: .*no such animation") as said:
+        with pytest.raises(RobotRefusedError, match=r"Desk\.fails: .*no such animation") as said:
             await link.call("Desk", "fails", within=WITHIN_S)
         assert "\n" not in str(said.value)
-        with pytest.raises(Said, match="nothing"):
+        with pytest.raises(RobotRefusedError, match="nothing"):
             await link.call("Desk", "nothing", within=WITHIN_S)
-        with pytest.raises(Said, match=r"Desk\.echo"):
+        with pytest.raises(RobotRefusedError, match=r"Desk\.echo"):
             await link.call("Desk", "echo", within=WITHIN_S)
-        with pytest.raises(Said, match="nothing"):
+        with pytest.raises(RobotRefusedError, match="nothing"):
             await link.listen("Desk", "nothing", print)
 
 
 async def test_a_missing_service_is_found_once_it_is_there(desk: Desk) -> None:
     async with opened(desk) as link:
-        with pytest.raises(Missing, match="Late"):
+        with pytest.raises(ServiceMissingError, match="Late"):
             await link.call("Late", "echo", 1, within=WITHIN_S)
         assert await link.services(WITHIN_S) == {"ServiceDirectory", "Desk"}
-        desk.server.add("Late", methods=[Method("echo", "(m)", "m", lambda value: value)])
+        desk.server.add("Late", methods=[HostedMethod("echo", "(m)", "m", lambda value: value)])
         assert await link.call("Late", "echo", 1, within=WITHIN_S) == 1
         assert "Late" in await link.services(WITHIN_S)
 
@@ -145,7 +145,7 @@ async def test_no_answer_in_time_is_no_loss(desk: Desk) -> None:
     async with opened(desk) as link:
         within = 0.05
         while not desk.entered.is_set():  # a busy machine may not even have sent it by then
-            with pytest.raises(Unanswered, match=r"Desk\.waits"):
+            with pytest.raises(UnansweredError, match=r"Desk\.waits"):
                 await link.call("Desk", "waits", within=within)
             within *= 2
         await happens(desk.cancelled)
@@ -188,10 +188,10 @@ async def test_closing_ends_the_calls_under_way(desk: Desk) -> None:
         ends = await asyncio.wait_for(
             asyncio.gather(*calls, looking, return_exceptions=True), WITHIN_S
         )
-        assert {type(end) for end in ends} <= {Gone, Missing}
-        assert all(isinstance(end, Gone) for end in ends[:3])
+        assert {type(end) for end in ends} <= {LinkClosedError, ServiceMissingError}
+        assert all(isinstance(end, LinkClosedError) for end in ends[:3])
         assert link.lost.done()
-        with pytest.raises(Gone):
+        with pytest.raises(LinkClosedError):
             await link.call("Desk", "echo", 1, within=WITHIN_S)
         await link.close()
 
@@ -201,7 +201,7 @@ async def test_a_robot_that_hangs_up_is_known_at_once(desk: Desk) -> None:
         calling = asyncio.create_task(link.call("Desk", "waits", within=WITHIN_S))
         await happens(desk.entered)
         await desk.server.close()
-        with pytest.raises(Gone):
+        with pytest.raises(LinkClosedError):
             await calling
         assert await asyncio.wait_for(link.lost, WITHIN_S)
 
@@ -210,7 +210,7 @@ async def test_a_service_that_comes_again_is_looked_up_again(desk: Desk) -> None
     async with opened(desk) as link:
         assert await link.call("Desk", "echo", 1, within=WITHIN_S) == 1
         desk.server.remove("Desk")
-        with pytest.raises(Said):
+        with pytest.raises(RobotRefusedError):
             await link.call("Desk", "echo", 2, within=WITHIN_S)
         desk.offer()
 
@@ -218,7 +218,7 @@ async def test_a_service_that_comes_again_is_looked_up_again(desk: Desk) -> None
             while True:
                 try:
                     return int(await link.call("Desk", "echo", 3, within=WITHIN_S))
-                except Said:
+                except RobotRefusedError:
                     await asyncio.sleep(0.01)
 
         assert await asyncio.wait_for(again(), WITHIN_S) == 3

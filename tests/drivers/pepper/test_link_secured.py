@@ -8,10 +8,10 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-from qimessaging.hosted_objects import Method
-from qimessaging.server import Server
+from qimessaging.hosted_objects import HostedMethod
+from qimessaging.server import QiServer
 from woz_drivers.pepper.address import parse
-from woz_drivers.pepper.naoqi_link import Link, RefusedError, open_link
+from woz_drivers.pepper.naoqi_link import ConnectionRefusedByRobotError, NaoqiLink, open_link
 from woz_drivers.pepper.robot_line import WANTED
 from woz_drivers.pepper.settings import PepperSettings
 
@@ -31,8 +31,8 @@ class Guarded:
     def __init__(self) -> None:
         self.asked: list[tuple[str, str]] = []
         self.address = ""
-        self.server = Server(authenticator=self._lets_in)
-        self.server.add("Desk", methods=[Method("echo", "(m)", "m", lambda value: value)])
+        self.server = QiServer(authenticator=self._lets_in)
+        self.server.add("Desk", methods=[HostedMethod("echo", "(m)", "m", lambda value: value)])
 
     def _lets_in(self, user: str, password: str) -> bool:
         self.asked.append((user, password))
@@ -44,7 +44,7 @@ class Guarded:
         endpoint = await self.server.listen("127.0.0.1", tls=tls)
         self.address = f"tcps://ada@127.0.0.1:{endpoint.port}"
 
-    async def open(self, **settings: str) -> Link:
+    async def open(self, **settings: str) -> NaoqiLink:
         given = PepperSettings(robots=(), password="ROBOT_PASSWORD", **settings)  # type: ignore[arg-type]
         return await open_link(parse(self.address), given, within=WITHIN_S)
 
@@ -80,7 +80,7 @@ async def test_a_wrong_password_is_told_with_its_remedy(
         await guarded.open()
     assert "ROBOT_PASSWORD" in lost.value.remedy
     assert "Hush" not in lost.value.what + lost.value.remedy + repr(lost.value)
-    assert isinstance(lost.value, RefusedError)
+    assert isinstance(lost.value, ConnectionRefusedByRobotError)
 
 
 async def test_the_trusted_certificate_is_taken(
@@ -116,7 +116,7 @@ async def test_to_a_robot_with_another_certificate_no_password_is_sent(
     guarded: Guarded, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("ROBOT_PASSWORD", PASSWORD)
-    with pytest.raises(RefusedError) as refused:
+    with pytest.raises(ConnectionRefusedByRobotError) as refused:
         await guarded.open(trusted="00" * 32)
     assert "certificate" in refused.value.what
     assert fingerprint() in refused.value.remedy

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.pepper.microphones import SERVICE, Block, Microphones, SoundFile, block
+from woz_drivers.pepper.microphones import SERVICE, MicrophonesPart, SoundBlock, SoundFile, block
 
 from tests.drivers.heard import PATIENCE_S, until
 from tests.drivers.pepper.wired import Wired, wired
@@ -41,7 +41,9 @@ def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
 )
 @pytest.mark.woz4u("audio_save_dir")
 async def test_a_recording_on_the_robot(tmp_path: Path, robot: StandIn) -> None:
-    async with wired(Microphones, tmp_path, robot, recordings="/home/nao/sounds of today") as it:
+    async with wired(
+        MicrophonesPart, tmp_path, robot, recordings="/home/nao/sounds of today"
+    ) as it:
         told = await it.do("record_sound", on=True)
         path = str(told["file"])
         assert path.startswith("/home/nao/sounds of today/woz-2")
@@ -62,7 +64,7 @@ async def test_a_recording_on_the_robot(tmp_path: Path, robot: StandIn) -> None:
 
 
 async def test_off_ends_what_an_earlier_program_began(tmp_path: Path, robot: StandIn) -> None:
-    async with wired(Microphones, tmp_path, robot) as it:
+    async with wired(MicrophonesPart, tmp_path, robot) as it:
         words = ("/home/nao/old.wav", "wav", 16000, [1, 1, 1, 1])
         await it.connection.call("ALAudioRecorder", "startMicrophonesRecording", *words)
         with pytest.raises(DriverError, match="no recording was begun") as told:
@@ -73,14 +75,14 @@ async def test_off_ends_what_an_earlier_program_began(tmp_path: Path, robot: Sta
 
 
 async def test_the_end_of_the_session_ends_the_recording(tmp_path: Path, robot: StandIn) -> None:
-    async with wired(Microphones, tmp_path, robot) as it:
+    async with wired(MicrophonesPart, tmp_path, robot) as it:
         await it.do("record_sound", on=True)
     assert await robot.get("recording") == ""
     assert it.notices == []
 
 
 async def test_a_robot_that_goes_may_record_on(tmp_path: Path) -> None:
-    async with stand_in() as robot, wired(Microphones, tmp_path, robot) as it:
+    async with stand_in() as robot, wired(MicrophonesPart, tmp_path, robot) as it:
         path = (await it.do("record_sound", on=True))["file"]
         robot.kill()
         await until(lambda: bool(it.notices))
@@ -89,7 +91,7 @@ async def test_a_robot_that_goes_may_record_on(tmp_path: Path) -> None:
 
 
 async def test_a_robot_that_refuses_the_end_may_record_on(tmp_path: Path, robot: StandIn) -> None:
-    async with wired(Microphones, tmp_path, robot) as it:
+    async with wired(MicrophonesPart, tmp_path, robot) as it:
         path = (await it.do("record_sound", on=True))["file"]
         await robot.fault("refuse:ALAudioRecorder.stopMicrophonesRecording=busy")
         with pytest.raises(DriverError, match="busy"):
@@ -98,7 +100,7 @@ async def test_a_robot_that_refuses_the_end_may_record_on(tmp_path: Path, robot:
     assert it.notices == [f"it: the robot may still be recording to {path}"]
 
 
-def _sound(it: Wired[Microphones], file: Any) -> tuple[int, int, int, bytes]:
+def _sound(it: Wired[MicrophonesPart], file: Any) -> tuple[int, int, int, bytes]:
     path = it.heard.context.media.parent / str(file)
     with wave.open(str(path)) as sound:
         frames = sound.readframes(sound.getnframes())
@@ -112,7 +114,7 @@ def _sound(it: Wired[Microphones], file: Any) -> tuple[int, int, int, bytes]:
 async def test_the_robots_sound_is_a_file_here(tmp_path: Path, server: str) -> None:
     async with (
         stand_in(server, pace=2.0) as robot,
-        wired(Microphones, tmp_path, robot) as it,
+        wired(MicrophonesPart, tmp_path, robot) as it,
     ):
         before = it.heard.context.t(it.heard.clock.now_us())
         told = await it.do("listen", on=True)
@@ -144,7 +146,7 @@ async def test_the_robots_sound_is_a_file_here(tmp_path: Path, server: str) -> N
 
 
 async def test_without_sound_it_says_so_and_lets_go(tmp_path: Path, robot: StandIn) -> None:
-    async with wired(Microphones, tmp_path, robot) as it:
+    async with wired(MicrophonesPart, tmp_path, robot) as it:
         await robot.fault("refuse:ALAudioDevice.subscribe=no microphone")
         with pytest.raises(DriverError, match="no microphone"):
             await it.do("listen", on=True)
@@ -157,7 +159,7 @@ async def test_without_sound_it_says_so_and_lets_go(tmp_path: Path, robot: Stand
 
 
 async def test_a_robot_that_goes_ends_the_file_and_it_is_whole(tmp_path: Path) -> None:
-    async with stand_in() as robot, wired(Microphones, tmp_path, robot) as it:
+    async with stand_in() as robot, wired(MicrophonesPart, tmp_path, robot) as it:
         told = await it.do("listen", on=True)
         robot.kill()
         await until(lambda: bool(it.notices))
@@ -218,20 +220,20 @@ async def test_a_file_is_valid_after_every_buffer(tmp_path: Path) -> None:
 )
 def test_no_buffer_raises(channels: Any, samples: Any, stamp: Any, buffer: Any) -> None:
     found = block(channels, samples, stamp, buffer)
-    if isinstance(found, Block):
+    if isinstance(found, SoundBlock):
         assert len(found.data) == 2 * found.channels * found.samples
     else:
         assert found
 
 
 def test_a_buffer_of_four_microphones() -> None:
-    assert block(4, 2, [10, 500_000], b"\0" * 16) == Block(4, 2, b"\0" * 16, 10.5)
-    assert block(1, 2, None, bytearray(4)) == Block(1, 2, b"\0" * 4, None)
+    assert block(4, 2, [10, 500_000], b"\0" * 16) == SoundBlock(4, 2, b"\0" * 16, 10.5)
+    assert block(1, 2, None, bytearray(4)) == SoundBlock(1, 2, b"\0" * 4, None)
     assert block(4, 2, [10, 0], b"\0" * 15) == "15 bytes for 4 channels of 2 samples are no sound"
 
 
 async def test_nothing_is_left_after_closing(tmp_path: Path, robot: StandIn) -> None:
-    async with wired(Microphones, tmp_path, robot) as it:
+    async with wired(MicrophonesPart, tmp_path, robot) as it:
         listening = asyncio.create_task(it.do("listen", on=True))
         await robot.called("ALAudioDevice.subscribe")
         listening.cancel()
@@ -256,6 +258,6 @@ async def test_a_file_that_is_not_there_any_more_is_told(tmp_path: Path, moved: 
 
 
 def test_a_buffer_is_not_longer_than_a_second() -> None:
-    assert isinstance(block(4, 48_000, None, bytes(384_000)), Block)
+    assert isinstance(block(4, 48_000, None, bytes(384_000)), SoundBlock)
     assert isinstance(block(4, 48_001, None, bytes(384_008)), str)
     assert isinstance(block(5, 100, None, bytes(1000)), str)

@@ -7,18 +7,18 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.pepper.animations import Animations
-from woz_drivers.pepper.autonomy import Autonomy
-from woz_drivers.pepper.base import Base
-from woz_drivers.pepper.body import Body
+from woz_drivers.pepper.animations import AnimationsPart
+from woz_drivers.pepper.autonomy import AutonomyPart
+from woz_drivers.pepper.base import BasePart
+from woz_drivers.pepper.body import BodyPart
 from woz_drivers.pepper.camera import frame
-from woz_drivers.pepper.eyes import Eyes
-from woz_drivers.pepper.head import Head
+from woz_drivers.pepper.eyes import EyesPart
+from woz_drivers.pepper.head import HeadPart
 from woz_drivers.pepper.memory import flag, word
 from woz_drivers.pepper.naoqi_link import words
-from woz_drivers.pepper.service_call import NaoqiCall
-from woz_drivers.pepper.sounds import Sounds
-from woz_drivers.pepper.voice import Voice
+from woz_drivers.pepper.service_call import ServiceCallPart
+from woz_drivers.pepper.sounds import SoundsPart
+from woz_drivers.pepper.voice import VoicePart
 
 from tests.drivers.heard import Ordered
 from tests.drivers.pepper.babbler import SETTINGS, Babbler, babbler
@@ -67,7 +67,7 @@ async def test_nothing_is_made_of_nonsense(tmp_path: Path) -> None:
 
 async def test_a_long_result_is_cut_short(tmp_path: Path) -> None:
     async with babbler(tmp_path) as it:
-        call = NaoqiCall(it.connection, SETTINGS, it.heard.context)
+        call = ServiceCallPart(it.connection, SETTINGS, it.heard.context)
         for said, length in (("a" * 900, 900), ("L" * 3_000_000, 60_000), (["a"] * 40_000, 60_000)):
             it.says["ALTextToSpeech.getVolume"] = said
             told = await call.perform(Ordered("naoqi", {"call": "ALTextToSpeech.getVolume"}))
@@ -79,7 +79,8 @@ async def test_a_long_result_is_cut_short(tmp_path: Path) -> None:
 async def _settings(it: Babbler) -> None:
     """Read back: what makes no sense is left out, what does is kept."""
     made = [
-        kind(it.connection, SETTINGS, it.heard.context) for kind in (Voice, Autonomy, Body, Eyes)
+        kind(it.connection, SETTINGS, it.heard.context)
+        for kind in (VoicePart, AutonomyPart, BodyPart, EyesPart)
     ]
     asked = (
         *("ALTextToSpeech.getParameter", "ALAutonomousLife.getState", "ALLeds.getIntensity"),
@@ -100,14 +101,14 @@ async def _settings(it: Babbler) -> None:
 
 async def _stops(it: Babbler) -> None:
     """A stop is confirmed only by a robot that says that it stands."""
-    base = Base(it.connection, SETTINGS, it.heard.context)
+    base = BasePart(it.connection, SETTINGS, it.heard.context)
     for nonsense in NONSENSE:
         it.says["ALMotion.getRobotVelocity"] = nonsense
         await _fails(base.stop(Scope.ALL), "does not report its speed")
     it.says["ALMotion.getRobotVelocity"] = [0.0, 0, 0.001]
     assert await base.stop(Scope.DRIVE) == ("driving",)
 
-    animations = Animations(it.connection, SETTINGS, it.heard.context)
+    animations = AnimationsPart(it.connection, SETTINGS, it.heard.context)
     animations._playing = "animations/x"
     it.says["ALBehaviorManager.stopBehavior"] = ValueError("it is not running")
     for nonsense in NONSENSE:
@@ -119,9 +120,9 @@ async def _stops(it: Babbler) -> None:
 
 async def _verbs(it: Babbler) -> None:
     """No angle that is none is sent to a joint, no file is played under a number that is none."""
-    head = Head(it.connection, SETTINGS, it.heard.context)
-    sounds = Sounds(it.connection, SETTINGS, it.heard.context)
-    drive = Base(it.connection, SETTINGS, it.heard.context)
+    head = HeadPart(it.connection, SETTINGS, it.heard.context)
+    sounds = SoundsPart(it.connection, SETTINGS, it.heard.context)
+    drive = BasePart(it.connection, SETTINGS, it.heard.context)
     it.says |= {"ALMotion.robotIsWakeUp": True, "ALMotion.moveTo": False}
     for nonsense in NONSENSE:
         it.says["ALMotion.getStiffnesses"] = [1.0, 1.0]

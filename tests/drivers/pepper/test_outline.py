@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.pepper import body_joints, outline, tags
 from woz_drivers.pepper.animations import MOVES, path_of
-from woz_drivers.pepper.eyes import Color
+from woz_drivers.pepper.eyes import EyeColor
 from woz_drivers.pepper.robot_settings import SETTINGS
-from woz_drivers.pepper.settings import Autonomy, PepperSettings, Voice
-from woz_drivers.pepper.settings_reading import Wanted, conflicts
+from woz_drivers.pepper.settings import AutonomySettings, PepperSettings, VoiceSettings
+from woz_drivers.pepper.settings_reading import DesiredSettings, conflicts
 
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.protocol.messages import Json
@@ -24,8 +24,8 @@ ONE = PepperSettings(robots=("10.0.0.1", "10.0.0.2"))
 DEGREES = st.floats(-400, 400)
 
 
-def wanted(settings: PepperSettings = ONE) -> Wanted:
-    return Wanted(settings)
+def wanted(settings: PepperSettings = ONE) -> DesiredSettings:
+    return DesiredSettings(settings)
 
 
 # -- the outline ---------------------------------------------------------------------------------
@@ -43,9 +43,9 @@ def test_the_outline_is_read_by_the_console_and_has_every_setting() -> None:
 
 
 def test_a_file_with_values_that_no_robot_takes_is_told_where() -> None:
-    wrong = dataclasses.replace(ONE, eyes="grean", voice=Voice(pitch=0.5))
+    wrong = dataclasses.replace(ONE, eyes="grean", voice=VoiceSettings(pitch=0.5))
     assert [place for place, _ in wrong.problems()] == ["eyes", "voice.pitch"]
-    right = dataclasses.replace(ONE, eyes="green", voice=Voice(pitch=1.5))
+    right = dataclasses.replace(ONE, eyes="green", voice=VoiceSettings(pitch=1.5))
     assert right.problems() == []
 
 
@@ -167,14 +167,14 @@ def test_twice_the_speed_is_half_the_time_but_for_the_pauses() -> None:
 
 @given(st.integers(0, 0xFFFFFF))
 def test_a_colour_survives_the_robots_order_of_parts(number: int) -> None:
-    color = Color.of(f"#{number:06x}")
+    color = EyeColor.of(f"#{number:06x}")
     assert (color.number, color.text) == (number, f"#{number:06x}")
-    assert Color.read_back([color.blue, color.green, color.red]) == color
+    assert EyeColor.read_back([color.blue, color.green, color.red]) == color
 
 
 @pytest.mark.parametrize("nonsense", [None, 1.0, [], [1.0, 0.5]])
 def test_what_is_no_colour_is_unknown(nonsense: Json) -> None:
-    assert Color.read_back(nonsense) is None
+    assert EyeColor.read_back(nonsense) is None
 
 
 # -- wanted and conflicts ------------------------------------------------------------------------
@@ -183,7 +183,9 @@ def test_what_is_no_colour_is_unknown(nonsense: Json) -> None:
 def test_what_the_file_asks_for_is_wanted_until_the_robot_has_it() -> None:
     it = wanted(
         dataclasses.replace(
-            ONE, autonomy=Autonomy(blinking=False, orthogonal=0.4), voice=Voice(volume=0.5)
+            ONE,
+            autonomy=AutonomySettings(blinking=False, orthogonal=0.4),
+            voice=VoiceSettings(volume=0.5),
         )
     )
     has: dict[str, Json] = {"blinking": True, "orthogonal": 0.40001, "volume": 0.7}
@@ -193,7 +195,7 @@ def test_what_the_file_asks_for_is_wanted_until_the_robot_has_it() -> None:
 
 
 def test_a_body_is_not_wanted_to_breathe_as_a_whole_where_its_parts_are_to_differ() -> None:
-    it = wanted(dataclasses.replace(ONE, autonomy=Autonomy(body_breathing=True)))
+    it = wanted(dataclasses.replace(ONE, autonomy=AutonomySettings(body_breathing=True)))
     still: dict[str, Json] = {"body_breathing": False, "head_breathing": True}
     assert it.differing(still) == {"body_breathing": True}
     it.note("autonomy", {"head_breathing": True})

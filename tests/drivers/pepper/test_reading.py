@@ -11,10 +11,10 @@ from typing import cast
 
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.pepper.parts import Part
-from woz_drivers.pepper.robot_connection import SPACING_S, Connection
+from woz_drivers.pepper.parts import PepperPart
+from woz_drivers.pepper.robot_connection import SPACING_S, RobotConnection
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.pepper.settings_reading import EVERY_S, LULL_S, RECENT_S, Reading
+from woz_drivers.pepper.settings_reading import EVERY_S, LULL_S, RECENT_S, SettingsReader
 
 from tests.drivers.heard import Heard, Ordered
 from tests.fakes.virtual_time import LoopClock, run_virtual
@@ -28,8 +28,8 @@ async def _went() -> None:
     """Nobody looks for a robot here."""
 
 
-def _connection(heard: Heard) -> Connection:
-    return Connection(NOWHERE, heard.context, on_connected=_went, on_lost=lambda: None)
+def _connection(heard: Heard) -> RobotConnection:
+    return RobotConnection(NOWHERE, heard.context, on_connected=_went, on_lost=lambda: None)
 
 
 @given(pauses=st.lists(st.sampled_from([0.0, 0.001, 0.01, 0.1]), min_size=1, max_size=30))
@@ -78,7 +78,9 @@ def test_a_burst_of_keys_is_read_back_once_it_is_over_and_meanwhile_now_and_then
         loop = asyncio.get_running_loop()
         heard = Heard(Path("unused"), LoopClock(loop))
         clerk = Clerk()
-        reading = Reading(_connection(heard), [cast(Part, clerk)], NOWHERE, heard.context)
+        reading = SettingsReader(
+            _connection(heard), [cast(PepperPart, clerk)], NOWHERE, heard.context
+        )
         reading.begin()
         await asyncio.sleep(EVERY_S / 2)
         begun = loop.time()
@@ -99,7 +101,7 @@ def test_a_burst_of_keys_is_read_back_once_it_is_over_and_meanwhile_now_and_then
 
 # -- conflicts with what the wizard does, and how long they count ----------------------------------
 
-Scene = Callable[[Reading], Awaitable[None]]
+Scene = Callable[[SettingsReader], Awaitable[None]]
 
 
 def conflicts_told(scene: Scene, **values: Json) -> list[tuple[float, int]]:
@@ -107,8 +109,8 @@ def conflicts_told(scene: Scene, **values: Json) -> list[tuple[float, int]]:
 
     async def played() -> list[tuple[float, int]]:
         heard = Heard(Path("unused"), LoopClock(asyncio.get_running_loop()))
-        clerk = cast(Part, Clerk(**values))
-        reading = Reading(_connection(heard), [clerk], NOWHERE, heard.context)
+        clerk = cast(PepperPart, Clerk(**values))
+        reading = SettingsReader(_connection(heard), [clerk], NOWHERE, heard.context)
         reading.begin()
         await asyncio.sleep(5.0)
         await scene(reading)
@@ -118,7 +120,7 @@ def conflicts_told(scene: Scene, **values: Json) -> list[tuple[float, int]]:
     return run_virtual(played())
 
 
-async def use(reading: Reading, verb: str, seconds: float = 0.0) -> None:
+async def use(reading: SettingsReader, verb: str, seconds: float = 0.0) -> None:
     """A verb as the driver performs it."""
     with reading.using(verb):
         await asyncio.sleep(seconds)
@@ -126,7 +128,7 @@ async def use(reading: Reading, verb: str, seconds: float = 0.0) -> None:
 
 
 def test_a_conflict_with_a_verb_ages_out_once_and_comes_back_with_it() -> None:
-    async def scene(reading: Reading) -> None:
+    async def scene(reading: SettingsReader) -> None:
         await use(reading, "nudge")
         await asyncio.sleep(RECENT_S + 35.0)  # it is 100 s
         await use(reading, "gaze")
@@ -141,7 +143,7 @@ def test_a_conflict_with_a_verb_ages_out_once_and_comes_back_with_it() -> None:
 
 
 def test_what_the_wizard_does_again_and_again_leaves_the_status_line_alone() -> None:
-    async def scene(reading: Reading) -> None:
+    async def scene(reading: SettingsReader) -> None:
         for _ in range(30):
             await use(reading, "say", seconds=4.0)
             await asyncio.sleep(RECENT_S - 2 * EVERY_S)
@@ -151,7 +153,7 @@ def test_what_the_wizard_does_again_and_again_leaves_the_status_line_alone() -> 
 
 
 def test_what_takes_longer_than_a_minute_counts_from_its_beginning_to_a_minute_after() -> None:
-    async def scene(reading: Reading) -> None:
+    async def scene(reading: SettingsReader) -> None:
         await use(reading, "play", seconds=200.0)
         await asyncio.sleep(RECENT_S + 2.0)
 
@@ -162,7 +164,7 @@ def test_what_takes_longer_than_a_minute_counts_from_its_beginning_to_a_minute_a
 
 
 def test_dangers_never_age() -> None:
-    async def scene(reading: Reading) -> None:
+    async def scene(reading: SettingsReader) -> None:
         await asyncio.sleep(20 * RECENT_S)
 
     told = conflicts_told(scene, tangential=0.02, state="solitary", awareness=True)
@@ -170,7 +172,7 @@ def test_dangers_never_age() -> None:
 
 
 def test_what_was_refused_was_not_done() -> None:
-    async def scene(reading: Reading) -> None:
+    async def scene(reading: SettingsReader) -> None:
         for error in (RejectedError("nonsense"), DeviceLostError("gone")):
             with contextlib.suppress(RejectedError, DeviceLostError), reading.using("eyes"):
                 raise error

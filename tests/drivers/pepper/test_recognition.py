@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.pepper.recognition import DETECTED, RECOGNIZED, Recognition, recognised
+from woz_drivers.pepper.recognition import DETECTED, RECOGNIZED, RecognitionPart, recognised
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.pepper.settings import Recognition as Settings
+from woz_drivers.pepper.settings import RecognitionSettings as Settings
 
 from tests.drivers.pepper.wired import Wired, wired
 from tests.fakes.naoqi import StandIn, stand_in
@@ -20,28 +20,28 @@ from woz_tui.protocol.messages import SpeechEnded, SpeechStarted, SpeechText
 HEARS = Settings(phrases=("yes", "no", "Ada"), language="English")
 SOMEBODY = {"distance": 1.0, "looking": True}
 
-Listens = Callable[..., AbstractAsyncContextManager[Wired[Recognition]]]
+Listens = Callable[..., AbstractAsyncContextManager[Wired[RecognitionPart]]]
 
 
 @pytest.fixture
 def listens(tmp_path: Path, robot: StandIn) -> Listens:
     def begin(settings: Settings = HEARS) -> Any:
-        return wired(Recognition, tmp_path, robot, recognition=settings)
+        return wired(RecognitionPart, tmp_path, robot, recognition=settings)
 
     return begin
 
 
-async def _looks(it: Wired[Recognition]) -> None:
+async def _looks(it: Wired[RecognitionPart]) -> None:
     """Return when the robot has been asked once more, from beginning to end."""
     asked = len(await it.robot.trace("ALMemory.getListData"))
     await it.robot.called("ALMemory.getListData", asked + 3)
 
 
-def _said(it: Wired[Recognition]) -> list[tuple[int, str]]:
+def _said(it: Wired[RecognitionPart]) -> list[tuple[int, str]]:
     return [(one.segment, one.text) for one in it.heard.all(SpeechText)]
 
 
-def _segments(it: Wired[Recognition]) -> list[int]:
+def _segments(it: Wired[RecognitionPart]) -> list[int]:
     begun, ended = it.heard.all(SpeechStarted), it.heard.all(SpeechEnded)
     assert all(one.began <= one.ended for one in ended)
     assert [one.segment for one in begun[: len(ended)]] == [one.segment for one in ended]
@@ -77,7 +77,7 @@ async def test_what_is_not_in_the_list_is_speech_without_a_text(tmp_path: Path) 
     # At its own pace: a sentence lasts longer than the driver takes to ask again.
     async with (
         stand_in(pace=1.0) as robot,
-        wired(Recognition, tmp_path, robot, recognition=HEARS) as it,
+        wired(RecognitionPart, tmp_path, robot, recognition=HEARS) as it,
     ):
         await robot.person(SOMEBODY)
         await robot.set("says", "Where are the toilets?")
@@ -132,9 +132,9 @@ async def test_a_lost_robot_ends_what_somebody_says(listens: Listens, robot: Sta
 
 
 def test_it_listens_only_where_there_is_something_to_understand() -> None:
-    assert Recognition.sensors(PepperSettings(robots=())) == ()
+    assert RecognitionPart.sensors(PepperSettings(robots=())) == ()
     hears = PepperSettings(robots=(), recognition=HEARS)
-    assert Recognition.sensors(hears) == (SPEECH, SPEECH_TEXT)
+    assert RecognitionPart.sensors(hears) == (SPEECH, SPEECH_TEXT)
 
 
 @pytest.mark.parametrize(

@@ -11,14 +11,14 @@ from typing import Any
 import pytest
 from woz_drivers.pepper import settings
 from woz_drivers.pepper.memory import BATTERY, SONAR, SOUND
-from woz_drivers.pepper.senses import FACES, VISIBLE, Senses, distance_key, looking_key
+from woz_drivers.pepper.senses import FACES, VISIBLE, SensesPart, distance_key, looking_key
 
 from tests.drivers.pepper.wired import Wired, wired
 from tests.fakes.naoqi import StandIn, stand_in
 from woz_tui.drivers.contract import DriverError, RejectedError, Scope
 from woz_tui.protocol.messages import Reading, SensorChanged
 
-FAST = settings.Senses(rate=20)
+FAST = settings.SensesSettings(rate=20)
 ALL = (
     *("distance", "presence", "people", "nearest", "gaze", "identity"),
     *("direction", "loudness", "battery"),
@@ -26,29 +26,29 @@ ALL = (
 #: Somebody to the left who looks, talks and is known.
 ADA = {"distance": 1.25, "angle": 0.25, "looking": True, "talking": True, "name": "Ada"}
 
-Sense = Callable[..., AbstractAsyncContextManager[Wired[Senses]]]
+Sense = Callable[..., AbstractAsyncContextManager[Wired[SensesPart]]]
 
 
 @pytest.fixture
 def sense(tmp_path: Path, robot: StandIn) -> Sense:
-    def begin(senses: settings.Senses = FAST) -> Any:
-        return wired(Senses, tmp_path, robot, senses=senses)
+    def begin(senses: settings.SensesSettings = FAST) -> Any:
+        return wired(SensesPart, tmp_path, robot, senses=senses)
 
     return begin
 
 
-async def _round(it: Wired[Senses]) -> None:
+async def _round(it: Wired[SensesPart]) -> None:
     """Return when the robot has been read once more, from beginning to end."""
     asked = len(await it.robot.trace("ALMemory.getListData"))
     await it.robot.called("ALMemory.getListData", asked + 3)
 
 
-async def _put(it: Wired[Senses], key: str, value: Any) -> None:
+async def _put(it: Wired[SensesPart], key: str, value: Any) -> None:
     """What the robot's memory holds from now on."""
     await it.connection.call("ALMemory", "insertData", key, value)
 
 
-def _why(it: Wired[Senses], sensor: str) -> str:
+def _why(it: Wired[SensesPart], sensor: str) -> str:
     moved = [one for one in it.heard.all(SensorChanged) if one.sensor == sensor]
     return moved[-1].why
 
@@ -80,7 +80,7 @@ async def test_somebody_is_read_by_all_senses(sense: Sense, robot: StandIn) -> N
         assert await it.part.read() == {"battery": pytest.approx(0.5, abs=0.01)}
         assert {sensor: it.heard.states(sensor)[-1] for sensor in ALL} == dict.fromkeys(ALL, "ok")
         assert it.notices == []
-    assert Senses.sensors(settings.PepperSettings(robots=())) == (
+    assert SensesPart.sensors(settings.PepperSettings(robots=())) == (
         *("distance", "presence", "people", "nearest", "gaze", "identity"),
         *("direction", "loudness", "battery"),
     )
@@ -99,8 +99,8 @@ async def test_a_face_gets_a_name(sense: Sense, robot: StandIn) -> None:
         await it.reads("identity", 0.0)
         with pytest.raises(RejectedError):
             await it.do("learn_face", name=" ")
-    blind = settings.PepperSettings(robots=(), senses=settings.Senses(people=False))
-    assert Senses.verbs(blind) == ()
+    blind = settings.PepperSettings(robots=(), senses=settings.SensesSettings(people=False))
+    assert SensesPart.verbs(blind) == ()
 
 
 async def test_nobody_is_said_to_be_nobody(sense: Sense, robot: StandIn) -> None:
@@ -268,7 +268,7 @@ async def test_each_sound_is_told_once_and_the_old_one_of_before_not_at_all(sens
 async def test_a_lost_robot_makes_every_sense_stale_and_the_next_one_lives(
     sense: Sense, tmp_path: Path
 ) -> None:
-    async with stand_in() as robot, wired(Senses, tmp_path, robot, senses=FAST) as it:
+    async with stand_in() as robot, wired(SensesPart, tmp_path, robot, senses=FAST) as it:
         await _round(it)
         robot.kill()
         for sensor in ALL:
@@ -282,14 +282,17 @@ async def test_a_lost_robot_makes_every_sense_stale_and_the_next_one_lives(
 
 
 async def test_only_what_the_file_wants_is_read(sense: Sense, robot: StandIn) -> None:
-    few = settings.Senses(rate=20, people=False, loudness=False)
+    few = settings.SensesSettings(rate=20, people=False, loudness=False)
     async with sense(senses=few) as it:
         await _round(it)
         assert {one.sensor for one in it.heard.all(Reading)} == {"distance", "battery"}
         called = {call.name for call in await robot.trace()}
         assert "ALAudioDevice.enableEnergyComputation" not in called
         assert "ALPeoplePerception.subscribe" not in called
-    assert Senses.sensors(settings.PepperSettings(robots=(), senses=few)) == ("distance", "battery")
+    assert SensesPart.sensors(settings.PepperSettings(robots=(), senses=few)) == (
+        "distance",
+        "battery",
+    )
 
 
 async def test_at_the_end_the_robot_need_not_measure_any_more(sense: Sense, robot: StandIn) -> None:

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.pepper import memory, senses
-from woz_drivers.pepper.camera import Frame, frame
+from woz_drivers.pepper.camera import CameraFrame, frame
 
 LEAVES = st.one_of(
     st.none(),
@@ -73,7 +73,7 @@ def test_no_sound_raises_and_each_has_a_direction(value: Any) -> None:
 )
 def test_no_picture_raises_and_each_has_all_its_pixels(value: Any) -> None:
     found = frame(value)
-    if isinstance(found, Frame):
+    if isinstance(found, CameraFrame):
         assert len(found.rgb) == 3 * found.width * found.height
     else:
         assert found
@@ -160,7 +160,7 @@ def _face(size: float, name: str, score: float = 0.6) -> list[Any]:
     ],
 )
 def test_whose_face_it_is(value: Any, name: str, score: float | None) -> None:
-    assert senses.face(value) == senses.Face(name, score)
+    assert senses.face(value) == senses.RecognisedFace(name, score)
 
 
 @pytest.mark.parametrize(
@@ -172,8 +172,8 @@ def test_what_is_no_face_is_said_to_be_none(value: Any) -> None:
 
 
 def test_a_picture_in_the_other_order_of_colours() -> None:
-    found: Frame | str = frame([2, 1, 3, 13, 10, 500_000, b"\1\2\3\4\5\6", 0])
-    assert found == Frame(2, 1, b"\3\2\1\6\5\4", 10.5)
+    found: CameraFrame | str = frame([2, 1, 3, 13, 10, 500_000, b"\1\2\3\4\5\6", 0])
+    assert found == CameraFrame(2, 1, b"\3\2\1\6\5\4", 10.5)
 
 
 @pytest.mark.parametrize(

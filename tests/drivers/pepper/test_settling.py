@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 from woz_drivers.pepper.driver import Pepper
-from woz_drivers.pepper.settings import Autonomy, PepperSettings
-from woz_drivers.pepper.simulated_robot import SimulatedRobot
+from woz_drivers.pepper.settings import AutonomySettings, PepperSettings
+from woz_drivers.pepper.simulated_robot import SimulatedPepper
 
 from tests.drivers.heard import Heard, Ordered
 from tests.drivers.pepper.played import PACE, QUIET, Played
@@ -23,7 +23,10 @@ pytestmark = pytest.mark.usefixtures("patient")
 def _played(robot: StandIn, folder: Path, *, state: str, connect: bool = True) -> Played:
     """A driver, not open yet, whose file wants the robot's life to be in this state."""
     settings = PepperSettings(
-        robots=(robot.address,), senses=QUIET, connect=connect, autonomy=Autonomy(state=state)
+        robots=(robot.address,),
+        senses=QUIET,
+        connect=connect,
+        autonomy=AutonomySettings(state=state),
     )
     heard = Heard(folder)
     return Played(robot, Pepper("it", settings, heard.context), heard)
@@ -84,7 +87,7 @@ async def _as_soon_as_possible(driver: Pepper) -> None:
 async def test_a_simulated_robot_that_cannot_be_reached_is_started_anew(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    robot = SimulatedRobot(PACE, tmp_path)
+    robot = SimulatedPepper(PACE, tmp_path)
     first = await robot.address()
     assert await robot.address() == first, "it may come back by itself"
     monkeypatch.setattr("woz_drivers.pepper.simulated_robot._HOPELESS_S", 0.0)
@@ -98,13 +101,13 @@ async def test_attempts_of_different_losses_are_not_added_up(
 ) -> None:
     monkeypatch.setattr("woz_drivers.pepper.simulated_robot._HOPELESS_S", 0.0)
     monkeypatch.setattr("woz_drivers.pepper.simulated_robot._APART_S", 0.0)
-    robot = SimulatedRobot(PACE, tmp_path)
+    robot = SimulatedPepper(PACE, tmp_path)
     assert await robot.address() == await robot.address()
     await robot.close()
 
 
 async def test_a_simulated_robot_runs_no_module_of_the_experiments_folder(tmp_path: Path) -> None:
     (tmp_path / "random.py").write_text("raise ValueError\n")
-    robot = SimulatedRobot(PACE, tmp_path)
+    robot = SimulatedPepper(PACE, tmp_path)
     assert (await robot.address()).port
     await robot.close()

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.pepper.settings import Tablet
-from woz_drivers.pepper.tablet import Screen
-from woz_drivers.pepper.tablet_page import Kind, kind
+from woz_drivers.pepper.settings import TabletSettings
+from woz_drivers.pepper.tablet import TabletPart
+from woz_drivers.pepper.tablet_page import PageKind, kind
 
 from tests.drivers.heard import until
 from tests.drivers.pepper.wired import Wired, wired
@@ -33,8 +33,10 @@ def folder(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-async def it(folder: Path, robot: StandIn) -> AsyncIterator[Wired[Screen]]:
-    async with wired(Screen, folder, robot, tablet=Tablet("shown", "../logo.JPG")) as made:
+async def it(folder: Path, robot: StandIn) -> AsyncIterator[Wired[TabletPart]]:
+    async with wired(
+        TabletPart, folder, robot, tablet=TabletSettings("shown", "../logo.JPG")
+    ) as made:
         await _shows(robot, "webview", len(OTHER))
         yield made
 
@@ -62,8 +64,8 @@ def _servers() -> int:
 async def test_the_default_is_shown_on_connect_and_pictures_when_asked(
     folder: Path, robot: StandIn
 ) -> None:
-    tablet = Tablet("shown", "logo.JPG")
-    async with wired(Screen, folder, robot, tablet=tablet) as it:
+    tablet = TabletSettings("shown", "logo.JPG")
+    async with wired(TabletPart, folder, robot, tablet=tablet) as it:
         await _shows(robot, "webview", len(OTHER))
         assert await it.part.read() == {"tablet": "logo.JPG"}
         assert await it.do("screen", file="map.png") == {"shown": "map.png"}
@@ -82,7 +84,7 @@ async def test_the_default_is_shown_on_connect_and_pictures_when_asked(
 
 @pytest.mark.naoqi("ALTabletService.playVideo", "ALTabletService.videoFinished")
 async def test_a_video_plays_to_its_end_and_the_default_comes_back(
-    it: Wired[Screen], robot: StandIn, folder: Path, monkeypatch: pytest.MonkeyPatch
+    it: Wired[TabletPart], robot: StandIn, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # The tablet is never asked, so that its signal alone can tell.
     monkeypatch.setattr("woz_drivers.pepper.tablet._LOOK_S", 1000.0)
@@ -98,7 +100,7 @@ async def test_a_video_plays_to_its_end_and_the_default_comes_back(
 
 
 async def test_the_end_of_a_video_is_found_out_where_no_signal_tells_it(
-    it: Wired[Screen], robot: StandIn, monkeypatch: pytest.MonkeyPatch
+    it: Wired[TabletPart], robot: StandIn, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("woz_drivers.pepper.tablet._LOOK_S", 0.05)
     await robot.set("tablet.video_seconds", 40)  # long enough to be seen
@@ -112,7 +114,7 @@ async def test_the_end_of_a_video_is_found_out_where_no_signal_tells_it(
 
 
 async def test_a_video_that_never_begins_is_told(
-    it: Wired[Screen], robot: StandIn, monkeypatch: pytest.MonkeyPatch, folder: Path
+    it: Wired[TabletPart], robot: StandIn, monkeypatch: pytest.MonkeyPatch, folder: Path
 ) -> None:
     monkeypatch.setattr("woz_drivers.pepper.tablet._LOOK_S", 0.05)
     monkeypatch.setattr("woz_drivers.pepper.tablet._BEGINS_WITHIN_S", 0.2)
@@ -123,7 +125,7 @@ async def test_a_video_that_never_begins_is_told(
     await _shows(robot, "webview", len(OTHER))
 
 
-async def test_a_picture_after_a_video_ends_it(it: Wired[Screen], robot: StandIn) -> None:
+async def test_a_picture_after_a_video_ends_it(it: Wired[TabletPart], robot: StandIn) -> None:
     await robot.set("tablet.video_seconds", 3600)
     await it.do("screen", file="film.mp4")
     await _shows(robot, "video")
@@ -134,7 +136,7 @@ async def test_a_picture_after_a_video_ends_it(it: Wired[Screen], robot: StandIn
 
 
 async def test_a_second_video_plays_where_the_tablet_has_no_stopVideo(  # noqa: N802 - its name
-    it: Wired[Screen], robot: StandIn, folder: Path
+    it: Wired[TabletPart], robot: StandIn, folder: Path
 ) -> None:
     (folder / "shown" / "second.mp4").write_bytes(FILM)
     await robot.set("tablet.video_seconds", 3600)
@@ -153,17 +155,17 @@ async def test_a_second_video_plays_where_the_tablet_has_no_stopVideo(  # noqa: 
 async def test_without_a_default_the_tablet_is_cleared_on_connect(
     folder: Path, robot: StandIn
 ) -> None:
-    async with wired(Screen, folder, robot) as it:
+    async with wired(TabletPart, folder, robot) as it:
         assert len(await robot.trace("ALTabletService.hideWebview")) == 1
         await _shows(robot, "default")
         assert it.notices == []
     await robot.clear()
     await robot.fault("refuse:ALTabletService.hideWebview=no tablet")
-    async with wired(Screen, folder, robot) as it:
+    async with wired(TabletPart, folder, robot) as it:
         assert (it.notices, it.troubles) == ([], []), "what cannot be cleared shows nothing of ours"
 
 
-async def test_the_stop_ends_a_video_and_says_tablet(it: Wired[Screen], robot: StandIn) -> None:
+async def test_the_stop_ends_a_video_and_says_tablet(it: Wired[TabletPart], robot: StandIn) -> None:
     assert await it.part.stop(Scope.ALL) == ()
     await robot.set("tablet.video_seconds", 3600)
     await it.do("screen", file="film.mp4")
@@ -175,7 +177,7 @@ async def test_the_stop_ends_a_video_and_says_tablet(it: Wired[Screen], robot: S
 
 
 async def test_a_stop_that_the_tablet_refuses_is_an_error(
-    it: Wired[Screen], robot: StandIn
+    it: Wired[TabletPart], robot: StandIn
 ) -> None:
     await robot.set("tablet.video_seconds", 3600)
     await it.do("screen", file="film.mp4")
@@ -188,7 +190,7 @@ async def test_a_stop_that_the_tablet_refuses_is_an_error(
 
 
 async def test_a_video_that_is_cut_short_before_it_plays_can_be_stopped(
-    it: Wired[Screen], robot: StandIn
+    it: Wired[TabletPart], robot: StandIn
 ) -> None:
     await robot.set("tablet.video_seconds", 3600)
     await robot.fault("slow:200")
@@ -204,7 +206,7 @@ async def test_a_video_that_is_cut_short_before_it_plays_can_be_stopped(
 
 
 async def test_a_video_that_the_tablet_refuses_is_not_playing(
-    it: Wired[Screen], robot: StandIn
+    it: Wired[TabletPart], robot: StandIn
 ) -> None:
     await robot.fault("refuse:ALTabletService.playVideo=no such codec")
     with pytest.raises(DriverError, match="no such codec"):
@@ -213,7 +215,7 @@ async def test_a_video_that_the_tablet_refuses_is_not_playing(
 
 
 @pytest.mark.naoqi("ALTabletService.hideWebview", "ALTabletService.enableWifi")
-async def test_its_network_hiding_and_the_default(it: Wired[Screen], robot: StandIn) -> None:
+async def test_its_network_hiding_and_the_default(it: Wired[TabletPart], robot: StandIn) -> None:
     await it.do("tablet", what="wifi")
     assert len(await robot.trace("ALTabletService.enableWifi")) == 2
     assert await it.do("tablet", what="hide") == {"shown": ""}
@@ -230,7 +232,7 @@ async def test_its_network_hiding_and_the_default(it: Wired[Screen], robot: Stan
 
 
 async def test_without_a_default_nothing_is_shown_until_asked(folder: Path, robot: StandIn) -> None:
-    async with wired(Screen, folder, robot) as it:
+    async with wired(TabletPart, folder, robot) as it:
         assert await robot.trace("ALTabletService.showWebview") == []
         await robot.fault("refuse:ALTabletService.enableWifi=no wifi here")
         await it.do("screen", file="page.html")
@@ -241,7 +243,7 @@ async def test_without_a_default_nothing_is_shown_until_asked(folder: Path, robo
 
 
 async def test_a_page_and_a_picture_of_somewhere_else(
-    it: Wired[Screen], robot: StandIn, folder: Path
+    it: Wired[TabletPart], robot: StandIn, folder: Path
 ) -> None:
     elsewhere = await it.connection.files.shown("map.png")
     await it.do("screen", file=f"{elsewhere}?a=1&b='2'")
@@ -268,7 +270,7 @@ async def test_a_page_and_a_picture_of_somewhere_else(
     ],
 )
 async def test_what_cannot_be_shown_is_said_and_changes_nothing(
-    it: Wired[Screen], robot: StandIn, text: str, words: str
+    it: Wired[TabletPart], robot: StandIn, text: str, words: str
 ) -> None:
     with pytest.raises(DriverError, match=words) as told:
         await it.do("screen", file=text)
@@ -278,7 +280,7 @@ async def test_what_cannot_be_shown_is_said_and_changes_nothing(
 
 
 async def test_a_default_that_is_missing_is_a_notice(folder: Path, robot: StandIn) -> None:
-    async with wired(Screen, folder, robot, tablet=Tablet(default="lost.png")) as it:
+    async with wired(TabletPart, folder, robot, tablet=TabletSettings(default="lost.png")) as it:
         assert ["there is no file" in one for one in it.notices] == [True]
         await it.do("screen", file="logo.JPG")
         await _shows(robot, "webview", len(OTHER))
@@ -288,7 +290,7 @@ async def test_a_port_that_is_taken_is_told(folder: Path, robot: StandIn) -> Non
     server = await asyncio.start_server(lambda _r, _w: None, "127.0.0.1", 0)
     port = server.sockets[0].getsockname()[1]
     try:
-        async with wired(Screen, folder, robot, tablet=Tablet(port=port)) as it:
+        async with wired(TabletPart, folder, robot, tablet=TabletSettings(port=port)) as it:
             with pytest.raises(DriverError, match=f"port {port}: Address already in use"):
                 await it.do("screen", file="logo.JPG")
     finally:
@@ -296,8 +298,8 @@ async def test_a_port_that_is_taken_is_told(folder: Path, robot: StandIn) -> Non
 
 
 async def test_after_a_loss_the_default_is_shown_again(folder: Path) -> None:
-    tablet = Tablet(default="logo.JPG")
-    async with stand_in() as robot, wired(Screen, folder, robot, tablet=tablet) as it:
+    tablet = TabletSettings(default="logo.JPG")
+    async with stand_in() as robot, wired(TabletPart, folder, robot, tablet=tablet) as it:
         await it.do("screen", file="shown/map.png")
         robot.kill()
         await until(lambda: not it.connection.there)
@@ -322,11 +324,11 @@ def _has_ipv6() -> bool:
 async def test_a_robot_that_is_reached_in_another_way_gets_its_pictures_there(
     folder: Path,
 ) -> None:
-    tablet = Tablet(default="logo.JPG")
+    tablet = TabletSettings(default="logo.JPG")
     async with (
         stand_in("own") as here,
         stand_in("own", options=("--host", "::1")) as there,
-        wired(Screen, folder, here, tablet=tablet) as it,
+        wired(TabletPart, folder, here, tablet=tablet) as it,
     ):
         first = await _shows(here, "webview", len(OTHER))
         assert first["url"].startswith("http://127.0.0.1:")
@@ -340,7 +342,7 @@ async def test_a_robot_that_is_reached_in_another_way_gets_its_pictures_there(
 
 async def test_a_video_ends_with_the_session(folder: Path, robot: StandIn) -> None:
     await robot.set("tablet.video_seconds", 3600)
-    async with wired(Screen, folder, robot) as it:
+    async with wired(TabletPart, folder, robot) as it:
         await it.do("screen", file="shown/film.mp4")
         await _shows(robot, "video")
     assert len(await robot.trace("ALTabletService.stopVideo")) == 1
@@ -353,11 +355,11 @@ async def test_a_video_ends_with_the_session(folder: Path, robot: StandIn) -> No
     ("what", "suffixes"),
     [
         # By which WoZ4U's program tells them apart (its utils.py).
-        (Kind.VIDEO, "mp4 m4v mkv webm mov avi wmv mpg flv"),
-        (Kind.PICTURE, "jpeg jpg gif bmp png ppm pgm webp svg"),
+        (PageKind.VIDEO, "mp4 m4v mkv webm mov avi wmv mpg flv"),
+        (PageKind.PICTURE, "jpeg jpg gif bmp png ppm pgm webp svg"),
     ],
 )
 async def test_what_woz4u_takes_for_a_picture_or_a_video_is_one(
-    what: Kind, suffixes: str, place: str
+    what: PageKind, suffixes: str, place: str
 ) -> None:
     assert {kind(f"{place}item.{suffix}") for suffix in suffixes.split()} == {what}

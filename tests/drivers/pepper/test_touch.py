@@ -11,10 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.pepper.naoqi_link import Methods, Unsubscribe
-from woz_drivers.pepper.served_files import Files
-from woz_drivers.pepper.settings import PepperSettings, Senses
-from woz_drivers.pepper.tablet import Screen
-from woz_drivers.pepper.touch import SENSORS, Scale, Touch, place
+from woz_drivers.pepper.served_files import ServedFiles
+from woz_drivers.pepper.settings import PepperSettings, SensesSettings
+from woz_drivers.pepper.tablet import TabletPart
+from woz_drivers.pepper.touch import SENSORS, Touch, TouchScale, place
 
 from tests.drivers.heard import Heard
 from tests.drivers.pepper.test_senses_values import ANYTHING
@@ -33,7 +33,7 @@ from woz_tui.protocol.messages import Reading
 async def test_a_finger_is_told_where_it_comes_down_moves_and_leaves(
     tmp_path: Path, robot: StandIn
 ) -> None:
-    async with wired(Screen, tmp_path, robot) as it:
+    async with wired(TabletPart, tmp_path, robot) as it:
         await it.heard.state("touch.x", "ok")
         await robot.touch(0.25, 0.75)
         await it.heard.until(lambda: len(it.heard.values("touch.y")) >= 3)
@@ -45,7 +45,7 @@ async def test_a_finger_is_told_where_it_comes_down_moves_and_leaves(
 
 
 async def test_a_lost_tablet_is_touched_again_when_it_is_back(tmp_path: Path) -> None:
-    async with stand_in() as robot, wired(Screen, tmp_path, robot) as it:
+    async with stand_in() as robot, wired(TabletPart, tmp_path, robot) as it:
         robot.kill()
         await it.heard.state("touch.y", "stale")
         async with stand_in(port=robot.port) as back:
@@ -58,13 +58,13 @@ async def test_a_lost_tablet_is_touched_again_when_it_is_back(tmp_path: Path) ->
 async def test_touches_that_nobody_wants_are_not_listened_to(
     tmp_path: Path, robot: StandIn
 ) -> None:
-    none = Senses(touch=False)
-    async with wired(Screen, tmp_path, robot, senses=none) as it:
+    none = SensesSettings(touch=False)
+    async with wired(TabletPart, tmp_path, robot, senses=none) as it:
         await robot.touch(0.5, 0.5)
         await it.do("tablet", what="hide")
         assert it.heard.values("touch.x") == []
-    assert Screen.sensors(PepperSettings(robots=(), senses=none)) == ()
-    assert Screen.sensors(PepperSettings(robots=())) == SENSORS
+    assert TabletPart.sensors(PepperSettings(robots=(), senses=none)) == ()
+    assert TabletPart.sensors(PepperSettings(robots=())) == SENSORS
 
 
 class Fingers:
@@ -72,7 +72,7 @@ class Fingers:
 
     there = True
     local_host = "127.0.0.1"
-    files: Files
+    files: ServedFiles
 
     def __init__(self, *missing: str) -> None:
         self._missing = missing
@@ -216,7 +216,7 @@ def test_no_touch_raises_and_each_is_on_the_screen(
 
 
 def test_pixels_near_an_edge_teach_nothing() -> None:
-    scale = Scale()
+    scale = TouchScale()
     scale.learn((0.001, 0.5), (900.0, 400.0))
     assert scale.share((640.0, 400.0)) == (0.5, 0.5)
     scale.learn((0.5, 0.5), (853.5, 533.5))
@@ -224,7 +224,7 @@ def test_pixels_near_an_edge_teach_nothing() -> None:
 
 
 def test_shares_are_shares_until_there_are_pixels() -> None:
-    scale = Scale()
+    scale = TouchScale()
     assert scale.share((0.5, 1.0)) == (0.5, 1.0)
     assert scale.share((640.0, 1.0)) == (0.5, 1.0 / 800)
     assert scale.share((0.5, 0.5)) == (0.5 / 1280, 0.5 / 800)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from woz_drivers.pepper.settings import Voice
+from woz_drivers.pepper.settings import VoiceSettings
 
 from tests.drivers.pepper.played import Played, played
 from woz_tui.drivers.contract import DeviceLostError, RejectedError
@@ -172,7 +172,7 @@ async def test_settings_of_the_voice_are_set_and_read_back(it: Played) -> None:
 
 @pytest.mark.woz4u("volume", "voice_speed", "voice_pitch")
 async def test_the_files_voice_is_set_on_connect(tmp_path: Path) -> None:
-    async with played(tmp_path, voice=Voice(volume=0.2, speed=80, pitch=1.2)) as it:
+    async with played(tmp_path, voice=VoiceSettings(volume=0.2, speed=80, pitch=1.2)) as it:
         asked = {"volume": 0.2, "speech_speed": 80, "speech_pitch": 1.2}
         await it.tells(lambda shown: asked.items() <= shown.values.items() and not shown.wanted)
 

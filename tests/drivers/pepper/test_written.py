@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.pepper import Pepper
-from woz_drivers.pepper.settings import PepperSettings, Tablet
+from woz_drivers.pepper.settings import PepperSettings, TabletSettings
 
 from tests.drivers.pepper.test_address import TELLING
 from tests.drivers.pepper.test_tags import RIGHT
@@ -18,7 +18,7 @@ from woz_tui.config.loading import load
 from woz_tui.drivers.contract import UNKNOWN, Written
 from woz_tui.protocol.messages import Json
 
-SETTINGS = PepperSettings(robots=(), tablet=Tablet(root="pictures"))
+SETTINGS = PepperSettings(robots=(), tablet=TabletSettings(root="pictures"))
 
 
 def said(folder: Path, verb: str, **args: Json) -> list[str]:

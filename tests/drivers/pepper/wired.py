@@ -8,8 +8,8 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from woz_drivers.pepper.parts import Part
-from woz_drivers.pepper.robot_connection import Connection
+from woz_drivers.pepper.parts import PepperPart
+from woz_drivers.pepper.robot_connection import RobotConnection
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.heard import PATIENCE_S, Heard, Ordered
@@ -18,7 +18,7 @@ from tests.fakes.naoqi import StandIn, StandInHere
 from woz_tui.drivers.contract import DriverError
 from woz_tui.protocol.messages import Json, Notice, Reading
 
-P = TypeVar("P", bound=Part)
+P = TypeVar("P", bound=PepperPart)
 
 
 class Wired(Generic[P]):
@@ -29,7 +29,7 @@ class Wired(Generic[P]):
     ) -> None:
         self.robot = robot
         self.heard = Heard(folder)
-        self.connection = Connection(
+        self.connection = RobotConnection(
             settings, self.heard.context, on_connected=self._connected, on_lost=self._lost
         )
         self.part = kind(self.connection, settings, self.heard.context)

@@ -10,7 +10,7 @@ from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 
 import pytest
-from qimessaging import Client
+from qimessaging import NaoqiClient
 
 from tests.drivers.qimessaging.desk import QiCaller
 from tests.fakes import libqi
@@ -57,9 +57,9 @@ def mortal_qi_service() -> Iterator[tuple[subprocess.Popen[str], int]]:
 
 
 @pytest.fixture
-async def client(qi_port: int) -> AsyncIterator[Client]:
+async def client(qi_port: int) -> AsyncIterator[NaoqiClient]:
     """Our client, connected to a `qi.Session`."""
-    found = await Client.open("127.0.0.1", qi_port)
+    found = await NaoqiClient.open("127.0.0.1", qi_port)
     yield found
     await found.close()
 

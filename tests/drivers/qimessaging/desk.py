@@ -10,8 +10,8 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from qimessaging import Hosted, Method, Property, Server, Signal
-from qimessaging.frames import Frame, FrameReader
+from qimessaging import HostedMethod, HostedObject, HostedProperty, HostedSignal, QiServer
+from qimessaging.frames import QiMessage, QiMessageReader
 
 PATIENCE = 40.0
 
@@ -59,36 +59,40 @@ class QiCaller:
 class Bench:
     """A server of ours with one service for each thing that is to be seen on the wire."""
 
-    def __init__(self, server: Server | None = None) -> None:
-        self.server = server or Server()
+    def __init__(self, server: QiServer | None = None) -> None:
+        self.server = server or QiServer()
         self.entered: list[str] = []
         self.cancelled: list[str] = []
-        self.children: list[Hosted] = []
+        self.children: list[HostedObject] = []
         self.service = self.server.add(
             "Thing",
             methods=[
-                Method("say", "(s)", "s", lambda text: f"one {text}"),
-                Method("say", "(ss)", "s", lambda text, language: f"two {text} {language}"),
-                Method("kind", "(i)", "s", lambda _: "number"),
-                Method("kind", "(s)", "s", lambda _: "text"),
-                Method("kind", "([f])", "s", lambda _: "list"),
-                Method("scaled", "([f]f)", "[f]", lambda values, by: [v * by for v in values]),
-                Method("echo", "(m)", "m", lambda value: value),
-                Method("raw", "(r)", "r", lambda value: value),
-                Method("fail", "()", "v", self._fail),
-                Method("slow", "(f)", "s", self._slow),
-                Method("entered", "()", "i", lambda: len(self.entered)),
-                Method("fire", "(sf)", "v", lambda *values: self.service.emit("fired", *values)),
-                Method("child", "()", "o", self._child),
+                HostedMethod("say", "(s)", "s", lambda text: f"one {text}"),
+                HostedMethod("say", "(ss)", "s", lambda text, language: f"two {text} {language}"),
+                HostedMethod("kind", "(i)", "s", lambda _: "number"),
+                HostedMethod("kind", "(s)", "s", lambda _: "text"),
+                HostedMethod("kind", "([f])", "s", lambda _: "list"),
+                HostedMethod(
+                    "scaled", "([f]f)", "[f]", lambda values, by: [v * by for v in values]
+                ),
+                HostedMethod("echo", "(m)", "m", lambda value: value),
+                HostedMethod("raw", "(r)", "r", lambda value: value),
+                HostedMethod("fail", "()", "v", self._fail),
+                HostedMethod("slow", "(f)", "s", self._slow),
+                HostedMethod("entered", "()", "i", lambda: len(self.entered)),
+                HostedMethod(
+                    "fire", "(sf)", "v", lambda *values: self.service.emit("fired", *values)
+                ),
+                HostedMethod("child", "()", "o", self._child),
             ],
-            signals=[Signal("fired", "(sf)")],
-            properties=[Property("level", "i", 3)],
+            signals=[HostedSignal("fired", "(sf)")],
+            properties=[HostedProperty("level", "i", 3)],
         )
 
-    def service_of_children(self) -> Hosted:
+    def service_of_children(self) -> HostedObject:
         """Add a service whose only child is handed out to all; return the child."""
         only = self._child()
-        self.server.add("Family", methods=[Method("child", "()", "o", lambda: only)])
+        self.server.add("Family", methods=[HostedMethod("child", "()", "o", lambda: only)])
         return only
 
     def _fail(self) -> None:
@@ -103,12 +107,12 @@ class Bench:
             raise
         return "at last"
 
-    def _child(self) -> Hosted:
-        child = Hosted(
+    def _child(self) -> HostedObject:
+        child = HostedObject(
             [
-                Method("say", "(s)", "s", lambda text: f"child {text}"),
-                Method("fire", "(s)", "v", lambda text: child.emit("signal", text)),
-                Signal("signal", "(s)"),
+                HostedMethod("say", "(s)", "s", lambda text: f"child {text}"),
+                HostedMethod("fire", "(s)", "v", lambda text: child.emit("signal", text)),
+                HostedSignal("signal", "(s)"),
             ]
         )
         self.children.append(child)
@@ -140,9 +144,9 @@ async def script(
     server.close()
 
 
-async def frames(reader: asyncio.StreamReader) -> AsyncIterator[Frame]:
+async def frames(reader: asyncio.StreamReader) -> AsyncIterator[QiMessage]:
     """The messages that come in."""
-    puzzle = FrameReader()
+    puzzle = QiMessageReader()
     while data := await reader.read(1 << 16):
         for frame in puzzle.feed(data):
             yield frame
@@ -150,7 +154,7 @@ async def frames(reader: asyncio.StreamReader) -> AsyncIterator[Frame]:
 
 @contextlib.asynccontextmanager
 async def between(
-    port: int, greeted: Callable[[Frame, asyncio.StreamWriter], None]
+    port: int, greeted: Callable[[QiMessage, asyncio.StreamWriter], None]
 ) -> AsyncIterator[int]:
     """A connection's middle man, which keeps greetings from the server and answers itself."""
 
@@ -172,7 +176,7 @@ async def between(
 
 
 @contextlib.asynccontextmanager
-async def answering(port: int, answer: Callable[[Frame], bytes]) -> AsyncIterator[int]:
+async def answering(port: int, answer: Callable[[QiMessage], bytes]) -> AsyncIterator[int]:
     """A middle man who hands on what is asked, and what `answer` makes of each answer."""
 
     async def play(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:

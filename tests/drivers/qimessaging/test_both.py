@@ -9,22 +9,22 @@ from typing import Any
 import psutil
 import pytest
 from qimessaging import (
-    Cancelled,
-    Client,
-    ConnectionLost,
-    Hosted,
+    CallCancelledError,
+    CallTimeoutError,
+    ConnectionLostError,
+    HostedMethod,
+    HostedObject,
+    HostedSignal,
     LoginError,
-    Method,
+    NaoqiClient,
     ProtocolError,
-    Refused,
+    QiServer,
+    RefusedError,
     RemoteError,
     RemoteObject,
-    Server,
-    ServiceLost,
-    Signal,
-    TimedOut,
+    ServiceLostError,
 )
-from qimessaging.connection import Connection
+from qimessaging.connection import QiConnection
 from qimessaging.encoding import encode
 
 from tests.drivers.qimessaging.desk import Bench, bench, until
@@ -34,7 +34,7 @@ W = 10.0  # seconds within which a call is answered, generously
 
 async def test_calls_signals_properties_and_objects() -> None:
     async with bench() as (ours, port):
-        client = await Client.open("localhost", port)
+        client = await NaoqiClient.open("localhost", port)
         heard: list[Any] = []
         stop = await client.listen("Thing", "fired", lambda *values: heard.append(values))
         thing = await client.service("Thing")
@@ -61,7 +61,7 @@ async def test_calls_signals_properties_and_objects() -> None:
 
 async def test_a_slow_call_holds_up_nobody_and_can_be_cancelled() -> None:
     async with bench() as (ours, port):
-        client = await Client.open("127.0.0.1", port)
+        client = await NaoqiClient.open("127.0.0.1", port)
         slow = asyncio.create_task(client.call("Thing", "slow", 60, within=60))
         await until(lambda: ours.entered == ["slow"])
         assert await client.call("Thing", "say", "x", within=W) == "one x"
@@ -76,7 +76,7 @@ async def test_a_slow_call_holds_up_nobody_and_can_be_cancelled() -> None:
 
 async def test_a_thousand_calls_at_once_each_get_their_own_reply() -> None:
     async with bench() as (_, port):
-        client = await Client.open("127.0.0.1", port)
+        client = await NaoqiClient.open("127.0.0.1", port)
         calls = [
             client.call("Thing", "echo", [each, "x" * each], within=60) for each in range(1000)
         ]
@@ -88,25 +88,25 @@ async def test_a_thousand_calls_at_once_each_get_their_own_reply() -> None:
 async def test_tls(server_tls: ssl.SSLContext, client_tls: ssl.SSLContext) -> None:
     ours = Bench()
     port = (await ours.server.listen("127.0.0.1", tls=server_tls)).port
-    client = await Client.open("127.0.0.1", port, tls=client_tls)
+    client = await NaoqiClient.open("127.0.0.1", port, tls=client_tls)
 
     assert await client.call("Thing", "echo", "x" * (1 << 20), within=W) == "x" * (1 << 20)
     await client.close()
-    with pytest.raises(ConnectionLost, match="no TLS"):
-        await Client.open("127.0.0.1", port, tls=ssl.create_default_context())
-    with pytest.raises((ConnectionLost, ProtocolError)):
-        await Client.open("127.0.0.1", port)
+    with pytest.raises(ConnectionLostError, match="no TLS"):
+        await NaoqiClient.open("127.0.0.1", port, tls=ssl.create_default_context())
+    with pytest.raises((ConnectionLostError, ProtocolError)):
+        await NaoqiClient.open("127.0.0.1", port)
     await ours.server.close()
 
 
 async def test_login() -> None:
-    ours = Bench(Server(authenticator=lambda user, token: (user, token) == ("nao", "right")))
+    ours = Bench(QiServer(authenticator=lambda user, token: (user, token) == ("nao", "right")))
     port = (await ours.server.listen("127.0.0.1")).port
 
     for user, token in [("nao", "wrong"), ("", "")]:
         with pytest.raises(LoginError, match=r"refuses the login: .*wrong name"):
-            await Client.open("127.0.0.1", port, user=user, token=token)
-    client = await Client.open("127.0.0.1", port, user="nao", token="right")
+            await NaoqiClient.open("127.0.0.1", port, user=user, token=token)
+    client = await NaoqiClient.open("127.0.0.1", port, user="nao", token="right")
     assert await client.call("Thing", "say", "x", within=W) == "one x"
     await client.close()
     await ours.server.close()
@@ -114,44 +114,46 @@ async def test_login() -> None:
 
 async def test_a_server_that_goes_is_told_and_one_that_comes_is_found() -> None:
     async with bench() as (ours, port):
-        client = await Client.open("127.0.0.1", port)
+        client = await NaoqiClient.open("127.0.0.1", port)
         slow = asyncio.create_task(client.call("Thing", "slow", 60, within=60))
         await until(lambda: ours.entered == ["slow"])
-    with pytest.raises(ConnectionLost):
+    with pytest.raises(ConnectionLostError):
         await slow
     assert "closed" in await client.lost
-    with pytest.raises(ConnectionLost):
+    with pytest.raises(ConnectionLostError):
         await client.listen("Thing", "fired", print)
     await client.close()
 
-    with pytest.raises(ConnectionLost, match="cannot connect"):
-        await Client.open("127.0.0.1", port)
+    with pytest.raises(ConnectionLostError, match="cannot connect"):
+        await NaoqiClient.open("127.0.0.1", port)
 
 
 async def test_closing_ends_calls_and_is_told() -> None:
     async with bench() as (ours, port):
-        client = await Client.open("127.0.0.1", port)
+        client = await NaoqiClient.open("127.0.0.1", port)
         slow = asyncio.create_task(client.call("Thing", "slow", 60, within=60))
         await until(lambda: ours.entered == ["slow"])
         await client.close()
         await client.close()
 
-        with pytest.raises(ConnectionLost, match="closed"):
+        with pytest.raises(ConnectionLostError, match="closed"):
             await slow
         assert client.lost.result() == "closed"
 
 
 async def test_a_service_that_comes_back_elsewhere_is_looked_up_again() -> None:
     async with bench() as (ours, port):
-        client = await Client.open("127.0.0.1", port)
+        client = await NaoqiClient.open("127.0.0.1", port)
         assert await client.call("Thing", "say", "x", within=W) == "one x"
         ours.server.remove("Thing")
-        ours.server.add("Thing", methods=[Method("say", "(s)", "s", lambda text: f"new {text}")])
+        ours.server.add(
+            "Thing", methods=[HostedMethod("say", "(s)", "s", lambda text: f"new {text}")]
+        )
 
         async def new() -> bool:
             try:
                 return bool(await client.call("Thing", "say", "x", within=W) == "new x")
-            except Refused:
+            except RefusedError:
                 return False
 
         async with asyncio.timeout(W):
@@ -162,12 +164,12 @@ async def test_a_service_that_comes_back_elsewhere_is_looked_up_again() -> None:
 
 async def test_a_service_in_another_process_is_reached_and_its_loss_is_told() -> None:
     async with bench() as (_, port):
-        owner = await Client.open("127.0.0.1", port)
-        tablet = Hosted(
-            [Method("show", "(s)", "b", lambda _: True), Signal("touched", "(ff)")],
+        owner = await NaoqiClient.open("127.0.0.1", port)
+        tablet = HostedObject(
+            [HostedMethod("show", "(s)", "b", lambda _: True), HostedSignal("touched", "(ff)")],
         )
         await owner.register("ALTabletService", tablet)
-        client = await Client.open("127.0.0.1", port)
+        client = await NaoqiClient.open("127.0.0.1", port)
         touches: list[Any] = []
         await client.listen("ALTabletService", "touched", lambda *at: touches.append(at))
         tablet.emit("touched", 0.25, 0.5)
@@ -177,7 +179,7 @@ async def test_a_service_in_another_process_is_reached_and_its_loss_is_told() ->
 
         await owner.close()
         await until(found.connection.lost.done)
-        with pytest.raises(Refused) as lost:
+        with pytest.raises(RefusedError) as lost:
             await client.call("ALTabletService", "show", "x", within=W)
         assert not isinstance(lost.value, RemoteError) or "find" in str(lost.value)
         assert not client.lost.done()
@@ -192,11 +194,11 @@ def _connections_to(port: int) -> int:
 
 async def test_two_services_of_one_process_share_a_connection() -> None:
     async with bench() as (_, port):
-        owner = await Client.open("127.0.0.1", port)
-        services = [Hosted([Signal("news", "(s)")]) for _ in range(2)]
+        owner = await NaoqiClient.open("127.0.0.1", port)
+        services = [HostedObject([HostedSignal("news", "(s)")]) for _ in range(2)]
         for name, hosted in zip(("One", "Two"), services, strict=True):
             await owner.register(name, hosted)
-        client = await Client.open("127.0.0.1", port)
+        client = await NaoqiClient.open("127.0.0.1", port)
         await asyncio.gather(*[client.listen(name, "news", print) for name in ("One", "Two")])
         one, two = await client.service("One"), await client.service("Two")
 
@@ -210,47 +212,47 @@ async def test_two_services_of_one_process_share_a_connection() -> None:
 
 async def test_a_call_in_flight_tells_that_its_process_has_gone() -> None:
     async with bench() as (_, port):
-        owner = await Client.open("127.0.0.1", port)
+        owner = await NaoqiClient.open("127.0.0.1", port)
         entered = asyncio.Event()
 
         async def hang() -> None:
             entered.set()
             await asyncio.sleep(60)
 
-        await owner.register("Slow", Hosted([Method("hang", "()", "v", hang)]))
-        client = await Client.open("127.0.0.1", port)
+        await owner.register("Slow", HostedObject([HostedMethod("hang", "()", "v", hang)]))
+        client = await NaoqiClient.open("127.0.0.1", port)
         hanging = asyncio.create_task(client.call("Slow", "hang", within=60))
         await entered.wait()
         await owner.close()
 
-        with pytest.raises((ServiceLost, Cancelled)):
+        with pytest.raises((ServiceLostError, CallCancelledError)):
             await hanging
         await client.close()
 
 
 async def test_the_server_calls_a_clients_service() -> None:
     async with bench() as (ours, port):
-        client = await Client.open("127.0.0.1", port)
+        client = await NaoqiClient.open("127.0.0.1", port)
         blocks: list[Any] = []
-        listener = Hosted(
-            [Method("processRemote", "(iimm)", "v", lambda *block: blocks.append(block))]
+        listener = HostedObject(
+            [HostedMethod("processRemote", "(iimm)", "v", lambda *block: blocks.append(block))]
         )
         registration = await client.register("WozEars", listener, listen=False)
         await ours.server.call("WozEars", "processRemote", 1, 170, [1, 2], b"\1\2")
 
         assert blocks == [(1, 170, [1, 2], b"\1\2")]
         await registration.withdraw()
-        with pytest.raises(Refused, match="WozEars"):
+        with pytest.raises(RefusedError, match="WozEars"):
             await ours.server.call("WozEars", "processRemote", 1, 170, [1, 2], b"")
-        with pytest.raises(Refused, match="no service of a client"):
+        with pytest.raises(RefusedError, match="no service of a client"):
             await ours.server.call("Thing", "say", "x")
         await client.close()
 
 
 async def test_a_service_that_hangs_is_not_waited_for() -> None:
     async with bench() as (ours, port):
-        client = await Client.open("127.0.0.1", port)
-        with pytest.raises(TimedOut, match=r"Thing\.slow"):
+        client = await NaoqiClient.open("127.0.0.1", port)
+        with pytest.raises(CallTimeoutError, match=r"Thing\.slow"):
             await client.call("Thing", "slow", 60, within=0.05)
 
         assert client.pending == 0
@@ -260,20 +262,20 @@ async def test_a_service_that_hangs_is_not_waited_for() -> None:
 
 async def test_values_that_do_not_fit_are_said() -> None:
     async with bench() as (ours, port):
-        client = await Client.open("127.0.0.1", port)
-        with pytest.raises(Refused, match="argument 1"):
+        client = await NaoqiClient.open("127.0.0.1", port)
+        with pytest.raises(RefusedError, match="argument 1"):
             await client.call("Thing", "scaled", "x", 1, within=W)
-        with pytest.raises(Refused, match="no signal nothing"):
+        with pytest.raises(RefusedError, match="no signal nothing"):
             await client.listen("Thing", "nothing", print)
-        with pytest.raises(Refused, match="no property nothing"):
+        with pytest.raises(RefusedError, match="no property nothing"):
             await client.property("Thing", "nothing")
         with pytest.raises(ProtocolError):
             ours.server.emit("Thing", "fired", 1, 2)
-        with pytest.raises(Refused):
+        with pytest.raises(RefusedError):
             ours.server.emit("Thing", "nothing")
         with pytest.raises(ProtocolError):
-            ours.server.add("Wrong", methods=[Method("x", "s", "v", print)])
-        with pytest.raises(Refused, match="already registered"):
+            ours.server.add("Wrong", methods=[HostedMethod("x", "s", "v", print)])
+        with pytest.raises(RefusedError, match="already registered"):
             ours.server.add("Thing")
         await client.close()
 
@@ -281,7 +283,7 @@ async def test_values_that_do_not_fit_are_said() -> None:
 async def test_an_object_that_is_handed_out_twice_is_one() -> None:
     async with bench() as (ours, port):
         only = ours.service_of_children()
-        client = await Client.open("127.0.0.1", port)
+        client = await NaoqiClient.open("127.0.0.1", port)
         heard: list[str] = []
         one, two = [await client.call("Family", "child", within=W) for _ in range(2)]
         await one.listen("signal", lambda text: heard.append(f"one {text}"))
@@ -300,7 +302,7 @@ async def test_an_object_that_is_handed_out_twice_is_one() -> None:
 
 async def test_listening_that_is_given_up_is_taken_back() -> None:
     async with bench() as (ours, port):
-        client = await Client.open("127.0.0.1", port)
+        client = await NaoqiClient.open("127.0.0.1", port)
         await client.service("Thing")
         listening = asyncio.create_task(client.listen("Thing", "fired", print))
         while client.pending == 0:  # noqa: ASYNC110 - the answer is not to come first
@@ -316,19 +318,19 @@ async def test_listening_that_is_given_up_is_taken_back() -> None:
 
 async def test_a_search_that_is_under_way_ends_with_the_client() -> None:
     async with bench() as (_, port):
-        client = await Client.open("127.0.0.1", port)
+        client = await NaoqiClient.open("127.0.0.1", port)
         searching = asyncio.create_task(client.call("Thing", "say", "x", within=60))
         await asyncio.sleep(0)
         await client.close()
 
-        with pytest.raises(ConnectionLost, match="closed"):
+        with pytest.raises(ConnectionLostError, match="closed"):
             await searching
 
 
 async def test_the_end_of_a_connection_is_told_in_the_same_turn() -> None:
     told: list[bool] = []
 
-    class Watched(Connection):
+    class Watched(QiConnection):
         def connection_lost(self, exc: Exception | None) -> None:
             told.append(self.lost.done())
             super().connection_lost(exc)

@@ -8,14 +8,14 @@ from typing import Any
 
 import pytest
 from qimessaging import (
-    Client,
-    ConnectionLost,
-    Hosted,
-    Method,
-    Refused,
+    CallTimeoutError,
+    ConnectionLostError,
+    HostedMethod,
+    HostedObject,
+    NaoqiClient,
+    RefusedError,
     RemoteError,
     RemoteObject,
-    TimedOut,
 )
 
 from tests.drivers.qimessaging.desk import until
@@ -23,12 +23,12 @@ from tests.drivers.qimessaging.desk import until
 W = 10.0  # seconds within which a call is answered, generously
 
 
-async def test_services_are_found(client: Client) -> None:
+async def test_services_are_found(client: NaoqiClient) -> None:
     assert {"ServiceDirectory", "Thing"} <= {each.name for each in await client.services()}
     assert client.local_host == "127.0.0.1"
 
 
-async def test_overloads_by_number_and_type(client: Client) -> None:
+async def test_overloads_by_number_and_type(client: NaoqiClient) -> None:
     assert await client.call("Thing", "say", "hé", within=W) == "one hé"
     assert await client.call("Thing", "say", "a", "b", within=W) == "two a b"
     assert await client.call("Thing", "kind", 3, within=W) == "number"
@@ -36,7 +36,7 @@ async def test_overloads_by_number_and_type(client: Client) -> None:
     assert await client.call("Thing", "kind", [3], within=W) == "list"
 
 
-async def test_arguments_are_made_to_fit(client: Client) -> None:
+async def test_arguments_are_made_to_fit(client: NaoqiClient) -> None:
     assert await client.call("Thing", "scaled", (1, 2.5), 2, within=W) == [2.0, 5.0]
     assert await client.call("Thing", "counted", {"a": 1}, within=W) == {"a": 2}
     assert await client.call("Thing", "negated", False, within=W) is True
@@ -61,11 +61,11 @@ async def test_arguments_are_made_to_fit(client: Client) -> None:
     ],
     ids=lambda value: repr(value)[:20],
 )
-async def test_any_value_goes_there_and_back(client: Client, value: Any) -> None:
+async def test_any_value_goes_there_and_back(client: NaoqiClient, value: Any) -> None:
     assert await client.call("Thing", "echo", value, within=W) == value
 
 
-async def test_an_exception_comes_with_its_text(client: Client) -> None:
+async def test_an_exception_comes_with_its_text(client: NaoqiClient) -> None:
     with pytest.raises(RemoteError, match="the joint ZörgYaw does not exist"):
         await client.call("Thing", "fail", within=W)
 
@@ -80,14 +80,14 @@ async def test_an_exception_comes_with_its_text(client: Client) -> None:
     ],
 )
 async def test_what_is_not_there_is_said(
-    client: Client, service: str, method: str, args: tuple[Any, ...], says: str
+    client: NaoqiClient, service: str, method: str, args: tuple[Any, ...], says: str
 ) -> None:
-    with pytest.raises(Refused, match=says):
+    with pytest.raises(RefusedError, match=says):
         await client.call(service, method, *args, within=W)
 
 
-async def test_a_late_reply_is_dropped(client: Client) -> None:
-    with pytest.raises(TimedOut, match=r"Thing\.slow gave no answer within 0\.05 s"):
+async def test_a_late_reply_is_dropped(client: NaoqiClient) -> None:
+    with pytest.raises(CallTimeoutError, match=r"Thing\.slow gave no answer within 0\.05 s"):
         await client.call("Thing", "slow", 0.3, within=0.05)
     assert client.pending == 0
 
@@ -95,14 +95,14 @@ async def test_a_late_reply_is_dropped(client: Client) -> None:
     assert await client.call("Thing", "say", "x", within=W) == "one x"
 
 
-async def test_a_thousand_calls_at_once(client: Client) -> None:
+async def test_a_thousand_calls_at_once(client: NaoqiClient) -> None:
     calls = [client.call("Thing", "echo", each, within=60) for each in range(1000)]
 
     assert await asyncio.gather(*calls) == list(range(1000))
     assert client.pending == 0
 
 
-async def test_signals_are_heard_until_unsubscribed(client: Client) -> None:
+async def test_signals_are_heard_until_unsubscribed(client: NaoqiClient) -> None:
     first: list[Any] = []
     second: list[Any] = []
     stop_first = await client.listen("Thing", "fired", lambda *values: first.append(values))
@@ -120,7 +120,7 @@ async def test_signals_are_heard_until_unsubscribed(client: Client) -> None:
     assert second == [("é", 1.5), ("again", 2.0)]
 
 
-async def test_a_property_is_read_set_and_heard(client: Client) -> None:
+async def test_a_property_is_read_set_and_heard(client: NaoqiClient) -> None:
     heard: list[int] = []
     stop = await client.listen("Thing", "level", heard.append)
     thing = await client.service("Thing")
@@ -131,7 +131,7 @@ async def test_a_property_is_read_set_and_heard(client: Client) -> None:
     await stop()
 
 
-async def test_objects_that_are_returned_can_be_used(client: Client) -> None:
+async def test_objects_that_are_returned_can_be_used(client: NaoqiClient) -> None:
     child = await client.call("Thing", "child", within=W)
     assert isinstance(child, RemoteObject)
     heard: list[Any] = []
@@ -145,12 +145,12 @@ async def test_objects_that_are_returned_can_be_used(client: Client) -> None:
         await child.call("say", "x")
 
 
-async def test_a_service_of_ours_is_called_by_the_other_process(client: Client) -> None:
+async def test_a_service_of_ours_is_called_by_the_other_process(client: NaoqiClient) -> None:
     async def twice(value: Any) -> Any:
         return value * 2
 
     for listen in (False, True):
-        doubler = Hosted([Method("twice", "(m)", "m", twice)])
+        doubler = HostedObject([HostedMethod("twice", "(m)", "m", twice)])
         registration = await client.register("Doubler", doubler, listen=listen)
 
         assert await client.call("Thing", "ask_back", "Doubler", "ab", within=W) == "abab"
@@ -158,42 +158,44 @@ async def test_a_service_of_ours_is_called_by_the_other_process(client: Client) 
         assert "Doubler" not in {each.name for each in await client.services()}
 
 
-async def test_a_service_of_ours_is_found_by_third_parties(client: Client, qi_port: int) -> None:
-    doubler = Hosted([Method("twice", "(m)", "m", lambda value: value * 2)])
+async def test_a_service_of_ours_is_found_by_third_parties(
+    client: NaoqiClient, qi_port: int
+) -> None:
+    doubler = HostedObject([HostedMethod("twice", "(m)", "m", lambda value: value * 2)])
     registration = await client.register("Threefold", doubler)
-    third = await Client.open("127.0.0.1", qi_port)
+    third = await NaoqiClient.open("127.0.0.1", qi_port)
 
     assert await third.call("Threefold", "twice", 4, within=W) == 8
     await third.close()
     await registration.withdraw()
 
 
-async def test_a_name_that_is_taken_is_refused(client: Client) -> None:
+async def test_a_name_that_is_taken_is_refused(client: NaoqiClient) -> None:
     with pytest.raises(RemoteError, match="already registered"):
-        await client.register("Thing", Hosted([]))
+        await client.register("Thing", HostedObject([]))
 
 
 async def test_a_killed_server_is_told_in_mid_call(
     mortal_qi_service: tuple[subprocess.Popen[str], int],
 ) -> None:
     process, port = mortal_qi_service
-    client = await Client.open("127.0.0.1", port)
+    client = await NaoqiClient.open("127.0.0.1", port)
     turns: list[str] = []
     client.lost.add_done_callback(lambda _: turns.append("lost"))
     running = asyncio.create_task(client.call("Thing", "slow", 60, within=60))
     await client.call("Thing", "say", "x", within=W)
     process.kill()
 
-    with pytest.raises(ConnectionLost):
+    with pytest.raises(ConnectionLostError):
         await running
     assert client.lost.done()
     assert client.pending == 0
-    with pytest.raises(ConnectionLost):
+    with pytest.raises(ConnectionLostError):
         await client.call("Thing", "say", "x", within=W)
     await client.close()
 
 
-async def test_nothing_is_printed(client: Client, capfd: pytest.CaptureFixture[str]) -> None:
+async def test_nothing_is_printed(client: NaoqiClient, capfd: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(RemoteError):
         await client.call("Thing", "fail", within=W)
     await client.close()

@@ -9,50 +9,50 @@ from typing import Any
 
 import pytest
 from qimessaging import (
-    Client,
-    Hosted,
+    CallTimeoutError,
+    HostedMethod,
+    HostedObject,
     LoginError,
-    Method,
+    NaoqiClient,
     ProtocolError,
     QiError,
-    TimedOut,
 )
 from qimessaging.decoding import decode
 from qimessaging.encoding import encode
-from qimessaging.frames import Frame, Kind
-from qimessaging.hosted_objects import Signal
-from qimessaging.object_host import Host
-from qimessaging.registering import Listener
+from qimessaging.frames import MessageKind, QiMessage
+from qimessaging.hosted_objects import HostedSignal
+from qimessaging.object_host import ObjectHost
+from qimessaging.registering import ServiceListener
 
 from tests.drivers.qimessaging.desk import bench, between, frames, script
 
-Greeted = Callable[[Frame, asyncio.StreamWriter], None]
+Greeted = Callable[[QiMessage, asyncio.StreamWriter], None]
 STATE = "__qi_auth_state"
 
 
-def _reply(frame: Frame, said: dict[str, Any]) -> bytes:
-    return frame.answer(Kind.REPLY, encode("{sm}", said)).encoded()
+def _reply(frame: QiMessage, said: dict[str, Any]) -> bytes:
+    return frame.answer(MessageKind.REPLY, encode("{sm}", said)).encoded()
 
 
-def _error(frame: Frame, writer: asyncio.StreamWriter) -> None:
-    writer.write(frame.answer(Kind.ERROR, encode("m", "no such function")).encoded())
+def _error(frame: QiMessage, writer: asyncio.StreamWriter) -> None:
+    writer.write(frame.answer(MessageKind.ERROR, encode("m", "no such function")).encoded())
 
 
-def _capabilities(frame: Frame, writer: asyncio.StreamWriter) -> None:
-    if frame.kind == Kind.CALL:
+def _capabilities(frame: QiMessage, writer: asyncio.StreamWriter) -> None:
+    if frame.kind == MessageKind.CALL:
         said = encode("{sm}", {"ClientServerSocket": True})
-        writer.write(Frame(Kind.CAPABILITY, 77, 0, 0, 0, said).encoded())
+        writer.write(QiMessage(MessageKind.CAPABILITY, 77, 0, 0, 0, said).encoded())
 
 
 @pytest.mark.parametrize("greeted", [_error, _capabilities])
 async def test_a_server_of_before_logins_lets_us_in(greeted: Greeted) -> None:
     async with bench() as (_, port), between(port, greeted) as old:
-        client = await Client.open("127.0.0.1", old)
+        client = await NaoqiClient.open("127.0.0.1", old)
 
         assert await client.call("Thing", "say", "x", within=10) == "one x"
         await client.close()
         with pytest.raises(LoginError):
-            await Client.open("127.0.0.1", old, user="nao", token="x")
+            await NaoqiClient.open("127.0.0.1", old, user="nao", token="x")
 
 
 async def test_a_server_that_leaves_the_greeting_unanswered_lets_us_in(
@@ -60,18 +60,18 @@ async def test_a_server_that_leaves_the_greeting_unanswered_lets_us_in(
 ) -> None:
     monkeypatch.setattr("qimessaging.authentication._SILENCE", 0.05)
     async with bench() as (_, port), between(port, lambda _frame, _writer: None) as old:
-        client = await Client.open("127.0.0.1", old)
+        client = await NaoqiClient.open("127.0.0.1", old)
 
         assert await client.call("Thing", "say", "x", within=10) == "one x"
         await client.close()
-        with pytest.raises(TimedOut):
-            await Client.open("127.0.0.1", old, user="nao", token="x", timeout=0.1)
+        with pytest.raises(CallTimeoutError):
+            await NaoqiClient.open("127.0.0.1", old, user="nao", token="x", timeout=0.1)
 
 
 async def test_a_login_in_two_steps_takes_the_new_token() -> None:
     told: list[dict[str, Any]] = []
 
-    def greeted(frame: Frame, writer: asyncio.StreamWriter) -> None:
+    def greeted(frame: QiMessage, writer: asyncio.StreamWriter) -> None:
         told.append(decode("{sm}", frame.payload))
         if told[-1]["auth_token"] == "fresh":
             writer.write(_reply(frame, {STATE: 3}))
@@ -79,7 +79,7 @@ async def test_a_login_in_two_steps_takes_the_new_token() -> None:
             writer.write(_reply(frame, {STATE: 2, "auth_newToken": "fresh"}))
 
     async with bench() as (_, port), between(port, greeted) as robot:
-        client = await Client.open("127.0.0.1", robot, user="nao", token="first")
+        client = await NaoqiClient.open("127.0.0.1", robot, user="nao", token="first")
         await client.close()
 
     assert [(each["auth_user"], each["auth_token"]) for each in told] == [
@@ -103,12 +103,12 @@ async def test_a_login_in_two_steps_takes_the_new_token() -> None:
 async def test_a_refused_login_is_told_in_words(
     said: dict[str, Any], error: type[QiError], text: str
 ) -> None:
-    def greeted(frame: Frame, writer: asyncio.StreamWriter) -> None:
+    def greeted(frame: QiMessage, writer: asyncio.StreamWriter) -> None:
         writer.write(_reply(frame, said))
 
     async with bench() as (_, port), between(port, greeted) as robot:
         with pytest.raises(error, match=text):
-            await Client.open("127.0.0.1", robot, user="nao", token="x")
+            await NaoqiClient.open("127.0.0.1", robot, user="nao", token="x")
 
 
 async def test_a_robot_that_does_not_answer_is_given_up() -> None:
@@ -116,8 +116,8 @@ async def test_a_robot_that_does_not_answer_is_given_up() -> None:
         await reader.read(-1)
 
     async with script(play) as port:
-        with pytest.raises(TimedOut):
-            await Client.open("127.0.0.1", port, timeout=0.1)
+        with pytest.raises(CallTimeoutError):
+            await NaoqiClient.open("127.0.0.1", port, timeout=0.1)
 
 
 async def test_opening_takes_no_longer_than_it_may() -> None:
@@ -129,8 +129,8 @@ async def test_opening_takes_no_longer_than_it_may() -> None:
                 writer.write(_reply(frame, {STATE: 3}))
 
     async with script(play) as port:
-        with pytest.raises(TimedOut, match=f"tcp://127.0.0.1:{port} does not answer"):
-            await Client.open("127.0.0.1", port, timeout=0.1)
+        with pytest.raises(CallTimeoutError, match=f"tcp://127.0.0.1:{port} does not answer"):
+            await NaoqiClient.open("127.0.0.1", port, timeout=0.1)
 
 
 async def test_opening_that_is_given_up_leaves_no_connection() -> None:
@@ -143,7 +143,7 @@ async def test_opening_that_is_given_up_leaves_no_connection() -> None:
         ended.set()
 
     async with script(play) as port:
-        opening = asyncio.create_task(Client.open("127.0.0.1", port))
+        opening = asyncio.create_task(NaoqiClient.open("127.0.0.1", port))
         await asyncio.wait_for(came.wait(), 20)
         opening.cancel()
         with pytest.raises(asyncio.CancelledError):
@@ -161,24 +161,24 @@ async def test_a_directory_of_before_identities_takes_our_service() -> None:
         registered.append(info)
         return 40
 
-    host = Host()
+    host = ObjectHost()
     host.add(
         1,
-        Hosted(
+        HostedObject(
             [
-                Method("service", "(s)", old, lambda _: itself),
-                Method("services", "()", f"[{old}]", lambda: [itself]),
-                Method("registerService", f"({old})", "I", register),
-                Method("unregisterService", "(I)", "v", lambda _: None),
-                Method("serviceReady", "(I)", "v", registered.append),
-                Signal("serviceRemoved", "(Is)"),
+                HostedMethod("service", "(s)", old, lambda _: itself),
+                HostedMethod("services", "()", f"[{old}]", lambda: [itself]),
+                HostedMethod("registerService", f"({old})", "I", register),
+                HostedMethod("unregisterService", "(I)", "v", lambda _: None),
+                HostedMethod("serviceReady", "(I)", "v", registered.append),
+                HostedSignal("serviceRemoved", "(Is)"),
             ]
         ),
     )
-    listener = Listener(host)
+    listener = ServiceListener(host)
     port = (await listener.listen("127.0.0.1", 0)).port
-    client = await Client.open("127.0.0.1", port)
-    registration = await client.register("WozEars", Hosted([]))
+    client = await NaoqiClient.open("127.0.0.1", port)
+    registration = await client.register("WozEars", HostedObject([]))
 
     assert [each.name for each in await client.services()] == ["ServiceDirectory"]
     assert registered[0][0] == "WozEars"

@@ -9,10 +9,10 @@ from collections.abc import Awaitable, Callable
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from qimessaging import Client, ConnectionLost, ProtocolError, QiError
+from qimessaging import ConnectionLostError, NaoqiClient, ProtocolError, QiError
 from qimessaging.authentication import error_text
 from qimessaging.encoding import encode
-from qimessaging.frames import Frame, FrameReader, Kind
+from qimessaging.frames import MessageKind, QiMessage, QiMessageReader
 
 from tests.drivers.qimessaging.desk import answering, bench, between, frames, script, until
 
@@ -33,31 +33,31 @@ def _raw(data: bytes) -> Callable[[asyncio.StreamReader, asyncio.StreamWriter], 
         b"HTTP/1.1 400 Bad Request\r\nContent-Length: 0\r\n\r\n",
         b"SSH-2.0-OpenSSH_8.9p1 and more of it to come\r\n",
         struct.pack("<IIIHBBIII", 0x42ADDE42, 1, 0xFFFFFFFF, 0, 2, 0, 0, 0, 8),
-        Frame(Kind.CAPABILITY, 1, 0, 0, 0, b"\xff\xff\xff\xff").encoded(),
+        QiMessage(MessageKind.CAPABILITY, 1, 0, 0, 0, b"\xff\xff\xff\xff").encoded(),
     ],
     ids=["web server", "ssh", "endless message", "broken capabilities"],
 )
 async def test_another_server_is_told_as_such(data: bytes) -> None:
     async with script(_raw(data)) as port:
-        with pytest.raises(ConnectionLost, match="does not keep to the protocol"):
-            await Client.open("127.0.0.1", port)
+        with pytest.raises(ConnectionLostError, match="does not keep to the protocol"):
+            await NaoqiClient.open("127.0.0.1", port)
 
 
 async def test_a_broken_greeting_is_a_protocol_error() -> None:
-    def greeted(frame: Frame, writer: asyncio.StreamWriter) -> None:
-        writer.write(frame.answer(Kind.REPLY, b"\1").encoded())
+    def greeted(frame: QiMessage, writer: asyncio.StreamWriter) -> None:
+        writer.write(frame.answer(MessageKind.REPLY, b"\1").encoded())
 
     async with bench() as (_, port), between(port, greeted) as robot:
         with pytest.raises(ProtocolError):
-            await Client.open("127.0.0.1", robot)
+            await NaoqiClient.open("127.0.0.1", robot)
 
 
 async def test_an_answer_that_comes_twice_counts_once() -> None:
-    def twice(frame: Frame) -> bytes:
+    def twice(frame: QiMessage) -> bytes:
         return 2 * frame.encoded()
 
     async with bench() as (_, port), answering(port, twice) as robot:
-        client = await Client.open("127.0.0.1", robot)
+        client = await NaoqiClient.open("127.0.0.1", robot)
         for text in ("x", "y"):
             assert await client.call("Thing", "say", text, within=10) == f"one {text}"
         await client.close()
@@ -71,9 +71,9 @@ def test_garbage_from_a_server_is_one_of_our_errors(pieces: list[bytes], framed:
         left = list(pieces)
         async for frame in frames(reader):
             if frame.service == 0:
-                writer.write(frame.answer(Kind.REPLY, WELCOME).encoded())
+                writer.write(frame.answer(MessageKind.REPLY, WELCOME).encoded())
             elif framed and left:
-                writer.write(frame.answer(Kind.REPLY, left.pop()).encoded())
+                writer.write(frame.answer(MessageKind.REPLY, left.pop()).encoded())
             else:
                 writer.write(b"".join(left))
                 return
@@ -81,20 +81,22 @@ def test_garbage_from_a_server_is_one_of_our_errors(pieces: list[bytes], framed:
     async def meet() -> None:
         async with script(play) as port:
             with pytest.raises(QiError):
-                await Client.open("127.0.0.1", port, timeout=5)
+                await NaoqiClient.open("127.0.0.1", port, timeout=5)
 
     asyncio.run(meet())
 
 
-@given(st.binary(max_size=120), st.sampled_from(list(Kind)), st.integers(0, 12))
-def test_garbage_from_a_client_harms_no_other(payload: bytes, kind: Kind, action: int) -> None:
+@given(st.binary(max_size=120), st.sampled_from(list(MessageKind)), st.integers(0, 12))
+def test_garbage_from_a_client_harms_no_other(
+    payload: bytes, kind: MessageKind, action: int
+) -> None:
     async def meet() -> None:
         async with bench() as (_, port):
-            client = await Client.open("127.0.0.1", port)
+            client = await NaoqiClient.open("127.0.0.1", port)
             reader, writer = await asyncio.open_connection("127.0.0.1", port)
             for service in (0, 1, 2, 99):
                 for number in (action, action + 98):
-                    writer.write(Frame(kind, 1, service, 1, number, payload).encoded())
+                    writer.write(QiMessage(kind, 1, service, 1, number, payload).encoded())
             writer.write(payload)
             writer.write_eof()
             await asyncio.wait_for(reader.read(-1), 20)
@@ -109,11 +111,11 @@ def test_garbage_from_a_client_harms_no_other(payload: bytes, kind: Kind, action
 async def test_a_call_that_nobody_serves_is_answered() -> None:
     async with bench() as (_, port):
         reader, writer = await asyncio.open_connection("127.0.0.1", port)
-        puzzle = FrameReader()
+        puzzle = QiMessageReader()
         for service, obj, action in [(99, 1, 100), (2, 7, 100), (2, 1, 999), (2, 1, 50)]:
-            writer.write(Frame(Kind.CALL, 5, service, obj, action).encoded())
+            writer.write(QiMessage(MessageKind.CALL, 5, service, obj, action).encoded())
             [answer] = puzzle.feed(await reader.read(1 << 16))
-            assert (answer.kind, answer.id) == (Kind.ERROR, 5)
+            assert (answer.kind, answer.id) == (MessageKind.ERROR, 5)
         writer.close()
 
 
@@ -121,21 +123,21 @@ async def test_flags_of_calls_are_understood() -> None:
     """Arguments as one dynamic value, and a wish for the result's type, as libqi may send."""
     async with bench() as (ours, port):
         reader, writer = await asyncio.open_connection("127.0.0.1", port)
-        puzzle = FrameReader()
+        puzzle = QiMessageReader()
         uid = next(m.uid for m in ours.service.meta.methods.values() if m.name == "echo")
         for flags, payload, reply in [
             (1, encode("m", ("x",)), encode("m", "x")),
             (2, encode("m", 3) + encode("s", "d"), encode("m", 3.0)),
         ]:
-            writer.write(Frame(Kind.CALL, 5, 2, 1, uid, payload, flags).encoded())
+            writer.write(QiMessage(MessageKind.CALL, 5, 2, 1, uid, payload, flags).encoded())
             [answer] = puzzle.feed(await reader.read(1 << 16))
-            assert (answer.kind, answer.payload) == (Kind.REPLY, reply)
+            assert (answer.kind, answer.payload) == (MessageKind.REPLY, reply)
         writer.close()
 
 
 async def test_a_listeners_own_mistake_is_not_the_lines() -> None:
     async with bench() as (ours, port):
-        client = await Client.open("127.0.0.1", port)
+        client = await NaoqiClient.open("127.0.0.1", port)
         troubles: list[object] = []
         asyncio.get_running_loop().set_exception_handler(
             lambda _, context: troubles.append(context["exception"])
@@ -163,4 +165,4 @@ async def test_a_listeners_own_mistake_is_not_the_lines() -> None:
     ],
 )
 def test_an_error_has_a_text_whatever_it_holds(payload: bytes, text: str) -> None:
-    assert text in error_text(Frame(Kind.ERROR, 1, 2, 1, 100, payload))
+    assert text in error_text(QiMessage(MessageKind.ERROR, 1, 2, 1, 100, payload))

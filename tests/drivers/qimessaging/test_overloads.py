@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from qimessaging import Refused
+from qimessaging import RefusedError
 from qimessaging.metaobject import MetaMethod, MetaObject
 
 
@@ -57,11 +57,11 @@ def test_the_best_fitting_is_chosen(
     ],
 )
 def test_none_fits(signatures: list[str], arguments: tuple[Any, ...]) -> None:
-    with pytest.raises(Refused, match=r"do does not take .*; there is do\("):
+    with pytest.raises(RefusedError, match=r"do does not take .*; there is do\("):
         _of(*signatures).choose("do", arguments)
 
 
 def test_a_method_may_be_named_with_its_signature() -> None:
     assert _of("(s)", "(m)").choose("do::(m)", ("a",)).parameters == "(m)"
-    with pytest.raises(Refused, match="no method undo"):
+    with pytest.raises(RefusedError, match="no method undo"):
         _of("(s)").choose("undo", ())

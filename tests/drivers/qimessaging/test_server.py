@@ -6,7 +6,7 @@ import ssl
 from typing import Any
 
 import pytest
-from qimessaging import Server
+from qimessaging import QiServer
 
 from tests.drivers.qimessaging.desk import Bench, QiCaller, bench, until
 
@@ -102,7 +102,7 @@ async def test_login(qi_caller: QiCaller, server_tls: ssl.SSLContext, secure: bo
         asked.append((user, token))
         return token == "right"
 
-    ours = Bench(Server(authenticator=allowed))
+    ours = Bench(QiServer(authenticator=allowed))
     url = str(await ours.server.listen("127.0.0.1", tls=server_tls if secure else None))
     assert url.startswith("tcps:" if secure else "tcp:")
     with pytest.raises(RuntimeError):

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from qimessaging import ProtocolError
-from qimessaging.decoding import DEEPEST, MOST_VALUES, Decoder, decode
+from qimessaging.decoding import DEEPEST, MOST_VALUES, ValueDecoder, decode
 from qimessaging.encoding import encode
 from qimessaging.signature import LONGEST, parse, parse_members
 
@@ -77,7 +77,7 @@ def test_arbitrary_bytes_behind_a_signature_are_a_value_or_a_protocol_error(raw:
     for signature in ("[m]", "{mm}", "(sm)", "+[m]", "o", "X", "[(vv)]"):
         start = encode("s", signature)
         try:
-            Decoder(start + raw).value("m")
+            ValueDecoder(start + raw).value("m")
         except ProtocolError as error:
             assert str(error)
 

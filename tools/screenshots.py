@@ -30,8 +30,8 @@ from woz_tui.log.log_index import LogIndex
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AnyRequest, Welcome
 from woz_tui.replay.opened_log import IndexedSamples
-from woz_tui.replay.player import Player, Start
-from woz_tui.replay.recording import Reel
+from woz_tui.replay.player import ReplayPlayer, ReplayStart
+from woz_tui.replay.recording import Recording
 from woz_tui.session.session import Session
 from woz_tui.system.clock import ManualClock
 
@@ -91,8 +91,8 @@ def replayed() -> MessageFeed:
     folder = tempfile.TemporaryDirectory()
     demo_session.demo(demo_session.STOPPED, watch=_shown, log=Path(folder.name))
     index = LogIndex.open(next(Path(folder.name).glob("*demo.jsonl")))
-    reel = Reel(index.actions, IndexedSamples(index))
-    feed = _Still(Player(reel, Start(at_us=52_800_000, paused=True), demo_session.LOG))
+    reel = Recording(index.actions, IndexedSamples(index))
+    feed = _Still(ReplayPlayer(reel, ReplayStart(at_us=52_800_000, paused=True), demo_session.LOG))
     feed.kept = (folder, index)  # the samples are read while it is played
     return feed
 
@@ -106,7 +106,7 @@ class _Still(ScriptedFeed):
 
     kept: tuple[object, ...] = ()
 
-    def __init__(self, player: Player) -> None:
+    def __init__(self, player: ReplayPlayer) -> None:
         super().__init__()
         self._player = player
         self.begin_with(*player.begin(0))

@@ -15,9 +15,9 @@ from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import Welcome
-from woz_tui.replay.opened_log import opened
+from woz_tui.replay.opened_log import open_log
 from woz_tui.replay.replay_feed import ReplayFeed
-from woz_tui.replay.seek import PlaceError
+from woz_tui.replay.seek import SeekError
 from woz_tui.session.session_start import experiment_files
 
 GUIDE = """\
@@ -51,7 +51,7 @@ def log(folder: Path, *, schema: int = 2) -> Path:
 
 def shown(path: Path, *words: str) -> ReplayFeed | None:
     given = arguments(str(path), *words)
-    with opened(path) as index:
+    with open_log(path) as index:
         return replay.feed_of(index, path, given)
 
 
@@ -172,7 +172,7 @@ def test_how_it_begins_can_be_said(tmp_path: Path) -> None:
 
 
 def test_a_beginning_that_is_not_there(tmp_path: Path) -> None:
-    with pytest.raises(PlaceError, match="01:00 long"):
+    with pytest.raises(SeekError, match="01:00 long"):
         shown(log(tmp_path), "--at", "9:00")
 
 

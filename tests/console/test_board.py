@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from tests.console import bodies
 from tests.console.driving import sitting
-from woz_tui.console.bodies.body_outlines import PanelOutline, outlines_of
-from woz_tui.console.bodies.midi_board import Board, board_rows
+from woz_tui.console.bodies.driver_outlines import PanelOutline, outlines_of
+from woz_tui.console.bodies.midi_panel import PanelState, panel_rows
 from woz_tui.console.cells import Row, length
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import ASCII, UNICODE, Glyphs, PaintFrame
@@ -34,7 +34,7 @@ def text(rows: list[Row]) -> str:
 
 
 def drawn(*moved: m.ControlsMoved, frame: PaintFrame = SMALL, old: str = "") -> str:
-    return text(board_rows(Board(outline(), knobs(*moved), old), frame))
+    return text(panel_rows(PanelState(outline(), knobs(*moved), old), frame))
 
 
 @pytest.mark.toolkit("K2")
@@ -63,7 +63,7 @@ def test_values_stand_at_their_controls() -> None:
 @pytest.mark.toolkit("K2")
 def test_a_knob_shows_how_far_it_is_turned() -> None:
     def turned(to: int) -> int:
-        rows = board_rows(Board(outline(), knobs(bodies.moved({"knob-5": to}))), SMALL)
+        rows = panel_rows(PanelState(outline(), knobs(bodies.moved({"knob-5": to}))), SMALL)
         signs = [
             sign
             for row in rows[:2]
@@ -79,8 +79,8 @@ def test_a_knob_shows_how_far_it_is_turned() -> None:
 
 @pytest.mark.toolkit("K2")
 def test_lights_are_lit_and_pressed_buttons_flash() -> None:
-    rows = board_rows(
-        Board(outline(), knobs(bodies.moved({"button-3": 127}, lit=("button-8",)))), SMALL
+    rows = panel_rows(
+        PanelState(outline(), knobs(bodies.moved({"button-3": 127}, lit=("button-8",)))), SMALL
     )
     looks = {piece.strip("●○ "): (piece[0], look) for row in rows for piece, look in row if piece}
     assert looks["nod"] == ("●", "flash")
@@ -117,7 +117,9 @@ def test_the_hint_for_the_beginning_is_there_until_something_waits() -> None:
 
 
 def test_a_panel_that_is_not_there_is_grey() -> None:
-    rows = board_rows(Board(outline(), knobs(bodies.moved({"knob-1": 64})), "lost 4 s ago"), SMALL)
+    rows = panel_rows(
+        PanelState(outline(), knobs(bodies.moved({"knob-1": 64})), "lost 4 s ago"), SMALL
+    )
     assert "lost 4 s ago" in text(rows)
     assert not {"run", "strong", "flash"} & {look for row in rows for _, look in row}
 
@@ -135,7 +137,7 @@ def test_the_board_keeps_to_its_frame(
     width: int, height: int, glyphs: Glyphs, values: dict[str, int]
 ) -> None:
     frame = PaintFrame(width, height, bodies.NOW, glyphs)
-    rows = board_rows(Board(outline(), knobs(bodies.moved(values, {"knob-1": 3}))), frame)
+    rows = panel_rows(PanelState(outline(), knobs(bodies.moved(values, {"knob-1": 3}))), frame)
     assert len(rows) <= height
     assert all(length(row) == width for row in rows)
     assert glyphs is UNICODE or text(rows).isascii()
@@ -175,7 +177,7 @@ def test_moves_that_begin_alike_can_be_told_apart() -> None:
     ]
     found = outlines_of({"panel": {**told, "controls": renamed}})["panel"]
     assert isinstance(found, PanelOutline)
-    shown = text(board_rows(Board(found, m.ControlsMoved(values={})), SMALL))
+    shown = text(panel_rows(PanelState(found, m.ControlsMoved(values={})), SMALL))
     strips = "\n".join(shown.splitlines()[:6])
     for words in ("○ …left", "○ middle", "○ …right"):
         assert words in strips

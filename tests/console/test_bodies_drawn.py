@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 
 from tests.console import bodies
 from woz_tui.console.bodies import link_views
-from woz_tui.console.bodies.body_outlines import BodyOutline, outlines_of
-from woz_tui.console.bodies.dot_canvas import Dots
+from woz_tui.console.bodies.dot_canvas import DotCanvas
+from woz_tui.console.bodies.driver_outlines import BodyOutline, outlines_of
 from woz_tui.console.bodies.face_lights import brightness_look, frame_of, light_rows, size
-from woz_tui.console.bodies.link_views import ABOVE, LAYERS, SIDE, Pose, draw, sights
+from woz_tui.console.bodies.link_views import ABOVE, LAYERS, SIDE, Pose, draw_view, projections
 from woz_tui.console.cells import Row, length
 from woz_tui.console.glyphs import ASCII, UNICODE
 from woz_tui.motion.kinematics import KinematicChain
@@ -116,14 +116,14 @@ ANGLES = st.fixed_dictionaries(
 def test_links_are_where_forward_kinematics_puts_them(angles: dict[str, float]) -> None:
     body = outline()
     points = KinematicChain.of_outline(bodies.EYEPI).points(angles)
-    for view, sight in sights(body, SIZES).items():
-        drawn = draw(body, Pose(angles, angles), sight, SIZES[view]).dots("links", "joints")
+    for view, sight in projections(body, SIZES).items():
+        drawn = draw_view(body, Pose(angles, angles), sight, SIZES[view]).dots("links", "joints")
         ends = [FLAT[view](point) for point in points]
         exact = [((x - sight.left) * sight.scale, (sight.top - y) * sight.scale) for x, y in ends]
         for x, y in exact:
             near = min(max(abs(x - dot[0]), abs(y - dot[1])) for dot in drawn)
             assert near <= 1.0, "a joint has no dot within rounding"
-        links = draw(body, Pose(angles, None), sight, SIZES[view]).dots("links")
+        links = draw_view(body, Pose(angles, None), sight, SIZES[view]).dots("links")
         for dot in links:
             assert min(_away(dot, a, b) for a, b in itertools.pairwise(exact)) <= 1.5
 
@@ -141,7 +141,7 @@ def _away(dot: tuple[int, int], a: tuple[float, float], b: tuple[float, float]) 
 @given(ANGLES)
 def test_whatever_is_reached_is_on_the_sheet(angles: dict[str, float]) -> None:
     body = outline()
-    for view, sight in sights(body, SIZES).items():
+    for view, sight in projections(body, SIZES).items():
         columns, lines = SIZES[view]
         for point in body.chain.points(angles):
             x, y = sight.dot(point)
@@ -151,9 +151,9 @@ def test_whatever_is_reached_is_on_the_sheet(angles: dict[str, float]) -> None:
 
 @pytest.mark.toolkit("V1")
 def test_the_scale_is_the_same_in_both_views_and_whatever_the_robot_does() -> None:
-    side, above = (sights(outline(), SIZES)[view] for view in (SIDE, ABOVE))
+    side, above = (projections(outline(), SIZES)[view] for view in (SIDE, ABOVE))
     assert side.scale == above.scale
-    assert sights(outline(), SIZES)[SIDE] == side
+    assert projections(outline(), SIZES)[SIDE] == side
 
 
 @pytest.mark.toolkit("V2", "R3")
@@ -173,7 +173,7 @@ def test_the_reference_poses(
     angles: dict[str, float], view: str, eyes: tuple[float, float]
 ) -> None:
     body = outline()
-    sight = sights(body, SIZES)[view]
+    sight = projections(body, SIZES)[view]
     x, y = (eyes[0] - sight.left) * sight.scale, (sight.top - eyes[1]) * sight.scale
     dot = sight.dot(body.chain.points(angles)[-1])
     assert abs(dot[0] - x) <= 0.51
@@ -183,26 +183,26 @@ def test_the_reference_poses(
 @pytest.mark.toolkit("R5", "V3")
 def test_where_it_shall_be_is_drawn_dim_beside_where_it_is() -> None:
     body = outline()
-    sight = sights(body, SIZES)[SIDE]
+    sight = projections(body, SIZES)[SIDE]
     here = {"pitch": 0.0, "middle": 20.0, "top": 20.0}
     there = {"pitch": 0.0, "middle": 80.0, "top": 40.0}
-    both = draw(body, Pose(here, there), sight, SIZES[SIDE])
-    alone = draw(body, Pose(there, None), sight, SIZES[SIDE])
+    both = draw_view(body, Pose(here, there), sight, SIZES[SIDE])
+    alone = draw_view(body, Pose(there, None), sight, SIZES[SIDE])
     assert both.dots("wanted") == alone.dots("links")
     assert both.dots("links") != both.dots("wanted")
     looks = {look for row in both.rows(UNICODE) for _, look in row}
     assert {"strong", "muted", "run", "faint"} <= looks
-    only = draw(body, Pose(None, there), sight, SIZES[SIDE])
+    only = draw_view(body, Pose(None, there), sight, SIZES[SIDE])
     assert only.dots("links") == alone.dots("links")
-    assert draw(body, Pose(None, None), sight, SIZES[SIDE]).dots("links", "joints") == set()
+    assert draw_view(body, Pose(None, None), sight, SIZES[SIDE]).dots("links", "joints") == set()
 
 
 def test_where_the_eyes_look_is_marked() -> None:
     body = outline()
-    sight = sights(body, SIZES)[SIDE]
+    sight = projections(body, SIZES)[SIDE]
     level = {"pitch": 0.0, "middle": 0.0, "top": 0.0}
     eyes = sight.dot(body.chain.points(level)[-1])
-    gaze = draw(body, Pose(level, None), sight, SIZES[SIDE]).dots("gaze")
+    gaze = draw_view(body, Pose(level, None), sight, SIZES[SIDE]).dots("gaze")
     assert {y for _, y in gaze} == {eyes[1]}
     assert min(x for x, _ in gaze) == eyes[0]
     assert max(x for x, _ in gaze) >= eyes[0] + link_views.GAZE - link_views.SPARSE
@@ -211,15 +211,15 @@ def test_where_the_eyes_look_is_marked() -> None:
 def test_views_in_ascii() -> None:
     body = outline()
     pose = Pose(dict.fromkeys(body.home, 30.0), dict(body.home))
-    for view, sight in sights(body, SIZES).items():
-        rows = draw(body, pose, sight, SIZES[view]).rows(ASCII)
+    for view, sight in projections(body, SIZES).items():
+        rows = draw_view(body, pose, sight, SIZES[view]).rows(ASCII)
         assert text(rows).isascii()
         assert "O" in text(rows)
         assert all(length(row) == SIZES[view][0] for row in rows)
 
 
 def test_nothing_is_drawn_outside_the_sheet() -> None:
-    dots = Dots(3, 2, LAYERS)
+    dots = DotCanvas(3, 2, LAYERS)
     dots.line((-50, -50), (60, 60), "links")
     assert dots.dots("links") == {(n, n) for n in range(6)}
     assert [length(row) for row in dots.rows(UNICODE)] == [3, 3]

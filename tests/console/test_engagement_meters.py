@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from tests.console import engaged, scenes
 from woz_tui.console.cells import Row, length
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.engagement.engagement_text import LONG_US, SLOW_US, standing
+from woz_tui.console.engagement.engagement_text import LONG_US, SLOW_US, state_row
 from woz_tui.console.engagement.sign_bars import distance_bar, queue_bar
 from woz_tui.console.glyphs import ASCII, UNICODE, Glyphs, PaintFrame
 from woz_tui.console.meters import meter_rows
@@ -126,7 +126,7 @@ def test_a_wait_grows_louder_with_a_sign(
 ) -> None:
     picture = pictured(engaged.waits(seconds))
     assert picture.engaged.shown is not None
-    (found,) = standing(picture.engaged, picture.engaged.shown, NOW, glyphs, 80)
+    (found,) = state_row(picture.engaged, picture.engaged.shown, NOW, glyphs, 80)
     assert found[0].startswith(str(getattr(glyphs, glyph)))
     assert found[1] == look
     assert found[0].isascii() or glyphs is UNICODE

@@ -12,9 +12,9 @@ from woz_tui.config.engagement import STATES
 from woz_tui.config.session_verbs import ENGAGEMENT, ENGAGEMENT_VERBS
 from woz_tui.console.cells import Row, length
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.engagement.full_engagement import whole_rows
+from woz_tui.console.engagement.full_engagement import full_rows
 from woz_tui.console.engagement.state_diagram import HEIGHT, LINES, PLACES, WIDTH, diagram, line_of
-from woz_tui.console.engagement.wizard_overrides import KEYS, ORDERS
+from woz_tui.console.engagement.wizard_overrides import KEYS, OVERRIDES
 from woz_tui.console.glyphs import ASCII, UNICODE, Glyphs, PaintFrame
 from woz_tui.console.screens.engagement import EngagementDialog
 from woz_tui.console.screens.engagement_questions import ForceDialog, IdentityDialog, VisitorDialog
@@ -38,7 +38,7 @@ def drawn(*state: m.AnyMessage, frame: PaintFrame = WHOLE, **more: object) -> st
     settings = engaged.told(**more)
     picture.take([engaged.welcome(*state, settings=settings)], 0)
     assert picture.engaged.shown is not None
-    rows = whole_rows(picture, picture.engaged.shown, frame)
+    rows = full_rows(picture, picture.engaged.shown, frame)
     assert len(rows) <= frame.height
     assert {length(row) for row in rows} == {frame.width}
     return text(rows)
@@ -151,7 +151,7 @@ def test_limits_are_told_where_the_host_tells_them() -> None:
     picture = ConsoleState()
     picture.take([engaged.welcome(settings={"engagement": {}})], 0)
     assert picture.engaged.shown is not None
-    assert " of " in text(whole_rows(picture, picture.engaged.shown, PaintFrame(96, 28, NOW)))
+    assert " of " in text(full_rows(picture, picture.engaged.shown, PaintFrame(96, 28, NOW)))
 
 
 def test_a_state_that_its_visitor_has_left_says_when_it_ends() -> None:
@@ -266,7 +266,7 @@ async def test_each_key_of_the_hand_asks_the_model() -> None:
         asked = seat.feed.last(r.AskVerb)
         assert isinstance(asked, r.AskVerb)
         assert (asked.source, asked.key) == ("key", "x")
-        assert {order.key for order in ORDERS} == KEYS == {*ASKED, "i", "f", "v"}
+        assert {order.key for order in OVERRIDES} == KEYS == {*ASKED, "i", "f", "v"}
 
 
 async def test_hold_and_off_are_their_own_way_back() -> None:

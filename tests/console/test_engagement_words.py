@@ -14,8 +14,14 @@ from woz_tui.config.engagement import STATES
 from woz_tui.config.session_verbs import ENGAGEMENT_VERBS
 from woz_tui.console.cells import length
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.engagement.engagement_text import SENTENCES, SHORT, path, sentence, short
-from woz_tui.console.engagement.override_sentences import is_order, order_words
+from woz_tui.console.engagement.engagement_text import (
+    SENTENCES,
+    SHORT,
+    path_row,
+    short_state,
+    state_sentence,
+)
+from woz_tui.console.engagement.override_sentences import is_override, override_text
 from woz_tui.console.event_list import event_row
 from woz_tui.console.event_sentences import EventLine
 from woz_tui.console.glyphs import ASCII, UNICODE, PaintFrame
@@ -130,7 +136,7 @@ def test_the_store_is_followed_through_renames_and_oblivion() -> None:
     ],
 )  # fmt: skip
 def test_an_order_is_told_in_words(verb: str, args: dict[str, m.Json], words: str) -> None:
-    assert order_words(verb, args) == words
+    assert override_text(verb, args) == words
     command = m.Command(
         command="c1", verb=verb, args=args, driver="engagement", source="key", t=NOW
     )
@@ -140,8 +146,8 @@ def test_an_order_is_told_in_words(verb: str, args: dict[str, m.Json], words: st
 def test_a_verb_of_another_driver_keeps_its_own_words() -> None:
     for verb in ENGAGEMENT_VERBS:
         ours = m.Command(command="c1", verb=verb, args={}, source="key", t=NOW)
-        assert is_order(ours)
-        assert not is_order(msgspec.structs.replace(ours, driver="gripper"))
+        assert is_override(ours)
+        assert not is_override(msgspec.structs.replace(ours, driver="gripper"))
     force = m.Command(command="c1", verb="force", args={"n": 2}, driver="gripper", source="key")
     assert told(force)[0].text == "force n 2"
 
@@ -170,18 +176,18 @@ def test_a_toggled_sign_is_told_as_it_is_then() -> None:
     ),
 )
 def test_any_arguments_make_a_line(verb: str, args: dict[str, m.Json]) -> None:
-    assert isinstance(order_words(verb, args), str)
+    assert isinstance(override_text(verb, args), str)
 
 
 def test_every_state_has_a_sentence_and_none_says_its_name() -> None:
-    told = {sentence(state, "V2") for state in STATES}
+    told = {state_sentence(state, "V2") for state in STATES}
     assert len(told) == len(STATES) == len(set(SENTENCES) - {"stop"})
     for state in STATES:
-        assert state not in sentence(state, "V2")
-        assert sentence(state, "V2").isascii()
-    assert "visitor V2" in sentence("EngagedWithKnown", "V2")
+        assert state not in state_sentence(state, "V2")
+        assert state_sentence(state, "V2").isascii()
+    assert "visitor V2" in state_sentence("EngagedWithKnown", "V2")
     for nobody in ("", "Unknown"):
-        assert sentence("EngagedWithKnown", nobody) == "visitor, engaged"
+        assert state_sentence("EngagedWithKnown", nobody) == "visitor, engaged"
 
 
 # -- the path ------------------------------------------------------------------------------
@@ -191,14 +197,14 @@ def test_every_state_has_a_sentence_and_none_says_its_name() -> None:
     st.lists(st.sampled_from([*STATES, "stop", "odd" * 9, "日本"]), max_size=12), st.integers(1, 80)
 )
 def test_the_path_keeps_to_its_room_and_ends_with_the_present(trail: list[str], width: int) -> None:
-    row = path(engaged.shown("Wait", trail=trail), width, UNICODE)
-    last = short(trail[-1] if trail else "Wait")
+    row = path_row(engaged.shown("Wait", trail=trail), width, UNICODE)
+    last = short_state(trail[-1] if trail else "Wait")
     assert row[-1] == (last, "strong")
     assert length(row) <= max(width, length((row[-1],)) + 4)
 
 
 def test_every_state_is_told_from_the_others_by_its_short_name() -> None:
-    assert len({short(state) for state in STATES}) == len(STATES)
+    assert len({short_state(state) for state in STATES}) == len(STATES)
     assert set(SHORT) <= set(STATES)
 
 

@@ -10,7 +10,7 @@ from tests.console import scenes, studied
 from tests.console.driving import Sitting, sitting
 from woz_tui.console.glyphs import ASCII
 from woz_tui.console.screens.questionnaire import QuestionnaireDialog
-from woz_tui.console.study.questionnaire_widget import Sheet
+from woz_tui.console.study.questionnaire_widget import QuestionnaireSheet
 from woz_tui.console.study.questionnaires import items_of
 from woz_tui.console.theme import Appearance
 from woz_tui.protocol import requests as r
@@ -258,7 +258,7 @@ async def test_the_header_tells_how_far_it_is() -> None:
 
 
 async def test_the_sheet_says_nothing_before_it_is_put_together() -> None:
-    sheet = Sheet(lambda request, reply: None, lambda: 0, ASCII)
+    sheet = QuestionnaireSheet(lambda request, reply: None, lambda: 0, ASCII)
     sheet.follow(None, [("Please wait.", "strong")])
     assert sheet.taken is None
 

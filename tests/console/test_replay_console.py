@@ -25,15 +25,15 @@ from woz_tui.console.replay.replay_commands import ReplayKeyboard
 from woz_tui.console.theme import Appearance
 from woz_tui.log.coding_file import Coding
 from woz_tui.protocol import requests as r
-from woz_tui.replay.player import Player, Start
-from woz_tui.replay.recording import Reel
+from woz_tui.replay.player import ReplayPlayer, ReplayStart
+from woz_tui.replay.recording import Recording
 from woz_tui.system.clock import ManualClock
 
 
 class StillReplay(ScriptedFeed):
     """A replay that goes on when the test says so."""
 
-    def __init__(self, player: Player, clock: ManualClock) -> None:
+    def __init__(self, player: ReplayPlayer, clock: ManualClock) -> None:
         super().__init__()
         self.player = player
         self.clock = clock
@@ -93,16 +93,16 @@ class Seat:
 
 @asynccontextmanager
 async def watching(
-    start: Start | None = None,
+    start: ReplayStart | None = None,
     *,
     size: tuple[int, int] = (80, 24),
-    reel: Reel | None = None,
+    reel: Recording | None = None,
     notes: tuple[str, ...] = (),
     coding: Coding | None = None,
     **options: Any,
 ) -> AsyncIterator[Seat]:
     clock = ManualClock()
-    player = Player(reel or reel_of(story()), start, "recordings/x_S01.jsonl", notes, coding)
+    player = ReplayPlayer(reel or reel_of(story()), start, "recordings/x_S01.jsonl", notes, coding)
     feed = StillReplay(player, clock)
     console = ReplayConsole(feed, ReplayKeyboard(feed, clock), clock=clock, **options)
     async with console.run_test(size=size) as pilot:
@@ -115,7 +115,7 @@ async def watching(
 
 @pytest.mark.parametrize("size", [(80, 24), (160, 50), (60, 20)])
 async def test_it_says_what_it_is_and_of_which_session(size: tuple[int, int]) -> None:
-    async with watching(Start(at_us=9 * SECOND), size=size) as seat:
+    async with watching(ReplayStart(at_us=9 * SECOND), size=size) as seat:
         status = seat.text("StatusLines")
         for part in (" REPLAY ", "Museum", "00:09", "2026-03-01", "log complete"):
             assert part in status
@@ -127,7 +127,7 @@ async def test_it_says_what_it_is_and_of_which_session(size: tuple[int, int]) ->
 
 
 async def test_the_line_has_a_sign_for_each_place_and_never_moves() -> None:
-    async with watching(Start(paused=True)) as seat:
+    async with watching(ReplayStart(paused=True)) as seat:
         first = seat.text("StopBar").splitlines()[-1]
         assert [sign for sign in first if sign in "◆▲■✎│"] == ["◆", "▲", "■", "✎", "│"]
         await seat.press("end")
@@ -138,7 +138,7 @@ async def test_the_line_has_a_sign_for_each_place_and_never_moves() -> None:
 
 @pytest.mark.parametrize("look", [Appearance(ASCII, "woz-16"), Appearance(UNICODE, "woz-16")])
 async def test_the_line_can_be_read_without_colours_and_in_ascii(look: Appearance) -> None:
-    async with watching(Start(at_us=20 * SECOND, paused=True), look=look) as seat:
+    async with watching(ReplayStart(at_us=20 * SECOND, paused=True), look=look) as seat:
         line = seat.text("StopBar").splitlines()[-1]
         if look.glyphs.ascii:
             assert line.isascii()
@@ -149,7 +149,7 @@ async def test_the_line_can_be_read_without_colours_and_in_ascii(look: Appearanc
 
 
 async def test_space_stands_still_and_goes_on_and_nothing_ages_meanwhile() -> None:
-    async with watching(Start(at_us=9 * SECOND)) as seat:
+    async with watching(ReplayStart(at_us=9 * SECOND)) as seat:
         assert "▶ Go" in seat.text("ActionPanels")
         await seat.press("space")
         before = seat.text("ActionPanels"), seat.text("Meters"), seat.text("StatusLines")
@@ -178,7 +178,7 @@ async def test_space_stands_still_and_goes_on_and_nothing_ages_meanwhile() -> No
     ],
 )
 async def test_keys_move_through_the_log(keys: list[str], seconds: float) -> None:
-    async with watching(Start(at_us=30 * SECOND, paused=True)) as seat:
+    async with watching(ReplayStart(at_us=30 * SECOND, paused=True)) as seat:
         await seat.press(*keys)
         assert seat.t == seconds * SECOND
 
@@ -209,7 +209,7 @@ async def test_what_hurries_is_painted_less_often() -> None:
 
 
 async def test_a_dot_steps_and_says_to_which_line() -> None:
-    async with watching(Start(at_us=5_900_000)) as seat:
+    async with watching(ReplayStart(at_us=5_900_000)) as seat:
         await seat.press(".")
         assert seat.t == 6 * SECOND
         assert "00:06.000 marker" in seat.text("StopBar")
@@ -218,7 +218,7 @@ async def test_a_dot_steps_and_says_to_which_line() -> None:
 
 
 async def test_the_list_follows_many_steps_while_time_stands_still() -> None:
-    async with watching(Start(paused=True)) as seat:
+    async with watching(ReplayStart(paused=True)) as seat:
         for _ in range(80):
             await seat.press("left", "end")
         assert "Session ended" in seat.text("EventList")
@@ -227,7 +227,7 @@ async def test_the_list_follows_many_steps_while_time_stands_still() -> None:
 
 
 async def test_an_action_of_then_lights_its_cap_up() -> None:
-    async with watching(Start(at_us=2_500_000)) as seat:
+    async with watching(ReplayStart(at_us=2_500_000)) as seat:
         await seat.pass_time(0.6)
         panels = seat.console._panels
         assert [text.strip() for row in panels.rows for text, look in row if look == "flash"] == [
@@ -246,7 +246,7 @@ async def test_the_keys_of_the_session_are_shown_but_play_nothing() -> None:
 
 
 async def test_the_stop_of_then_is_seen_and_what_is_said_too() -> None:
-    async with watching(Start(at_us=14_900_000, paused=True)) as seat:
+    async with watching(ReplayStart(at_us=14_900_000, paused=True)) as seat:
         await seat.press(".")
         assert "stop.pressed" in seat.text("StopBar")
         await seat.pass_time(20)
@@ -276,14 +276,14 @@ async def test_ctrl_q_leaves_at_once() -> None:
 
 
 async def test_going_to_a_typed_time() -> None:
-    async with watching(Start(paused=True)) as seat:
+    async with watching(ReplayStart(paused=True)) as seat:
         await seat.press("g", *"0:42", "enter")
         assert seat.t == 42 * SECOND
         assert seat.console.dialog is None
 
 
 async def test_going_to_a_place_that_is_found_by_its_letters() -> None:
-    async with watching(Start(paused=True)) as seat:
+    async with watching(ReplayStart(paused=True)) as seat:
         await seat.press("g")
         assert all(
             word in seat.drawn for word in ("smile", "Go too late", "stop by key", "trial 2")
@@ -296,13 +296,13 @@ async def test_going_to_a_place_that_is_found_by_its_letters() -> None:
 
 
 async def test_the_list_of_places_begins_with_the_next_one() -> None:
-    async with watching(Start(at_us=14 * SECOND, paused=True)) as seat:
+    async with watching(ReplayStart(at_us=14 * SECOND, paused=True)) as seat:
         await seat.press("g", "down", "enter")
         assert seat.t == 50 * SECOND
 
 
 async def test_a_place_that_is_not_there() -> None:
-    async with watching(Start(paused=True)) as seat:
+    async with watching(ReplayStart(paused=True)) as seat:
         await seat.press("g", *"zzz", "enter")
         assert "there is no 'zzz' in this log" in seat.text("StopBar")
         await seat.press("g", *"9:99", "enter")
@@ -327,13 +327,13 @@ async def test_what_is_missing_is_in_the_header_and_can_be_read() -> None:
 
 
 async def test_idle_time_that_was_cut_is_shown() -> None:
-    async with watching(Start(at_us=18 * SECOND, max_idle_us=4 * SECOND)) as seat:
+    async with watching(ReplayStart(at_us=18 * SECOND, max_idle_us=4 * SECOND)) as seat:
         await seat.pass_time(4)
         assert "00:28 cut" in seat.text("StopBar")
 
 
 async def test_an_old_burst_of_keys_is_not_refused() -> None:
-    async with watching(Start(paused=True)) as seat:
+    async with watching(ReplayStart(paused=True)) as seat:
         assert seat.console.keyboard.arrive("right", stale=True)
         await seat.settle()
         assert seat.t == 5 * SECOND
@@ -343,8 +343,8 @@ async def test_a_code_is_typed_while_the_replay_stands_still_and_chosen_the_next
     tmp_path: Path,
 ) -> None:
     coding = Coding(tmp_path / "x.coding.jsonl", "K1", START)
-    reel = Reel(story(), coded=True)
-    async with watching(Start(at_us=4 * SECOND), reel=reel, coding=coding) as it:
+    reel = Recording(story(), coded=True)
+    async with watching(ReplayStart(at_us=4 * SECOND), reel=reel, coding=coding) as it:
         assert "CODER K1" in it.drawn
         assert "hidden" in it.drawn
         assert "warm" not in it.drawn

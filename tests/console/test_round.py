@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from tests.console import studied
 from woz_tui.console.keyboard import HELD_US
-from woz_tui.console.study.questionnaire_run import SETTLING_US, Page, Round
-from woz_tui.console.study.questionnaires import Answer, Asked, items_of
+from woz_tui.console.study.questionnaire_run import SETTLING_US, QuestionnairePage, QuestionnaireRun
+from woz_tui.console.study.questionnaires import ItemAnswer, OpenQuestionnaire, items_of
 from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire
 from woz_tui.protocol.welcome import ENGLISH, QuestionnaireItemView, QuestionnaireView
 
@@ -26,11 +26,13 @@ class Sitting:
     items: tuple[QuestionnaireItemView, ...] = items_of(studied.SCALES)
     sent: list[AskAnswer | AskQuestionnaire] = field(default_factory=list)
     now: int = 0
-    answers: dict[str, Answer] = field(default_factory=dict)
+    answers: dict[str, ItemAnswer] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.asked = Asked(QuestionnaireView("robot", "You", items=self.items), self.answers)
-        self.taken = Round(self.asked, self.sent.append, lambda: self.now)
+        self.asked = OpenQuestionnaire(
+            QuestionnaireView("robot", "You", items=self.items), self.answers
+        )
+        self.taken = QuestionnaireRun(self.asked, self.sent.append, lambda: self.now)
 
     def press(self, *keys: str, apart: float = 0.8) -> None:
         """Press keys, `apart` seconds from each other."""
@@ -46,7 +48,7 @@ class Sitting:
             answer = self.taken.answer
             self.taken.write(answer.text if answer else "")
 
-    def page(self) -> Page:
+    def page(self) -> QuestionnairePage:
         return self.taken.page
 
     def value(self, item: str) -> int | None:
@@ -65,10 +67,10 @@ def scale(low: int, high: int, *, optional: bool = False) -> Sitting:
 
 def test_it_begins_with_an_introduction_and_goes_through_all_items() -> None:
     seat = Sitting()
-    assert seat.page() is Page.INTRODUCTION
+    assert seat.page() is QuestionnairePage.INTRODUCTION
     seat.press("enter", "6", "1", "0", "enter", "4", "2", "enter")
     seat.taken.write("nothing else")
-    assert seat.page() is Page.SUMMARY
+    assert seat.page() is QuestionnairePage.SUMMARY
     seat.press("enter")
     assert [type(sent).__name__ for sent in seat.sent] == ["AskAnswer"] * 4 + ["AskQuestionnaire"]
     values = [sent.value for sent in seat.sent if isinstance(sent, AskAnswer)]
@@ -252,13 +254,13 @@ def test_only_digits_and_enter_wait() -> None:
     seat.press("down", "right", apart=0)
     assert (seat.taken.position, seat.taken.mark) == (1, 1)
     seat.press("ctrl+d", "n", "backspace", apart=0)
-    assert (seat.page(), seat.taken.position) == (Page.ITEM, 0)
+    assert (seat.page(), seat.taken.position) == (QuestionnairePage.ITEM, 0)
 
 
 def test_a_held_key_does_not_finish_behind_the_last_item() -> None:
     seat = many(1)
     seat.press("5", "enter", apart=0.03)
-    assert (seat.page(), len(seat.sent)) == (Page.SUMMARY, 1)
+    assert (seat.page(), len(seat.sent)) == (QuestionnairePage.SUMMARY, 1)
 
 
 def test_an_enter_too_soon_keeps_the_reason_that_was_told_before() -> None:
@@ -343,18 +345,18 @@ def test_nobody_goes_past_a_question_without_an_answer() -> None:
 def test_a_line_of_the_summary_is_changed_and_the_summary_comes_back() -> None:
     seat = scale(1, 7)
     seat.press("enter", "3", "4")
-    assert seat.page() is Page.SUMMARY
+    assert seat.page() is QuestionnairePage.SUMMARY
     seat.press("up", "up", "enter")
-    assert (seat.page(), seat.taken.position) == (Page.ITEM, 0)
+    assert (seat.page(), seat.taken.position) == (QuestionnairePage.ITEM, 0)
     seat.press("7")
-    assert seat.page() is Page.SUMMARY
+    assert seat.page() is QuestionnairePage.SUMMARY
     assert seat.value("one") == 7
 
 
 def test_to_decline_is_asked_about_first() -> None:
     seat = scale(1, 7)
     seat.press("enter", "ctrl+d", "n")
-    assert (seat.page(), seat.sent) == (Page.ITEM, [])
+    assert (seat.page(), seat.sent) == (QuestionnairePage.ITEM, [])
     seat.press("ctrl+d", "y")
     sent = seat.sent[0]
     assert isinstance(sent, AskQuestionnaire)
@@ -362,8 +364,8 @@ def test_to_decline_is_asked_about_first() -> None:
 
 
 def test_it_goes_on_where_it_was() -> None:
-    seat = Sitting(answers={"pleasant": Answer(4), "again": Answer(skipped=True)})
-    assert (seat.page(), seat.taken.position) == (Page.ITEM, 2)
+    seat = Sitting(answers={"pleasant": ItemAnswer(4), "again": ItemAnswer(skipped=True)})
+    assert (seat.page(), seat.taken.position) == (QuestionnairePage.ITEM, 2)
 
 
 def test_what_was_not_confirmed_goes_out_again_after_a_lost_line() -> None:
@@ -372,10 +374,10 @@ def test_what_was_not_confirmed_goes_out_again_after_a_lost_line() -> None:
     first, second = seat.sent
     assert isinstance(first, AskAnswer)
     seat.taken.confirmed(first)
-    again = Asked(seat.asked.questionnaire, {"one": Answer(3)})
+    again = OpenQuestionnaire(seat.asked.questionnaire, {"one": ItemAnswer(3)})
     seat.taken.go_on(again)
     assert seat.sent == [first, second, second]
-    assert again.answers == {"one": Answer(3), "two": Answer(4)}
+    assert again.answers == {"one": ItemAnswer(3), "two": ItemAnswer(4)}
 
 
 def test_a_refused_answer_opens_its_item_again() -> None:

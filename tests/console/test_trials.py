@@ -8,7 +8,7 @@ from tests.console import scenes, studied
 from tests.console.driving import sitting
 from woz_tui.console.screens.questionnaire import QuestionnaireDialog
 from woz_tui.console.screens.trial import OfferDialog, TrialDialog, trial_status
-from woz_tui.console.study.study_view import Study
+from woz_tui.console.study.study_view import StudyView
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 
@@ -325,15 +325,15 @@ async def test_what_was_declined_is_not_offered_again() -> None:
 # -- what follows from the messages ---------------------------------------------------------------
 
 
-def study(*messages: m.Message, **told: m.Json) -> Study:
-    made = Study()
+def study(*messages: m.Message, **told: m.Json) -> StudyView:
+    made = StudyView()
     made.session.study.settings = studied.typed(studied.told(**told))
     made.adopt()
     tell(made, scenes.start(), studied.assigned(), *messages)
     return made
 
 
-def tell(made: Study, *messages: m.Message) -> None:
+def tell(made: StudyView, *messages: m.Message) -> None:
     for message in messages:
         made.session.take(message)
         made.take(message)
@@ -375,7 +375,7 @@ def test_another_participant_begins_anew() -> None:
 
 
 def test_where_a_session_stands_in_words() -> None:
-    assert trial_status(Study(), NOW) == "no trial yet"
+    assert trial_status(StudyView(), NOW) == "no trial yet"
     single = study(
         studied.assigned(["warm"]), studied.trial(1), over(1),
         design={"order": "latin-square", "within": False, "trials": 1},

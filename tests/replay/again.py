@@ -16,8 +16,8 @@ from woz_tui.config.experiment import Call, FilePosition
 from woz_tui.log.log_reader import read
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
-from woz_tui.replay.rerun_plan import REPLAY, Plan, plan_of
-from woz_tui.replay.rerun_player import Player
+from woz_tui.replay.rerun_plan import REPLAY, RerunPlan, plan_of
+from woz_tui.replay.rerun_player import RerunPlayer
 from woz_tui.replay.robot_compatibility import fitted
 from woz_tui.session.action_runner import RequestOrigin
 
@@ -45,7 +45,7 @@ class Again:
     """A re-run: its stage, its player, and where its log is."""
 
     stage: Stage
-    player: Player
+    player: RerunPlayer
     log: Path
 
     def of(self, *kinds: type[m.Message]) -> list[m.AnyMessage]:
@@ -60,7 +60,7 @@ class Again:
         return [call for call in self.stage.puppet().calls if call[0] not in ("rest", "close")]
 
 
-def player_of(stage: Stage, plan: Plan) -> Player:
+def player_of(stage: Stage, plan: RerunPlan) -> RerunPlayer:
     """A player as the robot process makes it."""
 
     def send(command: m.Command, on_end: Callable[[m.End], None]) -> m.Command:
@@ -69,10 +69,10 @@ def player_of(stage: Stage, plan: Plan) -> Player:
             call, RequestOrigin(REPLAY), "queue", None, on_end, like=command
         )
 
-    return Player(plan, stage.session.hub, send, stage.session.runner.cancel)
+    return RerunPlayer(plan, stage.session.hub, send, stage.session.runner.cancel)
 
 
-async def over(stage: Stage, player: Player) -> None:
+async def over(stage: Stage, player: RerunPlayer) -> None:
     """Return when the re-run has ended."""
     ended = asyncio.Event()
     stage.session.hub.listen(

@@ -16,8 +16,8 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.protocol.welcome import WelcomeSettings
-from woz_tui.replay.player import Incoming, Player, Start
-from woz_tui.replay.recording import Reel
+from woz_tui.replay.player import Incoming, ReplayPlayer, ReplayStart
+from woz_tui.replay.recording import Recording
 from woz_tui.system.clock import timestamp
 
 SECOND = 1_000_000
@@ -105,11 +105,13 @@ def _name(sample: m.AnyMessage) -> str:
     return sample.sensor if isinstance(sample, m.Reading) else type(sample).__name__
 
 
-def reel_of(messages: Sequence[m.AnyMessage]) -> Reel:
+def reel_of(messages: Sequence[m.AnyMessage]) -> Recording:
     """A reel of messages, samples apart from the rest."""
     lines = [message for message in messages if not codec.is_sample(message)]
     samples = [message for message in messages if codec.is_sample(message)]
-    return Reel(lines, KeptSamples(samples, max((each.t for each in messages), default=0)), PLAN)
+    return Recording(
+        lines, KeptSamples(samples, max((each.t for each in messages), default=0)), PLAN
+    )
 
 
 def played(run: str, action: str, at: float, took: float) -> list[tuple[float, m.AnyMessage]]:
@@ -160,8 +162,8 @@ def _words(event: EventLine) -> object:
 class Viewer:
     """A console's picture fed by a player, in a time that the test moves on."""
 
-    def __init__(self, reel: Reel, start: Start | None = None, **options: Any) -> None:
-        self.player = Player(reel, start, **options)
+    def __init__(self, reel: Recording, start: ReplayStart | None = None, **options: Any) -> None:
+        self.player = ReplayPlayer(reel, start, **options)
         self.picture = ConsoleState()
         self.now = 0
         self.heard: list[Incoming] = []

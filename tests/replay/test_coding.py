@@ -16,16 +16,16 @@ from woz_tui.log.file_names import FileName
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
-from woz_tui.replay.player import UNCODED, Start
-from woz_tui.replay.recording import Reel
+from woz_tui.replay.player import UNCODED, ReplayStart
+from woz_tui.replay.recording import Recording
 
 LOG = "2026-03-01T10-00-00_P07_S01.jsonl"
 
 
 def watched(folder: Path, coder: str = "K1", at: float = 0.0) -> Viewer:
     coding = Coding(coding_path(folder / LOG), coder, START)
-    start = Start(at_us=round(at * SECOND))
-    return Viewer(Reel(story(), coded=True), start, coding=coding)
+    start = ReplayStart(at_us=round(at * SECOND))
+    return Viewer(Recording(story(), coded=True), start, coding=coding)
 
 
 def codes(it: Viewer) -> list[tuple[int, str]]:
@@ -192,7 +192,7 @@ def test_a_coder_is_told_no_condition_although_the_wizard_knew_it(tmp_path: Path
     lines = stamped([(float(at), line) for at, line in enumerate(told)])
 
     def sent(*, coded: bool) -> str:
-        it = Viewer(Reel(lines, coded=coded))
+        it = Viewer(Recording(lines, coded=coded))
         it.wait(20, ticks=40)
         it.go(3)
         it.go(4)

@@ -13,8 +13,8 @@ from woz_tui.console.message_feed import Incoming, MessageFeed
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
-from woz_tui.replay.player import Player, Start
-from woz_tui.replay.recording import Reel
+from woz_tui.replay.player import ReplayPlayer, ReplayStart
+from woz_tui.replay.recording import Recording
 from woz_tui.replay.replay_feed import ReplayFeed
 from woz_tui.system.clock import ManualClock
 
@@ -43,8 +43,10 @@ class Ear:
 
 
 @contextmanager
-def playing(clock: ManualClock, start: Start | None = None) -> Iterator[tuple[ReplayFeed, Ear]]:
-    feed = ReplayFeed(Player(reel_of(story()), start), clock)
+def playing(
+    clock: ManualClock, start: ReplayStart | None = None
+) -> Iterator[tuple[ReplayFeed, Ear]]:
+    feed = ReplayFeed(ReplayPlayer(reel_of(story()), start), clock)
     ear = Ear()
     feed.start(ear, pytest.fail)
     try:
@@ -59,7 +61,7 @@ def _kind(kind: type[m.Message]) -> Callable[[Incoming], bool]:
 
 
 def test_it_has_the_shape_of_a_feed() -> None:
-    feed: MessageFeed = ReplayFeed(Player(reel_of([])))
+    feed: MessageFeed = ReplayFeed(ReplayPlayer(reel_of([])))
     assert feed.line_ok
 
 
@@ -77,7 +79,7 @@ def test_it_plays_in_a_thread_of_its_own_as_the_clock_says() -> None:
 
 def test_asking_returns_at_once_and_every_request_gets_its_reply() -> None:
     clock = ManualClock()
-    with playing(clock, Start(paused=True)) as (feed, ear):
+    with playing(clock, ReplayStart(paused=True)) as (feed, ear):
         refs = [feed.ask(r.AskReplay(what="step")), feed.ask(r.AskAction(action="Hello"))]
         assert refs == [1, 2]
         for ref in refs:
@@ -109,7 +111,9 @@ def test_a_failure_is_told_and_the_keys_still_answer() -> None:
             raise OSError("the disk does not exist any more")
 
     lines = [each for each in story() if not codec.is_sample(each)]
-    feed = ReplayFeed(Player(Reel(lines, Broken([], lines[-1].t))), clock := ManualClock())
+    feed = ReplayFeed(
+        ReplayPlayer(Recording(lines, Broken([], lines[-1].t))), clock := ManualClock()
+    )
     ear = Ear()
     feed.start(ear, pytest.fail)
     ear.until(lambda each: isinstance(each, r.Welcome))

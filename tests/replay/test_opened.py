@@ -14,12 +14,12 @@ from woz_tui.replay.experiment_origin import origin_of
 from woz_tui.replay.opened_log import (
     IndexedSamples,
     LogError,
-    chosen,
     has_beginning,
+    log_in,
     notes_of,
-    opened,
+    open_log,
 )
-from woz_tui.replay.recording import Reel
+from woz_tui.replay.recording import Recording
 
 STEM = "2026-03-01T10-00-00_P07_S01"
 GOLDEN = Path(__file__).parent.parent / "log" / "golden"
@@ -40,13 +40,13 @@ def written(folder: Path, messages: list[m.AnyMessage] | None = None) -> Path:
 
 
 def seen(index: LogIndex) -> tuple[Viewer, tuple[str, ...]]:
-    reel = Reel(index.actions, IndexedSamples(index))
+    reel = Recording(index.actions, IndexedSamples(index))
     notes = notes_of(index, reel)
     return Viewer(reel, notes=notes), notes
 
 
 def test_a_whole_log_is_played_with_its_samples(tmp_path: Path) -> None:
-    with opened(written(tmp_path)) as index:
+    with open_log(written(tmp_path)) as index:
         it, notes = seen(index)
         assert notes == ()
         it.wait(6, ticks=60)
@@ -59,7 +59,7 @@ def test_a_whole_log_is_played_with_its_samples(tmp_path: Path) -> None:
 
 def test_any_file_of_the_session_will_do(tmp_path: Path) -> None:
     path = written(tmp_path)
-    with opened(path.with_name(f"{STEM}.samples.jsonl")) as index:
+    with open_log(path.with_name(f"{STEM}.samples.jsonl")) as index:
         assert has_beginning(index)
 
 
@@ -68,11 +68,11 @@ def test_of_a_folder_the_newest_session_is_taken(tmp_path: Path) -> None:
     newer = tmp_path / "2026-03-02T10-00-00_P08_S02.jsonl"
     newer.write_bytes(older.read_bytes())
     os.utime(older, (1, 1))
-    assert chosen(tmp_path) == newer
-    assert chosen(older) == older
+    assert log_in(tmp_path) == newer
+    assert log_in(older) == older
     (tmp_path / "empty").mkdir()
     with pytest.raises(LogError, match="no log in this folder"):
-        chosen(tmp_path / "empty")
+        log_in(tmp_path / "empty")
 
 
 @pytest.mark.parametrize(
@@ -88,9 +88,9 @@ def test_what_is_no_log_is_said(tmp_path: Path, name: str, content: bytes, words
     path = tmp_path / name
     path.write_bytes(content)
     with pytest.raises(LogError, match=words):
-        opened(path)
+        open_log(path)
     with pytest.raises(LogError, match="there is no such log"):
-        opened(tmp_path / "other.jsonl")
+        open_log(tmp_path / "other.jsonl")
 
 
 def _torn(data: bytes) -> bytes:
@@ -149,7 +149,7 @@ def test_no_damage_keeps_the_rest_from_being_seen(
 ) -> None:
     path = written(tmp_path)
     path.write_bytes(harm(path.read_bytes()))
-    with opened(path) as index:
+    with open_log(path) as index:
         it, notes = seen(index)
         assert words in "; ".join(notes)
         it.wait(61, ticks=61)
@@ -164,14 +164,14 @@ def test_no_damage_keeps_the_rest_from_being_seen(
 def test_a_log_without_samples_is_played(tmp_path: Path) -> None:
     path = written(tmp_path)
     path.with_name(f"{STEM}.samples.jsonl").unlink()
-    with opened(path) as index:
+    with open_log(path) as index:
         it, _ = seen(index)
         it.go(30)
         assert it.picture.sensors == []
 
 
 def test_a_session_that_was_killed_says_that_it_has_no_end(tmp_path: Path) -> None:
-    with opened(written(tmp_path, story()[:-1])) as index:
+    with open_log(written(tmp_path, story()[:-1])) as index:
         _, notes = seen(index)
         assert any("has no end" in note for note in notes)
 
@@ -179,7 +179,7 @@ def test_a_session_that_was_killed_says_that_it_has_no_end(tmp_path: Path) -> No
 @pytest.mark.parametrize("schema", ["v1", "v2"])
 def test_golden_logs_of_every_schema_are_played(schema: str) -> None:
     path = next((GOLDEN / schema / "spill").glob("*.jsonl"))
-    with opened(path) as index:
+    with open_log(path) as index:
         it, _ = seen(index)
         it.wait(index.length_us / SECOND + 1, ticks=40)
         assert it.player.ended
@@ -191,7 +191,7 @@ def test_golden_logs_of_every_schema_are_played(schema: str) -> None:
 
 def test_what_a_log_says_of_its_experiment() -> None:
     path = next((GOLDEN / "v2" / "spill").glob("*.jsonl"))
-    with opened(path) as index:
+    with open_log(path) as index:
         origin = origin_of(index.actions)
     assert origin.name == "guide.yaml"
     assert len(origin.hashes) == 2

@@ -9,7 +9,12 @@ import pytest
 from woz_tui.config.experiment import ExperimentError
 from woz_tui.drivers.plugins import installed
 from woz_tui.protocol import messages as m
-from woz_tui.replay.experiment_origin import Origin, OriginError, differences, find
+from woz_tui.replay.experiment_origin import (
+    ExperimentOrigin,
+    OriginError,
+    differences,
+    find_experiment,
+)
 
 TEXT = """\
 title: Small
@@ -29,33 +34,35 @@ def experiment(folder: Path, said: str = "Hello.", robot: str = "simulated") -> 
     return path
 
 
-def origin(path: Path, files: dict[str, str] | None = None) -> Origin:
+def origin(path: Path, files: dict[str, str] | None = None) -> ExperimentOrigin:
     from woz_tui.config.loading import load  # noqa: PLC0415
 
     made = load(path, installed())
     kept = m.ExperimentFiles(experiment_sha256=made.sha256, files=files) if files else None
-    return Origin("small.yaml", (made.sha256,), kept)
+    return ExperimentOrigin("small.yaml", (made.sha256,), kept)
 
 
 @pytest.mark.parametrize("folder", ["recordings", ".", "experiments", "recordings/experiments"])
 def test_it_is_found_beside_the_log_and_among_the_experiments(tmp_path: Path, folder: str) -> None:
     path = experiment(tmp_path / folder)
-    found = find(tmp_path / "recordings" / "x.jsonl", origin(path), installed())
+    found = find_experiment(tmp_path / "recordings" / "x.jsonl", origin(path), installed())
     assert found.path.samefile(path)
 
 
 def test_of_two_the_unchanged_one_is_taken(tmp_path: Path) -> None:
     experiment(tmp_path / "recordings", said="Something else.")
     path = experiment(tmp_path / "experiments")
-    assert find(tmp_path / "recordings" / "x.jsonl", origin(path), installed()).path.samefile(path)
+    assert find_experiment(
+        tmp_path / "recordings" / "x.jsonl", origin(path), installed()
+    ).path.samefile(path)
 
 
 def test_where_it_is_not_it_can_be_said(tmp_path: Path) -> None:
     path = experiment(tmp_path / "far" / "away")
     log = tmp_path / "recordings" / "x.jsonl"
     with pytest.raises(OriginError, match=r"small.yaml is not beside the log.*--experiment"):
-        find(log, origin(path), installed())
-    assert find(log, origin(path), installed(), path).path == path
+        find_experiment(log, origin(path), installed())
+    assert find_experiment(log, origin(path), installed(), path).path == path
 
 
 def test_a_broken_file_is_told_with_its_errors(tmp_path: Path) -> None:
@@ -63,13 +70,13 @@ def test_a_broken_file_is_told_with_its_errors(tmp_path: Path) -> None:
     was = origin(path)
     path.write_text("title: [", encoding="utf-8")
     with pytest.raises(ExperimentError):
-        find(tmp_path / "x.jsonl", was, installed())
+        find_experiment(tmp_path / "x.jsonl", was, installed())
 
 
 def test_an_unchanged_file_has_no_difference(tmp_path: Path) -> None:
     path = experiment(tmp_path)
     was = origin(path, {"small.yaml": path.read_text()})
-    assert differences(was, find(tmp_path / "x.jsonl", was, installed())) == []
+    assert differences(was, find_experiment(tmp_path / "x.jsonl", was, installed())) == []
 
 
 def test_the_difference_is_shown_line_by_line_in_every_file(tmp_path: Path) -> None:
@@ -78,7 +85,7 @@ def test_the_difference_is_shown_line_by_line_in_every_file(tmp_path: Path) -> N
     was = origin(path, {"small.yaml": path.read_text(), "robot.yaml": ROBOT})
     experiment(tmp_path, said="Good morning.", robot="robot.yaml")
     (tmp_path / "robot.yaml").write_text(ROBOT.replace("small", "large"), encoding="utf-8")
-    lines = differences(was, find(tmp_path / "x.jsonl", was, installed()))
+    lines = differences(was, find_experiment(tmp_path / "x.jsonl", was, installed()))
     assert "--- small.yaml (in the log)" in lines
     assert "+++ robot.yaml (now)" in lines
     assert "-name: small" in lines
@@ -90,7 +97,7 @@ def test_a_file_that_came_and_one_that_went_are_shown(tmp_path: Path) -> None:
     (tmp_path / "robot.yaml").write_text(ROBOT, encoding="utf-8")
     was = origin(path, {"small.yaml": path.read_text(), "robot.yaml": ROBOT})
     experiment(tmp_path)
-    lines = differences(was, find(tmp_path / "x.jsonl", was, installed()))
+    lines = differences(was, find_experiment(tmp_path / "x.jsonl", was, installed()))
     assert "+++ /dev/null" in lines
 
 
@@ -98,7 +105,7 @@ def test_a_log_without_the_text_says_that_it_cannot_show_it(tmp_path: Path) -> N
     path = experiment(tmp_path)
     was = origin(path)
     experiment(tmp_path, said="Good morning.")
-    (line,) = differences(was, find(tmp_path / "x.jsonl", was, installed()))
+    (line,) = differences(was, find_experiment(tmp_path / "x.jsonl", was, installed()))
     assert "does not contain its text" in line
 
 
@@ -106,8 +113,8 @@ def test_the_file_as_it_was_after_a_reload_is_the_same_experiment(tmp_path: Path
     path = experiment(tmp_path)
     before = origin(path)
     after = origin(experiment(tmp_path, said="Good morning."))
-    both = Origin("small.yaml", before.hashes + after.hashes)
-    assert differences(both, find(tmp_path / "x.jsonl", both, installed())) == []
+    both = ExperimentOrigin("small.yaml", before.hashes + after.hashes)
+    assert differences(both, find_experiment(tmp_path / "x.jsonl", both, installed())) == []
 
 
 def test_a_file_that_is_again_as_it_was_in_the_beginning_is_the_same_experiment(
@@ -115,8 +122,8 @@ def test_a_file_that_is_again_as_it_was_in_the_beginning_is_the_same_experiment(
 ) -> None:
     after = origin(experiment(tmp_path, said="Good morning."))
     before = origin(experiment(tmp_path))
-    both = Origin("small.yaml", before.hashes + after.hashes)
-    assert differences(both, find(tmp_path / "x.jsonl", both, installed())) == []
+    both = ExperimentOrigin("small.yaml", before.hashes + after.hashes)
+    assert differences(both, find_experiment(tmp_path / "x.jsonl", both, installed())) == []
 
 
 def test_a_file_that_the_log_left_out_is_no_difference_but_named(tmp_path: Path) -> None:
@@ -129,7 +136,7 @@ def test_a_file_that_the_log_left_out_is_no_difference_but_named(tmp_path: Path)
         left_out=["robot.yaml"],
     )
     (tmp_path / "robot.yaml").write_text(ROBOT.replace("small", "large"), encoding="utf-8")
-    now = find(tmp_path / "x.jsonl", was, installed())
-    assert differences(Origin("small.yaml", was.hashes, kept), now) == [
+    now = find_experiment(tmp_path / "x.jsonl", was, installed())
+    assert differences(ExperimentOrigin("small.yaml", was.hashes, kept), now) == [
         "the hash of the experiment's files differs (robot.yaml is not kept in the log)"
     ]

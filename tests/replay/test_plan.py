@@ -14,8 +14,8 @@ from tests.replay.again import recorded, written
 from tests.replay.test_rerun import tour
 from tests.session.rig import Puppet, experiment
 from woz_tui.protocol import messages as m
-from woz_tui.replay.rerun_plan import Plan, plan_of
-from woz_tui.replay.robot_compatibility import UNFIT, fitted, unfit
+from woz_tui.replay.rerun_plan import RerunPlan, plan_of
+from woz_tui.replay.robot_compatibility import UNFIT, fitted, unfit_steps
 
 START = m.SessionStart(
     session="S07",
@@ -50,7 +50,7 @@ def done(name: str = "c1", latency_us: int = 100) -> m.Done:
     )
 
 
-def plan(tmp_path: Path, *messages: Timed) -> Plan:
+def plan(tmp_path: Path, *messages: Timed) -> RerunPlan:
     return plan_of(written(tmp_path / LOG, [(0, START), *messages]))
 
 
@@ -214,19 +214,21 @@ def _whole(folder: Path) -> Path:
 
 
 @pytest.fixture
-def made(tmp_path: Path) -> Plan:
+def made(tmp_path: Path) -> RerunPlan:
     return plan_of(recorded(tmp_path, tour))
 
 
-def test_the_same_robot_can_do_all_of_it(made: Plan, tmp_path: Path) -> None:
-    assert not unfit(fitted(made, experiment(tmp_path)))
+def test_the_same_robot_can_do_all_of_it(made: RerunPlan, tmp_path: Path) -> None:
+    assert not unfit_steps(fitted(made, experiment(tmp_path)))
 
 
-def test_a_missing_driver_is_named_with_those_that_are_there(made: Plan, tmp_path: Path) -> None:
+def test_a_missing_driver_is_named_with_those_that_are_there(
+    made: RerunPlan, tmp_path: Path
+) -> None:
     other = experiment(tmp_path, drivers=("left", "right"))
     now = fitted(made, other)
     assert {step.command.verb for step in now.sent} == {"mark"}
-    assert "there is no driver 'robot' (there is left, right)" in unfit(now)[0].skip
+    assert "there is no driver 'robot' (there is left, right)" in unfit_steps(now)[0].skip
 
 
 def test_what_was_left_out_anyway_keeps_its_reason(tmp_path: Path) -> None:
@@ -236,13 +238,15 @@ def test_what_was_left_out_anyway_keeps_its_reason(tmp_path: Path) -> None:
     assert [step.skip for step in now.steps] == ["refused in the log: busy"]
 
 
-def test_a_missing_verb_and_a_wrong_argument_are_named(made: Plan, tmp_path: Path) -> None:
+def test_a_missing_verb_and_a_wrong_argument_are_named(made: RerunPlan, tmp_path: Path) -> None:
     whole = experiment(tmp_path)
     say, play, _ = Puppet.verbs(None)
     now = replace(say, arguments=(replace(say.arguments[0], choices=("Hello P07",)),))
     for verbs, why in (((now,), "does not offer 'play'"), ((now, play), "must be one of Hello")):
         robot = replace(whole.drivers[0], verbs=verbs)
-        reasons = [step.skip for step in unfit(fitted(made, replace(whole, drivers=(robot,))))]
+        reasons = [
+            step.skip for step in unfit_steps(fitted(made, replace(whole, drivers=(robot,))))
+        ]
         assert any(why in reason for reason in reasons)
         assert all(reason.startswith(UNFIT) for reason in reasons)
 

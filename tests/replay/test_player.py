@@ -7,11 +7,11 @@ from woz_tui.console.view_models import ButtonState
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import ActionView, PanelView
-from woz_tui.replay.player import REFUSED, UNCODED, UNMOVED, Start
+from woz_tui.replay.player import REFUSED, UNCODED, UNMOVED, ReplayStart
 
 
 def viewer(**start: object) -> Viewer:
-    return Viewer(reel_of(story()), Start(**start))  # type: ignore[arg-type]
+    return Viewer(reel_of(story()), ReplayStart(**start))  # type: ignore[arg-type]
 
 
 def test_it_begins_with_a_welcome_of_its_own_role() -> None:
@@ -210,7 +210,7 @@ def test_a_place_that_is_not_there_is_said(to: str, reason: str) -> None:
 
 def test_a_mark_of_many_names_the_next_one() -> None:
     marks = stamped([(n * 10.0, m.Marker(text="smile")) for n in range(4)])
-    it = Viewer(reel_of(marks), Start(at_us=15 * SECOND))
+    it = Viewer(reel_of(marks), ReplayStart(at_us=15 * SECOND))
     for seconds in (20, 30, 0):
         it.do("go", to="smile")
         assert it.player.t == seconds * SECOND
@@ -258,7 +258,7 @@ def test_samples_alone_do_not_keep_a_stretch() -> None:
     readings = [(n / 10, m.reading("distance", 1.0)) for n in range(1, 600)]
     it = Viewer(
         reel_of(stamped(sorted([*timed, *readings], key=lambda pair: pair[0]))),
-        Start(max_idle_us=2 * SECOND),
+        ReplayStart(max_idle_us=2 * SECOND),
     )
     it.wait(2)
     assert it.player.t > 58 * SECOND

@@ -23,10 +23,10 @@ from woz_tui.log.log_reader import LogLine
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import ModelLimits, PerceptionView, WelcomeSettings
-from woz_tui.replay.bookmarks import Cuts, steady
+from woz_tui.replay.bookmarks import IdleCuts, monotonic
 from woz_tui.replay.legacy_plan import plan_from
-from woz_tui.replay.player import Start
-from woz_tui.replay.recording import Reel
+from woz_tui.replay.player import ReplayStart
+from woz_tui.replay.recording import Recording
 from woz_tui.session.recent_messages import RecentMessages
 from woz_tui.timeline.session_state import SessionState
 
@@ -105,7 +105,7 @@ def test_the_state_after_seeking_is_that_after_playing(
     to = min(to, reel.length_us / SECOND)
     by_playing = Viewer(reel)
     by_playing.wait(to, ticks=ticks)
-    by_seeking = Viewer(reel_of(messages), Start(paused=True))
+    by_seeking = Viewer(reel_of(messages), ReplayStart(paused=True))
     for detour in [each for each in detours if each <= to]:
         by_seeking.go(detour)
     by_seeking.go(to)
@@ -135,7 +135,7 @@ def test_unknown_kinds_are_handed_on_and_disturb_nothing() -> None:
     strange = LogLine(9000, 30 * SECOND, "x", "weather.changed", codec.decode_unknown(raw), raw)
     lines = [each for each in messages if not codec.is_sample(each)]
     at = next(n for n, line in enumerate(lines) if line.t > 30 * SECOND)
-    reel = Reel([*lines[:at], strange, *lines[at:]], plan=PLAN)
+    reel = Recording([*lines[:at], strange, *lines[at:]], plan=PLAN)
     it = Viewer(reel)
     it.wait(61, ticks=61)
     assert {"kind": "weather.changed", "sky": "blue"}.items() <= next(
@@ -159,12 +159,12 @@ def test_unknown_kinds_are_handed_on_and_disturb_nothing() -> None:
     ],
 )
 def test_one_damaged_time_moves_no_other_line(times: list[int], expected: list[int]) -> None:
-    assert steady(times) == expected
+    assert monotonic(times) == expected
 
 
 @given(st.lists(st.integers(0, 1000)))
 def test_times_never_go_back(times: list[int]) -> None:
-    assert all(a <= b for a, b in pairwise(steady(times)))
+    assert all(a <= b for a, b in pairwise(monotonic(times)))
 
 
 @given(
@@ -176,7 +176,7 @@ def test_times_never_go_back(times: list[int]) -> None:
 def test_moving_over_cuts_counts_what_is_shown_only(
     deeds: list[int], most: int | None, t: int, by: int
 ) -> None:
-    cuts = Cuts(deeds, most)
+    cuts = IdleCuts(deeds, most)
     start = cuts.moved(t, 0)
     assert cuts.before(start) <= start
     there = cuts.moved(start, by)
@@ -236,7 +236,7 @@ def test_a_lock_of_before_a_reload_does_not_outlast_it() -> None:
     ]
     by_playing = Viewer(reel_of(stamped(timed)))
     by_playing.wait(7)
-    by_seeking = Viewer(reel_of(stamped(timed)), Start(paused=True))
+    by_seeking = Viewer(reel_of(stamped(timed)), ReplayStart(paused=True))
     by_seeking.go(3)
     assert by_seeking.shown["locks"] == {"Speech": True}
     by_seeking.go(7)
@@ -293,7 +293,7 @@ def test_what_was_kept_from_the_wizard_is_kept_from_the_viewer_unless_told(revea
     )
     lines = [each for each in messages if not codec.is_sample(each)]
     samples = [each for each in messages if codec.is_sample(each)]
-    reel = Reel(lines, KeptSamples(samples, 4 * SECOND), reveal=reveal)
+    reel = Recording(lines, KeptSamples(samples, 4 * SECOND), reveal=reveal)
     it = Viewer(reel)
     it.wait(4)
     for _ in range(2):  # after playing, and after going there

@@ -12,7 +12,7 @@ from tests.replay.test_rerun import tour
 from tests.session.rig import Stage
 from woz_tui.protocol import messages as m
 from woz_tui.replay.rerun_plan import plan_of
-from woz_tui.replay.rerun_player import Player
+from woz_tui.replay.rerun_player import RerunPlayer
 
 
 def test_what_was_left_out_because_it_was_late_is_not_cut_short(tmp_path: Path) -> None:
@@ -25,7 +25,7 @@ def test_what_was_left_out_because_it_was_late_is_not_cut_short(tmp_path: Path) 
 
     log = recorded(tmp_path / "a", hasty)
 
-    async def go() -> Player:
+    async def go() -> RerunPlayer:
         stage = Stage(tmp_path / "b")
         player = player_of(stage, plan_of(log))
         await stage.session.open()
@@ -48,9 +48,11 @@ def test_a_re_run_that_fails_is_over_and_says_why(tmp_path: Path) -> None:
     def send(command: m.Command, on_end: object) -> m.Command:
         raise ValueError("no such thing")
 
-    async def go() -> Player:
+    async def go() -> RerunPlayer:
         stage = Stage(tmp_path / "b")
-        player = Player(plan_of(log), stage.session.hub, send, lambda run, why: None, told.append)
+        player = RerunPlayer(
+            plan_of(log), stage.session.hub, send, lambda run, why: None, told.append
+        )
         asyncio.get_running_loop().set_exception_handler(lambda loop, context: told.append(context))
         await stage.session.open()
         player.begin()

@@ -19,7 +19,7 @@ from woz_tui.drivers.plugins import installed
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.replay.rerun_plan import REPLAY, plan_of
-from woz_tui.replay.rerun_player import Player
+from woz_tui.replay.rerun_player import RerunPlayer
 from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session import Session
@@ -103,7 +103,7 @@ def rerun(log: Path) -> Callable[[Session], Awaitable[None]]:
                 call, RequestOrigin(REPLAY), "queue", None, on_end, like=command
             )
 
-        player = Player(
+        player = RerunPlayer(
             plan_of(log), session.hub, send, session.runner.cancel, lambda end: ended.set()
         )
         player.begin()

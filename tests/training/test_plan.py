@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from tests.session.rig import experiment
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.study import Study, Training, TrainingCue
-from woz_tui.training.cue_plan import REQUEST, planned
+from woz_tui.training.cue_plan import REQUEST, planned_cues
 
 CUES = (
     TrainingCue("approach", ("Hello", "Welcome")),
@@ -28,7 +28,7 @@ def with_cues(*cues: TrainingCue) -> Experiment:
 
 
 def test_the_files_cues_are_given_as_often_as_it_says() -> None:
-    cues = planned(with_cues(*CUES), None, 1)
+    cues = planned_cues(with_cues(*CUES), None, 1)
     assert Counter(cue.sort for cue in cues) == {"approach": 3, "question": 3, "silence": 3}
     question = next(cue for cue in cues if cue.sort == "question")
     assert question.expects == ("Map",)
@@ -38,7 +38,7 @@ def test_the_files_cues_are_given_as_often_as_it_says() -> None:
 
 
 def test_without_cues_the_actions_are_asked_for_by_their_labels() -> None:
-    cues = planned(MADE, 50, 1)
+    cues = planned_cues(MADE, 50, 1)
     asked = {cue.expects[0]: cue.text for cue in cues}
     assert {cue.sort for cue in cues} == {REQUEST}
     assert asked["Welcome"] == "Welcome, please."
@@ -48,25 +48,25 @@ def test_without_cues_the_actions_are_asked_for_by_their_labels() -> None:
 
 def test_nothing_to_train_is_said() -> None:
     with pytest.raises(ValueError, match="nothing to train"):
-        planned(replace(MADE, panels=()), None, 1)
+        planned_cues(replace(MADE, panels=()), None, 1)
 
 
 @given(st.integers(0, 1 << 31), st.integers(1, 60))
 def test_every_cue_comes_about_equally_often_and_pauses_differ(seed: int, count: int) -> None:
-    cues = planned(with_cues(*CUES), count, seed)
+    cues = planned_cues(with_cues(*CUES), count, seed)
     assert len(cues) == count
     times = Counter(cue.sort for cue in cues)
     assert max(times.values()) - min(times[cue.sort] for cue in CUES) <= 1
     assert all(1_000_000 <= cue.pause_us <= 3_000_000 for cue in cues)
-    assert cues == planned(with_cues(*CUES), count, seed)
+    assert cues == planned_cues(with_cues(*CUES), count, seed)
 
 
 def test_another_seed_gives_another_order() -> None:
-    assert planned(with_cues(*CUES), 30, 1) != planned(with_cues(*CUES), 30, 2)
+    assert planned_cues(with_cues(*CUES), 30, 1) != planned_cues(with_cues(*CUES), 30, 2)
 
 
 def test_nobody_can_learn_the_order_by_heart() -> None:
-    sorts = [cue.sort for cue in planned(with_cues(*CUES), 30, 1)]
+    sorts = [cue.sort for cue in planned_cues(with_cues(*CUES), 30, 1)]
     rounds = {tuple(sorts[first : first + 3]) for first in range(0, 30, 3)}
     assert len(rounds) > 2
 
@@ -75,5 +75,5 @@ def test_what_lies_on_a_locked_panel_is_not_asked_for() -> None:
     speech, base = MADE.panels
     for locked, there in ((True, False), (False, True)):
         panels = (speech, replace(base, locked=locked))
-        cues = planned(replace(MADE, panels=panels), 100, 1)
+        cues = planned_cues(replace(MADE, panels=panels), 100, 1)
         assert any(cue.expects == ("Go",) for cue in cues) is there

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 from woz_tui.config.experiment import Experiment, ExperimentError
 from woz_tui.replay import experiment_origin
-from woz_tui.replay.experiment_origin import Origin
+from woz_tui.replay.experiment_origin import ExperimentOrigin
 from woz_tui.session.redactor import Redactor
 from woz_tui.session.study_settings import study_settings
 from woz_tui.system.text_cleaning import clean
@@ -21,9 +21,9 @@ DIFFERENCE = 200
 _KEPT = "the wizards of this study are blind to the condition: --reveal shows the texts"
 
 
-def changed(told: Origin, experiment: Experiment, *, reveal: bool) -> list[str]:
+def changed(told: ExperimentOrigin, experiment: Experiment, *, reveal: bool) -> list[str]:
     """The difference between then and now in lines for the terminal; empty: there is none."""
-    kept = experiment_origin.blind(told, experiment) and not reveal
+    kept = experiment_origin.was_blind(told, experiment) and not reveal
     lines = experiment_origin.differences(told, experiment, places=kept)
     if not lines:
         return []
@@ -36,7 +36,7 @@ def changed(told: Origin, experiment: Experiment, *, reveal: bool) -> list[str]:
     ]
 
 
-def wrong(told: Origin, error: ExperimentError, *, reveal: bool) -> Iterator[str]:
+def wrong(told: ExperimentOrigin, error: ExperimentError, *, reveal: bool) -> Iterator[str]:
     """The errors that the experiment has now. They quote the file, so a blind wizard is told only
     where they are.
     """
@@ -48,7 +48,7 @@ def wrong(told: Origin, error: ExperimentError, *, reveal: bool) -> Iterator[str
     yield f"woz: {_KEPT}"
 
 
-def redactor_of(told: Origin, experiment: Experiment, *, reveal: bool) -> Redactor:
+def redactor_of(told: ExperimentOrigin, experiment: Experiment, *, reveal: bool) -> Redactor:
     """Hides from the commands of a log what its wizard was not to know."""
     if reveal:
         return Redactor()

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from woz_tui.drivers.plugins import Catalogue
     from woz_tui.log.log_index import LogIndex
     from woz_tui.protocol.messages import SessionPlan
-    from woz_tui.replay.experiment_origin import Origin
+    from woz_tui.replay.experiment_origin import ExperimentOrigin
     from woz_tui.replay.replay_feed import ReplayFeed
 
 
@@ -129,19 +129,19 @@ def run(arguments: argparse.Namespace) -> int:
 def _show(arguments: argparse.Namespace) -> int:
     from woz_tui.cli import console_start  # noqa: PLC0415
     from woz_tui.log.coding_file import CodingError  # noqa: PLC0415
-    from woz_tui.replay.opened_log import LogError, chosen, opened  # noqa: PLC0415
-    from woz_tui.replay.seek import PlaceError  # noqa: PLC0415
+    from woz_tui.replay.opened_log import LogError, log_in, open_log  # noqa: PLC0415
+    from woz_tui.replay.seek import SeekError  # noqa: PLC0415
 
     try:
-        path = chosen(arguments.file)
-        with opened(path) as index:
+        path = log_in(arguments.file)
+        with open_log(path) as index:
             feed = feed_of(index, path, arguments)
             if feed is None:
                 return 1
             _, code = console_start.run_console(_console(feed, arguments.theme))
             feed.close()
             return code
-    except (LogError, PlaceError, CodingError) as error:
+    except (LogError, SeekError, CodingError) as error:
         print(f"woz: {error}", file=sys.stderr)
         return 1
 
@@ -151,10 +151,10 @@ def feed_of(index: LogIndex, path: Path, arguments: argparse.Namespace) -> Repla
     from woz_tui.log.coding_file import Coding, coding_path  # noqa: PLC0415
     from woz_tui.log.log_reader import files_of  # noqa: PLC0415
     from woz_tui.replay.opened_log import IndexedSamples, has_beginning, notes_of  # noqa: PLC0415
-    from woz_tui.replay.player import Player, Start  # noqa: PLC0415
-    from woz_tui.replay.recording import Reel  # noqa: PLC0415
+    from woz_tui.replay.player import ReplayPlayer, ReplayStart  # noqa: PLC0415
+    from woz_tui.replay.recording import Recording  # noqa: PLC0415
     from woz_tui.replay.replay_feed import ReplayFeed  # noqa: PLC0415
-    from woz_tui.replay.seek import find  # noqa: PLC0415
+    from woz_tui.replay.seek import seek_time  # noqa: PLC0415
 
     if not has_beginning(index) and not arguments.changed:
         print(
@@ -170,17 +170,17 @@ def feed_of(index: LogIndex, path: Path, arguments: argparse.Namespace) -> Repla
         )
         return None
     coder = arguments.coder
-    reel = Reel(
+    reel = Recording(
         *(index.actions, IndexedSamples(index), plan), reveal=arguments.reveal, coded=bool(coder)
     )
     coding = Coding(coding_path(files_of(path).paths[0]), coder, reel.start) if coder else None
-    start = Start(
+    start = ReplayStart(
         speed=arguments.speed,
-        at_us=find(arguments.at, reel, 0) if arguments.at.strip() else 0,
+        at_us=seek_time(arguments.at, reel, 0) if arguments.at.strip() else 0,
         paused=arguments.paused,
         max_idle_us=arguments.max_idle and round(arguments.max_idle * 1_000_000),
     )
-    return ReplayFeed(Player(reel, start, str(path), notes_of(index, reel), coding))
+    return ReplayFeed(ReplayPlayer(reel, start, str(path), notes_of(index, reel), coding))
 
 
 def _experiment(
@@ -199,7 +199,7 @@ def _experiment(
     told = origin_of(index.actions)
     catalogue = installed()
     try:
-        experiment = experiment_origin.find(path, told, catalogue, arguments.experiment)
+        experiment = experiment_origin.find_experiment(path, told, catalogue, arguments.experiment)
     except experiment_origin.OriginError:
         return _bundled_plan(told, catalogue), []
     except ExperimentError as error:
@@ -211,7 +211,7 @@ def _experiment(
     return (None, against) if against else (_plan(experiment, catalogue), [])
 
 
-def _bundled_plan(told: Origin, catalogue: Catalogue) -> SessionPlan | None:
+def _bundled_plan(told: ExperimentOrigin, catalogue: Catalogue) -> SessionPlan | None:
     """What the experiment of this name shows that comes with woz-tui, if it is the very same."""
     from woz_tui.cli.demo import demo_file  # noqa: PLC0415
     from woz_tui.config.experiment import ExperimentError  # noqa: PLC0415

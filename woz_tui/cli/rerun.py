@@ -17,7 +17,7 @@ from woz_tui.cli.experiment_changes import changed, redactor_of, wrong
 from woz_tui.cli.host_start import Launch, host_arguments
 from woz_tui.config.experiment import Experiment, ExperimentError
 from woz_tui.log.file_names import current_path
-from woz_tui.replay.rerun_plan import Plan
+from woz_tui.replay.rerun_plan import RerunPlan
 from woz_tui.session.redactor import Redactor
 
 _YES = "yes"
@@ -31,8 +31,8 @@ class _Prepared:
 
     log: Path
     experiment: Experiment
-    plan: Plan
-    shown: Plan
+    plan: RerunPlan
+    shown: RerunPlan
     changed: list[str]
     redactor: Redactor
 
@@ -89,12 +89,12 @@ def _admitted(prepared: _Prepared, arguments: argparse.Namespace) -> bool:
 def _prepare(arguments: argparse.Namespace) -> _Prepared | None:
     """Everything that has to be known before; None after saying why it cannot be."""
     from woz_tui.replay import experiment_origin  # noqa: PLC0415
-    from woz_tui.replay.opened_log import LogError, chosen  # noqa: PLC0415
+    from woz_tui.replay.opened_log import LogError, log_in  # noqa: PLC0415
     from woz_tui.replay.rerun_plan import plan_of  # noqa: PLC0415
     from woz_tui.replay.robot_compatibility import fitted  # noqa: PLC0415
 
     try:
-        log = chosen(arguments.file)
+        log = log_in(arguments.file)
         plan = plan_of(log)
         place = arguments.experiment or _bundled(log, plan.origin.name)
         experiment = _found(log, plan, place, reveal=arguments.reveal)
@@ -109,13 +109,13 @@ def _prepare(arguments: argparse.Namespace) -> _Prepared | None:
     return _Prepared(log, experiment, plan, table.redacted(plan, redactor), against, redactor)
 
 
-def _found(log: Path, plan: Plan, place: Path | None, *, reveal: bool) -> Experiment | None:
+def _found(log: Path, plan: RerunPlan, place: Path | None, *, reveal: bool) -> Experiment | None:
     """The experiment of now; None after saying what is wrong with it."""
     from woz_tui.drivers.plugins import installed  # noqa: PLC0415
     from woz_tui.replay import experiment_origin  # noqa: PLC0415
 
     try:
-        return experiment_origin.find(log, plan.origin, installed(), place)
+        return experiment_origin.find_experiment(log, plan.origin, installed(), place)
     except ExperimentError as error:
         print(*wrong(plan.origin, error, reveal=reveal), sep="\n", file=sys.stderr)
         return None
@@ -124,21 +124,21 @@ def _found(log: Path, plan: Plan, place: Path | None, *, reveal: bool) -> Experi
 def _bundled(log: Path, name: str) -> Path | None:
     """The experiment of this name that comes with woz-tui, if there is none near the log."""
     from woz_tui.cli.demo import demo_file  # noqa: PLC0415
-    from woz_tui.replay.experiment_origin import places  # noqa: PLC0415
+    from woz_tui.replay.experiment_origin import candidate_files  # noqa: PLC0415
 
     name = Path(name).name
-    return demo_file(name) if name and not places(log, name) else None
+    return demo_file(name) if name and not candidate_files(log, name) else None
 
 
 def _dry_run(prepared: _Prepared, arguments: argparse.Namespace) -> int:
     """Moves nothing, needs no robot. 1 if something of it could not be sent."""
-    from woz_tui.replay.robot_compatibility import unfit  # noqa: PLC0415
+    from woz_tui.replay.robot_compatibility import unfit_steps  # noqa: PLC0415
 
     shown = table.summary(prepared.shown, prepared.experiment, headless=arguments.headless)
     print(*shown, *table.table(prepared.shown), *prepared.changed, sep="\n")
     print(table.verdict(prepared.plan))
     refused = bool(prepared.changed) and not arguments.changed
-    return int(refused or bool(unfit(prepared.plan)) or not prepared.plan.sent)
+    return int(refused or bool(unfit_steps(prepared.plan)) or not prepared.plan.sent)
 
 
 def _agreed(said_yes: bool) -> bool:

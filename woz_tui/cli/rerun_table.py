@@ -9,8 +9,8 @@ from dataclasses import replace
 
 from woz_tui.config.experiment import Experiment
 from woz_tui.protocol import messages as m
-from woz_tui.replay.rerun_plan import Plan, Step
-from woz_tui.replay.robot_compatibility import unfit
+from woz_tui.replay.rerun_plan import RerunPlan, RerunStep
+from woz_tui.replay.robot_compatibility import unfit_steps
 from woz_tui.session.redactor import Redactor
 from woz_tui.system.text_cleaning import clean
 
@@ -20,12 +20,12 @@ ARGS = 56
 REASONS = 8
 
 
-def redacted(plan: Plan, redactor: Redactor) -> Plan:
+def redacted(plan: RerunPlan, redactor: Redactor) -> RerunPlan:
     """The plan as the wizard may see it."""
     return replace(plan, steps=tuple(_seen(step, redactor) for step in plan.steps))
 
 
-def _seen(step: Step, redactor: Redactor) -> Step:
+def _seen(step: RerunStep, redactor: Redactor) -> RerunStep:
     command = redactor.message(step.command)
     if command is step.command or not isinstance(command, m.Command):
         return step
@@ -33,7 +33,7 @@ def _seen(step: Step, redactor: Redactor) -> Step:
     return replace(step, command=command, skip=why)
 
 
-def summary(plan: Plan, experiment: Experiment, *, headless: bool) -> Iterator[str]:
+def summary(plan: RerunPlan, experiment: Experiment, *, headless: bool) -> Iterator[str]:
     """What will be run, on what, and what will not."""
     drives = sum(step.drives for step in plan.sent)
     yield f"session     {plan.session or 'without a code'}  ({clean(plan.name)})"
@@ -58,19 +58,19 @@ def summary(plan: Plan, experiment: Experiment, *, headless: bool) -> Iterator[s
         yield f"damage      {clean(sentence)}"
 
 
-def _robot(plan: Plan, experiment: Experiment) -> str:
+def _robot(plan: RerunPlan, experiment: Experiment) -> str:
     types = {spec.name: spec.type for spec in experiment.drivers}
     return ", ".join(f"{clean(name)} ({types.get(name, '?')})" for name in plan.drivers) or "none"
 
 
-def _counts(plan: Plan) -> str:
+def _counts(plan: RerunPlan) -> str:
     by_driver: dict[str, list[str]] = {}
     for (driver, verb), count in plan.counts.items():
         by_driver.setdefault(clean(driver), []).append(f"{count} {clean(verb)}")
     return "".join(f"\n              {name}: {', '.join(c)}" for name, c in by_driver.items())
 
 
-def _reasons(plan: Plan) -> list[tuple[int, str]]:
+def _reasons(plan: RerunPlan) -> list[tuple[int, str]]:
     """The reasons, the most frequent first; rare ones beyond `REASONS` together."""
     counted = Counter(clean(step.skip) for step in plan.skipped).most_common()
     told = [(count, reason) for reason, count in counted[:REASONS]]
@@ -78,7 +78,7 @@ def _reasons(plan: Plan) -> list[tuple[int, str]]:
     return [*told, (rest, "for other reasons; --dry-run names each")] if rest else told
 
 
-def table(plan: Plan) -> Iterator[str]:
+def table(plan: RerunPlan) -> Iterator[str]:
     """One line for each command of the original, in order."""
     names = [f"{clean(step.command.driver)}.{clean(step.command.verb)}" for step in plan.steps]
     width = min(28, max(map(len, names), default=8))
@@ -88,14 +88,14 @@ def table(plan: Plan) -> Iterator[str]:
         yield f"{time:>10}  {name:{width}}  {_args(step):{ARGS}}  {_fate(step, plan)}"
 
 
-def verdict(plan: Plan) -> str:
+def verdict(plan: RerunPlan) -> str:
     """The last line of a dry run."""
     said = f"{len(plan.sent)} would be sent, {len(plan.skipped)} left out"
-    impossible = len(unfit(plan))
+    impossible = len(unfit_steps(plan))
     return f"{said}, {impossible} of them because this robot cannot do them" if impossible else said
 
 
-def _fate(step: Step, plan: Plan) -> str:
+def _fate(step: RerunStep, plan: RerunPlan) -> str:
     if step.skip:
         return f"left out: {clean(step.skip)}"
     cut = ""
@@ -104,7 +104,7 @@ def _fate(step: Step, plan: Plan) -> str:
     return f"{'drives' if step.drives else 'sent'}{cut}"
 
 
-def _args(step: Step) -> str:
+def _args(step: RerunStep) -> str:
     said = clean(json.dumps(step.command.args, ensure_ascii=False)) if step.command.args else ""
     return said if len(said) <= ARGS else f"{said[: ARGS - 3]}..."
 

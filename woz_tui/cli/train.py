@@ -18,7 +18,7 @@ from woz_tui.cli.host_start import host_arguments
 from woz_tui.cli.shared_options import add_keymap, add_theme, builtins
 from woz_tui.console.text_console import TextConsole
 from woz_tui.session.participant_identity import check_code
-from woz_tui.training.score_history import Score, history, score_of
+from woz_tui.training.score_history import TrainingScore, history, score_of
 
 #: Beside the recordings of sessions with participants, never among them.
 FOLDER = Path("recordings/training")
@@ -126,7 +126,7 @@ def _farewell(arguments: Namespace, log: Path) -> int:
 _FIGURES = 73
 
 
-def _print(scores: Sequence[Score]) -> None:
+def _print(scores: Sequence[TrainingScore]) -> None:
     console = TextConsole()
     table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0), header_style="bold")
     table.add_column("wizard", no_wrap=True, min_width=6)
@@ -140,7 +140,7 @@ def _print(scores: Sequence[Score]) -> None:
     console.print(table)
 
 
-def _row(score: Score) -> tuple[str, ...]:
+def _row(score: TrainingScore) -> tuple[str, ...]:
     training = score.training
     return (
         score.wizard or "-",

@@ -31,13 +31,13 @@ from woz_tui.console.robot_settings.step_sizes import ArrowSteps
 from woz_tui.console.screen_app import BEAT, ScreenApp
 from woz_tui.console.screens.dialog import ConsoleCommand, Dialog
 from woz_tui.console.status_rows import StatusInfo
-from woz_tui.console.study.study_view import Tiding
+from woz_tui.console.study.study_view import StudyNews
 from woz_tui.protocol.camera_pictures import PictureShown
 from woz_tui.protocol.messages import StopPressed, TrainingChanged
 from woz_tui.protocol.requests import AskRelease, Reply, Welcome
 
 if TYPE_CHECKING:
-    from woz_tui.console.camera.terminal_graphics import Side
+    from woz_tui.console.camera.picture_terminal import PictureTerminal
     from woz_tui.console.keyboard import ConsoleKey, Keyboard
 
 #: Seconds a sentence above the hints stays.
@@ -78,7 +78,7 @@ class Console(ScreenApp):
     ) -> None:
         super().__init__(feed, keyboard, **options)
         self.pictures = pictures
-        self.side: Side | None = None
+        self.side: PictureTerminal | None = None
         self.terminal = terminal
         self.commands: Mapping[str, ConsoleCommand] = by_key(commands)
         own = [key for command in commands for key in command.keys if key.chord]
@@ -195,7 +195,7 @@ class Console(ScreenApp):
             self._training = training
             calls("screens.training:open_training")(self)
 
-    def _sentence(self, tiding: Tiding) -> str:
+    def _sentence(self, tiding: StudyNews) -> str:
         """With the keys that it names."""
         right = " or ".join(map(self._with_key, tiding.right))
         text = f"{tiding.text}; right: {right}" if right else tiding.text
@@ -260,7 +260,7 @@ class Console(ScreenApp):
             self._adopt()
             self.paint()
 
-    def side_found(self, side: Side) -> None:
+    def side_found(self, side: PictureTerminal) -> None:
         """What pictures need to know of the terminal; told by the driver when it is made."""
         self.side = side
 

@@ -12,9 +12,9 @@ from woz_tui.console.cells import Cells, Row, clean, cut, fit, length, spread, w
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.number_text import elapsed, millis
-from woz_tui.console.robot_settings.stop_confirmation import confirmed_words, missing_row
 from woz_tui.console.script_row import script_row, upcoming
 from woz_tui.console.sentence_rows import sentence_rows
+from woz_tui.console.stop_confirmation import confirmed_words, missing_row
 from woz_tui.timeline.episodes import StopEpisode
 
 

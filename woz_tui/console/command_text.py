@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from woz_tui.config.session_verbs import PERFORMERS
-from woz_tui.console.engagement.override_sentences import is_order, order_words
+from woz_tui.console.engagement.override_sentences import is_override, override_text
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 
@@ -37,8 +37,8 @@ def command_words(command: m.Command | m.FilledCall) -> str:
     text = command.args.get("text")
     if isinstance(text, str) and text:
         return f"“{text}”"
-    if is_order(command):
-        return order_words(command.verb, command.args)
+    if is_override(command):
+        return override_text(command.verb, command.args)
     return _step(command.verb, command.args) or _verb(command.verb, command.args)
 
 

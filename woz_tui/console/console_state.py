@@ -15,17 +15,17 @@ from dataclasses import dataclass, field, replace
 
 import msgspec
 
-from woz_tui.console.bodies.body_outlines import Outline, outlines_of
+from woz_tui.console.bodies.driver_outlines import Outline, outlines_of
 from woz_tui.console.command_text import spoken_text
-from woz_tui.console.engagement.engagement_view import Engaged
-from woz_tui.console.engagement.override_sentences import done_words
+from woz_tui.console.engagement.engagement_view import EngagementView
+from woz_tui.console.engagement.override_sentences import toggled_text
 from woz_tui.console.event_sentences import EventLine, event_line, explained
 from woz_tui.console.message_feed import Incoming
 from woz_tui.console.profile_view import ProfileList
-from woz_tui.console.replay.replay_state import ReplayPicture, following
+from woz_tui.console.replay.replay_state import ReplayState, updated
 from woz_tui.console.robot_settings.robot_outlines import robots_of
 from woz_tui.console.running_actions import ActiveRun, Failure, RunningActions, RunOutcome
-from woz_tui.console.study.study_view import Study
+from woz_tui.console.study.study_view import StudyView
 from woz_tui.console.view_models import STALE_US, ButtonState, ButtonView, DriverView, SensorView
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -80,8 +80,8 @@ class ConsoleState:
     outlines: dict[str, Outline] = field(default_factory=dict)
     robot_outlines: dict[str, RobotOutline] = field(default_factory=dict)
     #: What only a screen needs of study, engagement model and actions.
-    study: Study = field(init=False)
-    engaged: Engaged = field(init=False)
+    study: StudyView = field(init=False)
+    engaged: EngagementView = field(init=False)
     runs: RunningActions = field(init=False)
     #: How the last commands ended, by command.
     ends: dict[str, m.End] = field(default_factory=dict)
@@ -93,7 +93,7 @@ class ConsoleState:
     #: Raised whenever panels or script are new, so that keys and layout follow.
     edition: int = 0
     #: How a replay stands, and its places to go to; None in a session.
-    replay: ReplayPicture | None = None
+    replay: ReplayState | None = None
     #: How fast the session's time goes on: 1, or the speed of a replay, which may stand still.
     rate: float = 1.0
     _t: int = 0
@@ -102,8 +102,8 @@ class ConsoleState:
     def __post_init__(self) -> None:
         session = self.session
         self.study, self.engaged, self.runs = (
-            Study(session),
-            Engaged(session),
+            StudyView(session),
+            EngagementView(session),
             RunningActions(session),
         )
 
@@ -252,7 +252,7 @@ class ConsoleState:
             elif isinstance(message, r.Pulse):
                 self._pulse(message, local_us)
             elif isinstance(message, r.Replaying):
-                self.replay = following(self.replay, message)
+                self.replay = updated(self.replay, message)
             elif isinstance(message, m.Message):
                 if message.t >= 0 and not isinstance(message, m.Reading):
                     self._heard(message.t, local_us)
@@ -440,7 +440,7 @@ class ConsoleState:
             for event in reversed(self.events):
                 if event.run == outcome.run:
                     event.end(outcome)
-                    event.text = done_words(message) or event.text
+                    event.text = toggled_text(message) or event.text
                     return
         if isinstance(message, m.DriverLost | m.DriverConnecting):
             kept = [event for event in self.events if not explained(event, message, self)]

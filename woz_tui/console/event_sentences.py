@@ -8,12 +8,12 @@ from typing import Any, Protocol
 
 from woz_tui.config.session_verbs import ENGAGEMENT
 from woz_tui.console.command_text import command_words
-from woz_tui.console.engagement.engagement_text import sentence, why
+from woz_tui.console.engagement.engagement_text import change_reason, state_sentence
 from woz_tui.console.engagement.engagement_view import texts
-from woz_tui.console.robot_settings.stop_confirmation import missing_words
 from woz_tui.console.running_actions import RunOutcome, shown_outcome
-from woz_tui.console.study.study_sentences import TELLERS, line_of
-from woz_tui.console.study.study_view import Study
+from woz_tui.console.stop_confirmation import missing_words
+from woz_tui.console.study.study_sentences import TELLERS, event_text
+from woz_tui.console.study.study_view import StudyView
 from woz_tui.console.view_models import DriverView
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView
@@ -69,7 +69,7 @@ class Shown(Protocol):
         ...
 
     @property
-    def study(self) -> Study:
+    def study(self) -> StudyView:
         """The study around the session."""
         ...
 
@@ -312,9 +312,11 @@ def explained(event: EventLine, message: m.DriverHealth, shown: Shown) -> bool:
 
 
 def _engagement(message: m.EngagementChanged, shown: Shown) -> EventLine:
-    told = sentence(message.now, message.visitor)
+    told = state_sentence(message.now, message.visitor)
     if message.forced:
-        return EventLine(message.t, "forced", told, f"by hand: {why(message)}", model=True)
+        return EventLine(
+            message.t, "forced", told, f"by hand: {change_reason(message)}", model=True
+        )
     return EventLine(message.t, "info", told, message.why, model=True)
 
 
@@ -386,7 +388,7 @@ def _reloaded(message: m.ExperimentReloaded, shown: Shown) -> EventLine:
 
 
 def _of_study(message: m.Message, shown: Shown) -> EventLine | None:
-    line = line_of(message)
+    line = event_text(message)
     missing = shown.study.unticked() if isinstance(message, m.TrialStarted) else []
     if line is not None and missing and shown.study.last is None:
         line = line._replace(mark="warning", detail=f"not ticked: {'; '.join(missing)}")

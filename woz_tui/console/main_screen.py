@@ -11,7 +11,7 @@ from textual.screen import Screen
 
 from woz_tui.console.action_panels import ActionPanels
 from woz_tui.console.bodies.bodies_pane import BodyPane
-from woz_tui.console.bodies.body_outlines import bodies
+from woz_tui.console.bodies.driver_outlines import body_outlines
 from woz_tui.console.bottom_rows import BarInfo, StopBar
 from woz_tui.console.cells import Cells, fit
 from woz_tui.console.console_state import ConsoleState
@@ -81,7 +81,7 @@ class MainScreen:
             Needs(
                 self.panels.needs(picture, glyphs),
                 self.meters.needs,
-                len(bodies(picture.outlines)),
+                len(body_outlines(picture.outlines)),
                 lines,
             ),
         )

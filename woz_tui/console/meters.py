@@ -14,7 +14,7 @@ from rich.cells import cell_len
 from woz_tui.console.cells import Cells, Piece, Row, clean, cut, fit, heading, length
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.engagement.engagement_meter import block_rows
-from woz_tui.console.engagement.engagement_text import sentence
+from woz_tui.console.engagement.engagement_text import state_sentence
 from woz_tui.console.engagement.sign_bars import FARTHEST
 from woz_tui.console.engagement.wizard_overrides import is_offered
 from woz_tui.console.glyphs import Glyphs, PaintFrame
@@ -214,7 +214,7 @@ def _engagement(picture: ConsoleState, frame: PaintFrame) -> list[Row]:
     verdicts = "  ".join(_marked(changed, frame.glyphs))
     first: Row = (
         name_piece("engaged"),
-        (sentence(changed.now, changed.visitor, frame.glyphs), "strong"),
+        (state_sentence(changed.now, changed.visitor, frame.glyphs), "strong"),
     )
     if length(first) + cell_len(verdicts) + 2 <= frame.width:
         first += ((f"  {verdicts}", "muted"),)

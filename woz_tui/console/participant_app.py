@@ -16,8 +16,8 @@ from woz_tui.config.keys.textual_names import from_textual
 from woz_tui.console.keyboard import Keyboard
 from woz_tui.console.message_feed import GONE, MessageFeed
 from woz_tui.console.screen_app import ScreenApp
-from woz_tui.console.study.questionnaire_widget import Sheet, Words, thanks
-from woz_tui.console.study.questionnaires import Asked
+from woz_tui.console.study.questionnaire_widget import QuestionnaireSheet, Words, thanks
+from woz_tui.console.study.questionnaires import OpenQuestionnaire
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AnyRequest, AskQuestionnaire, Reply
 from woz_tui.protocol.welcome import QuestionnaireWords
@@ -47,7 +47,7 @@ class ParticipantApp(ScreenApp):
 
     def compose(self) -> ComposeResult:
         """The sheet."""
-        yield Sheet(self._ask, self.clock.now_us, self.look.glyphs)
+        yield QuestionnaireSheet(self._ask, self.clock.now_us, self.look.glyphs)
 
     # -- what comes ---------------------------------------------------------------------------
 
@@ -70,7 +70,7 @@ class ParticipantApp(ScreenApp):
             self.exit("ended")
         self._begin()
         lost, halted = bool(self.picture.lost), self.picture.stop is not None
-        for sheet in self.query(Sheet):
+        for sheet in self.query(QuestionnaireSheet):
             notice = self._words.stopped if halted else ""
             sheet.follow(self._asked(), self._lines(), words=self._words, away=lost, notice=notice)
 
@@ -90,7 +90,7 @@ class ParticipantApp(ScreenApp):
         for ref, on_reply in waiting.items():
             on_reply(Reply(ref=ref, ok=False, reason=GONE))
 
-    def _asked(self) -> Asked | None:
+    def _asked(self) -> OpenQuestionnaire | None:
         asked = self.picture.study.asked
         wanted = asked is not None and self._only in ("", asked.name)
         return asked if wanted else None

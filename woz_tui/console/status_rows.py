@@ -10,7 +10,7 @@ from woz_tui.console.cells import Cells, Piece, Row, clean, fit, fit_most, lengt
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.number_text import elapsed, millis
-from woz_tui.console.replay.replay_state import wall_at
+from woz_tui.console.replay.replay_state import wall_time
 from woz_tui.console.robot_settings.settings_status import driver_trouble
 
 #: Round trips to the terminal from which typing feels slow, and from which it is dangerous (us).
@@ -171,7 +171,7 @@ def _log(picture: ConsoleState, glyphs: Glyphs) -> Row:
     """In a replay: the day of the session, and whether all of its log is there."""
     if picture.replay is None:
         return ()
-    began = wall_at(picture.settings, 0)
+    began = wall_time(picture.settings, 0)
     day = f"  {began:%Y-%m-%d}  " if began is not None else "  "
     damaged = bool(picture.settings.replay and picture.settings.replay.notes)
     state = (f"{glyphs.warning} log incomplete ", "warn") if damaged else ("log complete ", "muted")

@@ -7,7 +7,7 @@ from textual.geometry import Size
 from woz_tui.console.cells import Cells, Row, clean, fit
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import PaintFrame
-from woz_tui.console.study.study_view import judged
+from woz_tui.console.study.study_view import verdict_text
 
 #: Lines on a low screen, and on one of so many lines or more.
 _LOW, _HIGH, _TALL = 3, 5, 32
@@ -41,7 +41,7 @@ class CueBoard(Cells):
             full = round(left / max(1, given.window_us) * (frame.width // 2))
             rows = [said, (frame.glyphs.bar * full, "run")]
         elif last is not None:
-            rows = [judged(last), ("", "plain")]
+            rows = [verdict_text(last), ("", "plain")]
         else:
             rows = [("The first cue comes soon.", "muted"), ("", "plain")]
         above: list[Row] = [()] * max(0, (frame.height - len(rows)) // 2)

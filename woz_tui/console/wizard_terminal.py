@@ -29,7 +29,7 @@ from textual.drivers.linux_driver import LinuxDriver
 
 from woz_tui.config.keys.terminals import KITTY, PLAIN, Terminal, detect_terminal, merged_chords
 from woz_tui.console.byte_scanner import INTRODUCER_S, Scanner
-from woz_tui.console.camera.terminal_graphics import Side, question
+from woz_tui.console.camera.picture_terminal import PictureTerminal, question
 from woz_tui.console.cells import clean, clean_paste
 from woz_tui.console.exit_handler import GONE, ExitHandler, run_aside
 from woz_tui.console.input_tokens import Key, Paste, Raw, StopToken, TerminalReply, Token
@@ -81,7 +81,7 @@ class WizardDriver(LinuxDriver):
         self._wake_in, self._wake_out = os.pipe()
         os.set_blocking(self._wake_in, False)
         os.set_blocking(self._wake_out, False)
-        self._side = Side(lambda: self._output, self._line, self._wake)
+        self._side = PictureTerminal(lambda: self._output, self._line, self._wake)
         getattr(app, "side_found", lambda side: None)(self._side)
         self._read_s = 0.0
         self._scanner = Scanner()

@@ -15,8 +15,8 @@ from woz_tui.bus.bus import STOP_WAIT_S
 from woz_tui.config.experiment import Call, Experiment, FilePosition
 from woz_tui.host.server import SessionServer
 from woz_tui.protocol import messages as m
-from woz_tui.replay.rerun_plan import REPLAY, Plan, plan_of
-from woz_tui.replay.rerun_player import DONE, LEAD_US, STOPPED, Player
+from woz_tui.replay.rerun_plan import REPLAY, RerunPlan, plan_of
+from woz_tui.replay.rerun_player import DONE, LEAD_US, STOPPED, RerunPlayer
 from woz_tui.replay.robot_compatibility import fitted
 from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import RequestError
@@ -51,7 +51,7 @@ def without_model(experiment: Experiment) -> Experiment:
     return replace(experiment, engagement=None)
 
 
-def read_plan(options: RerunOptions, experiment: Experiment) -> Plan:
+def read_plan(options: RerunOptions, experiment: Experiment) -> RerunPlan:
     """The plan for this robot. Raises `RequestError` or `OSError` if nothing can be sent."""
     try:
         plan = fitted(plan_of(options.log), experiment)
@@ -71,14 +71,14 @@ class RerunSession:
         options: How.
     """
 
-    def __init__(self, host: SessionServer, plan: Plan, options: RerunOptions) -> None:
+    def __init__(self, host: SessionServer, plan: RerunPlan, options: RerunOptions) -> None:
         self._host = host
         self._session = host.session
         self._plan = plan
         self._options = options
         self._deadline: asyncio.TimerHandle | None = None
         self._ending: asyncio.TimerHandle | None = None
-        self._player = Player(
+        self._player = RerunPlayer(
             plan,
             self._session.hub,
             self._send,

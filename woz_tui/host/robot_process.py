@@ -42,7 +42,7 @@ if TYPE_CHECKING:  # most sessions are neither, and begin without loading them
     from woz_tui.drivers.contract import Driver
     from woz_tui.host.rerun_session import RerunOptions, RerunSession
     from woz_tui.host.training_session import TrainingOptions, TrainingSession
-    from woz_tui.replay.rerun_plan import Plan
+    from woz_tui.replay.rerun_plan import RerunPlan
     from woz_tui.training.cue_plan import PlannedCue
 
 #: Collections of young objects are cheap; the long ones must not fall into a wizard's key press.
@@ -93,7 +93,7 @@ def run(options: HostOptions) -> int:
     _check_identity(options.identity, experiment)
     if options.profile:
         ProfileLimits(lambda message: None).use(options.profile, experiment, "")
-    plan: Plan | None = None
+    plan: RerunPlan | None = None
     if options.rerun is not None:
         from woz_tui.host.rerun_session import read_plan  # noqa: PLC0415
 
@@ -144,7 +144,7 @@ async def _serve(
     options: HostOptions,
     catalogue: Catalogue,
     experiment: Experiment,
-    plan: Plan | None,
+    plan: RerunPlan | None,
     cues: tuple[PlannedCue, ...],
 ) -> int:
     signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a closed terminal does not end the session
@@ -264,7 +264,7 @@ def _offered(options: HostOptions, catalogue: Catalogue) -> Mapping[str, type[Dr
 
 
 def _played(
-    host: SessionServer, options: HostOptions, plan: Plan | None, cues: tuple[PlannedCue, ...]
+    host: SessionServer, options: HostOptions, plan: RerunPlan | None, cues: tuple[PlannedCue, ...]
 ) -> tuple[RerunSession | None, TrainingSession | None]:
     """What goes on in the session by itself, if anything does."""
     rerun = training = None

@@ -11,7 +11,7 @@ from woz_tui.config.experiment import Experiment
 from woz_tui.host.server import SessionServer
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
-from woz_tui.training.cue_plan import PlannedCue, acts, planned
+from woz_tui.training.cue_plan import PlannedCue, moves_robot, planned_cues
 from woz_tui.training.trainer import MISSED, RIGHT, UNCALLED, WRONG, Trainer
 from woz_tui.training.training_visitor import TrainingVisitor
 
@@ -33,7 +33,7 @@ def read_cues(
 ) -> tuple[PlannedCue, ...]:
     """The cues to be given. Raises `RequestError` if the experiment has nothing to train."""
     try:
-        return planned(experiment, options.count, seed)
+        return planned_cues(experiment, options.count, seed)
     except ValueError as error:
         raise RequestError(str(error), "add training: {cues: [...]} to the file") from error
 
@@ -85,7 +85,7 @@ class TrainingSession:
 
     def _acts(self, name: str) -> bool:
         action = self._session.experiment.action(name)
-        return action is not None and acts(action)
+        return action is not None and moves_robot(action)
 
     @property
     def _state(self) -> str:

@@ -13,7 +13,7 @@ from woz_tui.protocol import messages as m
 #: How much is shown before what ends an idle stretch, in microseconds, at most.
 LEAD_US = 1_000_000
 #: What happens; everything else, above all samples, comes by itself also where nobody does a thing.
-_DEEDS = (
+_EVENTS = (
     m.ActionRequested,
     m.ActionEnd,
     m.Command,
@@ -48,7 +48,7 @@ _DEEDS = (
 SET = "trial set"
 
 
-class Mark(NamedTuple):
+class Bookmark(NamedTuple):
     """A place on the time line: when, what sort (marker, note, mistake, stop, trial, phase,
     break, questionnaire, lost, engagement, end; code: a coder set it), what it says.
     """
@@ -58,35 +58,35 @@ class Mark(NamedTuple):
     text: str
 
 
-def mark_of(message: object, t: int) -> Mark | None:  # noqa: PLR0911 - a table of kinds
+def bookmark_of(message: object, t: int) -> Bookmark | None:  # noqa: PLR0911 - a table of kinds
     """The mark that a line of the log is; None for most of them."""
     match message:
         case m.Marker(text=text):
-            return Mark(t, "marker", text or "marker")
+            return Bookmark(t, "marker", text or "marker")
         case m.Note(text=text):
-            return Mark(t, "note", text)
+            return Bookmark(t, "note", text)
         case m.Mistake(action=action, run=run, text=text):
-            return Mark(t, "mistake", f"{action or run} {text}".strip())
+            return Bookmark(t, "mistake", f"{action or run} {text}".strip())
         case m.StopPressed(scope="all", source=source):
-            return Mark(t, "stop", f"stop by {source}")
+            return Bookmark(t, "stop", f"stop by {source}")
         case m.TrialStarted(trial=trial, condition=condition):
-            return Mark(t, "trial", f"trial {trial} {condition}".rstrip())
+            return Bookmark(t, "trial", f"trial {trial} {condition}".rstrip())
         case m.SessionChanged(trial=int(trial)):
-            return Mark(t, SET, f"trial {trial}")
+            return Bookmark(t, SET, f"trial {trial}")
         case m.PhaseChanged(phase=str(phase)) if phase:
-            return Mark(t, "phase", f"phase {phase}")
+            return Bookmark(t, "phase", f"phase {phase}")
         case m.BreakStarted(text=text):
-            return Mark(t, "break", f"break {text}".rstrip())
+            return Bookmark(t, "break", f"break {text}".rstrip())
         case m.QuestionnaireStarted(questionnaire=name):
-            return Mark(t, "questionnaire", f"questionnaire {name}")
+            return Bookmark(t, "questionnaire", f"questionnaire {name}")
         case m.DriverLost(driver=driver):
-            return Mark(t, "lost", f"{driver} lost")
+            return Bookmark(t, "lost", f"{driver} lost")
         case m.SessionEnd(reason=reason):
-            return Mark(t, "end", f"end: {reason}" if reason else "end")
+            return Bookmark(t, "end", f"end: {reason}" if reason else "end")
     return None
 
 
-def marks_of(marks: Iterable[Mark | None]) -> list[Mark]:
+def bookmarks_of(marks: Iterable[Bookmark | None]) -> list[Bookmark]:
     """What there is to go to: trials that were begun, or else the numbers that were set."""
     found = [mark for mark in marks if mark is not None]
     begun = any(mark.sort == "trial" for mark in found)
@@ -97,20 +97,20 @@ def marks_of(marks: Iterable[Mark | None]) -> list[Mark]:
     ]
 
 
-def is_deed(message: object) -> bool:
+def is_event(message: object) -> bool:
     """Whether a line is something that happened, so that it ends an idle stretch."""
-    return isinstance(message, _DEEDS)
+    return isinstance(message, _EVENTS)
 
 
 @dataclass(frozen=True, slots=True)
-class Cut:
+class IdleCut:
     """A stretch that is left out: playing jumps from `begin` to `end` (microseconds)."""
 
     begin: int
     end: int
 
 
-class Cuts:
+class IdleCuts:
     """What is left out of the idle stretches between `deeds`, times in microseconds, rising.
 
     A stretch longer than `most_us` keeps that much: most of it at its beginning, the rest before
@@ -129,7 +129,7 @@ class Cuts:
     def __len__(self) -> int:
         return len(self._cuts)
 
-    def crossed(self, start: int, to: int) -> Cut | None:
+    def crossed(self, start: int, to: int) -> IdleCut | None:
         """The first cut that playing from `start` to `to` comes to."""
         index = bisect.bisect_left(self._begins, start)
         if index < len(self._cuts) and self._begins[index] < to:
@@ -149,16 +149,16 @@ class Cuts:
         return wanted + sum(cut.end - cut.begin for cut in self._cuts[:index])
 
 
-def _cuts(deeds: Iterable[int], most_us: int) -> Iterable[Cut]:
+def _cuts(deeds: Iterable[int], most_us: int) -> Iterable[IdleCut]:
     lead = min(LEAD_US, most_us // 2)
     before: int | None = None
     for t in deeds:
         if before is not None and t - before > most_us:
-            yield Cut(before + most_us - lead, t - lead)
+            yield IdleCut(before + most_us - lead, t - lead)
         before = t
 
 
-def steady(times: Sequence[int]) -> list[int]:
+def monotonic(times: Sequence[int]) -> list[int]:
     """Times that never go back, from those of a log in its order.
 
     A single time that does not fit between its neighbours is damaged: one that is too late takes

@@ -34,7 +34,7 @@ class OriginError(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Origin:
+class ExperimentOrigin:
     """What a log says about its experiment.
 
     Attributes:
@@ -64,7 +64,7 @@ class Origin:
         return self.study is not None and bool(self.study.blind)
 
 
-def origin_of(lines: Iterable[object]) -> Origin:
+def origin_of(lines: Iterable[object]) -> ExperimentOrigin:
     """What a log says about its experiment."""
     name, hashes, files, study = "", [], None, None
     for line in lines:
@@ -77,19 +77,19 @@ def origin_of(lines: Iterable[object]) -> Origin:
                 files = line
             case m.SessionPlan():
                 study = last_blind(study, line)
-    return Origin(name, tuple(hashes), files, study)
+    return ExperimentOrigin(name, tuple(hashes), files, study)
 
 
-def places(log: Path, name: str) -> list[Path]:
+def candidate_files(log: Path, name: str) -> list[Path]:
     """Where the experiment called `name` may be: beside the log, above it, here; best first."""
     near = (log.resolve().parent, log.resolve().parent.parent, Path.cwd())
     folders = dict.fromkeys(folder / sub for sub in ("", EXPERIMENTS) for folder in near)
     return [file for folder in folders if name and (file := folder / name).is_file()]
 
 
-def find(
+def find_experiment(
     log: Path,
-    origin: Origin,
+    origin: ExperimentOrigin,
     catalogue: Mapping[str, type[Driver]],
     given: Path | None = None,
 ) -> Experiment:
@@ -104,7 +104,7 @@ def find(
     """
     if given is not None:
         return load(given, catalogue)
-    found = places(log, Path(origin.name).name)
+    found = candidate_files(log, Path(origin.name).name)
     if not found:
         raise OriginError(
             f"the experiment {origin.name or 'of this log'} is not beside the log",
@@ -122,12 +122,14 @@ def find(
     return next((one for one in read if origin.made_with(one)), read[0])
 
 
-def blind(origin: Origin, experiment: Experiment) -> bool:
+def was_blind(origin: ExperimentOrigin, experiment: Experiment) -> bool:
     """Whether a wizard of this study is blind to the condition: in the log, or by now."""
     return origin.blind or bool(experiment.study.design and experiment.study.design.blind)
 
 
-def differences(origin: Origin, experiment: Experiment, *, places: bool = False) -> list[str]:
+def differences(
+    origin: ExperimentOrigin, experiment: Experiment, *, places: bool = False
+) -> list[str]:
     """What has changed since the session, as the lines of a unified diff; empty: nothing has.
 
     With `places` only where: names of files and numbers of lines, no word of any text. Where the
@@ -143,10 +145,10 @@ def differences(origin: Origin, experiment: Experiment, *, places: bool = False)
             " the log does not contain its text, so the changes are unknown"
         ]
     compared = _places if places else _unified
-    return _diff(compared, origin.files.files, now_of(experiment), origin.files.left_out)
+    return _diff(compared, origin.files.files, current_files(experiment), origin.files.left_out)
 
 
-def now_of(experiment: Experiment) -> dict[str, str]:
+def current_files(experiment: Experiment) -> dict[str, str]:
     """The experiment's files as they were read now: text by name, as a log has them."""
     folder = experiment.path.parent
     return {

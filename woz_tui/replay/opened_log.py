@@ -10,7 +10,7 @@ from woz_tui.log.log_index import LogIndex
 from woz_tui.log.log_reader import LogLine
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
-from woz_tui.replay.recording import Reel
+from woz_tui.replay.recording import Recording
 
 
 class LogError(Exception):
@@ -47,7 +47,7 @@ class IndexedSamples:
         return [*state.readings.values(), *shown]
 
 
-def chosen(path: Path) -> Path:
+def log_in(path: Path) -> Path:
     """The log that is meant: a file, or the newest session of a folder. Raises `LogError`."""
     if not path.is_dir():
         return path
@@ -61,7 +61,7 @@ def chosen(path: Path) -> Path:
     return max(logs, key=lambda each: (each.stat().st_mtime_ns, each.name))
 
 
-def opened(path: Path) -> LogIndex:
+def open_log(path: Path) -> LogIndex:
     """The session to which `path` belongs, whatever its state. Raises `LogError` if there is
     nothing of a session in it.
     """
@@ -86,7 +86,7 @@ def has_beginning(index: LogIndex) -> bool:
     return any(isinstance(line, m.SessionStart) for line in index.actions)
 
 
-def notes_of(index: LogIndex, reel: Reel) -> tuple[str, ...]:
+def notes_of(index: LogIndex, reel: Recording) -> tuple[str, ...]:
     """What the viewer must know: damage, a lost beginning, an end that was never written."""
     notes = list(index.damage.sentences())
     if reel.start is None:

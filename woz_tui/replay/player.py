@@ -29,9 +29,9 @@ from woz_tui.protocol.requests import (
     Reply,
 )
 from woz_tui.protocol.welcome import ReplayedLog
-from woz_tui.replay.bookmarks import Cut, Mark
-from woz_tui.replay.recording import Reel, thinned
-from woz_tui.replay.seek import PlaceError, find
+from woz_tui.replay.bookmarks import Bookmark, IdleCut
+from woz_tui.replay.recording import Recording, thinned
+from woz_tui.replay.seek import SeekError, seek_time
 from woz_tui.session.recent_messages import MOST
 from woz_tui.session.session_plan import panels_changed, welcome
 
@@ -48,7 +48,7 @@ UNCODED = "nobody codes this replay; begin it with --coder and your code"
 
 
 @dataclass(frozen=True, slots=True)
-class Start:
+class ReplayStart:
     """How a replay begins: at which speed (0.25..16), where (microseconds), standing still, and
     how long an idle stretch may be (microseconds; None: as long as it was).
     """
@@ -59,7 +59,7 @@ class Start:
     max_idle_us: int | None = None
 
 
-class Player:
+class ReplayPlayer:
     """See the module's text.
 
     Args:
@@ -72,14 +72,14 @@ class Player:
 
     def __init__(
         self,
-        reel: Reel,
-        start: Start | None = None,
+        reel: Recording,
+        start: ReplayStart | None = None,
         log: str = "",
         notes: tuple[str, ...] = (),
         coding: Coding | None = None,
     ) -> None:
         self._coding = coding
-        start = start or Start()
+        start = start or ReplayStart()
         self.reel = reel
         self.log, self.notes = log, notes
         self.rate = min(FASTEST, max(SLOWEST, start.speed))
@@ -136,7 +136,7 @@ class Player:
             told += self._stands(now)
         return told
 
-    def _skip(self, cut: Cut, now: int) -> list[Incoming]:
+    def _skip(self, cut: IdleCut, now: int) -> list[Incoming]:
         return [*self._deliver(cut.begin), *self._go(cut.end, now)]
 
     def _deliver(self, to: int) -> list[Incoming]:
@@ -226,7 +226,7 @@ class Player:
             return [*caught_up, Reply(ref=request.ref, ok=False, reason=reason)]
         try:
             data, told = self._carry(request, now)
-        except PlaceError as error:
+        except SeekError as error:
             reply = Reply(ref=request.ref, ok=False, reason=str(error), hint=error.hint)
             return [*caught_up, reply]
         return [*caught_up, Reply(ref=request.ref, ok=True, data=data), *told]
@@ -243,7 +243,7 @@ class Player:
             case "seek":
                 return None, self._go(self._cuts.moved(self._t, round(request.by_s * 1e6)), now)
             case "go":
-                return None, self._go(find(request.to, self.reel, self._t), now)
+                return None, self._go(seek_time(request.to, self.reel, self._t), now)
 
     # -- coding ------------------------------------------------------------------------------
 
@@ -272,7 +272,7 @@ class Player:
 
     def _mark_codes(self) -> None:
         if self._coding is not None:
-            self.reel.codes = [Mark(code.t, "code", code.text) for code in self._coding.codes]
+            self.reel.codes = [Bookmark(code.t, "code", code.text) for code in self._coding.codes]
 
     def _said(self, code: Code) -> m.AnyMessage:
         """As the list of events has it; it is no line of the log."""
@@ -289,14 +289,14 @@ class Player:
 
     def _pause(self, now: int) -> list[Incoming]:
         if self.ended:
-            raise PlaceError("the replay is at its end", "press home to go to the beginning")
+            raise SeekError("the replay is at its end", "press home to go to the beginning")
         self.paused = not self.paused
         self._local = now
         return self._stands(now)
 
     def _speed(self, rate: float, now: int) -> list[Incoming]:
         if not SLOWEST <= rate <= FASTEST:
-            raise PlaceError(f"the speed goes from {SLOWEST:g} to {FASTEST:g} times")
+            raise SeekError(f"the speed goes from {SLOWEST:g} to {FASTEST:g} times")
         self.rate = rate
         return self._stands(now)
 
@@ -304,7 +304,7 @@ class Player:
         """To the next line that says something; the replay stands still there."""
         number = self.reel.step(self._index)
         if number >= len(self.reel.lines):
-            raise PlaceError("this log has no more lines")
+            raise SeekError("this log has no more lines")
         self.paused = True
         t = max(self._t, self.reel.times[number])
         told = self._lines(number + 1, t)

@@ -20,7 +20,14 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.envelope import Message
 from woz_tui.protocol.messages import SCHEMA
 from woz_tui.protocol.welcome import StudySettings
-from woz_tui.replay.bookmarks import Cuts, Mark, is_deed, mark_of, marks_of, steady
+from woz_tui.replay.bookmarks import (
+    Bookmark,
+    IdleCuts,
+    bookmark_of,
+    bookmarks_of,
+    is_event,
+    monotonic,
+)
 from woz_tui.replay.legacy_plan import plan_from
 from woz_tui.replay.study_snapshot import revealed
 from woz_tui.session.recent_messages import MOST, RecentMessages
@@ -30,7 +37,7 @@ from woz_tui.timeline.episodes import EngagementEpisode
 from woz_tui.timeline.session_state import SessionState
 
 #: A message, or the fields of a line whose kind this version does not know.
-Told = m.AnyMessage | dict[str, Any]
+RecordedLine = m.AnyMessage | dict[str, Any]
 
 #: A copy of the state is kept after so much of the log's time, after so many lines at the latest.
 SNAPSHOT_US, SNAPSHOT_LINES = 5_000_000, 500
@@ -42,7 +49,7 @@ _HOUSEKEEPING = frozenset(
 )
 
 
-class Samples(Protocol):
+class SampleSource(Protocol):
     """The samples of a log, in order."""
 
     @property
@@ -76,7 +83,7 @@ class NoSamples:
 
 
 @dataclass(frozen=True, slots=True)
-class Moment:
+class RecordedMoment:
     """What holds at a moment, in the order in which it came about, and the lines before it.
 
     `study`: `settings["study"]` of a welcome; empty where the log says nothing of one.
@@ -87,7 +94,7 @@ class Moment:
     study: StudySettings
 
 
-class Reel:
+class Recording:
     """See the module's text.
 
     Args:
@@ -101,13 +108,13 @@ class Reel:
     def __init__(
         self,
         lines: Iterable[m.AnyMessage | LogLine],
-        samples: Samples | None = None,
+        samples: SampleSource | None = None,
         plan: m.SessionPlan | None = None,
         *,
         reveal: bool = False,
         coded: bool = False,
     ) -> None:
-        self.samples: Samples = samples or NoSamples()
+        self.samples: SampleSource = samples or NoSamples()
         found = [_told(line) for line in lines]
         shown = (line for line, _ in found if isinstance(line, m.SessionPlan))
         first = next(shown, plan)
@@ -117,11 +124,11 @@ class Reel:
         if reveal:
             found = [(_revealed(line), t) for line, t in found]
         else:
-            found = [*_seen(found, redactor, kept)]
-        self.lines: list[Told] = [line for line, _ in found]
-        self.samples = _SeenSamples(self.samples, kept)
+            found = [*_redacted(found, redactor, kept)]
+        self.lines: list[RecordedLine] = [line for line, _ in found]
+        self.samples = _RedactedSamples(self.samples, kept)
         known = self.samples.length_us
-        self.times = steady([min(t, known) if known else t for _, t in found])
+        self.times = monotonic([min(t, known) if known else t for _, t in found])
         self.length_us = max(self.times[-1] if self.times else 0, known)
         #: The first moment at which anything is known.
         self.begin_us = self.times[0] if self.times else 0
@@ -133,7 +140,7 @@ class Reel:
         ]
         self._plan = plan and (revealed(plan) if reveal else redactor.plan(plan))
         #: What the viewer has set while watching.
-        self.codes: list[Mark] = []
+        self.codes: list[Bookmark] = []
         recent = RecentMessages()
         self._listed = [
             index
@@ -144,27 +151,27 @@ class Reel:
         self._upto = (0, SessionState())
 
     @property
-    def marks(self) -> list[Mark]:
+    def marks(self) -> list[Bookmark]:
         """Everything to go to, oldest first."""
         return sorted([*self._of_log, *self.codes], key=lambda mark: mark.t)
 
     @cached_property
-    def _of_log(self) -> list[Mark]:
-        return marks_of(self._marks())
+    def _of_log(self) -> list[Bookmark]:
+        return bookmarks_of(self._marks())
 
-    def _marks(self) -> Iterator[Mark | None]:
+    def _marks(self) -> Iterator[Bookmark | None]:
         state = SessionState()
         for line, t in zip(self.lines, self.times, strict=True):
-            yield mark_of(line, t)
+            yield bookmark_of(line, t)
             if isinstance(line, _OF_MODEL):
                 for episode in state.take(line):
                     if isinstance(episode, EngagementEpisode) and episode.end is None:
-                        yield Mark(t, "engagement", state.model.state)
+                        yield Bookmark(t, "engagement", state.model.state)
 
-    def cuts(self, most_us: int | None) -> Cuts:
+    def cuts(self, most_us: int | None) -> IdleCuts:
         """What is left out where nothing happens for longer than `most_us`."""
-        deeds = (t for line, t in zip(self.lines, self.times, strict=True) if is_deed(line))
-        return Cuts(deeds, most_us)
+        deeds = (t for line, t in zip(self.lines, self.times, strict=True) if is_event(line))
+        return IdleCuts(deeds, most_us)
 
     @property
     def told(self) -> bool:
@@ -198,7 +205,7 @@ class Reel:
             self._plan = plan_from(self.lines)
         return self._plan
 
-    def moment(self, index: int, t: int) -> Moment:
+    def moment(self, index: int, t: int) -> RecordedMoment:
         """What held after `index` lines, at `t`."""
         state = self.state(index)
         held = [*state.messages(plan=False), *self.samples.at(t)]
@@ -208,7 +215,7 @@ class Reel:
         settings = self.plan(index).settings.study
         state.study.settings = settings  # the plan need not be a line of the log
         study = study_snapshot(settings, state.study)
-        return Moment(held, self.recent(index), study)
+        return RecordedMoment(held, self.recent(index), study)
 
     def recent(self, index: int) -> list[m.Message]:
         """The last of the first `index` lines that a list of events has."""
@@ -255,21 +262,21 @@ class Reel:
         return 0, ""
 
 
-class _SeenSamples:
+class _RedactedSamples:
     """Samples as the wizard saw them: `kept` says from when on (microseconds) what was kept."""
 
-    def __init__(self, samples: Samples, kept: Sequence[tuple[int, PerceptionLimits]]) -> None:
+    def __init__(self, samples: SampleSource, kept: Sequence[tuple[int, PerceptionLimits]]) -> None:
         self._samples = samples
         self._kept = kept
         self._redactor = Redactor()
         self.length_us = samples.length_us
 
     def between(self, after_us: int, until_us: int) -> Iterable[m.AnyMessage]:
-        """See `Samples`."""
+        """See `SampleSource`."""
         return self._seen(self._samples.between(after_us, until_us))
 
     def at(self, t_us: int) -> Iterable[m.AnyMessage]:
-        """See `Samples`."""
+        """See `SampleSource`."""
         return self._seen([*self._samples.at(t_us)], t_us)
 
     def _seen(self, samples: Iterable[m.AnyMessage], t_us: int = -1) -> Iterator[m.AnyMessage]:
@@ -283,9 +290,11 @@ class _SeenSamples:
                 yield seen
 
 
-def _seen(
-    lines: Iterable[tuple[Told, int]], redactor: Redactor, kept: list[tuple[int, PerceptionLimits]]
-) -> Iterator[tuple[Told, int]]:
+def _redacted(
+    lines: Iterable[tuple[RecordedLine, int]],
+    redactor: Redactor,
+    kept: list[tuple[int, PerceptionLimits]],
+) -> Iterator[tuple[RecordedLine, int]]:
     """Lines as the wizard saw them, and in `kept` from when on something was kept."""
     schema = SCHEMA
     kept.append((-1, redactor.perception))
@@ -304,14 +313,14 @@ def _seen(
             yield seen, t
 
 
-def _told(line: m.AnyMessage | LogLine) -> tuple[Told, int]:
+def _told(line: m.AnyMessage | LogLine) -> tuple[RecordedLine, int]:
     if not isinstance(line, LogLine):
         return line, line.t
     message = line.message
     return (message if message is not None else line.fields), line.t
 
 
-def _revealed(line: Told) -> Told:
+def _revealed(line: RecordedLine) -> RecordedLine:
     if isinstance(line, m.SessionPlan):
         return revealed(line)
     if isinstance(line, m.PerceptionChanged):
@@ -319,7 +328,7 @@ def _revealed(line: Told) -> Told:
     return line
 
 
-def _kind(line: Told) -> str:
+def _kind(line: RecordedLine) -> str:
     if isinstance(line, Mapping):
         return str(line.get("kind"))
     return str(line.__struct_config__.tag)

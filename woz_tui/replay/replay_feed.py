@@ -14,7 +14,7 @@ import msgspec
 
 from woz_tui.protocol.messages import Notice
 from woz_tui.protocol.requests import AnyRequest, Beat
-from woz_tui.replay.player import Incoming, Player
+from woz_tui.replay.player import Incoming, ReplayPlayer
 from woz_tui.system.clock import Clock, RealClock
 
 #: Seconds between two looks at the time while something is played.
@@ -33,7 +33,7 @@ class ReplayFeed:
         clock: The viewer's time.
     """
 
-    def __init__(self, player: Player, clock: Clock | None = None) -> None:
+    def __init__(self, player: ReplayPlayer, clock: Clock | None = None) -> None:
         self.line_ok = True
         self.round_trip_us: int | None = None
         self._player = player

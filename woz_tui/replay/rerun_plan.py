@@ -22,8 +22,8 @@ from woz_tui.config.session_verbs import ENGAGEMENT, SESSION
 from woz_tui.log.log_reader import Damage, files_of, read
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import SCHEMA
-from woz_tui.replay.bookmarks import steady
-from woz_tui.replay.experiment_origin import Origin, origin_of
+from woz_tui.replay.bookmarks import monotonic
+from woz_tui.replay.experiment_origin import ExperimentOrigin, origin_of
 from woz_tui.session.redactor import mark_legacy
 from woz_tui.timeline.episodes import CommandEpisode, MomentEpisode
 from woz_tui.timeline.timeline import Timeline
@@ -39,7 +39,7 @@ _OWN_MARKS = frozenset({"preflight", "action"})
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class RerunStep:
     """One command of the original.
 
     Attributes:
@@ -63,7 +63,7 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Plan:
+class RerunPlan:
     """All that is to be done again, in order of `at`.
 
     Attributes:
@@ -80,23 +80,23 @@ class Plan:
     """
 
     name: str
-    origin: Origin
+    origin: ExperimentOrigin
     session: str = ""
     seed: int = 0
     sha256: str = ""
-    steps: tuple[Step, ...] = ()
+    steps: tuple[RerunStep, ...] = ()
     marks: tuple[m.Marker, ...] = ()
     stops: int = 0
     ended: bool = False
     damage: tuple[str, ...] = ()
 
     @cached_property
-    def sent(self) -> tuple[Step, ...]:
+    def sent(self) -> tuple[RerunStep, ...]:
         """What is sent again."""
         return tuple(step for step in self.steps if not step.skip)
 
     @cached_property
-    def skipped(self) -> tuple[Step, ...]:
+    def skipped(self) -> tuple[RerunStep, ...]:
         """What is not."""
         return tuple(step for step in self.steps if step.skip)
 
@@ -124,7 +124,7 @@ class Plan:
         return dict(Counter((step.command.driver, step.command.verb) for step in self.sent))
 
 
-def plan_of(path: Path) -> Plan:
+def plan_of(path: Path) -> RerunPlan:
     """The plan of the session to which the log file `path` belongs.
 
     Samples are never read. Raises what `record.log.files_of` raises; nothing damaged raises.
@@ -141,7 +141,7 @@ def plan_of(path: Path) -> Plan:
             lines.append((len(times), mark_legacy(line.message, schema)))
         times.append(line.t)
     # A flipped bit in a time must neither hold the robot up for hours nor hurry it.
-    times = steady(times)
+    times = monotonic(times)
     messages = [msgspec.structs.replace(message, t=times[place]) for place, message in lines]
     timeline = Timeline(passing=True)
     for message in messages:
@@ -149,7 +149,7 @@ def plan_of(path: Path) -> Plan:
     timeline.finish()
     start, presses = timeline.state.start, [*_presses(messages)]
     steps = [*_steps(timeline, presses, times[-1] if times else 0)]
-    return Plan(
+    return RerunPlan(
         name=files_of(path).stem,
         origin=origin_of(messages),
         session=start.session if start else "",
@@ -173,7 +173,7 @@ def _presses(messages: Iterable[m.AnyMessage]) -> Iterator[int]:
             yield message.t
 
 
-def _steps(timeline: Timeline, presses: Sequence[int], last: int) -> Iterator[Step]:
+def _steps(timeline: Timeline, presses: Sequence[int], last: int) -> Iterator[RerunStep]:
     commands = timeline.of(CommandEpisode)
     for command in commands:
         step = _step(command)
@@ -181,7 +181,7 @@ def _steps(timeline: Timeline, presses: Sequence[int], last: int) -> Iterator[St
     yield from _lost(timeline, {command.request.command for command in commands})
 
 
-def _left_open(step: Step, presses: Sequence[int], last: int) -> Step:
+def _left_open(step: RerunStep, presses: Sequence[int], last: int) -> RerunStep:
     """Its end is not in the log: it may not go on for longer than anybody knows that it did.
 
     A damaged line may be just the one that says that a stop cut it short.
@@ -194,7 +194,7 @@ def _left_open(step: Step, presses: Sequence[int], last: int) -> Step:
     return replace(step, cut=max(last, step.at), why_cut="the log ends")
 
 
-def _lost(timeline: Timeline, known: Container[str]) -> Iterator[Step]:
+def _lost(timeline: Timeline, known: Container[str]) -> Iterator[RerunStep]:
     """Commands whose request is damaged or missing, so that nobody knows what they were."""
     lost: dict[str, m.Command] = {}
     for moment in timeline.of(MomentEpisode):
@@ -211,10 +211,10 @@ def _lost(timeline: Timeline, known: Container[str]) -> Iterator[Step]:
             )
     for command in lost.values():
         why = "its request is not in the log, so the command is unknown"
-        yield Step(command, command.t, skip=why)
+        yield RerunStep(command, command.t, skip=why)
 
 
-def _step(command: CommandEpisode) -> Step:
+def _step(command: CommandEpisode) -> RerunStep:
     request, ended, began = command.request, command.ended, command.started
     if began is not None and ended is not None:  # an estimate of the end may be wrong
         began = min(began, ended.t)
@@ -224,10 +224,12 @@ def _step(command: CommandEpisode) -> Step:
     kind = str(command.outcome) if ended is not None else ""
     at = command.begin if began is None else max(began, command.begin)
     if isinstance(ended, m.Refused):
-        return Step(request, at, end=kind, skip=f"refused in the log: {ended.reason or ended.code}")
+        return RerunStep(
+            request, at, end=kind, skip=f"refused in the log: {ended.reason or ended.code}"
+        )
     if began is None:
-        return Step(request, at, end=kind, skip=_never(ended))
-    return Step(request, at, cut, why, kind, skip=_senseless(request))
+        return RerunStep(request, at, end=kind, skip=_never(ended))
+    return RerunStep(request, at, cut, why, kind, skip=_senseless(request))
 
 
 def _why_cut(end: m.Stopped | m.Superseded) -> str:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from woz_tui.bus.hub import Hub
 from woz_tui.protocol import messages as m
-from woz_tui.replay.rerun_plan import REPLAY, Plan, Step
+from woz_tui.replay.rerun_plan import REPLAY, RerunPlan, RerunStep
 from woz_tui.timeline.episodes import OUTCOMES
 
 #: From the beginning to the first command, in microseconds.
@@ -33,14 +33,14 @@ Cut = Callable[[str, str], object]
 
 
 @dataclass(frozen=True, slots=True)
-class _Moment:
+class _DueAct:
     """Something that is due: `offset` microseconds after the first command."""
 
     offset: int
     act: Callable[[int], None]
 
 
-class Player:
+class RerunPlayer:
     """One re-run. Used from one thread, the event loop that runs when it is made.
 
     Args:
@@ -55,7 +55,7 @@ class Player:
 
     def __init__(
         self,
-        plan: Plan,
+        plan: RerunPlan,
         hub: Hub,
         send: Send,
         cut: Cut,
@@ -133,7 +133,7 @@ class Player:
 
     # -- in time -----------------------------------------------------------------------------
 
-    def _all_moments(self) -> list[_Moment]:
+    def _all_moments(self) -> list[_DueAct]:
         start = self._plan.start
         found: list[tuple[int, int, int, Callable[[int], None]]] = []
 
@@ -149,7 +149,7 @@ class Player:
                 add(max(step.cut, step.at), 0 if step.cut > step.at else 2, self._cutting(step))
         for mark in self._plan.marks:
             add(mark.t, 1, self._marking(mark))
-        return [_Moment(offset, act) for offset, _, _, act in sorted(found, key=lambda f: f[:3])]
+        return [_DueAct(offset, act) for offset, _, _, act in sorted(found, key=lambda f: f[:3])]
 
     def _go_on(self) -> None:
         """Do all that is due, then sleep until the next moment, counted from the beginning."""
@@ -183,7 +183,7 @@ class Player:
 
     # -- what is due -------------------------------------------------------------------------
 
-    def _sending(self, step: Step) -> Callable[[int], None]:
+    def _sending(self, step: RerunStep) -> Callable[[int], None]:
         def act(due: int) -> None:
             late = max(0, self._hub.now() - due)
             if late > self._stale_us:
@@ -205,7 +205,7 @@ class Player:
         self._open.discard(original)
         self._finish()
 
-    def _cutting(self, step: Step) -> Callable[[int], None]:
+    def _cutting(self, step: RerunStep) -> Callable[[int], None]:
         def act(due: int) -> None:
             original = step.command.command
             if original in self._open:
@@ -220,10 +220,10 @@ class Player:
 
         return act
 
-    def _skipping(self, step: Step, reason: str) -> Callable[[int], None]:
+    def _skipping(self, step: RerunStep, reason: str) -> Callable[[int], None]:
         return lambda due: self._skip(step, reason)
 
-    def _skip(self, step: Step, reason: str) -> None:
+    def _skip(self, step: RerunStep, reason: str) -> None:
         self._skipped += 1
         command = step.command
         self._hub.publish(

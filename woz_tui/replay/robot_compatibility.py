@@ -7,26 +7,26 @@ from dataclasses import replace
 from woz_tui.config.experiment import Experiment
 from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import Verb
-from woz_tui.replay.rerun_plan import Plan, Step
+from woz_tui.replay.rerun_plan import RerunPlan, RerunStep
 from woz_tui.session.session_driver import SESSION, VERBS
 
 #: Begins every reason that lies in the present robot, and not in what happened then.
 UNFIT = "not possible now: "
 
 
-def fitted(plan: Plan, experiment: Experiment) -> Plan:
+def fitted(plan: RerunPlan, experiment: Experiment) -> RerunPlan:
     """The plan for this experiment: what its robot does not offer is skipped, with the reason."""
     offered = {spec.name: {verb.name: verb for verb in spec.verbs} for spec in experiment.drivers}
     offered[SESSION] = {verb.name: verb for verb in VERBS}
     return replace(plan, steps=tuple(_fitted(step, offered) for step in plan.steps))
 
 
-def unfit(plan: Plan) -> tuple[Step, ...]:
+def unfit_steps(plan: RerunPlan) -> tuple[RerunStep, ...]:
     """What a fitted plan does not send because the present robot cannot do it."""
     return tuple(step for step in plan.steps if step.skip.startswith(UNFIT))
 
 
-def _fitted(step: Step, offered: dict[str, dict[str, Verb]]) -> Step:
+def _fitted(step: RerunStep, offered: dict[str, dict[str, Verb]]) -> RerunStep:
     if step.skip:
         return step
     driver, name = step.command.driver, step.command.verb

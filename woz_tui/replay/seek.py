@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 
-from woz_tui.replay.bookmarks import Mark
-from woz_tui.replay.recording import Reel
+from woz_tui.replay.bookmarks import Bookmark
+from woz_tui.replay.recording import Recording
 
 _CLOCK = re.compile(r"(?:(\d+):)?(\d+):(\d{1,2}(?:\.\d*)?)")
 _SECONDS = re.compile(r"\d+(?:\.\d*)?|\.\d+")
@@ -17,7 +17,7 @@ MANY = frozenset({"engagement", "end"})
 AGAIN_US = 1_000_000
 
 
-class PlaceError(ValueError):
+class SeekError(ValueError):
     """There is no such place; `hint` says what would help."""
 
     def __init__(self, reason: str, hint: str = "") -> None:
@@ -34,17 +34,17 @@ def time_of(text: str) -> int | None:
     return round(float(text) * 1_000_000) if _SECONDS.fullmatch(text) else None
 
 
-def said(us: int) -> str:
+def time_text(us: int) -> str:
     """A time as `time_of` reads it: `12:34`, from an hour on `1:02:03`."""
     hours, rest = divmod(max(0, us) // 1_000_000, 3600)
     minutes, seconds = divmod(rest, 60)
     return f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes:02}:{seconds:02}"
 
 
-def find(text: str, reel: Reel, now: int) -> int:
+def seek_time(text: str, reel: Recording, now: int) -> int:
     """The time that is meant: `start`, `end`, `next` and `before` (marks, seen from `now`), a time,
     or the text of a mark: the next one after `now` that is called so, begins so or has it in
-    itself, or else the first. Raises `PlaceError`.
+    itself, or else the first. Raises `SeekError`.
     """
     wanted = text.strip()
     word = wanted.casefold()
@@ -55,25 +55,25 @@ def find(text: str, reel: Reel, now: int) -> int:
     t = time_of(wanted)
     if t is not None:
         if t > reel.length_us:
-            raise PlaceError(f"the session is {said(reel.length_us)} long")
+            raise SeekError(f"the session is {time_text(reel.length_us)} long")
         return t
     mark = _named(wanted.casefold(), reel.marks, now)
     if mark is None:
-        raise PlaceError(f"there is no {wanted!r} in this log", "press g for the list")
+        raise SeekError(f"there is no {wanted!r} in this log", "press g for the list")
     return mark.t
 
 
-def _beside(marks: Sequence[Mark], now: int, *, later: bool) -> int:
+def _beside(marks: Sequence[Bookmark], now: int, *, later: bool) -> int:
     places = [mark.t for mark in marks if mark.sort not in MANY]
     found = (
         [t for t in places if t > now] if later else [t for t in places[::-1] if t < now - AGAIN_US]
     )
     if not found:
-        raise PlaceError(f"there is no marker, stop or trial {'later' if later else 'before'}")
+        raise SeekError(f"there is no marker, stop or trial {'later' if later else 'before'}")
     return found[0]
 
 
-def _named(wanted: str, marks: Sequence[Mark], now: int) -> Mark | None:
+def _named(wanted: str, marks: Sequence[Bookmark], now: int) -> Bookmark | None:
     if not wanted:
         return None
     tests: tuple[Callable[[str], bool], ...] = (

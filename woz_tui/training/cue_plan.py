@@ -31,7 +31,7 @@ class PlannedCue:
     pause_us: int
 
 
-def planned(experiment: Experiment, count: int | None, seed: int) -> tuple[PlannedCue, ...]:
+def planned_cues(experiment: Experiment, count: int | None, seed: int) -> tuple[PlannedCue, ...]:
     """The cues of one training; the same for the same file, count and seed.
 
     Each cue comes about equally often, in an order that nobody can know beforehand.
@@ -55,11 +55,11 @@ def requests(experiment: Experiment) -> Iterable[TrainingCue]:
     """A cue for each action that can be played and moves the robot: its label, to be found."""
     for panel in experiment.panels:
         for action in panel.actions:
-            if not panel.locked and not action.locked and acts(action):
+            if not panel.locked and not action.locked and moves_robot(action):
                 yield TrainingCue(REQUEST, (action.name,), (f"{action.label}, please.",))
 
 
-def acts(action: Action) -> bool:
+def moves_robot(action: Action) -> bool:
     """Whether the robot does something."""
     return any(call.driver not in PERFORMERS for call in action.calls)
 

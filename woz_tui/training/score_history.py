@@ -11,7 +11,7 @@ from woz_tui.analysis.session_sources import sessions_in
 
 
 @dataclass(frozen=True, slots=True)
-class Score:
+class TrainingScore:
     """One training: whose, when (UTC, RFC 3339), on which experiment, and how it went."""
 
     wizard: str
@@ -21,7 +21,7 @@ class Score:
     training: TrainingFigures
 
 
-def score_of(log: Path) -> Score | None:
+def score_of(log: Path) -> TrainingScore | None:
     """The training in this log; None if it holds none, or is no log."""
     try:
         figures = read_report(log).figures
@@ -29,10 +29,12 @@ def score_of(log: Path) -> Score | None:
         return None
     if figures.training is None:
         return None
-    return Score(figures.wizard, figures.started, figures.session, figures.title, figures.training)
+    return TrainingScore(
+        figures.wizard, figures.started, figures.session, figures.title, figures.training
+    )
 
 
-def history(folder: Path, wizard: str = "") -> list[Score]:
+def history(folder: Path, wizard: str = "") -> list[TrainingScore]:
     """All trainings in `folder`, oldest first; of one wizard, or of everybody."""
     logs, _ = sessions_in([str(folder)]) if folder.is_dir() else ([], [])
     scores = [score for log in logs if (score := score_of(log)) is not None]

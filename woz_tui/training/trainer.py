@@ -20,7 +20,7 @@ log = logging.getLogger(__name__)
 
 
 @dataclass
-class _Open:
+class _OpenCue:
     """A cue that waits for its answer."""
 
     id: str
@@ -54,7 +54,7 @@ class Trainer:
         self._visitor = visitor
         self._acts = acts
         self._over = over
-        self._open: _Open | None = None
+        self._open: _OpenCue | None = None
         self._busy: set[str] = set()
         self._calm = asyncio.Event()
         self._calm.set()
@@ -143,7 +143,7 @@ class Trainer:
                 window_us=cue.window_us,
             )
         )
-        self._open = waiting = _Open(name, cue, given.t)
+        self._open = waiting = _OpenCue(name, cue, given.t)
         if self._stopped:  # pressed while the visitor spoke: nobody can answer
             self._judge(VOID)
         try:

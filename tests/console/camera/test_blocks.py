@@ -9,13 +9,13 @@ from hypothesis import strategies as st
 
 from tests.console.camera.filmed import Pixels, noisy, room
 from woz_tui.console.camera import terminal_colours as c
-from woz_tui.console.camera.half_blocks import COSTS, NOISE, Canvas
+from woz_tui.console.camera.half_blocks import COSTS, NOISE, HalfBlockCanvas
 from woz_tui.console.camera.picture_sizes import (
-    DamagedError,
-    Room,
-    room_for,
-    smaller,
-    stretched,
+    CellArea,
+    PictureError,
+    area_for,
+    resized,
+    shrunk_size,
     unpacked,
 )
 from woz_tui.protocol.camera_pictures import PictureShown
@@ -24,7 +24,7 @@ ALL = 1 << 30
 DEPTHS = (1 << 24, 256, 16)
 
 
-def colours_of(canvas: Canvas) -> Pixels:
+def colours_of(canvas: HalfBlockCanvas) -> Pixels:
     """What a terminal shows, two pixels a cell."""
     made = np.zeros((2 * canvas.rows, canvas.columns, 3), np.uint8)
     for y in range(canvas.rows):
@@ -35,7 +35,7 @@ def colours_of(canvas: Canvas) -> Pixels:
     return made
 
 
-def painted(canvas: Canvas, picture: Pixels, allowance: int = ALL) -> int:
+def painted(canvas: HalfBlockCanvas, picture: Pixels, allowance: int = ALL) -> int:
     """Show a picture of the canvas's size; how many cells are painted."""
     return sum(one.end - one.begin for one in canvas.take(picture.tobytes(), allowance))
 
@@ -43,7 +43,7 @@ def painted(canvas: Canvas, picture: Pixels, allowance: int = ALL) -> int:
 @pytest.mark.parametrize(("depth", "mean", "most"), [(1 << 24, 4, 8), (256, 17, 60), (16, 45, 140)])
 def test_the_colours_are_the_pictures(depth: int, mean: int, most: int) -> None:
     picture = room(60, 40)
-    canvas = Canvas(60, 20, depth)
+    canvas = HalfBlockCanvas(60, 20, depth)
     painted(canvas, picture)
     differ = np.abs(colours_of(canvas).astype(int) - picture)
     assert differ.mean() <= mean
@@ -52,13 +52,13 @@ def test_the_colours_are_the_pictures(depth: int, mean: int, most: int) -> None:
 
 @pytest.mark.parametrize("depth", [*DEPTHS, 0])
 def test_a_camera_that_sees_the_same_costs_nothing(depth: int) -> None:
-    canvas = Canvas(40, 15, depth)
+    canvas = HalfBlockCanvas(40, 15, depth)
     assert painted(canvas, noisy(room(40, 30), 0)) > 0
     assert [painted(canvas, noisy(room(40, 30), n)) for n in range(1, 20)] == [0] * 19
 
 
 def test_what_moves_is_painted_and_nothing_else() -> None:
-    canvas = Canvas(40, 15, 1 << 24)
+    canvas = HalfBlockCanvas(40, 15, 1 << 24)
     picture = room(40, 30)
     painted(canvas, picture)
     picture[10:14, 20:23] = (0, 255, 0)
@@ -71,7 +71,7 @@ def test_a_picture_never_costs_more_than_it_may_and_arrives_in_the_end(
     allowance: int, seed: int
 ) -> None:
     picture = np.random.default_rng(seed).integers(0, 256, (12, 10, 3), np.uint8)
-    canvas = Canvas(10, 6, 1 << 24)
+    canvas = HalfBlockCanvas(10, 6, 1 << 24)
     most = max(1, allowance // COSTS[1 << 24])
     for _ in range(60 // min(most, 60) + 1):
         assert painted(canvas, picture, allowance) <= most
@@ -80,7 +80,7 @@ def test_a_picture_never_costs_more_than_it_may_and_arrives_in_the_end(
 
 
 def test_a_slow_line_gets_first_what_has_changed_most() -> None:
-    canvas = Canvas(10, 5, 1 << 24)
+    canvas = HalfBlockCanvas(10, 5, 1 << 24)
     picture = np.full((10, 10, 3), 100, np.uint8)
     painted(canvas, picture)
     picture[2, 3] = (150, 150, 150)
@@ -99,7 +99,7 @@ def test_256_colours_are_about_what_was_meant(red: int, green: int, blue: int) -
 
 
 def test_without_colours_bright_is_dense() -> None:
-    canvas = Canvas(10, 1, 0)
+    canvas = HalfBlockCanvas(10, 1, 0)
     assert [canvas.sign(x, 0) for x in range(10)] == [" "] * 10
     picture = np.repeat(np.arange(10, dtype=np.uint8)[None, :, None] * 28, 2, axis=0)
     painted(canvas, np.repeat(picture, 3, axis=2))
@@ -111,7 +111,7 @@ def test_stretching_takes_the_pixel_that_covers_most(
     width: int, height: int, columns: int, rows: int
 ) -> None:
     picture = np.random.default_rng(0).integers(0, 256, (height, width, 3), np.uint8)
-    out = np.frombuffer(stretched(picture.tobytes(), width, height, columns, rows), np.uint8)
+    out = np.frombuffer(resized(picture.tobytes(), width, height, columns, rows), np.uint8)
     y, x = np.arange(rows) * height // rows, np.arange(columns) * width // columns
     assert (out.reshape(rows, columns, 3) == picture[y][:, x]).all()
 
@@ -120,18 +120,18 @@ def test_stretching_takes_the_pixel_that_covers_most(
 def test_a_picture_takes_the_cells_that_its_shape_needs(
     width: int, height: int, columns: int, rows: int
 ) -> None:
-    room_ = room_for(width, height, Room(columns, rows))
+    room_ = area_for(width, height, CellArea(columns, rows))
     assert 1 <= room_.columns <= columns
     assert 1 <= room_.rows <= rows
     wide, high = room_.pixels
     scale = min(columns * 8 / width, rows * 16 / height)
     assert abs(wide - width * scale) <= 8
     assert abs(high - height * scale) <= 16
-    small = smaller(wide, high, 1000)
+    small = shrunk_size(wide, high, 1000)
     assert small[0] * small[1] <= max(1000, 16 * 12, 16 * small[1], 12 * small[0])
 
 
 @pytest.mark.parametrize("data", ["", "!", "AAAA", "eJwDAAAAAAE=", "eJxjYGBgAAAABAAB"])
 def test_a_picture_that_cannot_be_read(data: str) -> None:
-    with pytest.raises(DamagedError):
+    with pytest.raises(PictureError):
         unpacked(PictureShown(ref=1, width=2, height=2, data=data))

@@ -12,7 +12,7 @@ from tests.console import scenes
 from tests.console.camera.filmed import Film, Pixels, noisy, room, shown
 from tests.console.driving import Sitting, sitting
 from woz_tui.console.camera.picture_requests import STALE_S
-from woz_tui.console.camera.picture_widgets import Blocks
+from woz_tui.console.camera.picture_widgets import HalfBlockView
 from woz_tui.console.cells import Cells
 from woz_tui.console.glyphs import ASCII
 from woz_tui.console.screens.camera import CameraDialog
@@ -87,8 +87,8 @@ def words(seat: Sitting) -> str:
     return dialog(seat).query_one("#camera-words", Cells).text
 
 
-def blocks(seat: Sitting) -> Blocks:
-    return dialog(seat).query_one(Blocks)
+def blocks(seat: Sitting) -> HalfBlockView:
+    return dialog(seat).query_one(HalfBlockView)
 
 
 async def go_on(seat: Sitting, until: Callable[[], bool], what: str) -> None:

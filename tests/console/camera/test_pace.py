@@ -7,12 +7,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.console.camera import kitty
-from woz_tui.console.camera.byte_rate import BUDGET, FILLS_S, MOST, RATE, Pace
+from woz_tui.console.camera.byte_rate import BUDGET, FILLS_S, MOST, RATE, PictureBudget
 
 SECOND = 1_000_000
 
 
-def played(pace: Pace, speed: float, wanted: int, seconds: float) -> list[tuple[int, int, float]]:
+def played(
+    pace: PictureBudget, speed: float, wanted: int, seconds: float
+) -> list[tuple[int, int, float]]:
     """Pictures over a line: when each began, what it cost, how long it filled the line."""
     now, sent = 0, []
     while now < seconds * SECOND:
@@ -32,7 +34,7 @@ def played(pace: Pace, speed: float, wanted: int, seconds: float) -> list[tuple[
 def test_no_line_is_filled_for_long_nor_for_more_than_half_of_the_time(
     speed: float, wanted: int
 ) -> None:
-    sent = played(Pace(), speed, wanted, 20.0)
+    sent = played(PictureBudget(), speed, wanted, 20.0)
     first, rest = sent[0], sent[1:]
     assert first[2] <= 3_000 / speed + 0.01
     assert max(took for _, _, took in rest) <= FILLS_S * 4
@@ -43,18 +45,18 @@ def test_no_line_is_filled_for_long_nor_for_more_than_half_of_the_time(
 
 @pytest.mark.parametrize("speed", [10_000, 50_000, 150_000])
 def test_a_slow_line_is_used_as_far_as_it_may(speed: int) -> None:
-    sent = played(Pace(), speed, MOST, 30.0)
+    sent = played(PictureBudget(), speed, MOST, 30.0)
     assert sent[-1][2] == pytest.approx(FILLS_S, rel=0.05)
     assert sum(cost for _, cost, _ in sent) >= 0.4 * speed * 30
 
 
 def test_a_fast_line_is_known_after_a_few_pictures() -> None:
-    sent = played(Pace(), 1e9, 60_000, 2.0)
+    sent = played(PictureBudget(), 1e9, 60_000, 2.0)
     assert [cost for _, cost, _ in sent][:4] == [3_000, 25_000, 60_000, 60_000]
 
 
 def test_a_line_that_turns_slow_is_heard_of_at_once() -> None:
-    pace = Pace()
+    pace = PictureBudget()
     played(pace, 1e9, 60_000, 2.0)
     pace.shown(10 * SECOND, 40_000, 2 * SECOND)
     assert pace.allowance == 20_000 * FILLS_S
@@ -63,7 +65,7 @@ def test_a_line_that_turns_slow_is_heard_of_at_once() -> None:
 
 
 def test_small_pictures_tell_nothing_and_drawing_counts() -> None:
-    pace = Pace()
+    pace = PictureBudget()
     before = pace.allowance
     pace.asked(0)
     assert not pace.due(200_000 - 1)
@@ -81,7 +83,7 @@ def test_small_pictures_tell_nothing_and_drawing_counts() -> None:
 @pytest.mark.parametrize("size", [0, 1, 4096, 4097, 20_000])
 def test_a_picture_is_sent_in_pieces_that_make_it_whole(size: int) -> None:
     data = ("0123456789abcdef" * (size // 16 + 1))[:size]
-    pieces = kitty.sent(213, 40, 12, data).split("\x1b\\")
+    pieces = kitty.transmission(213, 40, 12, data).split("\x1b\\")
     assert pieces.pop() == ""
     heads, parts = zip(*(piece.removeprefix("\x1b_G").split(";") for piece in pieces), strict=True)
     assert "".join(parts) == data
@@ -100,6 +102,6 @@ def test_placeholders_count_their_rows_as_the_protocol_does() -> None:
 
 
 def test_tmuxs_envelope() -> None:
-    wrapped = kitty.through_tmux(kitty.forgotten(1, 2))
+    wrapped = kitty.tmux_passthrough(kitty.deletion(1, 2))
     one, two = "\x1b\x1b_Ga=d,d=I,i=1,q=2\x1b\x1b\\", "\x1b\x1b_Ga=d,d=I,i=2,q=2\x1b\x1b\\"
     assert wrapped == f"\x1bPtmux;{one}\x1b\\\x1bPtmux;{two}\x1b\\"

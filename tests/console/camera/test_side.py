@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import pytest
 
 from tests.console.scripted import ScriptedFeed
-from woz_tui.console.camera.terminal_graphics import Side
+from woz_tui.console.camera.picture_terminal import PictureTerminal
 from woz_tui.console.terminal_monitor import AGAIN_S, DEAD_S, EVERY_S, TerminalMonitor
 from woz_tui.console.terminal_output import Output
 from woz_tui.system.clock import ManualClock
@@ -24,7 +24,7 @@ class Seat:
         self.line = TerminalMonitor(ScriptedFeed(), self.clock)
         self.output: Output | None = Output(self.slave, lambda: None)
         self.woken = 0
-        self.side = Side(lambda: self.output, self.line, self._wake)
+        self.side = PictureTerminal(lambda: self.output, self.line, self._wake)
 
     def _wake(self) -> None:
         self.woken += 1

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from woz_tui.console.camera.picture_requests import Watching
+from woz_tui.console.camera.picture_requests import PictureRequester
 from woz_tui.protocol.camera_pictures import PictureShown
 from woz_tui.protocol.requests import AskPicture, Reply
 from woz_tui.system.clock import ManualClock
@@ -17,7 +17,7 @@ class Cinema:
 
     def __init__(self, takes: float) -> None:
         self.clock = ManualClock()
-        self.watching = Watching(self._ask, self.clock, None, lambda shown: None)
+        self.watching = PictureRequester(self._ask, self.clock, None, lambda shown: None)
         self._takes = takes
         self._due: list[tuple[int, Callable[[], None]]] = []
         self._given = 0

@@ -11,7 +11,7 @@ from tests.console import scenes
 from tests.console.driving import sitting
 from tests.console.robot import pepper
 from tests.console.robot.screen import dialog, type_in, verbs
-from woz_tui.console.robot_settings.driver_verbs import ORDERS
+from woz_tui.console.robot_settings.driver_verbs import OFFERED_CALLS
 from woz_tui.console.screens.find import FindDialog
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -59,7 +59,7 @@ async def test_what_the_robot_does_not_offer_is_not_there() -> None:
 def test_pepper_takes_all_of_them() -> None:
     """Names, arguments and choices are those of the driver."""
     offered = {verb.name: verb for verb in Pepper.verbs(PepperSettings(robots=()))}
-    for order in ORDERS:
+    for order in OFFERED_CALLS:
         arguments = {argument.name: argument for argument in offered[order.verb].arguments}
         assert set(order.args) <= set(arguments)
         for name, value in order.args.items():

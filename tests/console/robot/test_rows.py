@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from woz_tui.console.cells import length
 from woz_tui.console.glyphs import ASCII, UNICODE, PaintFrame
 from woz_tui.console.robot_settings.setting_rows import (
-    Place,
+    ListPosition,
     list_room,
     row_of,
     scrolled,
@@ -46,7 +46,7 @@ def test_rows_fill_their_room_and_no_more(
     frame = PaintFrame(width, height, 0, ASCII if ascii_only else UNICODE)
     chosen = min(chosen, max(0, len(view.lines) - 1))
     top = scrolled(view.lines, chosen, 0, frame)
-    rows = settings_rows(view, Place(chosen, top, 0, 2), frame)
+    rows = settings_rows(view, ListPosition(chosen, top, 0, 2), frame)
     assert len(rows) == height
     assert all(length(row) <= max(width, 12) for row in rows)
 

@@ -7,8 +7,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.console.robot import pepper
-from woz_tui.console.robot_settings.name_completion import begin_with, holding
-from woz_tui.console.robot_settings.speech_tags import Begun, Numbered, begun_tag, completed, offers
+from woz_tui.console.robot_settings.name_completion import names_beginning, names_containing
+from woz_tui.console.robot_settings.tag_completion import (
+    NumberEntry,
+    PartialTag,
+    completed,
+    partial_tag,
+    tag_offers,
+)
 from woz_tui.protocol.robot_outline import RobotOutline, Tag
 
 OUTLINE = pepper.OUTLINE
@@ -18,7 +24,7 @@ HEY = "animations/Stand/Gestures/Hey_1"
 def begun(marked: str) -> str | None:
     """What of a text counts as a tag in the making."""
     text, caret = marked.replace("|", ""), marked.index("|")
-    found = begun_tag(text, caret)
+    found = partial_tag(text, caret)
     return found.typed if found is not None else None
 
 
@@ -52,8 +58,8 @@ def test_where_a_tag_is_being_typed(marked: str, typed: str | None) -> None:
 def completes(marked: str, outline: RobotOutline = OUTLINE) -> str | None:
     """The text after tab."""
     text, caret = marked.replace("|", ""), marked.index("|")
-    found = begun_tag(text, caret)
-    offered = offers(found, outline) if found is not None else []
+    found = partial_tag(text, caret)
+    offered = tag_offers(found, outline) if found is not None else []
     if found is None or not offered:
         return None
     after, caret = completed(text, found, offered[0])
@@ -94,9 +100,9 @@ def test_a_tag_that_is_told_with_an_example_is_put_in_without_it() -> None:
 
 
 def test_every_offer_has_its_help() -> None:
-    found = begun_tag("\\", 1)
+    found = partial_tag("\\", 1)
     assert found is not None
-    told = {offer.text: offer.help for offer in offers(found, OUTLINE)}
+    told = {offer.text: offer.help for offer in tag_offers(found, OUTLINE)}
     assert told == {tag.text: tag.help for tag in OUTLINE.tags if tag.text.startswith("\\")}
 
 
@@ -106,12 +112,12 @@ texts = st.text(alphabet="\\^ab=(1) _/", max_size=30)
 @given(texts, st.integers(0, 30))
 def test_tab_changes_only_the_tag(text: str, caret: int) -> None:
     caret = min(caret, len(text))
-    found = begun_tag(text, caret)
+    found = partial_tag(text, caret)
     if found is None:
         return
     assert found.start < caret <= found.end <= len(text)
     assert text[found.start : caret] == found.typed
-    for offer in offers(found, OUTLINE):
+    for offer in tag_offers(found, OUTLINE):
         after, at = completed(text, found, offer)
         assert after[: found.start] == text[: found.start]
         assert after[at:] == text[found.end :]
@@ -130,10 +136,10 @@ def test_tab_changes_only_the_tag(text: str, caret: int) -> None:
     ],
 )
 def test_digits_behind_a_tag_that_was_put_in_are_its_number(typed: list[str], after: str) -> None:
-    begun = begun_tag("Hi \\rs you", 6)
+    begun = partial_tag("Hi \\rs you", 6)
     assert begun is not None
-    text, caret = completed("Hi \\rs you", begun, offers(begun, OUTLINE)[0])
-    tag = Numbered.put_in(text, begun, caret)
+    text, caret = completed("Hi \\rs you", begun, tag_offers(begun, OUTLINE)[0])
+    tag = NumberEntry.put_in(text, begun, caret)
     for more in typed:
         text, caret = text[:caret] + more + text[caret:], caret + len(more)
         tag = tag.goes_on(text) if tag is not None else None
@@ -145,8 +151,8 @@ def test_digits_behind_a_tag_that_was_put_in_are_its_number(typed: list[str], af
 @given(texts, st.sampled_from(["", "1", "15"]), texts)
 def test_any_other_change_leaves_the_tag_alone(before: str, digits: str, now: str) -> None:
     text = f"{before}\\rspd=100\\ you"
-    begun = Begun(len(before), len(text) - 4, "\\rspd=100\\")
-    tag = Numbered.put_in(text, begun, len(text) - 4)
+    begun = PartialTag(len(before), len(text) - 4, "\\rspd=100\\")
+    tag = NumberEntry.put_in(text, begun, len(text) - 4)
     assert tag is not None
     tag = tag.goes_on(f"{text[:-4]}{digits} you")
     assert tag is not None
@@ -156,13 +162,13 @@ def test_any_other_change_leaves_the_tag_alone(before: str, digits: str, now: st
 
 def test_only_a_number_is_typed_over() -> None:
     for text in ("^run(Hey)", "\\rst\\"):
-        assert Numbered.put_in(text, Begun(0, len(text), text), len(text)) is None
+        assert NumberEntry.put_in(text, PartialTag(0, len(text), text), len(text)) is None
 
 
 def test_names_by_a_part_of_them() -> None:
     names = ["a/Wave_1", "a/b/Hey_1", "wave", "a/ShortWave_2"]
-    assert holding("wave", names) == ["wave", "a/Wave_1", "a/ShortWave_2"]
-    assert holding("HEY", names) == ["a/b/Hey_1"]
-    assert holding("", names) == names
-    assert begin_with("a/W", names) == ["a/Wave_1"]
-    assert begin_with("wave", names) == []
+    assert names_containing("wave", names) == ["wave", "a/Wave_1", "a/ShortWave_2"]
+    assert names_containing("HEY", names) == ["a/b/Hey_1"]
+    assert names_containing("", names) == names
+    assert names_beginning("a/W", names) == ["a/Wave_1"]
+    assert names_beginning("wave", names) == []

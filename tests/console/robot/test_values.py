@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.console.glyphs import ASCII, UNICODE
-from woz_tui.console.robot_settings.setting_lines import place_of
+from woz_tui.console.robot_settings.setting_lines import bare_address
 from woz_tui.console.robot_settings.setting_values import (
-    WrongValue,
-    about,
+    SettingValueError,
+    allowed_values,
     color_of,
     next_value,
     typed_value,
@@ -123,7 +123,7 @@ def test_no_arrow_leaves_the_range(
 def test_no_typed_number_leaves_the_range(typed: str) -> None:
     try:
         value = typed_value(SPEED, typed)
-    except WrongValue as wrong:
+    except SettingValueError as wrong:
         assert "50% to 400%" in str(wrong)
         return
     assert isinstance(value, int | float)
@@ -137,7 +137,7 @@ def test_a_number_as_people_type_it(typed: str) -> None:
 
 @pytest.mark.parametrize("typed", ["", "loud", "nan", "inf", "-1", "401", "1e9"])
 def test_what_is_no_number_of_this_setting(typed: str) -> None:
-    with pytest.raises(WrongValue):
+    with pytest.raises(SettingValueError):
         typed_value(SPEED, typed)
 
 
@@ -155,9 +155,9 @@ def test_what_can_be_shown_as_a_colour(value: Json, color: str) -> None:
 
 
 def test_what_may_be_set_in_words() -> None:
-    assert about(VOLUME) == "0.00 to 1.00, by 0.05"
-    assert about(STATE) == "solitary, interactive, disabled"
-    assert about(TEXT) == about(FLAG) == ""
+    assert allowed_values(VOLUME) == "0.00 to 1.00, by 0.05"
+    assert allowed_values(STATE) == "solitary, interactive, disabled"
+    assert allowed_values(TEXT) == allowed_values(FLAG) == ""
 
 
 @pytest.mark.parametrize(
@@ -173,4 +173,4 @@ def test_what_may_be_set_in_words() -> None:
     ],
 )
 def test_where_an_address_leads(address: str, place: str) -> None:
-    assert place_of(address) == place
+    assert bare_address(address) == place

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from rich.cells import cell_len
 
-from woz_tui.console.bodies.body_state import SeenBody, seen_bodies
 from woz_tui.console.bodies.body_text import short_rows, word_rows
+from woz_tui.console.bodies.body_view import BodyView, body_views
 from woz_tui.console.bodies.face_lights import brightness_look, frame_of, light_rows
 from woz_tui.console.bodies.face_lights import size as face_size
-from woz_tui.console.bodies.link_views import ABOVE, SIDE, draw, sights
+from woz_tui.console.bodies.link_views import ABOVE, SIDE, draw_view, projections
 from woz_tui.console.cells import Cells, Row, clean, cut, fit
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Glyphs, PaintFrame
@@ -31,7 +31,7 @@ NARROWEST = 12
 
 def pane_rows(picture: ConsoleState, frame: PaintFrame) -> list[Row]:
     """All bodies side by side, as many as have room."""
-    seen = seen_bodies(picture, frame.now, frame.glyphs)
+    seen = body_views(picture, frame.now, frame.glyphs)
     count = min(len(seen), max(1, (frame.width + GAP) // (NARROWEST + GAP)))
     if not count:
         return []
@@ -47,7 +47,7 @@ def pane_rows(picture: ConsoleState, frame: PaintFrame) -> list[Row]:
     ]
 
 
-def _column(seen: SeenBody, frame: PaintFrame, more: int) -> list[Row]:
+def _column(seen: BodyView, frame: PaintFrame, more: int) -> list[Row]:
     lights = seen.outline.face
     tight = lights is not None and face_size(*lights, compact=False)[0] == frame.width
     indent = 0 if tight else 1
@@ -56,7 +56,7 @@ def _column(seen: SeenBody, frame: PaintFrame, more: int) -> list[Row]:
     return [_title(seen, frame, more), *(front + row for row in _arranged(seen, inner))]
 
 
-def _title(seen: SeenBody, frame: PaintFrame, more: int) -> Row:
+def _title(seen: BodyView, frame: PaintFrame, more: int) -> Row:
     glyphs = frame.glyphs
     title = f" {clean(seen.outline.title)} "
     others = f" +{more} " if more else ""
@@ -67,7 +67,7 @@ def _title(seen: SeenBody, frame: PaintFrame, more: int) -> Row:
     return cut(row, frame.width, glyphs.ellipsis)
 
 
-def _arranged(seen: SeenBody, frame: PaintFrame) -> list[Row]:
+def _arranged(seen: BodyView, frame: PaintFrame) -> list[Row]:
     """Large face and both views, or a compact face with one view beside or beneath it."""
     columns, lines = face_size(*(seen.outline.face or (24, 16)), compact=False)
     if frame.width >= columns and frame.height >= lines + 2 + 1 + VIEW[1]:
@@ -78,7 +78,7 @@ def _arranged(seen: SeenBody, frame: PaintFrame) -> list[Row]:
     return _slim(seen, frame, (columns, lines))
 
 
-def _large(seen: SeenBody, frame: PaintFrame, size: tuple[int, int]) -> list[Row]:
+def _large(seen: BodyView, frame: PaintFrame, size: tuple[int, int]) -> list[Row]:
     columns, lines = size
     words = frame.width - columns - GAP
     face = face_rows(seen, frame.glyphs, compact=False)
@@ -90,7 +90,7 @@ def _large(seen: SeenBody, frame: PaintFrame, size: tuple[int, int]) -> list[Row
     return rows + view_rows(seen, frame.glyphs, frame.width, frame.height - len(rows))
 
 
-def _low(seen: SeenBody, frame: PaintFrame, columns: int) -> list[Row]:
+def _low(seen: BodyView, frame: PaintFrame, columns: int) -> list[Row]:
     view = frame.width - columns - WORDS - 2 * GAP
     height = frame.height
     described = word_rows(seen, frame.glyphs, WORDS, height)
@@ -102,7 +102,7 @@ def _low(seen: SeenBody, frame: PaintFrame, columns: int) -> list[Row]:
     return side_by_side(blocks, height, frame.glyphs, GAP)
 
 
-def _slim(seen: SeenBody, frame: PaintFrame, size: tuple[int, int]) -> list[Row]:
+def _slim(seen: BodyView, frame: PaintFrame, size: tuple[int, int]) -> list[Row]:
     rows = [*face_rows(seen, frame.glyphs, compact=True), *short_rows(seen, frame.glyphs)]
     spare = frame.height - len(rows)
     if spare >= VIEW[1] and frame.width >= VIEW[0]:
@@ -110,7 +110,7 @@ def _slim(seen: SeenBody, frame: PaintFrame, size: tuple[int, int]) -> list[Row]
     return [cut(row, frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
 
 
-def face_rows(seen: SeenBody, glyphs: Glyphs, *, compact: bool) -> list[Row]:
+def face_rows(seen: BodyView, glyphs: Glyphs, *, compact: bool) -> list[Row]:
     """The face; a body without one has none, but keeps its place."""
     size = seen.outline.face
     if size is None:
@@ -125,7 +125,7 @@ def face_rows(seen: SeenBody, glyphs: Glyphs, *, compact: bool) -> list[Row]:
     return rows
 
 
-def view_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[Row]:
+def view_rows(seen: BodyView, glyphs: Glyphs, width: int, height: int) -> list[Row]:
     """A line of captions, beneath it the views from the side and from above."""
     lines = height - 1
     if lines < VIEW[1]:
@@ -145,13 +145,13 @@ def view_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[R
 
 
 def _drawn(
-    seen: SeenBody, sizes: dict[str, tuple[int, int]], glyphs: Glyphs
+    seen: BodyView, sizes: dict[str, tuple[int, int]], glyphs: Glyphs
 ) -> dict[str, list[Row]]:
     if "joints" in seen.hidden:
         return {view: _kept_view(*size) for view, size in sizes.items()}
     return {
-        view: draw(seen.outline, seen.pose, sight, sizes[view]).rows(glyphs)
-        for view, sight in sights(seen.outline, sizes).items()
+        view: draw_view(seen.outline, seen.pose, sight, sizes[view]).rows(glyphs)
+        for view, sight in projections(seen.outline, sizes).items()
     }
 
 

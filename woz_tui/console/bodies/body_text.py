@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 
-from woz_tui.console.bodies.body_state import SeenBody
+from woz_tui.console.bodies.body_view import BodyView
 from woz_tui.console.cells import Row, clean, cut, fit
 from woz_tui.console.glyphs import Glyphs
 from woz_tui.motion.modes import BLINKS, BREATHES, Mode
@@ -16,7 +16,7 @@ BEATS_A_BREATH = 4
 NAMES, SHORT_NAMES = 11, 6
 
 
-def emotion_of(seen: SeenBody) -> tuple[str, float | None]:
+def emotion_of(seen: BodyView) -> tuple[str, float | None]:
     """The emotion that is shown, and how strongly, 0..1; neutral has no intensity."""
     face = seen.face
     emotion = str(seen.value("emotion") or (face.emotion if face is not None else "") or "")
@@ -25,13 +25,13 @@ def emotion_of(seen: SeenBody) -> tuple[str, float | None]:
     return emotion, None if emotion == "neutral" else strength
 
 
-def feeling(seen: SeenBody) -> str:
+def emotion_text(seen: BodyView) -> str:
     """`happy 80 %`."""
     emotion, strength = emotion_of(seen)
     return emotion if strength is None else f"{emotion} {percent(strength)}"
 
 
-def doing(seen: SeenBody, glyphs: Glyphs) -> Row:
+def activity_row(seen: BodyView, glyphs: Glyphs) -> Row:
     """What it does, in one short line: the move, else the mode."""
     move = str(seen.value("move") or "")
     parts: Row = ()
@@ -47,24 +47,24 @@ def percent(share: Json) -> str:
     return f"{share:.0%}".replace("%", " %") if isinstance(share, int | float) else "-"
 
 
-def short_rows(seen: SeenBody, glyphs: Glyphs) -> list[Row]:
+def short_rows(seen: BodyView, glyphs: Glyphs) -> list[Row]:
     """The two lines for which there is always room."""
     if seen.old:
-        return [((seen.old, "stale"),), doing(seen, glyphs)]
-    return [((clean(feeling(seen)), "plain"),), doing(seen, glyphs)]
+        return [((seen.old, "stale"),), activity_row(seen, glyphs)]
+    return [((clean(emotion_text(seen)), "plain"),), activity_row(seen, glyphs)]
 
 
-def word_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[Row]:
+def word_rows(seen: BodyView, glyphs: Glyphs, width: int, height: int) -> list[Row]:
     """As much as fits beside a face, the most important first."""
     move = clean(str(seen.value("move") or "")) or glyphs.dash
     lines: list[tuple[str, str, str]] = [
-        ("shows", feeling(seen) or glyphs.dash, "plain"),
+        ("shows", emotion_text(seen) or glyphs.dash, "plain"),
         ("mode", seen.mode, "plain" if seen.mode == "normal" else "wait"),
         ("plays", move, "plain" if move == glyphs.dash else "run"),
-        ("is", _character(seen) or glyphs.dash, "plain"),
+        ("is", _personality_text(seen) or glyphs.dash, "plain"),
         ("breathes", _breathing(seen, glyphs), "plain"),
         ("blinks", _blinking(seen, glyphs), "plain"),
-        ("tempo", figure("tempo", seen.value("tempo"), glyphs), "plain"),
+        ("tempo", value_text("tempo", seen.value("tempo"), glyphs), "plain"),
         ("seen", seen.old, "stale") if seen.old else ("", "", "plain"),
     ]
     if height < len(lines):
@@ -80,7 +80,7 @@ def word_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[R
     ]
 
 
-def _character(seen: SeenBody) -> str:
+def _personality_text(seen: BodyView) -> str:
     """The personality by name; once a trait was turned it is not quite that any more."""
     name = str(seen.value("personality", "name") or "")
     return f"like {name}" if name and seen.value("changed") is True else name
@@ -90,16 +90,16 @@ def _on(value: Json) -> bool:
     return value is not False
 
 
-def _by_itself(modes: Collection[Mode], mode: str) -> bool:
+def _moves_by_itself(modes: Collection[Mode], mode: str) -> bool:
     """Whether it does so in this mode; of a mode nobody here knows, we know no better."""
     return mode in {known.value for known in modes} or mode not in {known.value for known in Mode}
 
 
-def _breathing(seen: SeenBody, glyphs: Glyphs) -> str:
-    if not _on(seen.value("breathing_on")) or not _by_itself(BREATHES, seen.mode):
+def _breathing(seen: BodyView, glyphs: Glyphs) -> str:
+    if not _on(seen.value("breathing_on")) or not _moves_by_itself(BREATHES, seen.mode):
         return "no"
     rate = _breaths(seen.value("breathing_rate"), seen.value("tempo"))
-    return "yes" if rate is None else figure("breathing_rate", rate, glyphs)
+    return "yes" if rate is None else value_text("breathing_rate", rate, glyphs)
 
 
 def _breaths(rate: Json, tempo: Json) -> Json:
@@ -107,11 +107,11 @@ def _breaths(rate: Json, tempo: Json) -> Json:
     return tempo / BEATS_A_BREATH if rate is None and isinstance(tempo, int | float) else rate
 
 
-def _blinking(seen: SeenBody, glyphs: Glyphs) -> str:
-    if not _on(seen.value("blinking")) or not _by_itself(BLINKS, seen.mode):
+def _blinking(seen: BodyView, glyphs: Glyphs) -> str:
+    if not _on(seen.value("blinking")) or not _moves_by_itself(BLINKS, seen.mode):
         return "no"
     rate = seen.value("blink_rate")
-    return figure("blink_rate", rate, glyphs) if isinstance(rate, int | float) else "yes"
+    return value_text("blink_rate", rate, glyphs) if isinstance(rate, int | float) else "yes"
 
 
 # -- the whole table ------------------------------------------------------------------------------
@@ -147,7 +147,7 @@ def _a_minute(value: float, _: Glyphs) -> str:
 
 Writer = Callable[[float, Glyphs], str]
 #: Values with their place in the table, and how numbers are written.
-ORDER: Mapping[str, Writer] = {
+FORMATS: Mapping[str, Writer] = {
     "mode": _plain,
     "move": _plain,
     "emotion": _plain,
@@ -174,16 +174,16 @@ ORDER: Mapping[str, Writer] = {
 }
 
 
-def figure(name: str, value: Json, glyphs: Glyphs) -> str:
+def value_text(name: str, value: Json, glyphs: Glyphs) -> str:
     """A value with its unit."""
     if value is None or value == "":
         return glyphs.dash
     if isinstance(value, bool):
         return "on" if value else "off"
     if isinstance(value, int | float):
-        return ORDER.get(name, _plain)(value, glyphs)
+        return FORMATS.get(name, _plain)(value, glyphs)
     if isinstance(value, list):
-        return ", ".join(figure(name, one, glyphs) for one in value)
+        return ", ".join(value_text(name, one, glyphs) for one in value)
     return clean(str(value))
 
 
@@ -193,13 +193,13 @@ VALUES = 6
 TITLES: Mapping[str, str] = {"breathing_on": "breathes", "blinking": "blinks"}
 
 
-def table_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[Row]:
+def table_rows(seen: BodyView, glyphs: Glyphs, width: int, height: int) -> list[Row]:
     """Every value the body tells, in as many columns as it needs; each has its fixed place."""
     known = {name.replace("-", "_"): value for name, value in seen.values.items()}
     if "breathing_rate" in known:
         known["breathing_rate"] = _breaths(known["breathing_rate"], known.get("tempo"))
-    names = [name for name in ORDER if name in known]
-    names += sorted(name for name in known if name not in ORDER)
+    names = [name for name in FORMATS if name in known]
+    names += sorted(name for name in known if name not in FORMATS)
     if not names:
         return [(("no values from the body yet", "muted"),)]
     lines = max(1, min(height, len(names)))
@@ -212,6 +212,6 @@ def table_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[
     for column, front in zip(columns, fronts, strict=True):
         for line, name in enumerate(column):
             label = fit(titles[name], front, glyphs.ellipsis)
-            value = fit(figure(name, known[name], glyphs), each, glyphs.ellipsis)
+            value = fit(value_text(name, known[name], glyphs), each, glyphs.ellipsis)
             rows[line] += ((label, "muted"), (value, look), (" ", "plain"))
     return [cut(row, width, glyphs.ellipsis) for row in rows]

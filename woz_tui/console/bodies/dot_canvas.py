@@ -17,7 +17,7 @@ _BRAILLE = 0x2800
 Dot = tuple[int, int]
 
 
-class Layer(NamedTuple):
+class DotLayer(NamedTuple):
     """What dots mean: their look, their sign in ASCII, and whether they vanish from cells in which
     a higher layer has dots; else they stay, in its look.
     """
@@ -27,13 +27,13 @@ class Layer(NamedTuple):
     yields: bool = False
 
 
-class Dots:
+class DotCanvas:
     """A sheet of `width` x `height` cells; dots count from 0 at the upper left.
 
     `layers` go from the lowest to the highest. What lies outside the sheet is not drawn.
     """
 
-    def __init__(self, width: int, height: int, layers: Mapping[str, Layer]) -> None:
+    def __init__(self, width: int, height: int, layers: Mapping[str, DotLayer]) -> None:
         self.width, self.height = width, height
         self._layers = layers
         self._bits: dict[str, dict[Dot, int]] = {name: {} for name in layers}

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from woz_tui.console.bodies.bodies_pane import GAP, VIEW, face_rows, view_rows
-from woz_tui.console.bodies.body_state import SeenBody
-from woz_tui.console.bodies.body_text import ORDER, table_rows
+from woz_tui.console.bodies.body_text import FORMATS, table_rows
+from woz_tui.console.bodies.body_view import BodyView
 from woz_tui.console.bodies.face_lights import size as face_size
 from woz_tui.console.cells import Row, clean, cut
 from woz_tui.console.glyphs import PaintFrame
@@ -14,10 +14,10 @@ from woz_tui.console.meter_rows import side_by_side
 COLUMN, PICTURE = 24, 9
 
 
-def full_rows(seen: SeenBody, frame: PaintFrame) -> list[Row]:
+def full_rows(seen: BodyView, frame: PaintFrame) -> list[Row]:
     """As large as the frame."""
     columns = max(1, frame.width // COLUMN)
-    table = min(-(-len(ORDER) // columns), max(0, frame.height - PICTURE - 2))
+    table = min(-(-len(FORMATS) // columns), max(0, frame.height - PICTURE - 2))
     picture = frame.height - table - 2
     title: Row = ((clean(seen.outline.driver), "title"), (f"  {seen.old}", "stale"))
     rows = [title, *_picture(seen, frame, picture), ()]
@@ -25,7 +25,7 @@ def full_rows(seen: SeenBody, frame: PaintFrame) -> list[Row]:
     return [cut(row, frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
 
 
-def _picture(seen: SeenBody, frame: PaintFrame, lines: int) -> list[Row]:
+def _picture(seen: BodyView, frame: PaintFrame, lines: int) -> list[Row]:
     """Face and views beside each other, the face compact where it would take all the room."""
     lights = seen.outline.face
     if lights is None:

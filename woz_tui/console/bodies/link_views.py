@@ -14,28 +14,28 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from woz_tui.console.bodies.body_outlines import BodyOutline
-from woz_tui.console.bodies.dot_canvas import ACROSS, DOWN, Dot, Dots, Layer
+from woz_tui.console.bodies.dot_canvas import ACROSS, DOWN, Dot, DotCanvas, DotLayer
+from woz_tui.console.bodies.driver_outlines import BodyOutline
 from woz_tui.motion.body_shape import Vector
 
 #: From the lowest to the highest: the ground, where the eyes look, where the body shall be, where
 #: it is.
-LAYERS: Mapping[str, Layer] = MappingProxyType(
+LAYERS: Mapping[str, DotLayer] = MappingProxyType(
     {
-        "ground": Layer("faint", "-"),
-        "gaze": Layer("run", "."),
-        "wanted": Layer("muted", ":", yields=True),
-        "links": Layer("strong", "#"),
-        "joints": Layer("strong", "O"),
+        "ground": DotLayer("faint", "-"),
+        "gaze": DotLayer("run", "."),
+        "wanted": DotLayer("muted", ":", yields=True),
+        "links": DotLayer("strong", "#"),
+        "joints": DotLayer("strong", "O"),
     }
 )
-STALE_LAYERS: Mapping[str, Layer] = MappingProxyType(
+STALE_LAYERS: Mapping[str, DotLayer] = MappingProxyType(
     {
-        "ground": Layer("faint", "-"),
-        "gaze": Layer("faint", "."),
-        "wanted": Layer("faint", ":", yields=True),
-        "links": Layer("stale", "#"),
-        "joints": Layer("stale", "O"),
+        "ground": DotLayer("faint", "-"),
+        "gaze": DotLayer("faint", "."),
+        "wanted": DotLayer("faint", ":", yields=True),
+        "links": DotLayer("stale", "#"),
+        "joints": DotLayer("stale", "O"),
     }
 )
 #: Marks around a joint, and around the middle between the eyes.
@@ -48,23 +48,23 @@ MOST_POSES, STEPS = 1000, (30.0, 45.0, 60.0, 90.0, 180.0, 7200.0)
 #: What is kept free around the farthest reach, as a share of it.
 MARGIN = 0.08
 
-Flat = tuple[float, float]
+PlanePoint = tuple[float, float]
 
 
-def _from_side(point: Vector) -> Flat:
+def _from_side(point: Vector) -> PlanePoint:
     return point[0], point[2]
 
 
-def _from_above(point: Vector) -> Flat:
+def _from_above(point: Vector) -> PlanePoint:
     return -point[1], point[0]
 
 
 SIDE, ABOVE = "side", "above"
-_PROJECTIONS: Mapping[str, Callable[[Vector], Flat]] = {SIDE: _from_side, ABOVE: _from_above}
+_PROJECTIONS: Mapping[str, Callable[[Vector], PlanePoint]] = {SIDE: _from_side, ABOVE: _from_above}
 
 
 @dataclass(frozen=True, slots=True)
-class Span:
+class Extent:
     """From where to where something goes, in metres: to the right and up."""
 
     left: float
@@ -74,11 +74,11 @@ class Span:
 
 
 @functools.lru_cache(maxsize=32)
-def _reach(outline: BodyOutline) -> Mapping[str, Span]:
+def _reach(outline: BodyOutline) -> Mapping[str, Extent]:
     """What the body can reach, as seen in each view; the base and the ground are within it."""
     points = [point for pose in _poses(outline) for point in outline.chain.points(pose)]
     points.append((0.0, 0.0, 0.0))
-    return {name: _span(map(flat, points)) for name, flat in _PROJECTIONS.items()}
+    return {name: _extent(map(flat, points)) for name, flat in _PROJECTIONS.items()}
 
 
 def _poses(outline: BodyOutline) -> list[dict[str, float]]:
@@ -97,14 +97,16 @@ def _between(low: float, high: float, step: float) -> list[float]:
     return [low + (high - low) * number / steps for number in range(steps + 1)]
 
 
-def _span(points: Iterable[Flat]) -> Span:
+def _extent(points: Iterable[PlanePoint]) -> Extent:
     across, up = zip(*points, strict=True)
     margin = MARGIN * max(max(across) - min(across), max(up) - min(up), 0.01)
-    return Span(min(across) - margin, max(across) + margin, min(up) - margin / 2, max(up) + margin)
+    return Extent(
+        min(across) - margin, max(across) + margin, min(up) - margin / 2, max(up) + margin
+    )
 
 
 @dataclass(frozen=True, slots=True)
-class Sight:
+class Projection:
     """How one view puts places in metres onto a sheet's dots."""
 
     view: str
@@ -118,7 +120,9 @@ class Sight:
         return round((across - self.left) * self.scale), round((self.top - up) * self.scale)
 
 
-def sights(outline: BodyOutline, sizes: Mapping[str, tuple[int, int]]) -> dict[str, Sight]:
+def projections(
+    outline: BodyOutline, sizes: Mapping[str, tuple[int, int]]
+) -> dict[str, Projection]:
     """The views on sheets of these sizes (cells), all in one scale: what is reached fits."""
     reach = {view: _reach(outline)[view] for view in sizes}
     scale = min(
@@ -135,7 +139,7 @@ def sights(outline: BodyOutline, sizes: Mapping[str, tuple[int, int]]) -> dict[s
         above = (lines * DOWN - 1) / scale - (span.top - span.bottom)
         if view == ABOVE:
             above /= 2  # in the middle; from the side it stands at the bottom
-        found[view] = Sight(view, scale, span.left - spare, span.top + above)
+        found[view] = Projection(view, scale, span.left - spare, span.top + above)
     return found
 
 
@@ -148,9 +152,11 @@ class Pose:
     stale: bool = False
 
 
-def draw(outline: BodyOutline, pose: Pose, sight: Sight, size: tuple[int, int]) -> Dots:
+def draw_view(
+    outline: BodyOutline, pose: Pose, sight: Projection, size: tuple[int, int]
+) -> DotCanvas:
     """One view of a body."""
-    sheet = Dots(*size, STALE_LAYERS if pose.stale else LAYERS)
+    sheet = DotCanvas(*size, STALE_LAYERS if pose.stale else LAYERS)
     _ground(sheet, sight)
     here = pose.reached if pose.reached is not None else pose.wanted
     if here is None:
@@ -166,7 +172,7 @@ def draw(outline: BodyOutline, pose: Pose, sight: Sight, size: tuple[int, int]) 
     return sheet
 
 
-def _ground(sheet: Dots, sight: Sight) -> None:
+def _ground(sheet: DotCanvas, sight: Projection) -> None:
     """The floor from the side; from above a cross where the base stands."""
     x, y = sight.dot((0.0, 0.0, 0.0))
     if sight.view == SIDE:
@@ -177,14 +183,20 @@ def _ground(sheet: Dots, sight: Sight) -> None:
 
 
 def _links(
-    sheet: Dots, sight: Sight, outline: BodyOutline, angles: Mapping[str, float], layer: str
+    sheet: DotCanvas,
+    sight: Projection,
+    outline: BodyOutline,
+    angles: Mapping[str, float],
+    layer: str,
 ) -> None:
     dots = [sight.dot(point) for point in outline.chain.points(angles)]
     for start, end in itertools.pairwise(dots):
         sheet.line(start, end, layer)
 
 
-def _gaze(sheet: Dots, sight: Sight, outline: BodyOutline, angles: Mapping[str, float]) -> None:
+def _gaze(
+    sheet: DotCanvas, sight: Projection, outline: BodyOutline, angles: Mapping[str, float]
+) -> None:
     """From the eyes some way along their line of sight."""
     origin, direction = outline.chain.ray(angles)
     far = GAZE / sight.scale

@@ -22,7 +22,7 @@ TELLING, INSTANT_S = 2_000, 0.030
 MOST = 200_000
 
 
-class Pace:
+class PictureBudget:
     """Allowances for one picture after the other. All times in microseconds of one clock."""
 
     def __init__(self, budget: float = BUDGET, rate: float = RATE) -> None:

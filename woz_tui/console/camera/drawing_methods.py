@@ -4,23 +4,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from woz_tui.console.camera.picture_widgets import Blocks, Kitty, Sixel, View
-from woz_tui.console.camera.terminal_graphics import Side
+from woz_tui.console.camera.picture_terminal import PictureTerminal
+from woz_tui.console.camera.picture_widgets import HalfBlockView, KittyView, PictureView, SixelView
 
 #: What `--pictures` takes.
-WAYS = ("auto", "blocks", "kitty", "sixel", "off")
+METHODS = ("auto", "blocks", "kitty", "sixel", "off")
 #: Colours of Rich's colour systems.
 _DEPTHS = {"truecolor": 1 << 24, "256": 256, "standard": 16, "windows": 16}
 
 
 @dataclass(frozen=True, slots=True)
-class Means:
+class TerminalAbilities:
     """What a terminal has: `depth` colours (0: only signs of ASCII), `side` (None: no terminal),
     and `tmux`, `screen` or nothing in between.
     """
 
     depth: int
-    side: Side | None = None
+    side: PictureTerminal | None = None
     multiplexer: str = ""
 
 
@@ -29,7 +29,7 @@ def depth_of(system: str | None, *, plain: bool) -> int:
     return 0 if plain else _DEPTHS.get(system or "", 0)
 
 
-def view_for(wanted: str, means: Means) -> View:
+def view_for(wanted: str, means: TerminalAbilities) -> PictureView:
     """A widget that draws in the way that is `wanted`; `auto`: what the terminal said it can do.
 
     Half blocks are always right. tmux answers in its terminal's place without being one that
@@ -39,7 +39,7 @@ def view_for(wanted: str, means: Means) -> View:
     if side is not None and means.depth >= 256:
         direct = wanted == "auto" and not means.multiplexer
         if wanted == "kitty" or (direct and side.kitty):
-            return Kitty(side, tmux=means.multiplexer == "tmux")
+            return KittyView(side, tmux=means.multiplexer == "tmux")
         if wanted == "sixel" or (direct and side.sixel and side.cell is not None):
-            return Sixel(side)
-    return Blocks(means.depth)
+            return SixelView(side)
+    return HalfBlockView(means.depth)

@@ -18,7 +18,7 @@ COSTS = {1 << 24: 60, 256: 42, 16: 30, 0: 14}
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
+class CellRun:
     """Cells from `begin` up to `end` of line `row`."""
 
     row: int
@@ -26,7 +26,7 @@ class Stretch:
     end: int
 
 
-class Canvas:
+class HalfBlockCanvas:
     """What `columns` x `rows` cells show, in so many `colours`; 0: in signs of ASCII."""
 
     def __init__(self, columns: int, rows: int, colours: int) -> None:
@@ -52,7 +52,7 @@ class Canvas:
             return " "
         return c.RAMP[(upper + lower) * len(c.RAMP) // 512]
 
-    def take(self, rgb: bytes, allowance: int) -> list[Stretch]:
+    def take(self, rgb: bytes, allowance: int) -> list[CellRun]:
         """Show a picture of `size`, as far as `allowance` bytes reach; returns what to paint."""
         changed = self._worst(self._differences(rgb), max(1, allowance // COSTS[self.colours]))
         shown = self._shown if self._shown is not None else bytearray(len(rgb))
@@ -96,14 +96,14 @@ class Canvas:
             changed = sorted(changed[:most])
         return changed
 
-    def _stretches(self, places: list[int]) -> list[Stretch]:
+    def _stretches(self, places: list[int]) -> list[CellRun]:
         """Cells in their order as stretches within lines."""
-        found: list[Stretch] = []
+        found: list[CellRun] = []
         for place in places:
             row, column = divmod(place, self.columns)
             last = found[-1] if found else None
             if last is not None and last.row == row and last.end == column:
-                found[-1] = Stretch(row, last.begin, column + 1)
+                found[-1] = CellRun(row, last.begin, column + 1)
             else:
-                found.append(Stretch(row, column, column + 1))
+                found.append(CellRun(row, column, column + 1))
         return found

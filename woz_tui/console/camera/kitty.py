@@ -26,7 +26,7 @@ MOST_ROWS = 132
 _LETTERS = 0x3100
 
 
-def sent(name: int, columns: int, rows: int, data: str) -> str:
+def transmission(name: int, columns: int, rows: int, data: str) -> str:
     """Make the PNG file `data` (in base64) the picture `name`, in `columns` x `rows` cells."""
     chunks = [data[start : start + CHUNK] for start in range(0, len(data), CHUNK)] or [""]
     head = f"a=T,U=1,q=2,f=100,i={name},c={columns},r={rows},"
@@ -37,7 +37,7 @@ def sent(name: int, columns: int, rows: int, data: str) -> str:
     )
 
 
-def forgotten(*names: int) -> str:
+def deletion(*names: int) -> str:
     """Let go of pictures, and of the memory they take."""
     return "".join(f"\x1b_Ga=d,d=I,i={name},q=2\x1b\\" for name in names)
 
@@ -72,7 +72,7 @@ def row_marks() -> str:
     )
 
 
-def through_tmux(text: str) -> str:
+def tmux_passthrough(text: str) -> str:
     """Sequences in tmux's envelope: with `allow-passthrough on` it hands them to its terminal."""
     pieces = text.split("\x1b\\")[:-1]
     return "".join(_enveloped(f"{piece}\x1b\\") for piece in pieces)

@@ -6,8 +6,8 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from woz_tui.console.camera.byte_rate import MOST, Pace
-from woz_tui.console.camera.terminal_graphics import Side
+from woz_tui.console.camera.byte_rate import MOST, PictureBudget
+from woz_tui.console.camera.picture_terminal import PictureTerminal
 from woz_tui.protocol.camera_pictures import PictureFormat, PictureShown
 from woz_tui.protocol.requests import AskPicture, Reply
 from woz_tui.system.clock import Clock
@@ -34,7 +34,7 @@ class _Drawing:
     painted_us: int | None = None
 
 
-class Watching:
+class PictureRequester:
     """Asks for pictures of one camera after the other.
 
     Args:
@@ -48,10 +48,10 @@ class Watching:
         self,
         ask: Ask,
         clock: Clock,
-        side: Side | None,
+        side: PictureTerminal | None,
         draw: Callable[[PictureShown], None],
     ) -> None:
-        self.pace = Pace()
+        self.pace = PictureBudget()
         #: The camera that is watched (empty: the first), and all there are.
         self.camera = ""
         self.cameras: list[str] = []

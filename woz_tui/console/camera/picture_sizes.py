@@ -13,12 +13,12 @@ from woz_tui.protocol.camera_pictures import PictureShown
 CELL = (8, 16)
 
 
-class DamagedError(ValueError):
+class PictureError(ValueError):
     """A picture that is not what it says."""
 
 
 @dataclass(frozen=True, slots=True)
-class Room:
+class CellArea:
     """Cells that a picture takes, and the size of a cell in pixels."""
 
     columns: int
@@ -31,35 +31,37 @@ class Room:
         return self.columns * self.cell[0], self.rows * self.cell[1]
 
 
-def room_for(width: int, height: int, within: Room) -> Room:
+def area_for(width: int, height: int, within: CellArea) -> CellArea:
     """The largest part of `within` with the proportions of `width` x `height` pixels."""
     most_wide, most_high = within.pixels
     scale = min(most_wide / width, most_high / height)
     columns = round(width * scale / within.cell[0])
     rows = round(height * scale / within.cell[1])
-    return Room(max(1, min(columns, within.columns)), max(1, min(rows, within.rows)), within.cell)
+    return CellArea(
+        max(1, min(columns, within.columns)), max(1, min(rows, within.rows)), within.cell
+    )
 
 
-def smaller(width: int, height: int, pixels: float) -> tuple[int, int]:
+def shrunk_size(width: int, height: int, pixels: float) -> tuple[int, int]:
     """`width` x `height` pixels in their proportions, about `pixels` of them; 16 x 12 at least."""
     scale = min(1.0, (pixels / (width * height)) ** 0.5)
     return max(min(16, width), int(width * scale)), max(min(12, height), int(height * scale))
 
 
 def unpacked(shown: PictureShown) -> bytes:
-    """The pixels of an `rgb` picture, rows from the top. Raises `DamagedError`."""
+    """The pixels of an `rgb` picture, rows from the top. Raises `PictureError`."""
     size = shown.width * shown.height * 3
     unpacker = zlib.decompressobj()
     try:
         rgb = unpacker.decompress(base64.b64decode(shown.data, validate=True), size + 1)
     except (zlib.error, binascii.Error, ValueError) as error:
-        raise DamagedError(f"the picture cannot be read: {error}") from error
+        raise PictureError(f"the picture cannot be read: {error}") from error
     if len(rgb) != size or size <= 0:
-        raise DamagedError(f"the picture has {len(rgb)} bytes instead of {size}")
+        raise PictureError(f"the picture has {len(rgb)} bytes instead of {size}")
     return rgb
 
 
-def stretched(rgb: bytes, width: int, height: int, columns: int, rows: int) -> bytes:
+def resized(rgb: bytes, width: int, height: int, columns: int, rows: int) -> bytes:
     """`width` x `height` pixels as `columns` x `rows`: repeated, or left out."""
     if (width, height) == (columns, rows):
         return rgb

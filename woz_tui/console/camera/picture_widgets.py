@@ -16,9 +16,9 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from woz_tui.console.camera import kitty, terminal_colours
-from woz_tui.console.camera.half_blocks import Canvas
-from woz_tui.console.camera.picture_sizes import Room, smaller, stretched, unpacked
-from woz_tui.console.camera.terminal_graphics import Side
+from woz_tui.console.camera.half_blocks import HalfBlockCanvas
+from woz_tui.console.camera.picture_sizes import CellArea, resized, shrunk_size, unpacked
+from woz_tui.console.camera.picture_terminal import PictureTerminal
 from woz_tui.protocol.camera_pictures import PictureFormat, PictureShown
 
 #: Upper half of a cell in its foreground's colour, lower half in that of its background.
@@ -27,7 +27,7 @@ _HALF = "▀"
 _PNG_BYTES, _SIXEL_BYTES = 1.2, 1.2
 
 
-class View(Widget):
+class PictureView(Widget):
     """A picture in `room`. Subclasses say in which format they want it."""
 
     can_focus = False
@@ -37,7 +37,7 @@ class View(Widget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.room = Room(1, 1)
+        self.room = CellArea(1, 1)
         self._painted: Callable[[], None] | None = None
 
     def after_painting(self, call: Callable[[], None]) -> None:
@@ -46,7 +46,7 @@ class View(Widget):
         """
         self._painted = call
 
-    def place(self, room: Room) -> None:
+    def place(self, room: CellArea) -> None:
         """Take other cells; what was drawn is gone."""
         self.room = room
         self.styles.width, self.styles.height = room.columns, room.rows
@@ -88,7 +88,7 @@ class View(Widget):
         raise NotImplementedError
 
 
-class Blocks(View):
+class HalfBlockView(PictureView):
     """Two pixels a cell; without colours signs for how bright they are.
 
     Args:
@@ -97,12 +97,12 @@ class Blocks(View):
 
     def __init__(self, depth: int) -> None:
         super().__init__()
-        self._canvas = Canvas(1, 1, depth)
+        self._canvas = HalfBlockCanvas(1, 1, depth)
         self._strips: dict[int, Strip] = {}
         self.word = "half blocks" if depth else "signs"
 
     @property
-    def canvas(self) -> Canvas:
+    def canvas(self) -> HalfBlockCanvas:
         """What the cells show."""
         return self._canvas
 
@@ -113,7 +113,7 @@ class Blocks(View):
     def show(self, shown: PictureShown, allowance: int) -> bool:
         """Paint the cells that have changed, the worst first."""
         canvas = self._canvas
-        pixels = stretched(unpacked(shown), shown.width, shown.height, *canvas.size)
+        pixels = resized(unpacked(shown), shown.width, shown.height, *canvas.size)
         painted = canvas.take(pixels, allowance)
         for stretch in painted:
             self._strips.pop(stretch.row, None)
@@ -123,7 +123,7 @@ class Blocks(View):
 
     def clear(self) -> None:
         """All black."""
-        self._canvas = Canvas(self.room.columns, self.room.rows, self._canvas.colours)
+        self._canvas = HalfBlockCanvas(self.room.columns, self.room.rows, self._canvas.colours)
         self._strips.clear()
         self.refresh()
 
@@ -153,7 +153,7 @@ class Blocks(View):
         return Strip(segments, canvas.columns)
 
 
-class Kitty(View):
+class KittyView(PictureView):
     """Placeholders, and beneath them the picture: two names take turns, so that nothing flickers.
 
     Args:
@@ -164,7 +164,7 @@ class Kitty(View):
     format: ClassVar[PictureFormat] = "png"
     word = "kitty"
 
-    def __init__(self, side: Side, tmux: bool = False) -> None:
+    def __init__(self, side: PictureTerminal, tmux: bool = False) -> None:
         super().__init__()
         self._side, self._tmux = side, tmux
         self._bytes = _PNG_BYTES
@@ -174,13 +174,13 @@ class Kitty(View):
     def wanted(self, allowance: int) -> tuple[int, int]:
         """As many pixels as the cells have; a slow line gets fewer, and the terminal enlarges."""
         cells = 4 * self.room.columns * self.room.rows
-        return smaller(*self.room.pixels, max(1_000, allowance - cells) / self._bytes)
+        return shrunk_size(*self.room.pixels, max(1_000, allowance - cells) / self._bytes)
 
     def show(self, shown: PictureShown, allowance: int) -> bool:
         """Send the picture under the name that is not shown, then change the names."""
         self._turn = 1 - self._turn
         name = kitty.NAMES[self._turn]
-        if not self._put(kitty.sent(name, self.room.columns, self.room.rows, shown.data)):
+        if not self._put(kitty.transmission(name, self.room.columns, self.room.rows, shown.data)):
             return False
         self._bytes = max(0.02, len(shown.data) / max(1, shown.width * shown.height))
         self._drawn = name
@@ -190,17 +190,17 @@ class Kitty(View):
     def settled(self) -> None:
         """The picture before is not shown any more: let go of it."""
         if self._drawn:
-            self._put(kitty.forgotten(*(name for name in kitty.NAMES if name != self._drawn)))
+            self._put(kitty.deletion(*(name for name in kitty.NAMES if name != self._drawn)))
 
     def clear(self) -> None:
         """Blank cells, no pictures in the terminal's memory."""
         if self._drawn:
             self._drawn = 0
-            self._put(kitty.forgotten(*kitty.NAMES))
+            self._put(kitty.deletion(*kitty.NAMES))
         self.refresh()
 
     def _put(self, text: str) -> bool:
-        return self._side.put(kitty.through_tmux(text) if self._tmux else text)
+        return self._side.put(kitty.tmux_passthrough(text) if self._tmux else text)
 
     def line(self, y: int) -> Strip:
         """A line of placeholders in the colour that is the picture's name."""
@@ -212,13 +212,13 @@ class Kitty(View):
         return Strip([Segment(text, named)], self.room.columns)
 
 
-class Sixel(View):
+class SixelView(PictureView):
     """Blank cells to Textual, and the picture drawn over them when it has painted."""
 
     format: ClassVar[PictureFormat] = "sixel"
     word = "sixel"
 
-    def __init__(self, side: Side) -> None:
+    def __init__(self, side: PictureTerminal) -> None:
         super().__init__()
         self._side = side
         self._bytes = _SIXEL_BYTES
@@ -227,7 +227,7 @@ class Sixel(View):
 
     def wanted(self, allowance: int) -> tuple[int, int]:
         """All pixels of the cells, or a smaller picture in their middle."""
-        return smaller(*self.room.pixels, allowance / self._bytes)
+        return shrunk_size(*self.room.pixels, allowance / self._bytes)
 
     def show(self, shown: PictureShown, allowance: int) -> bool:
         """Draw over the last one, once Textual has painted."""

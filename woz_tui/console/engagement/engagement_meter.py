@@ -16,14 +16,14 @@ from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.engagement.engagement_text import (
     USUAL_ATTENTION,
     WORD,
+    change_reason,
+    count_text,
     is_used,
-    mark,
     run_piece,
-    sentence,
-    share,
+    sign_verdict,
     signs_of,
-    standing,
-    why,
+    state_row,
+    state_sentence,
 )
 from woz_tui.console.engagement.sign_bars import LEAST, distance_bar, queue_bar
 from woz_tui.console.glyphs import Glyphs, PaintFrame
@@ -61,10 +61,10 @@ def block_rows(
     unheard = "" if loud else speech
     rows = [_state(picture, shown, frame)]
     if frame.height < MIDDLE:
-        rows.append(_moment(picture, shown, frame, unheard))
+        rows.append(_now_or_heard(picture, shown, frame, unheard))
         rows += _pairs(picture, shown, frame)
     elif frame.height < FULL:
-        rows.append(_moment(picture, shown, frame, unheard))
+        rows.append(_now_or_heard(picture, shown, frame, unheard))
         rows += [_why(picture, frame), *_pairs(picture, shown, frame)]
     else:
         rows.append((name_piece("now"), *(_now(shown, frame, unheard) or [_dash(frame)])))
@@ -85,10 +85,10 @@ def _state(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -
     """The state as a sentence and for how long; the attempt of a handshake."""
     glyphs = frame.glyphs
     if picture.lost:
-        told = sentence(shown.state, shown.visitor, glyphs)
+        told = state_sentence(shown.state, shown.visitor, glyphs)
         row: Row = ((f" {glyphs.stale} {told}", "stale"),)
     else:
-        row = standing(picture.engaged, shown, frame.now, glyphs, frame.width - 1)
+        row = state_row(picture.engaged, shown, frame.now, glyphs, frame.width - 1)
         row = ((" ", "plain"), *row)
     if shown.attempt:
         row += ((f" attempt {shown.attempt}", "muted"),)
@@ -116,7 +116,7 @@ def _now(shown: m.EngagementShown, frame: PaintFrame, unheard: str) -> list[Piec
     return found
 
 
-def _moment(
+def _now_or_heard(
     picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame, unheard: str
 ) -> Row:
     """Whether the machine is held, and what was heard."""
@@ -140,7 +140,7 @@ def _why(picture: ConsoleState, frame: PaintFrame) -> Row:
     if last is None:
         return (name_piece("why"), _dash(frame))
     hand: Row = ((f"{frame.glyphs.forced} ", "wait"),) if last.forced else ()
-    return (name_piece("why"), *hand, (frame.glyphs.plain(clean(why(last))), "muted"))
+    return (name_piece("why"), *hand, (frame.glyphs.plain(clean(change_reason(last))), "muted"))
 
 
 def _heard(picture: ConsoleState, frame: PaintFrame) -> Row:
@@ -178,7 +178,7 @@ def _pair(
     name: str, sign: m.SignShown, shown: m.EngagementShown, picture: ConsoleState, frame: PaintFrame
 ) -> Row:
     glyphs = frame.glyphs
-    found = mark(name, sign, glyphs, old=bool(picture.lost))
+    found = sign_verdict(name, sign, glyphs, old=bool(picture.lost))
     is_named = name == "identity" and found.look == "good"
     word = found.word if is_named else WORD[name]
     front: Piece = (f"{found.sign} {fit(word, _WORD - 1, glyphs.ellipsis)} ", found.look)
@@ -207,7 +207,7 @@ def _single(
     name: str, sign: m.SignShown, shown: m.EngagementShown, picture: ConsoleState, frame: PaintFrame
 ) -> Row:
     glyphs = frame.glyphs
-    found = mark(name, sign, glyphs, old=bool(picture.lost))
+    found = sign_verdict(name, sign, glyphs, old=bool(picture.lost))
     quiet = found.look == "stale" or sign.forced or not is_used(name, shown)
     bar = queue_bar(sign, track_width(frame), glyphs, "muted" if quiet else "good")
     if not is_used(name, shown):
@@ -215,7 +215,7 @@ def _single(
     if sign.forced:
         return meter_row(WORD[name], bar, f"{found.sign} {found.word} {glyphs.forced} hand", "wait")
     value = f"{found.sign} {found.word}"
-    counted = f"{value} {share(sign)}"
+    counted = f"{value} {count_text(sign)}"
     if found.look != "stale" and cell_len(counted) <= VALUE - 2:
         value = counted
     return meter_row(WORD[name], bar, value, found.look)

@@ -8,7 +8,7 @@ from rich.cells import cell_len
 
 from woz_tui.config.engagement import CONDITION, MODES, SIGNS
 from woz_tui.console.cells import Piece, Row, clean, fit
-from woz_tui.console.engagement.engagement_view import Engaged
+from woz_tui.console.engagement.engagement_view import EngagementView
 from woz_tui.console.glyphs import Glyphs
 from woz_tui.console.number_text import elapsed, seconds
 from woz_tui.protocol import messages as m
@@ -57,7 +57,7 @@ _HANDS = ("forced by the wizard: ", "stepped by the wizard: ")
 _PER_CENT = 100
 
 
-class Mark(NamedTuple):
+class SignVerdict(NamedTuple):
     """A verdict: its sign, its word, its look."""
 
     sign: str
@@ -70,7 +70,7 @@ class Mark(NamedTuple):
         return (f"{self.sign} {self.word}", self.look)
 
 
-def short(state: str) -> str:
+def short_state(state: str) -> str:
     """A state in a word."""
     return SHORT.get(state) or fit(state, min(_SHORT_CELLS, cell_len(clean(state))))
 
@@ -85,7 +85,7 @@ def is_used(name: str, shown: m.EngagementShown) -> bool:
     return name in shown.uses or name not in CONDITION
 
 
-def unsensed(sign: m.SignShown) -> bool:
+def has_no_sensor(sign: m.SignShown) -> bool:
     """Whether nobody has ever given it, neither a sensor nor the wizard."""
     if sign.filter in (KEPT, COARSE):
         return False  # nobody tells the wizard
@@ -93,22 +93,26 @@ def unsensed(sign: m.SignShown) -> bool:
     return sign.raw is None and not named and not sign.forced
 
 
-def mark(name: str, sign: m.SignShown, glyphs: Glyphs, *, old: bool = False) -> Mark:
+def sign_verdict(name: str, sign: m.SignShown, glyphs: Glyphs, *, old: bool = False) -> SignVerdict:
     """What the sign says; `old`: nothing is heard of the model any more."""
     if sign.filter == KEPT:
-        return Mark(glyphs.middle, HIDDEN, "faint")
+        return SignVerdict(glyphs.middle, HIDDEN, "faint")
     if old or (sign.stale and not sign.forced):
-        return Mark(glyphs.stale, "no sensor" if unsensed(sign) else "stale", "stale")
+        return SignVerdict(glyphs.stale, "no sensor" if has_no_sensor(sign) else "stale", "stale")
     if name not in CONDITION:
         known = sign.name not in _UNKNOWN
         named = clean(sign.name) if known else "unknown"
-        return Mark(glyphs.yes if known else glyphs.no, named, "good" if known else "muted")
+        return SignVerdict(glyphs.yes if known else glyphs.no, named, "good" if known else "muted")
     if sign.verdict is None:
-        return Mark("?", "not yet", "muted")
-    return Mark(glyphs.yes, "yes", "good") if sign.verdict else Mark(glyphs.no, "no", "muted")
+        return SignVerdict("?", "not yet", "muted")
+    return (
+        SignVerdict(glyphs.yes, "yes", "good")
+        if sign.verdict
+        else SignVerdict(glyphs.no, "no", "muted")
+    )
 
 
-def share(sign: m.SignShown) -> str:
+def count_text(sign: m.SignShown) -> str:
     """`5 of 8`, for a joint filter `87 %`."""
     if sign.places <= 0:
         return ""
@@ -117,7 +121,7 @@ def share(sign: m.SignShown) -> str:
     return f"{sign.count} of {sign.places}"
 
 
-def needs(sign: m.SignShown) -> str:
+def needed_text(sign: m.SignShown) -> str:
     """`needs 4`."""
     if sign.places <= 0:
         return ""
@@ -134,7 +138,7 @@ def headline(shown: m.EngagementShown, glyphs: Glyphs, *, old: bool = False) -> 
     return (sign, (clean(shown.state), "stale" if old else "strong"))
 
 
-def sentence(state: str, visitor: str, glyphs: Glyphs | None = None) -> str:
+def state_sentence(state: str, visitor: str, glyphs: Glyphs | None = None) -> str:
     """A state in words for a person: `visitor V2, engaged`."""
     name = "" if visitor in _UNKNOWN else clean(visitor)
     who = f"visitor {name}" if name else "visitor"
@@ -142,8 +146,8 @@ def sentence(state: str, visitor: str, glyphs: Glyphs | None = None) -> str:
     return glyphs.plain(told) if glyphs is not None else told
 
 
-def standing(
-    engaged: Engaged, shown: m.EngagementShown, now: int, glyphs: Glyphs, room: int
+def state_row(
+    engaged: EngagementView, shown: m.EngagementShown, now: int, glyphs: Glyphs, room: int
 ) -> Row:
     """The state as a sentence, with its sign and for how long, in `room` cells if it fits; a wait
     grows louder and gets another sign when it is too long.
@@ -153,10 +157,10 @@ def standing(
         return ((f"{glyphs.stopped} the model is off", "warn"),)
     if waited is None:
         sign: Piece = (f"{glyphs.yes} ", "good") if shown.engaged else (f"{glyphs.no} ", "muted")
-        told = sentence(shown.state, shown.visitor, glyphs)
+        told = state_sentence(shown.state, shown.visitor, glyphs)
         return (sign, (told, "strong"), (f" {elapsed(max(0, now - shown.since))}", "muted"))
-    figure = f"{seconds(waited) if waited < _WHOLE_US else lasting(waited)}{_unseen(engaged)}"
-    long = f"{sentence(shown.state, shown.visitor, glyphs)}, {figure}"
+    figure = f"{seconds(waited) if waited < _WHOLE_US else wait_text(waited)}{_unseen(engaged)}"
+    long = f"{state_sentence(shown.state, shown.visitor, glyphs)}, {figure}"
     brief = ("waits for your answer", "waits for answer", "waits")
     for text in (long, *(f"{words}, {figure}" for words in brief)):
         if cell_len(text) + 2 <= room:
@@ -168,12 +172,12 @@ def standing(
     return ((f"{glyphs.waits} {text}", "plain"),)
 
 
-def lasting(us: int) -> str:
+def wait_text(us: int) -> str:
     """`41 s`, from 100 s on `04:35`."""
     return f"{us // 1_000_000} s" if us < 100_000_000 else elapsed(us)
 
 
-def _unseen(engaged: Engaged) -> str:
+def _unseen(engaged: EngagementView) -> str:
     """Nobody is lost while the robot thinks, so they may have gone."""
     presence = engaged.shown.signs.get("presence") if engaged.shown else None
     return ", not seen" if presence is not None and presence.verdict == 0 else ""
@@ -187,14 +191,14 @@ def run_piece(shown: m.EngagementShown, glyphs: Glyphs, *, terse: bool = False) 
         return None
     if not shown.next:
         return (f"{glyphs.stopped} held", "warn")
-    to = short(shown.next) if terse else clean(shown.next)
+    to = short_state(shown.next) if terse else clean(shown.next)
     would = f"held {glyphs.next} {to}" if terse else f"held: would go to {to}"
     return (f"{glyphs.stopped} {would}", "warn")
 
 
-def path(shown: m.EngagementShown, width: int, glyphs: Glyphs) -> Row:
+def path_row(shown: m.EngagementShown, width: int, glyphs: Glyphs) -> Row:
     """The last states, the newest at the right; the oldest are left out where room is short."""
-    names = [short(state) for state in shown.trail] or [short(shown.state)]
+    names = [short_state(state) for state in shown.trail] or [short_state(shown.state)]
     arrow = f" {glyphs.next} "
     before = ""
     for number, name in reversed(list(enumerate(names[:-1]))):
@@ -207,7 +211,7 @@ def path(shown: m.EngagementShown, width: int, glyphs: Glyphs) -> Row:
     return ((before, "muted"), (names[-1], "strong"))
 
 
-def condition(
+def condition_row(
     shown: m.EngagementShown, glyphs: Glyphs, *, old: bool = False, brief: bool = False
 ) -> Row:
     """`not engaged: presence yes AND gaze no (2 of 8, needs 4) AND near yes`; `brief`: without
@@ -216,17 +220,17 @@ def condition(
     row: Row = (("engaged", "good") if shown.engaged else ("not engaged", "warn"),)
     for number, name in enumerate(shown.uses):
         sign = shown.signs.get(name, m.SignShown())
-        found = mark(name, sign, glyphs, old=old)
+        found = sign_verdict(name, sign, glyphs, old=old)
         word = "near" if name == "distance" else clean(name)
         row += ((" AND " if number else ": ", "muted"), (f"{word} {found.word}", found.look))
         if found.word == "no" and not (brief or sign.forced) and sign.places > 0:
-            row += ((f" ({share(sign)}, {needs(sign)})", "muted"),)
+            row += ((f" ({count_text(sign)}, {needed_text(sign)})", "muted"),)
         if sign.forced:
             row += ((f" {glyphs.forced}{'' if brief else ' by hand'}", "wait"),)
     return row
 
 
-def why(change: m.EngagementChanged) -> str:
+def change_reason(change: m.EngagementChanged) -> str:
     """Why it changed, without who did it in front: for lines that have a mark for that."""
     for hand in _HANDS:
         if change.forced and change.why.startswith(hand):
@@ -234,6 +238,6 @@ def why(change: m.EngagementChanged) -> str:
     return change.why
 
 
-def known_visitor(shown: m.EngagementShown) -> str:
+def visitor_code(shown: m.EngagementShown) -> str:
     """The visitor's code, or nothing."""
     return "" if shown.visitor in _UNKNOWN else clean(shown.visitor)

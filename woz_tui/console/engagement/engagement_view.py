@@ -18,7 +18,7 @@ HOLD, OFF = "hold", "off"
 
 
 @dataclass(slots=True)
-class Engaged:
+class EngagementView:
     """What holds is in `session`; `take` remembers what was: the model's changes, what visitors
     said, what is known of them by code.
     """

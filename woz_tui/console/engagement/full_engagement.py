@@ -9,23 +9,23 @@ from woz_tui.console.cells import Row, clean, cut, fit, length, spread
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.engagement.engagement_meter import quoted
 from woz_tui.console.engagement.engagement_text import (
-    condition,
+    change_reason,
+    condition_row,
+    count_text,
+    has_no_sensor,
     headline,
     is_used,
-    known_visitor,
-    mark,
-    needs,
-    path,
+    needed_text,
+    path_row,
     run_piece,
-    share,
+    sign_verdict,
     signs_of,
-    standing,
-    unsensed,
-    why,
+    state_row,
+    visitor_code,
 )
 from woz_tui.console.engagement.sign_bars import queue_bar
 from woz_tui.console.engagement.state_diagram import HEIGHT, WIDTH, diagram
-from woz_tui.console.engagement.time_limits import running
+from woz_tui.console.engagement.time_limits import running_limits
 from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.meter_rows import side_by_side
 from woz_tui.console.number_text import elapsed, seconds
@@ -50,7 +50,7 @@ _HEARD = 2
 _TALL = 24
 
 
-def whole_rows(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
+def full_rows(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
     """As many rows as the frame is high; what matters most stands on top."""
     table = [*_signs(picture, shown, frame), _condition(picture, shown, frame)]
     top = [_head(picture, shown, frame), _second(picture, shown, frame)]
@@ -59,7 +59,7 @@ def whole_rows(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFram
     if drawn:
         top += _states(picture, shown, frame, side=side)
     else:
-        top.append((("path  ", "muted"), *path(shown, frame.width - 6, frame.glyphs)))
+        top.append((("path  ", "muted"), *path_row(shown, frame.width - 6, frame.glyphs)))
     rows = [*top, *_air(frame), *table, *_air(frame)]
     heard = [] if side else _heard(picture, frame, _HEARD if frame.height >= _TALL else 1)
     rows += _way(picture, frame, max(1, frame.height - len(rows) - len(heard)))
@@ -90,7 +90,7 @@ def _head(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) ->
         row += (("   ", "plain"), run)
     parts = [
         f"visitor {visitor}{_about(picture, shown.visitor)}"
-        if (visitor := known_visitor(shown))
+        if (visitor := visitor_code(shown))
         else "",
         f"attention {clean(shown.attention)}" if shown.attention else "",
     ]
@@ -116,10 +116,10 @@ def _second(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) 
     row: Row = ()
     if picture.lost:
         return ((f"{glyphs.stale} the robot process is gone: all this is old", "stale"),)
-    row += (*standing(engaged, shown, frame.now, glyphs, frame.width)[:2], ("   ", "plain"))
+    row += (*state_row(engaged, shown, frame.now, glyphs, frame.width)[:2], ("   ", "plain"))
     if (segment := engaged.speaking(frame.now)) is not None:
         row += ((f"{glyphs.yes} speech {seconds(frame.now - segment.begin)}   ", "good"),)
-    for text, look in running(picture, shown, frame.now):
+    for text, look in running_limits(picture, shown, frame.now):
         row += ((f"{text}   ", look),)
     return row
 
@@ -165,7 +165,7 @@ def _sign(
     """One of them. `frame` is the bar's; the filter's name has `filtered` cells."""
     sign = shown.signs[name]
     glyphs = frame.glyphs
-    found = mark(name, sign, glyphs, old=bool(picture.lost))
+    found = sign_verdict(name, sign, glyphs, old=bool(picture.lost))
     used = is_used(name, shown)
     quiet = sign.forced or found.look == "stale" or not used
     row: Row = (
@@ -179,12 +179,16 @@ def _sign(
         return (*row, (" not used", "muted"))
     if sign.filter == KEPT:
         return (*row, (f" {found.piece[0]}", found.look))
-    if found.look == "stale" and unsensed(sign):
+    if found.look == "stale" and has_no_sensor(sign):
         return (*row, (f" {found.piece[0]}", found.look))
     row += ((f" {fit(found.piece[0], 9, glyphs.ellipsis)}", found.look),)
     if sign.forced:
         return (*row, (f" {glyphs.forced} by hand", "wait"))
-    both = f" {share(sign)}" if found.look == "stale" else f" {share(sign)}, {needs(sign)}"
+    both = (
+        f" {count_text(sign)}"
+        if found.look == "stale"
+        else f" {count_text(sign)}, {needed_text(sign)}"
+    )
     return (*row, (both if sign.places > 0 else "", "muted"))
 
 
@@ -203,9 +207,9 @@ def _sensed(name: str, sign: m.SignShown) -> str:
 
 def _condition(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
     old = bool(picture.lost)
-    row = condition(shown, frame.glyphs, old=old)
+    row = condition_row(shown, frame.glyphs, old=old)
     if length(row) > frame.width:
-        row = condition(shown, frame.glyphs, old=old, brief=True)
+        row = condition_row(shown, frame.glyphs, old=old, brief=True)
     near = f"   near: up to {shown.social_distance:.2f} m"
     if "distance" in shown.uses and length(row) + len(near) <= frame.width:
         row += ((near, "muted"),)
@@ -227,7 +231,7 @@ def _way(picture: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
                 (hand, "wait"),
                 (fit(change.now, 19, glyphs.ellipsis), "plain"),
                 (fit(change.outcome, 15, glyphs.ellipsis), "muted"),
-                (glyphs.plain(clean(why(change))), "muted"),
+                (glyphs.plain(clean(change_reason(change))), "muted"),
             )
         )
     return rows[:room] or [(("nothing has changed yet", "muted"),)]

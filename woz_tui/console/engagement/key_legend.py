@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from woz_tui.console.cells import Row, clean, cut, length
-from woz_tui.console.engagement.engagement_view import Engaged
-from woz_tui.console.engagement.wizard_overrides import ORDERS, Order
+from woz_tui.console.engagement.engagement_view import EngagementView
+from woz_tui.console.engagement.wizard_overrides import OVERRIDES, Override
 from woz_tui.console.glyphs import Glyphs
 
 #: Lines of the legend at the most.
@@ -14,14 +14,14 @@ HEIGHT = 4
 
 
 def legend_rows(
-    engaged: Engaged, covered: Mapping[str, str], width: int, glyphs: Glyphs, *, steers: bool
+    engaged: EngagementView, covered: Mapping[str, str], width: int, glyphs: Glyphs, *, steers: bool
 ) -> list[Row]:
     """`covered`: keys of the hand that else play an action -> the action's label."""
     if steers:
         rows = _orders(engaged, width)
         rows += [_covered(covered, glyphs)] if covered else []
     else:
-        keys = " ".join(order.key for order in ORDERS)
+        keys = " ".join(order.key for order in OVERRIDES)
         rows = [
             (
                 ("Keys play the robot. ", "muted"),
@@ -33,10 +33,10 @@ def legend_rows(
     return [cut(row, width, glyphs.ellipsis) for row in rows[:HEIGHT]]
 
 
-def _orders(engaged: Engaged, width: int) -> list[Row]:
+def _orders(engaged: EngagementView, width: int) -> list[Row]:
     """The hand's keys on as few lines as they fill; those that would do nothing now are pale."""
     rows: list[Row] = [()]
-    for order in ORDERS:
+    for order in OVERRIDES:
         now = _counts(order, engaged)
         piece: Row = (
             (f" {order.key} ", "key" if now else "muted"),
@@ -48,7 +48,7 @@ def _orders(engaged: Engaged, width: int) -> list[Row]:
     return rows
 
 
-def _counts(order: Order, engaged: Engaged) -> bool:
+def _counts(order: Override, engaged: EngagementView) -> bool:
     shown = engaged.shown
     if shown is None:
         return False

@@ -13,15 +13,15 @@ _FLAGS = {"on": "yes", "off": "no", "sensor": "back to its sensor"}
 Args = Mapping[str, Json]
 
 
-def order_words(verb: str, args: Args) -> str:
+def override_text(verb: str, args: Args) -> str:
     """`gaze the other way, by hand`; any arguments do, the log of another version may hold any."""
-    tell = _TELL.get(verb)
+    tell = _SENTENCES.get(verb)
     if tell is not None:
         return tell(args)
     return " ".join(str(part) for part in (verb, *args.values()) if part not in ("", None))
 
 
-def done_words(message: m.Message) -> str:
+def toggled_text(message: m.Message) -> str:
     """How a sign is after the wizard has turned it the other way; else nothing."""
     if isinstance(message, m.Done) and message.driver == ENGAGEMENT and "value" in message.sent:
         return _sense(message.sent)
@@ -51,7 +51,7 @@ def _visitor(args: Args) -> str:
     return ", ".join([f"visitor {_text(args, 'code')}", *(part for part in about if part)])
 
 
-_TELL: Mapping[str, Callable[[Args], str]] = {
+_SENTENCES: Mapping[str, Callable[[Args], str]] = {
     "toggle": lambda args: f"{_text(args, 'sign')} the other way, by hand",
     "sense": _sense,
     "force": lambda args: f"force {_text(args, 'to')}",
@@ -64,6 +64,6 @@ _TELL: Mapping[str, Callable[[Args], str]] = {
 }
 
 
-def is_order(command: m.Command | m.FilledCall) -> bool:
+def is_override(command: m.Command | m.FilledCall) -> bool:
     """Whether it is for the model, as far as it says for whom it is."""
-    return command.driver == ENGAGEMENT or (not command.driver and command.verb in _TELL)
+    return command.driver == ENGAGEMENT or (not command.driver and command.verb in _SENTENCES)

@@ -20,7 +20,7 @@ _BUSY = ("Handshake", "UserSpeaks", "RobotThinks", "RobotReplies", "RobotSpeaks"
 _SOON = 0.75
 
 
-def running(picture: ConsoleState, shown: m.EngagementShown, now: int) -> list[Piece]:
+def running_limits(picture: ConsoleState, shown: m.EngagementShown, now: int) -> list[Piece]:
     """`12 of 60 s to speak`, for the state as it stands."""
     return [*_state_limit(picture, shown, now), *_absent(picture, shown)]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.number_text import elapsed
-from woz_tui.console.replay.replay_state import wall_at
+from woz_tui.console.replay.replay_state import wall_time
 from woz_tui.console.screens.dialog import ReportDialog
 from woz_tui.console.screens.help import HelpDialog
 from woz_tui.protocol.welcome import ReplayedLog
@@ -38,7 +38,7 @@ class AboutDialog(ReportDialog):
     def lines(self) -> list[Row]:
         """One fact a line; what is missing in full sentences."""
         picture, told = self.picture, self.picture.settings.replay or ReplayedLog()
-        began = wall_at(picture.settings, 0)
+        began = wall_time(picture.settings, 0)
         start = picture.session.start
         length = elapsed(picture.replay.length_us) if picture.replay is not None else ""
         facts = {

@@ -10,7 +10,7 @@ from woz_tui.protocol.requests import Replaying
 from woz_tui.protocol.welcome import WelcomeSettings
 
 
-class Place(NamedTuple):
+class TimelinePlace(NamedTuple):
     """Something on the time line: when, what sort (see `Replaying`), what it says."""
 
     t: int
@@ -19,7 +19,7 @@ class Place(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class ReplayPicture:
+class ReplayState:
     """Length and idle time left out in microseconds; the speed, also while it stands still; what
     there is to go to, oldest first.
     """
@@ -29,22 +29,22 @@ class ReplayPicture:
     paused: bool = False
     ended: bool = False
     cut_us: int = 0
-    places: tuple[Place, ...] = ()
+    places: tuple[TimelinePlace, ...] = ()
 
 
-def following(before: ReplayPicture | None, told: Replaying) -> ReplayPicture:
+def updated(before: ReplayState | None, told: Replaying) -> ReplayState:
     """What `told` makes of it: places that are not told again stay."""
     places = before.places if before is not None else ()
     if told.marks is not None:
         sorts = [*told.sorts, *("marker" for _ in told.marks[len(told.sorts) :])]
         places = tuple(
-            Place(t, sort, text) for (t, text), sort in zip(told.marks, sorts, strict=False)
+            TimelinePlace(t, sort, text) for (t, text), sort in zip(told.marks, sorts, strict=False)
         )
-    now = ReplayPicture(told.length_us, told.rate, told.paused, told.ended, told.cut_us)
+    now = ReplayState(told.length_us, told.rate, told.paused, told.ended, told.cut_us)
     return replace(now, places=places)
 
 
-def wall_at(settings: WelcomeSettings, t: int) -> datetime | None:
+def wall_time(settings: WelcomeSettings, t: int) -> datetime | None:
     """What the clock on the wall said at `t`, in UTC; None where the log does not tell."""
     told = settings.replay
     if not told or not told.ts:

@@ -12,10 +12,10 @@ from woz_tui.console.cells import Piece, Row, clean, cut, fit, length, spread
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.number_text import elapsed
-from woz_tui.console.replay.replay_state import Place, ReplayPicture, wall_at
-from woz_tui.console.robot_settings.stop_confirmation import missing_row
+from woz_tui.console.replay.replay_state import ReplayState, TimelinePlace, wall_time
 from woz_tui.console.script_row import script_row, upcoming
 from woz_tui.console.sentence_rows import sentence_rows
+from woz_tui.console.stop_confirmation import missing_row
 from woz_tui.timeline.episodes import StopEpisode
 
 #: The most important first: they share cells of the line. Sign and look.
@@ -91,7 +91,7 @@ def time_row(
     return (*left, *line_pieces(replay, now, room, frame.glyphs), *right)
 
 
-def _left(replay: ReplayPicture, now: int, glyphs: Glyphs) -> Row:
+def _left(replay: ReplayState, now: int, glyphs: Glyphs) -> Row:
     """As wide at the end as at the beginning, so that the line stands still."""
     if replay.ended:
         state: Piece = (f" {glyphs.stopped}  ", "muted")
@@ -104,10 +104,10 @@ def _left(replay: ReplayPicture, now: int, glyphs: Glyphs) -> Row:
 
 
 def _right(
-    picture: ConsoleState, replay: ReplayPicture, now: int, hints: tuple[tuple[str, str], ...]
+    picture: ConsoleState, replay: ReplayState, now: int, hints: tuple[tuple[str, str], ...]
 ) -> Row:
     row: list[Piece] = [(" ", "plain")]
-    clock = wall_at(picture.settings, now)
+    clock = wall_time(picture.settings, now)
     if clock:
         row.append((f"{clock:%H:%M:%S} UTC ", "plain"))
     if replay.cut_us:
@@ -120,7 +120,7 @@ def _right(
     return tuple(row)
 
 
-def line_pieces(replay: ReplayPicture, now: int, width: int, glyphs: Glyphs) -> Iterable[Piece]:
+def line_pieces(replay: ReplayState, now: int, width: int, glyphs: Glyphs) -> Iterable[Piece]:
     """The line in `width` cells: what has been played, the rest, the places, where it is."""
     played = "=" if glyphs.ascii else glyphs.bar
     here = _cell(now, replay.length_us, width)
@@ -133,7 +133,7 @@ def line_pieces(replay: ReplayPicture, now: int, width: int, glyphs: Glyphs) -> 
     return _joined(cells)
 
 
-def _signs(places: Iterable[Place], length_us: int, width: int) -> dict[int, str]:
+def _signs(places: Iterable[TimelinePlace], length_us: int, width: int) -> dict[int, str]:
     order = list(SIGNS)
     signs: dict[int, str] = {}
     for place in places:

@@ -10,7 +10,7 @@ from textual.fuzzy import Matcher
 
 from woz_tui.console.cells import clean, fit
 from woz_tui.console.number_text import elapsed
-from woz_tui.console.replay.replay_state import Place
+from woz_tui.console.replay.replay_state import TimelinePlace
 from woz_tui.console.replay.replay_timeline import sign_of
 from woz_tui.console.screens.choice import SearchDialog
 from woz_tui.protocol.requests import AskReplay
@@ -19,7 +19,7 @@ from woz_tui.replay.seek import time_of
 TIME, SORT = 8, 14
 
 
-class GoDialog(SearchDialog[Place]):
+class GoDialog(SearchDialog[TimelinePlace]):
     """Type `12:34`, or a few letters of a marker; arrows choose among all places."""
 
     heading = "Go to"
@@ -30,13 +30,13 @@ class GoDialog(SearchDialog[Place]):
         Binding("pagedown", "choose(10)", priority=True),
     ]
 
-    def matching(self, typed: str) -> list[Place]:
+    def matching(self, typed: str) -> list[TimelinePlace]:
         """All places; from a time that is typed on, or those that the letters stand for."""
         replay = self.picture.replay
         places = list(replay.places) if replay is not None else []
         t = time_of(typed)
         if t is not None:
-            return [Place(t, "time", "this time"), *(p for p in places if p.t >= t)]
+            return [TimelinePlace(t, "time", "this time"), *(p for p in places if p.t >= t)]
         matcher = Matcher(typed)
         return [p for p in places if not typed or matcher.match(f"{p.sort} {p.text}")]
 
@@ -46,7 +46,7 @@ class GoDialog(SearchDialog[Place]):
         later = (n for n, place in enumerate(self.shown) if place.t > now)
         return 0 if typed else next(later, len(self.shown) - 1)
 
-    def line(self, item: Place) -> Content:
+    def line(self, item: TimelinePlace) -> Content:
         """Its time, its sort, what it says."""
         sign, look = sign_of(item.sort, self.glyphs)
         colour = {"bad": "bold $woz-bad", "plain": ""}.get(look, f"$woz-{look}")
@@ -59,7 +59,7 @@ class GoDialog(SearchDialog[Place]):
             clean(item.text),
         )
 
-    def chose(self, item: Place | None, typed: str) -> None:
+    def chose(self, item: TimelinePlace | None, typed: str) -> None:
         """Go to it, or to what was typed."""
         to = f"{item.t / 1_000_000:.6f}" if item is not None else typed
         if to:

@@ -13,7 +13,7 @@ from woz_tui.protocol.messages import Json
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class OfferedCall:
     """A verb with its arguments, and what it does in the wizard's words."""
 
     verb: str
@@ -21,21 +21,21 @@ class Order:
     args: Mapping[str, Json]
 
 
-ORDERS = (
-    Order("picture", "picture of its camera, as a file", {}),
-    Order("record_sound", "record its microphones, on the robot", {"on": True}),
-    Order("record_sound", "end the recording on the robot", {"on": False}),
-    Order("listen", "record its microphones, beside the log", {"on": True}),
-    Order("listen", "end the recording beside the log", {"on": False}),
-    Order("tablet", "tablet: the default again", {"what": "default"}),
-    Order("tablet", "tablet: show nothing", {"what": "hide"}),
-    Order("tablet", "tablet: switch its wifi on", {"what": "wifi"}),
+OFFERED_CALLS = (
+    OfferedCall("picture", "picture of its camera, as a file", {}),
+    OfferedCall("record_sound", "record its microphones, on the robot", {"on": True}),
+    OfferedCall("record_sound", "end the recording on the robot", {"on": False}),
+    OfferedCall("listen", "record its microphones, beside the log", {"on": True}),
+    OfferedCall("listen", "end the recording beside the log", {"on": False}),
+    OfferedCall("tablet", "tablet: the default again", {"what": "default"}),
+    OfferedCall("tablet", "tablet: show nothing", {"what": "hide"}),
+    OfferedCall("tablet", "tablet: switch its wifi on", {"what": "wifi"}),
 )
 
 
-def orders_of(picture: ConsoleState) -> Iterator[tuple[str, Order]]:
+def offered_calls(picture: ConsoleState) -> Iterator[tuple[str, OfferedCall]]:
     """Driver and order, of the drivers that tell of a whole robot and offer the verb."""
     for driver in picture.robot_outlines:
-        for order in ORDERS:
+        for order in OFFERED_CALLS:
             if order.verb in picture.verbs.get(driver, ()):
                 yield driver, order

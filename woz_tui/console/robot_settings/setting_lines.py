@@ -15,7 +15,7 @@ _USUAL_PORTS = ("9559", "9503")
 _ADDRESSES = "a host name, tcp://HOST:PORT or tcps://USER@HOST:PORT"
 
 
-class What(enum.Enum):
+class LineKind(enum.Enum):
     """What a line is about."""
 
     SETTING = "setting"
@@ -26,14 +26,14 @@ class What(enum.Enum):
 
 
 #: How ids of lines of the connection begin.
-CONNECTING = tuple(what.value for what in (What.ROBOT, What.ADDRESS, What.DISCONNECT))
+CONNECTING = tuple(what.value for what in (LineKind.ROBOT, LineKind.ADDRESS, LineKind.DISCONNECT))
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class SettingLine:
     """One line. `setting` says how it is called and what may be set, whatever it is about."""
 
-    what: What
+    what: LineKind
     setting: Setting
 
     @property
@@ -44,7 +44,7 @@ class Line:
     @property
     def is_set(self) -> bool:
         """Whether it has a value that can be changed, here or at the robot."""
-        return self.what is What.STEP or (self.what is What.SETTING and self._by_hand)
+        return self.what is LineKind.STEP or (self.what is LineKind.SETTING and self._by_hand)
 
     @property
     def _by_hand(self) -> bool:
@@ -55,30 +55,30 @@ class Line:
     def is_typed(self) -> bool:
         """Whether enter opens a field for it."""
         kinds = ("number", "color", "text")
-        return self.what is What.ADDRESS or (self.is_set and self.setting.kind in kinds)
+        return self.what is LineKind.ADDRESS or (self.is_set and self.setting.kind in kinds)
 
 
-def lines_of(outline: RobotOutline, verbs: Collection[str]) -> list[Line]:
+def lines_of(outline: RobotOutline, verbs: Collection[str]) -> list[SettingLine]:
     """All lines of a robot that offers `verbs`, section after section."""
-    sections: dict[str, list[Line]] = {}
+    sections: dict[str, list[SettingLine]] = {}
     for setting in outline.settings:
-        sections.setdefault(setting.section, []).append(Line(What.SETTING, setting))
+        sections.setdefault(setting.section, []).append(SettingLine(LineKind.SETTING, setting))
     found = [line for lines in sections.values() for line in lines]
     found += _connection(outline, verbs)
-    return found + [Line(What.STEP, setting) for setting in steps_offered(verbs)]
+    return found + [SettingLine(LineKind.STEP, setting) for setting in steps_offered(verbs)]
 
 
-def _connection(outline: RobotOutline, verbs: Collection[str]) -> list[Line]:
-    found: list[Line] = []
+def _connection(outline: RobotOutline, verbs: Collection[str]) -> list[SettingLine]:
+    found: list[SettingLine] = []
     if "connect" in verbs:
         found += [
-            Line(What.ROBOT, _link(name, name, "connect", "robot"))
+            SettingLine(LineKind.ROBOT, _link(name, name, "connect", "robot"))
             for name in dict.fromkeys(outline.robots)
         ]
         other = _link("", "Another address", "connect", "robot", hint=_ADDRESSES)
-        found.append(Line(What.ADDRESS, other))
+        found.append(SettingLine(LineKind.ADDRESS, other))
     if "disconnect" in verbs:
-        found.append(Line(What.DISCONNECT, _link("", "Disconnect", "disconnect")))
+        found.append(SettingLine(LineKind.DISCONNECT, _link("", "Disconnect", "disconnect")))
     return found
 
 
@@ -88,7 +88,7 @@ def _link(name: str, label: str, verb: str, argument: str = "", hint: str = "") 
     )
 
 
-def place_of(address: str) -> str:
+def bare_address(address: str) -> str:
     """Where an address leads to, without scheme, user and one of NAOqi's usual ports:
     `tcps://nao@10.0.0.7:9503` -> `10.0.0.7`, `127.0.0.1:9561` as it is. Two robots behind one host
     differ by their ports.

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from woz_tui.console.robot_settings.setting_lines import CONNECTING, CONNECTION, Line
+from woz_tui.console.robot_settings.setting_lines import CONNECTING, CONNECTION, SettingLine
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.requests import AskVerb, Reply
@@ -28,10 +28,10 @@ Ask = Callable[[AskVerb, "OnReply"], None]
 
 
 @dataclass(slots=True)
-class Asked:
+class PendingSetting:
     """A value asked for. `sent` is under way until `over`: session time of the command's end."""
 
-    line: Line
+    line: SettingLine
     value: Json
     sent: Json = None
     run: str = ""
@@ -40,7 +40,7 @@ class Asked:
     then: m.SettingsShown | None = None
 
 
-class Hand:
+class SettingRequests:
     """Asks, and remembers what for.
 
     Args:
@@ -60,11 +60,11 @@ class Hand:
         watched: Callable[[], bool],
     ) -> None:
         self._picture, self._ask, self._refused, self._key = picture, ask, refused, key
-        self._asked: dict[Key, Asked] = {}
+        self._asked: dict[Key, PendingSetting] = {}
         self._refusals: dict[Key, str] = {}
         self._watched = watched
 
-    def change(self, driver: str, line: Line, value: Json) -> None:
+    def change(self, driver: str, line: SettingLine, value: Json) -> None:
         """Ask the robot for a value, now or as soon as it has taken the one before."""
         key = (driver, line.id)
         self._forget(driver, line)
@@ -72,10 +72,10 @@ class Hand:
         if under_way is not None and under_way.over is None:
             under_way.value = value
             return
-        self._asked[key] = Asked(line, value)
+        self._asked[key] = PendingSetting(line, value)
         self._send(key)
 
-    def _forget(self, driver: str, line: Line) -> None:
+    def _forget(self, driver: str, line: SettingLine) -> None:
         """What was refused here; of a connection, whatever was refused of any."""
         ids = {line.id}
         if line.setting.section == CONNECTION:
@@ -83,16 +83,16 @@ class Hand:
         for id_ in ids:
             self._refusals.pop((driver, id_), None)
 
-    def awaited(self, driver: str, line: Line) -> Json:
+    def awaited(self, driver: str, line: SettingLine) -> Json:
         """The value asked for that does not show yet; None: there is none."""
         asked = self._asked.get((driver, line.id))
         return asked.value if asked is not None else None
 
-    def refusal(self, driver: str, line: Line) -> str:
+    def refusal(self, driver: str, line: SettingLine) -> str:
         """Why the last value was not taken, or nothing."""
         return self._refusals.get((driver, line.id), "")
 
-    def refuse(self, driver: str, line: Line, why: str) -> None:
+    def refuse(self, driver: str, line: SettingLine, why: str) -> None:
         """Say at a line why nothing is done."""
         self._refusals[driver, line.id] = why
 
@@ -101,7 +101,7 @@ class Hand:
         for key, asked in list(self._asked.items()):
             self._settle(key, asked, now)
 
-    def _settle(self, key: Key, asked: Asked, now: int) -> None:
+    def _settle(self, key: Key, asked: PendingSetting, now: int) -> None:
         if asked.over is None:
             end = self._picture.ends.get(asked.run) if asked.run else None
             if end is not None:
@@ -111,7 +111,7 @@ class Hand:
         if self._shows(key[0], asked) or now - asked.over > READ_BACK_US:
             self._drop(key, asked)
 
-    def _ended(self, key: Key, asked: Asked, end: m.End, now: int) -> None:
+    def _ended(self, key: Key, asked: PendingSetting, end: m.End, now: int) -> None:
         if isinstance(end, m.Failed | m.TimedOut | m.Refused):
             self._refusals[key] = _sentence(end.reason, end.remedy)
             self._drop(key, asked)
@@ -120,13 +120,13 @@ class Hand:
         else:  # stopped, or another command took its place
             self._drop(key, asked)
 
-    def _taken(self, key: Key, asked: Asked, now: int) -> None:
+    def _taken(self, key: Key, asked: PendingSetting, now: int) -> None:
         if asked.value != asked.sent:
             self._send(key)
             return
         asked.over, asked.then = now, self._picture.session.robots.shown.get(key[0])
 
-    def _shows(self, driver: str, asked: Asked) -> bool:
+    def _shows(self, driver: str, asked: PendingSetting) -> bool:
         robot, name = self._picture.session.robots.shown.get(driver), asked.line.setting.name
         if robot is None:
             return False
@@ -141,7 +141,7 @@ class Hand:
         request = AskVerb(verb=setting.verb, args=args, on=key[0], source="key", key=self._key)
         self._ask(request, functools.partial(self._answered, key, asked))
 
-    def _answered(self, key: Key, asked: Asked, reply: Reply) -> None:
+    def _answered(self, key: Key, asked: PendingSetting, reply: Reply) -> None:
         if self._asked.get(key) is not asked:
             return
         if not reply.ok:
@@ -154,7 +154,7 @@ class Hand:
         else:
             self._drop(key, asked)
 
-    def _drop(self, key: Key, asked: Asked) -> None:
+    def _drop(self, key: Key, asked: PendingSetting) -> None:
         if self._asked.get(key) is asked:
             del self._asked[key]
 

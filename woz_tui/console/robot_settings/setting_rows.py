@@ -26,7 +26,7 @@ SWATCH = "swatch "
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class ListPosition:
     """What is chosen, counted from 0 among the lines; the first row of the list that is shown;
     which of how many robots; whether the terminal shows colours.
     """
@@ -38,7 +38,7 @@ class Place:
     colours: bool = True
 
 
-def settings_rows(view: RobotView, place: Place, frame: PaintFrame) -> list[Row]:
+def settings_rows(view: RobotView, place: ListPosition, frame: PaintFrame) -> list[Row]:
     """The whole screen: as many rows as the frame is high."""
     above, below = _sentences(frame)
     listed = _listed(view.lines, place, frame)
@@ -81,7 +81,7 @@ def row_of(lines: tuple[LineView, ...], index: int) -> int:
     return index + sections
 
 
-def _head(view: RobotView, place: Place, frame: PaintFrame) -> Row:
+def _head(view: RobotView, place: ListPosition, frame: PaintFrame) -> Row:
     glyphs = frame.glyphs
     which = f" {place.robot + 1} of {place.robots}" if place.robots > 1 else ""
     state, look = view.state
@@ -107,7 +107,7 @@ def _conflicts(view: RobotView, rows: int, frame: PaintFrame) -> list[Row]:
     return _cut_off(_wrapped(" ".join(texts), "warn", frame), rows, frame)
 
 
-def _listed(lines: tuple[LineView, ...], place: Place, frame: PaintFrame) -> list[Row]:
+def _listed(lines: tuple[LineView, ...], place: ListPosition, frame: PaintFrame) -> list[Row]:
     found: list[Row] = []
     for number, line in enumerate(lines):
         if number == 0 or line.section != lines[number - 1].section:
@@ -152,7 +152,9 @@ def _rule(top: int, count: int, room: int, frame: PaintFrame) -> Row:
     return ((rule, "faint"), (words, "muted"), (frame.glyphs.rule, "faint"))
 
 
-def _foot(lines: tuple[LineView, ...], place: Place, rows: int, frame: PaintFrame) -> list[Row]:
+def _foot(
+    lines: tuple[LineView, ...], place: ListPosition, rows: int, frame: PaintFrame
+) -> list[Row]:
     about = lines[place.chosen].about if place.chosen < len(lines) else ()
     wrapped = [row for text, look in about for row in _wrapped(clean(text), look, frame)]
     return _cut_off(wrapped, rows, frame)

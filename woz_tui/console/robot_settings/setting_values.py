@@ -19,7 +19,7 @@ _CLOSE = frozenset("%°")
 _FINEST, _MEASURED = 4, 0.01
 
 
-class WrongValue(ValueError):  # noqa: N818 - the wizard reads it as a sentence
+class SettingValueError(ValueError):
     """What was typed is no value of this setting; says what would be."""
 
 
@@ -32,11 +32,11 @@ def value_text(setting: Setting, value: Json, glyphs: Glyphs) -> str:
     if isinstance(value, int | float) and setting.kind == "number":
         if not setting.verb and is_share(setting.name, value, setting.unit):
             return f"{value:.0%}"
-        return glyphs.plain(figure(setting, value, measured=not setting.verb))
+        return glyphs.plain(number_text(setting, value, measured=not setting.verb))
     return glyphs.plain(str(value))
 
 
-def figure(setting: Setting, value: float, *, measured: bool = False) -> str:
+def number_text(setting: Setting, value: float, *, measured: bool = False) -> str:
     """A number with as many decimals as its step has, and its unit; one that is only `measured`
     has no step.
     """
@@ -71,7 +71,7 @@ def typed_value(setting: Setting, typed: str) -> Json:
             which would stand on the screen.
     """
     if setting.verb == "connect" and _PASSWORD.search(typed):
-        raise WrongValue(
+        raise SettingValueError(
             "No password here: it belongs in the environment. See docs/how-to/pepper.md."
         )
     if setting.kind != "number":
@@ -80,23 +80,23 @@ def typed_value(setting: Setting, typed: str) -> Json:
     try:
         value = float(bare)
     except ValueError:
-        raise WrongValue(f"{typed!r} is not a number; type {_range(setting)}.") from None
+        raise SettingValueError(f"{typed!r} is not a number; type {_range(setting)}.") from None
     if not setting.low <= value <= setting.high:  # NaN is not, either
-        raise WrongValue(f"{bare} is out of range; type {_range(setting)}.")
+        raise SettingValueError(f"{bare} is out of range; type {_range(setting)}.")
     return _whole(setting, value)
 
 
-def about(setting: Setting) -> str:
+def allowed_values(setting: Setting) -> str:
     """What may be set, in a few words."""
     if setting.kind == "number":
-        return f"{_range(setting)}, by {figure(setting, setting.step)}"
+        return f"{_range(setting)}, by {number_text(setting, setting.step)}"
     if setting.kind == "choice":
         return ", ".join(setting.choices)
     return "a name or #rrggbb" if setting.kind == "color" else ""
 
 
 def _range(setting: Setting) -> str:
-    return f"{figure(setting, setting.low)} to {figure(setting, setting.high)}"
+    return f"{number_text(setting, setting.low)} to {number_text(setting, setting.high)}"
 
 
 def _next_choice(choices: list[str], value: Json, by: int) -> str:

@@ -8,9 +8,15 @@ from woz_tui.console.cells import Piece, clean
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Glyphs
 from woz_tui.console.number_text import age
-from woz_tui.console.robot_settings.setting_lines import CONNECTION, Line, What, lines_of, place_of
-from woz_tui.console.robot_settings.setting_requests import Hand
-from woz_tui.console.robot_settings.setting_values import about, color_of, value_text
+from woz_tui.console.robot_settings.setting_lines import (
+    CONNECTION,
+    LineKind,
+    SettingLine,
+    bare_address,
+    lines_of,
+)
+from woz_tui.console.robot_settings.setting_requests import SettingRequests
+from woz_tui.console.robot_settings.setting_values import allowed_values, color_of, value_text
 from woz_tui.console.robot_settings.settings_status import is_stale, trouble_words
 from woz_tui.console.robot_settings.step_sizes import ArrowSteps
 from woz_tui.protocol.messages import Json, SettingsShown
@@ -46,33 +52,33 @@ class RobotView:
     lines: tuple[LineView, ...]
 
 
-class Viewer:
+class SettingViewer:
     """Sees one robot of the picture; `arrows` and `hand` tell what the picture does not know."""
 
     def __init__(
-        self, picture: ConsoleState, glyphs: Glyphs, arrows: ArrowSteps, hand: Hand
+        self, picture: ConsoleState, glyphs: Glyphs, arrows: ArrowSteps, hand: SettingRequests
     ) -> None:
         self._picture, self._glyphs = picture, glyphs
         self._arrows, self._hand = arrows, hand
 
-    def lines(self, driver: str, outline: RobotOutline) -> list[Line]:
+    def lines(self, driver: str, outline: RobotOutline) -> list[SettingLine]:
         """All lines; in a replay those of the robot's own settings."""
         found = lines_of(outline, self._picture.verbs.get(driver, ()))
         if self._picture.replay is None:
             return found
-        return [line for line in found if line.what is What.SETTING]
+        return [line for line in found if line.what is LineKind.SETTING]
 
-    def value(self, driver: str, line: Line) -> Json:
+    def value(self, driver: str, line: SettingLine) -> Json:
         """The value from which an arrow key goes on: the one asked for, else the robot's."""
-        if line.what is What.STEP:
+        if line.what is LineKind.STEP:
             return self._arrows.value(line.setting.name)
         awaited = self._hand.awaited(driver, line)
-        name = "robot" if line.what is What.ADDRESS else line.setting.name
+        name = "robot" if line.what is LineKind.ADDRESS else line.setting.name
         return self._robot(driver).values.get(name) if awaited is None else awaited
 
-    def locked(self, line: Line) -> str:
+    def locked(self, line: SettingLine) -> str:
         """The panel whose lock covers the line's verb, or nothing."""
-        if line.what is What.STEP or not line.setting.verb:
+        if line.what is LineKind.STEP or not line.setting.verb:
             return ""
         return locked_by(self._picture, line.setting.verb)
 
@@ -110,15 +116,15 @@ class Viewer:
             return ()
         return tuple(text for text in (known.detail, known.remedy) if text)
 
-    def _line(self, driver: str, line: Line, stale: bool) -> LineView:
+    def _line(self, driver: str, line: SettingLine, stale: bool) -> LineView:
         setting, glyphs = line.setting, self._glyphs
-        if line.what is What.STEP:
+        if line.what is LineKind.STEP:
             value: Json = self._arrows.value(setting.name)
             text = value_text(setting, value, glyphs)
             return LineView(setting.section, _label(line), text, about=self._about(line))
         stands = self._robot(driver).values.get(setting.name) if _has_value(line) else None
         text = value_text(setting, stands, glyphs) if _has_value(line) else ""
-        if line.what is What.ROBOT:
+        if line.what is LineKind.ROBOT:
             text = self._here(driver, setting.name)
         if stale and text not in ("", glyphs.dash):
             text = f"{glyphs.stale} {text}"
@@ -128,17 +134,17 @@ class Viewer:
             text,
             color="" if stale or setting.kind != "color" else color_of(stands),
             stale=stale and _has_value(line),
-            fixed=line.what is What.SETTING and not line.is_set,
+            fixed=line.what is LineKind.SETTING and not line.is_set,
             signs=tuple(self._signs(driver, line, stale)),
             about=(*self._differs(driver, line, stale), *self._about(line)),
         )
 
     def _here(self, driver: str, address: str) -> str:
         told = self._robot(driver).values.get("robot")
-        here = isinstance(told, str) and place_of(told) == place_of(address)
+        here = isinstance(told, str) and bare_address(told) == bare_address(address)
         return f"{self._glyphs.yes} this one" if here else ""
 
-    def _signs(self, driver: str, line: Line, stale: bool) -> list[Piece]:
+    def _signs(self, driver: str, line: SettingLine, stale: bool) -> list[Piece]:
         """Locked; else: asked for, otherwise than wanted, refused."""
         glyphs, setting = self._glyphs, line.setting
         if panel := self.locked(line):
@@ -153,14 +159,14 @@ class Viewer:
             found.append((f"{glyphs.refused} {self._hand.refusal(driver, line)}", "bad"))
         return found
 
-    def _wanted(self, driver: str, line: Line, stale: bool) -> str:
+    def _wanted(self, driver: str, line: SettingLine, stale: bool) -> str:
         """What was asked for where the robot has something else, or nothing."""
         wanted, name = self._robot(driver).wanted, line.setting.name
         if stale or not _has_value(line) or name not in wanted:
             return ""
         return value_text(line.setting, wanted[name], self._glyphs)
 
-    def _differs(self, driver: str, line: Line, stale: bool) -> list[Piece]:
+    def _differs(self, driver: str, line: SettingLine, stale: bool) -> list[Piece]:
         """Sentences about what is wrong at a line."""
         found: list[Piece] = []
         robot, name = self._robot(driver), line.setting.name
@@ -174,9 +180,9 @@ class Viewer:
             found.append((sentence, "warn"))
         return found
 
-    def _about(self, line: Line) -> tuple[Piece, ...]:
-        words = [line.setting.help, about(line.setting) if line.is_set else ""]
-        if line.what is What.SETTING and not line.is_set:
+    def _about(self, line: SettingLine) -> tuple[Piece, ...]:
+        words = [line.setting.help, allowed_values(line.setting) if line.is_set else ""]
+        if line.what is LineKind.SETTING and not line.is_set:
             connects = line.setting.verb == "connect"
             words.append(f"chosen under {CONNECTION}" if connects else "only shown")
         if line.setting.section == CONNECTION:
@@ -186,20 +192,20 @@ class Viewer:
 
 
 _CONNECTION = {
-    What.ROBOT: "enter connects to this robot",
-    What.ADDRESS: "enter asks for the address of any robot",
-    What.DISCONNECT: "enter lets go of the robot; it is not looked for any more",
+    LineKind.ROBOT: "enter connects to this robot",
+    LineKind.ADDRESS: "enter asks for the address of any robot",
+    LineKind.DISCONNECT: "enter lets go of the robot; it is not looked for any more",
 }
 
 
-def _label(line: Line) -> str:
+def _label(line: SettingLine) -> str:
     """An address stays as it is; everything else begins with a capital letter."""
     label = line.setting.label
-    return label if line.what is What.ROBOT else label[:1].upper() + label[1:]
+    return label if line.what is LineKind.ROBOT else label[:1].upper() + label[1:]
 
 
-def _has_value(line: Line) -> bool:
-    return line.what is What.SETTING
+def _has_value(line: SettingLine) -> bool:
+    return line.what is LineKind.SETTING
 
 
 def locked_by(picture: ConsoleState, verb: str) -> str:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from woz_tui.console.bodies.body_outlines import bodies
-from woz_tui.console.bodies.body_state import seen_bodies
+from woz_tui.console.bodies.body_view import body_views
+from woz_tui.console.bodies.driver_outlines import body_outlines
 from woz_tui.console.bodies.full_body import full_rows
 from woz_tui.console.cells import Row
 from woz_tui.console.glyphs import PaintFrame
@@ -18,11 +18,11 @@ class BodyDialog(DrawingDialog):
 
     def count(self) -> int:
         """Bodies of the session."""
-        return len(bodies(self.picture.outlines))
+        return len(body_outlines(self.picture.outlines))
 
     def rows(self, chosen: int, frame: PaintFrame) -> list[Row]:
         """The chosen body."""
-        return full_rows(seen_bodies(self.picture, frame.now, frame.glyphs)[chosen], frame)
+        return full_rows(body_views(self.picture, frame.now, frame.glyphs)[chosen], frame)
 
     def nothing(self) -> str:
         """What stands there in a session without a body."""

@@ -10,10 +10,10 @@ from textual.app import ComposeResult
 from textual.containers import Vertical
 from textual.widget import Widget
 
-from woz_tui.console.camera.drawing_methods import Means, depth_of, view_for
-from woz_tui.console.camera.picture_requests import STALE_S, Watching
-from woz_tui.console.camera.picture_sizes import CELL, Room, room_for
-from woz_tui.console.camera.picture_widgets import View
+from woz_tui.console.camera.drawing_methods import TerminalAbilities, depth_of, view_for
+from woz_tui.console.camera.picture_requests import STALE_S, PictureRequester
+from woz_tui.console.camera.picture_sizes import CELL, CellArea, area_for
+from woz_tui.console.camera.picture_widgets import PictureView
 from woz_tui.console.cells import Cells, Row, clean, cut
 from woz_tui.console.screens.dialog import Dialog
 from woz_tui.protocol.camera_pictures import PictureShown
@@ -49,10 +49,10 @@ class CameraDialog(Dialog):
     def __init__(self) -> None:
         super().__init__()
         self._step = 0
-        self._view: View | None = None
-        self._watching: Watching | None = None
+        self._view: PictureView | None = None
+        self._watching: PictureRequester | None = None
         self._shape = _SHAPE
-        self._laid: tuple[Room, tuple[int, int]] | None = None
+        self._laid: tuple[CellArea, tuple[int, int]] | None = None
 
     # -- what it consists of -----------------------------------------------------------------
 
@@ -75,9 +75,11 @@ class CameraDialog(Dialog):
             return
         plain = self.glyphs.ascii or self.app.no_color
         depth = depth_of(self.app.console.color_system, plain=plain)
-        means = Means(depth, app.side, app.terminal.multiplexer)
+        means = TerminalAbilities(depth, app.side, app.terminal.multiplexer)
         self._view = view_for(app.pictures, means)
-        self._watching = Watching(self.requests.ask_picture, app.clock, app.side, self._draw)
+        self._watching = PictureRequester(
+            self.requests.ask_picture, app.clock, app.side, self._draw
+        )
         middle = Vertical(self._view)
         middle.styles.align_horizontal = "center"
         yield middle
@@ -93,7 +95,7 @@ class CameraDialog(Dialog):
 
     # -- its place ---------------------------------------------------------------------------
 
-    def _room(self) -> Room:
+    def _room(self) -> CellArea:
         """Cells for a picture, in the size that is chosen."""
         width, height = self.app.size
         side = self.console_app.side
@@ -101,8 +103,8 @@ class CameraDialog(Dialog):
         share = _SIZES[self._step]
         columns = (width - _FRAME[0]) * share
         rows = (height - _FRAME[1] - _WORDS - _BAR) * share
-        within = Room(max(1, int(columns)), max(1, int(rows)), cell)
-        return room_for(*self._shape, within)
+        within = CellArea(max(1, int(columns)), max(1, int(rows)), cell)
+        return area_for(*self._shape, within)
 
     def _lay_out(self) -> None:
         """Frame and picture in their size; nothing happens where it is the same as before."""
@@ -188,14 +190,14 @@ class CameraDialog(Dialog):
         words = f"{self._number(watching)}{told} {self.glyphs.middle} {view.word}"
         return (*name, (words, "muted"))
 
-    def _number(self, watching: Watching) -> str:
+    def _number(self, watching: PictureRequester) -> str:
         """Which of several cameras it is."""
         count = len(watching.cameras)
         if count < 2 or watching.camera not in watching.cameras:
             return ""
         return f"{watching.cameras.index(watching.camera) + 1}/{count} {self.glyphs.middle} "
 
-    def _trouble(self, watching: Watching) -> str:
+    def _trouble(self, watching: PictureRequester) -> str:
         """Why there are no pictures, as far as anybody knows."""
         if self.picture.lost:
             return "the robot process is gone"

@@ -30,7 +30,7 @@ from woz_tui.protocol.requests import Reply
 if TYPE_CHECKING:
     from woz_tui.config.keys.keymap import KeyMap
     from woz_tui.config.keys.terminals import Terminal
-    from woz_tui.console.camera.terminal_graphics import Side
+    from woz_tui.console.camera.picture_terminal import PictureTerminal
     from woz_tui.console.console_state import ConsoleState
     from woz_tui.console.glyphs import Glyphs
     from woz_tui.console.key_caps import KeyCap
@@ -95,7 +95,7 @@ class ConsoleApp(Protocol):
     caps: Mapping[str, KeyCap]
     #: How a camera's pictures are drawn, and what they need to know of the terminal.
     pictures: str
-    side: Side | None
+    side: PictureTerminal | None
     #: Starts the robot process again after it was lost; None if nobody can.
     restart: Callable[[], None] | None
 

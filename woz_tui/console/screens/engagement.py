@@ -13,7 +13,7 @@ from textual import events
 from woz_tui.config.keys.textual_names import from_textual
 from woz_tui.config.session_verbs import ENGAGEMENT
 from woz_tui.console.cells import Row
-from woz_tui.console.engagement.full_engagement import whole_rows
+from woz_tui.console.engagement.full_engagement import full_rows
 from woz_tui.console.engagement.key_legend import legend_rows
 from woz_tui.console.engagement.wizard_overrides import BY_KEY, KEYS
 from woz_tui.console.glyphs import PaintFrame
@@ -50,7 +50,7 @@ class EngagementDialog(DrawingDialog):
         covered, glyphs = self._covered(), frame.glyphs
         legend = legend_rows(engaged, covered, frame.width, glyphs, steers=self._steers)
         inner = replace(frame, height=max(1, frame.height - len(legend)))
-        rows = whole_rows(self.picture, engaged.shown, inner)
+        rows = full_rows(self.picture, engaged.shown, inner)
         return [*rows, *[()] * (inner.height - len(rows)), *legend]
 
     def _covered(self) -> dict[str, str]:

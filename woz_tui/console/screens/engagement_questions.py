@@ -9,14 +9,14 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from woz_tui.console.cells import Row, clean, fit
-from woz_tui.console.engagement.engagement_view import Engaged
+from woz_tui.console.engagement.engagement_view import EngagementView
 from woz_tui.console.engagement.wizard_overrides import (
-    Order,
+    Override,
+    forceable,
     is_offered,
     needs_name,
-    request,
-    verb,
-    ways,
+    override_request,
+    verb_request,
 )
 from woz_tui.console.screens.choice import ChoiceDialog
 from woz_tui.console.screens.dialog import (
@@ -34,7 +34,7 @@ _OUTCOME = 16
 _KNOWN = 6
 
 
-def asked(order: Order, engaged: Engaged, key: str = "") -> Dialog | None:
+def asked(order: Override, engaged: EngagementView, key: str = "") -> Dialog | None:
     """The dialog that `order` needs as things stand, or None."""
     if order.id == "force":
         return ForceDialog(key)
@@ -45,7 +45,7 @@ def asked(order: Order, engaged: Engaged, key: str = "") -> Dialog | None:
     return None
 
 
-def steer(app: ConsoleApp, order: Order, key: str = "") -> None:
+def steer(app: ConsoleApp, order: Override, key: str = "") -> None:
     """The wizard's hand on the engagement model; some orders ask for more first."""
     engaged = app.picture.engaged
     if not is_offered(engaged, app.picture.verbs):
@@ -55,7 +55,7 @@ def steer(app: ConsoleApp, order: Order, key: str = "") -> None:
     if dialog is not None:
         app.open_dialog(dialog)
     else:
-        app.requests.ask(request(order, engaged, key))
+        app.requests.ask(override_request(order, engaged, key))
 
 
 class ForceDialog(ChoiceDialog):
@@ -78,7 +78,7 @@ class ForceDialog(ChoiceDialog):
         """Outcomes that leave the state first, then every other state."""
         shown = self.picture.engaged.shown
         self._from = shown.state if shown is not None else ""
-        self._ways = ways(shown)
+        self._ways = forceable(shown)
         arrow = self.glyphs.next
         return [
             plain(f"{fit(to, _OUTCOME)} {arrow} {state}" if state else f"{'':16} {arrow} {to}")
@@ -90,7 +90,9 @@ class ForceDialog(ChoiceDialog):
         to, state = self._ways[index]
         shown = self.picture.engaged.shown
         moved = shown is not None and shown.state != self._from
-        self.requests.ask(verb("force", {"to": state if state and moved else to}, self._key))
+        self.requests.ask(
+            verb_request("force", {"to": state if state and moved else to}, self._key)
+        )
 
 
 class IdentityDialog(EntryDialog):
@@ -115,7 +117,7 @@ class IdentityDialog(EntryDialog):
         """Say it, and forget the draft."""
         event.stop()
         name = event.value.strip() or "Unknown"
-        self.requests.ask(verb("sense", {"sign": "identity", "value": name}, self._key))
+        self.requests.ask(verb_request("sense", {"sign": "identity", "value": name}, self._key))
         self.sent()
 
 
@@ -153,4 +155,4 @@ class VisitorDialog(FormDialog):
             self.complain("A visitor needs a code.")
             return
         args = {name: value for name, value in told.items() if value}
-        self.requests.ask(verb("visitor", {**args}, self._key), self.answered)
+        self.requests.ask(verb_request("visitor", {**args}, self._key), self.answered)

@@ -13,9 +13,9 @@ from textual.content import Content
 from textual.fuzzy import Matcher
 
 from woz_tui.console.cells import clean, fit
-from woz_tui.console.engagement.wizard_overrides import ORDERS, is_offered
+from woz_tui.console.engagement.wizard_overrides import OVERRIDES, is_offered
 from woz_tui.console.key_caps import KeyCap, caption, key_name
-from woz_tui.console.robot_settings.driver_verbs import orders_of
+from woz_tui.console.robot_settings.driver_verbs import offered_calls
 from woz_tui.console.screens.choice import SearchDialog
 from woz_tui.console.screens.engagement_questions import steer
 from woz_tui.console.sentence_rows import quoted
@@ -138,14 +138,14 @@ class FindDialog(SearchDialog[SearchItem]):
     def _orders(self) -> Iterable[SearchItem]:
         """What the hand may do to the engagement model, in a session that has one."""
         if is_offered(self.picture.engaged, self.picture.verbs):
-            for order in ORDERS:
+            for order in OVERRIDES:
                 do = functools.partial(steer, self.console_app, order)
                 yield SearchItem(order.text, "", "engagement", do, order.text)
 
     def _robots(self) -> Iterable[SearchItem]:
         """What a robot can do that needs no button."""
         key = self.console_app.key_of("find")
-        for driver, order in orders_of(self.picture):
+        for driver, order in offered_calls(self.picture):
             args = dict(order.args)
             request = AskVerb(verb=order.verb, args=args, on=driver, source="key", key=key)
             do = functools.partial(self.requests.ask, request)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from woz_tui.console.cells import Row, fit
-from woz_tui.console.engagement.wizard_overrides import ORDERS, is_offered
+from woz_tui.console.engagement.wizard_overrides import OVERRIDES, is_offered
 from woz_tui.console.key_caps import KeyCap, cap_of, caption, key_name
 from woz_tui.console.screens.dialog import ReportDialog
 
@@ -50,7 +50,7 @@ class HelpDialog(ReportDialog):
         key = self.console_app.key_of("engagement")
         opens = f"after {key_name(key, self.glyphs)} and Tab" if key else ""
         rows: list[Row] = [(), (("Engagement by hand", "title"), (f"  {opens}", "muted"))]
-        for order in ORDERS:
+        for order in OVERRIDES:
             text = order.text.removeprefix("engagement: ")
             rows.append(((fit(order.key, KEY), "strong"), (f"  {text}", "plain")))
         return rows

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from woz_tui.console.bodies.body_outlines import PanelOutline, boards
-from woz_tui.console.bodies.midi_board import Board, board_rows
+from woz_tui.console.bodies.driver_outlines import PanelOutline, panel_outlines
+from woz_tui.console.bodies.midi_panel import PanelState, panel_rows
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.number_text import age
@@ -19,11 +19,11 @@ class KnobsDialog(DrawingDialog):
 
     def count(self) -> int:
         """Panels of the session."""
-        return len(boards(self.picture.outlines))
+        return len(panel_outlines(self.picture.outlines))
 
     def rows(self, chosen: int, frame: PaintFrame) -> list[Row]:
         """The chosen panel with its name."""
-        outline = boards(self.picture.outlines)[chosen]
+        outline = panel_outlines(self.picture.outlines)[chosen]
         moved = self.picture.session.controls.get(outline.driver)
         knobs = moved or ControlsMoved(driver=outline.driver, values={})
         title: Row = (
@@ -31,7 +31,7 @@ class KnobsDialog(DrawingDialog):
             (f"  {clean(outline.name)}", "muted"),
         )
         inner = PaintFrame(frame.width, frame.height - 1, frame.now, frame.glyphs)
-        return [title, *board_rows(Board(outline, knobs, self._old(outline, frame)), inner)]
+        return [title, *panel_rows(PanelState(outline, knobs, self._old(outline, frame)), inner)]
 
     def _old(self, outline: PanelOutline, frame: PaintFrame) -> str:
         driver = self.picture.drivers.get(outline.driver)

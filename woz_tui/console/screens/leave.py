@@ -10,7 +10,7 @@ from woz_tui.console.cells import Row, clean
 from woz_tui.console.screens.choice import ChoiceDialog
 from woz_tui.console.screens.trial import OfferDialog, progress
 from woz_tui.console.screens.typed import KeepTypedDialog, has_typed
-from woz_tui.console.study.study_view import Study
+from woz_tui.console.study.study_view import StudyView
 from woz_tui.log.file_names import gets_participant
 
 
@@ -59,7 +59,7 @@ class LeaveDialog(ChoiceDialog):
             self.requests.end_session()
 
 
-def cut_off(study: Study) -> list[str]:
+def cut_off(study: StudyView) -> list[str]:
     """What the end of the session would cut off or leave out, a sentence each."""
     found: list[str] = []
     if study.trial is not None:
@@ -72,6 +72,6 @@ def cut_off(study: Study) -> list[str]:
     return found
 
 
-def _title(study: Study, name: str) -> str:
+def _title(study: StudyView, name: str) -> str:
     one = study.questionnaire(name)
     return one.heading if one is not None else name

@@ -12,7 +12,11 @@ from textual.widgets import Input, Static
 
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.robot_settings.name_completion import begin_with, holding, meant
+from woz_tui.console.robot_settings.name_completion import (
+    best_match,
+    names_beginning,
+    names_containing,
+)
 from woz_tui.console.screens.dialog import ConsoleApp, EntryDialog, content, plain
 
 #: Lines of matching names under the field.
@@ -44,7 +48,7 @@ class _Completer(Suggester):
         self._names = names
 
     async def get_suggestion(self, value: str) -> str | None:
-        return next(iter(begin_with(value, self._names)), None) if value else None
+        return next(iter(names_beginning(value, self._names)), None) if value else None
 
 
 class MoveDialog(EntryDialog):
@@ -89,8 +93,8 @@ class MoveDialog(EntryDialog):
         self._show_matches(self.entry.value)
 
     def _show_matches(self, typed: str) -> None:
-        found = [name for name in holding(typed, self._names) if name != typed]
-        taken = meant(typed, self._names) if typed else ""
+        found = [name for name in names_containing(typed, self._names) if name != typed]
+        taken = best_match(typed, self._names) if typed else ""
         rows: list[Row] = [
             ((f"{self.glyphs.here} {clean(name)}", "plain"),)
             if name == taken
@@ -116,12 +120,12 @@ class MoveDialog(EntryDialog):
         name = event.value.strip()
         if name:
             key = self.console_app.key_of("move")
-            self.requests.move(meant(name, self._names), self._driver, key)
+            self.requests.move(best_match(name, self._names), self._driver, key)
         self.sent()
 
     def action_complete(self) -> None:
         """Take the first name that matches."""
-        for name in holding(self.entry.value.strip(), self._names)[:1]:
+        for name in names_containing(self.entry.value.strip(), self._names)[:1]:
             self.put(name)
 
     @property

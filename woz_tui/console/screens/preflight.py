@@ -17,7 +17,7 @@ from textual.widgets.option_list import Option
 from woz_tui.config.keys.terminals import Terminal
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.engagement.engagement_text import signs_of, unsensed
+from woz_tui.console.engagement.engagement_text import has_no_sensor, signs_of
 from woz_tui.console.key_caps import KeyCap
 from woz_tui.console.screens.dialog import ReportDialog, refusal_text
 from woz_tui.console.status_rows import SLOW_LINE_US
@@ -70,7 +70,7 @@ def sign_findings(picture: ConsoleState) -> list[Finding]:
     if shown is None:
         return []
     wanted = [name for name, _ in signs_of(shown) if name in shown.uses]
-    missing = [name for name in wanted if unsensed(shown.signs[name])]
+    missing = [name for name in wanted if has_no_sensor(shown.signs[name])]
     if not missing:
         return [Finding("ok", "engagement", _givers(shown, wanted))]
     return [

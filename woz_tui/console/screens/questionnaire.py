@@ -9,7 +9,7 @@ from textual.widget import Widget
 
 from woz_tui.console.screens.dialog import Dialog
 from woz_tui.console.screens.trial import offer_due
-from woz_tui.console.study.questionnaire_widget import Sheet, thanks
+from woz_tui.console.study.questionnaire_widget import QuestionnaireSheet, thanks
 
 
 class QuestionnaireDialog(Dialog):
@@ -31,7 +31,7 @@ class QuestionnaireDialog(Dialog):
     def body(self) -> Iterable[Widget]:
         """The sheet."""
         app = self.console_app
-        yield Sheet(self.requests.ask, app.clock.now_us, self.glyphs)
+        yield QuestionnaireSheet(self.requests.ask, app.clock.now_us, self.glyphs)
 
     def on_mount(self) -> None:
         """Begin where the questionnaire stands."""
@@ -40,7 +40,7 @@ class QuestionnaireDialog(Dialog):
     def refreshed(self) -> None:
         """Follow what is asked."""
         asked, lost = self.picture.study.asked, bool(self.picture.lost)
-        for sheet in self.query(Sheet):
+        for sheet in self.query(QuestionnaireSheet):
             words = self.picture.settings.study.words
             self._over = asked is None and not lost and self.picture.welcomed
             if asked is not None:

@@ -17,17 +17,22 @@ from woz_tui.config.keys.textual_names import from_textual
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.robot_settings.colour_swatch import Swatches
-from woz_tui.console.robot_settings.setting_lines import CONNECTION, Line, What
-from woz_tui.console.robot_settings.setting_requests import Hand
-from woz_tui.console.robot_settings.setting_rows import Place, list_room, scrolled, settings_rows
+from woz_tui.console.robot_settings.setting_lines import CONNECTION, LineKind, SettingLine
+from woz_tui.console.robot_settings.setting_requests import SettingRequests
+from woz_tui.console.robot_settings.setting_rows import (
+    ListPosition,
+    list_room,
+    scrolled,
+    settings_rows,
+)
 from woz_tui.console.robot_settings.setting_values import (
-    WrongValue,
-    about,
+    SettingValueError,
+    allowed_values,
     next_value,
     typed_value,
     value_text,
 )
-from woz_tui.console.robot_settings.setting_view import Viewer
+from woz_tui.console.robot_settings.setting_view import SettingViewer
 from woz_tui.console.robot_settings.settings_status import is_stale
 from woz_tui.console.screens.dialog import EntryDialog, plain
 from woz_tui.console.screens.drawing import DrawingDialog
@@ -68,16 +73,16 @@ class RobotDialog(DrawingDialog):
         app.give_keys()
 
     @cached_property
-    def _hand(self) -> Hand:
+    def _hand(self) -> SettingRequests:
         """Made when it is first needed: a painting may come before the mounting."""
         key = self.console_app.key_of("robot")
-        return Hand(
+        return SettingRequests(
             self.picture, self.requests.ask, self.requests.refused, key, watched=lambda: self._open
         )
 
     @cached_property
-    def _viewer(self) -> Viewer:
-        return Viewer(self.picture, self.glyphs, self.requests.arrows, self._hand)
+    def _viewer(self) -> SettingViewer:
+        return SettingViewer(self.picture, self.glyphs, self.requests.arrows, self._hand)
 
     def _first_line(self) -> int:
         """Where it opens: without a robot where one is taken, with settings that differ at the
@@ -89,7 +94,7 @@ class RobotDialog(DrawingDialog):
         shown = self.picture.session.robots.shown.get(driver)
         wanted = shown.wanted if shown is not None else {}
         if is_stale(self.picture, driver):
-            found = [number for number, line in enumerate(lines) if line.what is What.ROBOT]
+            found = [number for number, line in enumerate(lines) if line.what is LineKind.ROBOT]
         else:
             found = [number for number, line in enumerate(lines) if line.setting.name in wanted]
         last = self.requests.drafts.get(_LAST)
@@ -135,7 +140,7 @@ class RobotDialog(DrawingDialog):
         self._line = min(self._line, max(0, len(view.lines) - 1))
         self._top = scrolled(view.lines, self._line, self._top, frame)
         colours = not (self.app.no_color or self.app.has_class("-sixteen"))
-        place = Place(self._line, self._top, chosen, self.count(), colours)
+        place = ListPosition(self._line, self._top, chosen, self.count(), colours)
         return settings_rows(view, place, frame)
 
     # -- keys -----------------------------------------------------------------------------------
@@ -163,7 +168,7 @@ class RobotDialog(DrawingDialog):
     def _driver(self) -> str:
         return list(self.picture.robot_outlines)[self._chosen % self.count()]
 
-    def _lines(self) -> list[Line]:
+    def _lines(self) -> list[SettingLine]:
         return self._viewer.lines(self._driver, self.picture.robot_outlines[self._driver])
 
     def _walk(self, chord: str) -> None:
@@ -179,7 +184,7 @@ class RobotDialog(DrawingDialog):
             (list_room(PaintFrame(0, height, 0, self.glyphs)) for height in heights), default=1
         )
 
-    def _chosen_line(self) -> Line | None:
+    def _chosen_line(self) -> SettingLine | None:
         """The chosen line, if something may be done there."""
         lines = self._lines()
         line = lines[self._line] if self._line < len(lines) else None
@@ -201,29 +206,29 @@ class RobotDialog(DrawingDialog):
         line = self._chosen_line()
         if line is None:
             return
-        if line.what is What.ROBOT:
+        if line.what is LineKind.ROBOT:
             self._change(line, line.setting.name)
-        elif line.what is What.DISCONNECT:
+        elif line.what is LineKind.DISCONNECT:
             self._change(line, True)
         elif line.is_typed and (typed or line.setting.kind != "number"):
             self._type(line)
         elif line.is_set:
             self._step(1)
 
-    def _type(self, line: Line) -> None:
+    def _type(self, line: SettingLine) -> None:
         if line.is_typed:
             now = value_text(line.setting, self._viewer.value(self._driver, line), self.glyphs)
             self.console_app.open_dialog(ValueDialog(self, self._driver, line, now))
 
-    def typed(self, driver: str, line: Line, value: Json) -> None:
+    def typed(self, driver: str, line: SettingLine, value: Json) -> None:
         """A value was typed."""
         if self._viewer.locked(line):
             return
         self._change(line, value, driver)
         self.refreshed()
 
-    def _change(self, line: Line, value: Json, driver: str = "") -> None:
-        if line.what is not What.STEP:
+    def _change(self, line: SettingLine, value: Json, driver: str = "") -> None:
+        if line.what is not LineKind.STEP:
             self._hand.change(driver or self._driver, line, value)
         elif isinstance(value, int | float):
             self.requests.arrows.change(line.setting.name, value)
@@ -236,7 +241,7 @@ class ValueDialog(EntryDialog):
     hint = "enter sets it · ctrl+q closes"
     BINDINGS: ClassVar = []
 
-    def __init__(self, asks: RobotDialog, driver: str, line: Line, now: str) -> None:
+    def __init__(self, asks: RobotDialog, driver: str, line: SettingLine, now: str) -> None:
         super().__init__()
         self._asks, self._driver, self._line, self._now = asks, driver, line, now
 
@@ -255,7 +260,7 @@ class ValueDialog(EntryDialog):
     def below(self) -> Iterable[Widget]:
         """What may be typed, and what is wrong with what was."""
         setting = self._line.setting
-        told = about(setting) or setting.help
+        told = allowed_values(setting) or setting.help
         yield Static(plain(self.glyphs.plain(told)), classes="caption")
         yield Static("", id="wrong", classes="wrong")
 
@@ -268,7 +273,7 @@ class ValueDialog(EntryDialog):
             return
         try:
             value = typed_value(self._line.setting, typed)
-        except WrongValue as wrong:
+        except SettingValueError as wrong:
             self.query_one("#wrong", Static).update(plain(str(wrong)))
             return
         self.sent()

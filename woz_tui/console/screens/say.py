@@ -13,13 +13,13 @@ from textual.widgets import Input, Static
 
 from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.robot_settings.speech_tags import (
-    Begun,
-    Numbered,
-    Offer,
-    begun_tag,
+from woz_tui.console.robot_settings.tag_completion import (
+    NumberEntry,
+    PartialTag,
+    TagOffer,
     completed,
-    offers,
+    partial_tag,
+    tag_offers,
 )
 from woz_tui.console.screens.dialog import EntryDialog, content, plain
 from woz_tui.protocol.robot_outline import RobotOutline
@@ -90,7 +90,7 @@ class SayDialog(EntryDialog):
         super().__init__()
         self._voice = 0
         self._utterances: list[str] = []
-        self._numbered: Numbered | None = None
+        self._numbered: NumberEntry | None = None
 
     def on_mount(self) -> None:
         """Utterances as they are now."""
@@ -127,11 +127,11 @@ class SayDialog(EntryDialog):
         name = voices[self._voice] if voices else ""
         return self.picture.robot_outlines.get(name) or RobotOutline()
 
-    def _offers(self, text: str, caret: int) -> tuple[Begun | None, list[Offer]]:
+    def _offers(self, text: str, caret: int) -> tuple[PartialTag | None, list[TagOffer]]:
         """The tag that is being typed, and what it may become."""
         outline = self._outline
-        begun = begun_tag(text, caret) if outline.tags else None
-        return begun, offers(begun, outline) if begun is not None else []
+        begun = partial_tag(text, caret) if outline.tags else None
+        return begun, tag_offers(begun, outline) if begun is not None else []
 
     def _show_matches(self) -> None:
         entry = self.entry
@@ -189,7 +189,7 @@ class SayDialog(EntryDialog):
         whole, caret = self.completed(self.entry.value, self.entry.cursor_position)
         if whole is not None:
             self.put(whole, caret)
-            self._numbered = Numbered.put_in(whole, begun, caret) if begun is not None else None
+            self._numbered = NumberEntry.put_in(whole, begun, caret) if begun is not None else None
 
     def completed(self, text: str, caret: int) -> tuple[str | None, int]:
         """What the text becomes by tab, and where the caret is then; None: it stays."""

@@ -16,8 +16,8 @@ from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.number_text import elapsed
 from woz_tui.console.screens.choice import ChoiceDialog
 from woz_tui.console.screens.dialog import ConsoleApp, Dialog, content
-from woz_tui.console.study.questionnaires import Asked
-from woz_tui.console.study.study_view import Study
+from woz_tui.console.study.questionnaires import OpenQuestionnaire
+from woz_tui.console.study.study_view import StudyView
 from woz_tui.protocol.requests import AskQuestionnaire, AskTrial, Reply
 
 #: Questionnaires that have a digit of their own.
@@ -171,7 +171,7 @@ class OfferDialog(ChoiceDialog):
 # -- what can be done -----------------------------------------------------------------------------
 
 
-def trial_steps(study: Study) -> list[TrialStep]:
+def trial_steps(study: StudyView) -> list[TrialStep]:
     """All that makes sense now, the most likely first."""
     found: list[TrialStep] = []
     if study.asked is not None:
@@ -202,13 +202,13 @@ def trial_steps(study: Study) -> list[TrialStep]:
     return found
 
 
-def _beginning(study: Study) -> str:
+def _beginning(study: StudyView) -> str:
     """`begin trial 3`, or that it is run again."""
     again = study.last is not None and study.next <= study.last[0]
     return f"begin trial {study.next}{' again' if again else ''}"
 
 
-def trial_status(study: Study, now: int) -> str:
+def trial_status(study: StudyView, now: int) -> str:
     """`trial 3 of 12, 02:41`."""
     of = f" of {study.planned}" if study.planned else ""
     if study.break_began is not None:
@@ -223,14 +223,14 @@ def trial_status(study: Study, now: int) -> str:
     return f"no trial yet, {study.planned} planned" if study.planned else "no trial yet"
 
 
-def _here(study: Study) -> str:
+def _here(study: StudyView) -> str:
     """The condition of the trial that is running or comes next; none, if none is left."""
     state = study.session.study
     following = "" if study.trial is not None else state.condition_of(study.next)
     return "" if study.all_over else following or state.condition
 
 
-def progress(asked: Asked) -> str:
+def progress(asked: OpenQuestionnaire) -> str:
     """How far a questionnaire is that is being asked."""
     if asked.answered == len(asked.items):
         return "answered, not confirmed"
@@ -259,7 +259,7 @@ def ask_questionnaire(app: ConsoleApp, name: str, *, here: bool) -> None:
     app.requests.ask(AskQuestionnaire(questionnaire=name), answered)
 
 
-def _title(study: Study, name: str) -> str:
+def _title(study: StudyView, name: str) -> str:
     one = study.questionnaire(name)
     return fit(one.heading, min(50, len(one.heading))) if one is not None else name
 

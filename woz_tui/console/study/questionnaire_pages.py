@@ -8,7 +8,7 @@ from rich.cells import cell_len, chop_cells
 
 from woz_tui.console.cells import Piece, Row, clean, cut, fit
 from woz_tui.console.glyphs import Glyphs, PaintFrame
-from woz_tui.console.study.questionnaire_run import WIDE, Page, Round
+from woz_tui.console.study.questionnaire_run import WIDE, QuestionnairePage, QuestionnaireRun
 from woz_tui.protocol.welcome import QuestionnaireItemView
 
 #: Cells of a page's column, and of a box on a scale.
@@ -24,7 +24,7 @@ def column_of(width: int) -> int:
     return max(1, min(COLUMN, width - 4))
 
 
-def page_rows(taken: Round, frame: PaintFrame) -> list[Row]:
+def page_rows(taken: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
     """The whole page, as many rows as the frame is high."""
     if frame.width < NARROWEST:
         return []  # not laid out yet, or nothing that could be read
@@ -40,13 +40,13 @@ def page_rows(taken: Round, frame: PaintFrame) -> list[Row]:
     return [cut((left, *row), frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
 
 
-def question_height(taken: Round, width: int, glyphs: Glyphs) -> int:
+def question_height(taken: QuestionnaireRun, width: int, glyphs: Glyphs) -> int:
     """Lines that a question for words needs at least, from the title on, in a column so wide."""
     frame = PaintFrame(width, 0, 0, glyphs)
     return len(_head(taken, frame)) + 1 + len(_item(taken, frame))
 
 
-def foot_rows(taken: Round, frame: PaintFrame, notice: str = "") -> list[Row]:
+def foot_rows(taken: QuestionnaireRun, frame: PaintFrame, notice: str = "") -> list[Row]:
     """What is wrong, the keys, and a `notice`."""
     if frame.width < NARROWEST:
         return []
@@ -75,11 +75,15 @@ def words_rows(lines: list[tuple[str, str]], frame: PaintFrame) -> list[Row]:
 # -- pages ----------------------------------------------------------------------------------------
 
 
-def _head(taken: Round, frame: PaintFrame) -> list[Row]:
+def _head(taken: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
     """Title, and how far it is."""
     asked, count = taken.asked, len(taken.asked.items)
-    done = min(taken.position + (taken.page is Page.ITEM), count)
-    told = taken.words.position.format(number=done, count=count) if taken.page is Page.ITEM else ""
+    done = min(taken.position + (taken.page is QuestionnairePage.ITEM), count)
+    told = (
+        taken.words.position.format(number=done, count=count)
+        if taken.page is QuestionnairePage.ITEM
+        else ""
+    )
     title = clean(asked.questionnaire.heading)
     title = fit(title, frame.width - cell_len(told) - 1, frame.glyphs.ellipsis)
     full = round(frame.width * asked.answered / count) if count else 0
@@ -89,7 +93,7 @@ def _head(taken: Round, frame: PaintFrame) -> list[Row]:
     ]
 
 
-def _introduction(taken: Round, frame: PaintFrame) -> list[Row]:
+def _introduction(taken: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
     told = taken.asked.questionnaire.introduction
     rows: list[Row] = [((line, "plain"),) for line in _wrapped(told, frame.width)]
     count = len(taken.asked.items)
@@ -109,7 +113,7 @@ def _folded(line: str, width: int) -> list[str]:
     return textwrap.wrap(line, width) or [""]
 
 
-def _item(taken: Round, frame: PaintFrame) -> list[Row]:
+def _item(taken: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
     item = taken.item
     if item is None:
         return []
@@ -123,7 +127,7 @@ def _item(taken: Round, frame: PaintFrame) -> list[Row]:
     return [*rows, *scale]
 
 
-def _boxes(item: QuestionnaireItemView, taken: Round, frame: PaintFrame) -> list[Row]:
+def _boxes(item: QuestionnaireItemView, taken: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
     """A box for each point, the chosen one filled and between brackets."""
     values = range(item.low, item.high + 1)
     box = max(3, min(BOX, frame.width // len(values)))
@@ -140,7 +144,7 @@ def _boxes(item: QuestionnaireItemView, taken: Round, frame: PaintFrame) -> list
     return [tuple(above), tuple(row), tuple(above), (), *_ends(item, whole, frame)]
 
 
-def _line(item: QuestionnaireItemView, taken: Round, frame: PaintFrame) -> list[Row]:
+def _line(item: QuestionnaireItemView, taken: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
     """A line from end to end, with a mark on it and the number above."""
     glyphs, width = frame.glyphs, frame.width
     cells = [(glyphs.track, "faint")] * width
@@ -171,7 +175,7 @@ def _ends(item: QuestionnaireItemView, width: int, frame: PaintFrame) -> list[Ro
     ]
 
 
-def _summary(taken: Round, frame: PaintFrame) -> list[Row]:
+def _summary(taken: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
     """All answers, the chosen line marked; beneath them the way to finish."""
     glyphs, words = frame.glyphs, taken.words
     rows: list[Row] = []
@@ -192,7 +196,7 @@ def _summary(taken: Round, frame: PaintFrame) -> list[Row]:
     return [*rows[first : first + room], (), ((finish, "strong" if here else "plain"),)]
 
 
-def _decline(taken: Round, frame: PaintFrame) -> list[Row]:
+def _decline(taken: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
     return [
         ((taken.words.stop_question, "strong"),),
         (),
@@ -201,22 +205,22 @@ def _decline(taken: Round, frame: PaintFrame) -> list[Row]:
 
 
 _BODIES = {
-    Page.INTRODUCTION: _introduction,
-    Page.ITEM: _item,
-    Page.SUMMARY: _summary,
-    Page.DECLINE: _decline,
+    QuestionnairePage.INTRODUCTION: _introduction,
+    QuestionnairePage.ITEM: _item,
+    QuestionnairePage.SUMMARY: _summary,
+    QuestionnairePage.DECLINE: _decline,
 }
 
 
-def _keys(taken: Round, glyphs: Glyphs) -> str:
+def _keys(taken: QuestionnaireRun, glyphs: Glyphs) -> str:
     """What the keys do on this page."""
     item, words = taken.item, taken.words
     match taken.page:
-        case Page.INTRODUCTION:
+        case QuestionnairePage.INTRODUCTION:
             return words.keys_begin
-        case Page.DECLINE:
+        case QuestionnairePage.DECLINE:
             return words.keys_decline.format(stop=words.stop_key, go_on=words.go_on_key)
-        case Page.SUMMARY:
+        case QuestionnairePage.SUMMARY:
             return words.keys_summary.format(up=glyphs.up)
     if item is None:
         return words.keys_stop

@@ -10,7 +10,7 @@ import enum
 from collections.abc import Callable
 
 from woz_tui.console.keyboard import HELD_US
-from woz_tui.console.study.questionnaires import Answer, Asked
+from woz_tui.console.study.questionnaires import ItemAnswer, OpenQuestionnaire
 from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire
 from woz_tui.protocol.welcome import ENGLISH, QuestionnaireItemView, QuestionnaireWords
 from woz_tui.session.questionnaire_control import LONGEST
@@ -27,7 +27,7 @@ WIDE = 12
 SETTLING_US = 300_000
 
 
-class Page(enum.Enum):
+class QuestionnairePage(enum.Enum):
     """What is shown."""
 
     INTRODUCTION = "introduction"
@@ -36,7 +36,7 @@ class Page(enum.Enum):
     DECLINE = "decline"
 
 
-class Round:
+class QuestionnaireRun:
     """Goes through `asked`, from the first item without an answer on.
 
     Args:
@@ -48,7 +48,7 @@ class Round:
 
     def __init__(
         self,
-        asked: Asked,
+        asked: OpenQuestionnaire,
         send: Callable[[AskAnswer | AskQuestionnaire], None],
         now_us: Callable[[], int],
         words: QuestionnaireWords = ENGLISH,
@@ -57,7 +57,7 @@ class Round:
         self._send, self._now_us = send, now_us
         #: The item shown; behind the last one is the summary.
         self.position = 0
-        self.page = Page.INTRODUCTION
+        self.page = QuestionnairePage.INTRODUCTION
         #: The mark on the scale, digits typed so far, the chosen line of the summary.
         self.mark: int | None = None
         self.typed = ""
@@ -83,19 +83,23 @@ class Round:
         return items[self.position] if self.position < len(items) else None
 
     @property
-    def answer(self) -> Answer | None:
+    def answer(self) -> ItemAnswer | None:
         """What was answered to it before."""
         return self.asked.answers.get(self.item.name) if self.item is not None else None
 
     @property
     def writes(self) -> bool:
         """Whether a text field is to be shown."""
-        return self.page is Page.ITEM and self.item is not None and self.item.text
+        return self.page is QuestionnairePage.ITEM and self.item is not None and self.item.text
 
     # -- moving -------------------------------------------------------------------------------
 
-    def _page(self) -> Page:
-        return Page.ITEM if self.position < len(self.asked.items) else Page.SUMMARY
+    def _page(self) -> QuestionnairePage:
+        return (
+            QuestionnairePage.ITEM
+            if self.position < len(self.asked.items)
+            else QuestionnairePage.SUMMARY
+        )
 
     def _show(self, position: int) -> None:
         self.position = max(0, min(position, len(self.asked.items)))
@@ -108,7 +112,7 @@ class Round:
     def back(self) -> None:
         """The item before."""
         if self.position == 0:
-            self.page, self.complaint = Page.INTRODUCTION, ""
+            self.page, self.complaint = QuestionnairePage.INTRODUCTION, ""
         else:
             self._show(self.position - 1)
 
@@ -126,14 +130,14 @@ class Round:
 
     def go(self, key: str) -> bool:
         """What a key does that is not the rest of another press; whether it was one of ours."""
-        if key == "ctrl+d" and self.page is not Page.DECLINE:
-            self.page, self.complaint = Page.DECLINE, ""
+        if key == "ctrl+d" and self.page is not QuestionnairePage.DECLINE:
+            self.page, self.complaint = QuestionnairePage.DECLINE, ""
             return True
         return {
-            Page.INTRODUCTION: self._begin,
-            Page.ITEM: self._item,
-            Page.SUMMARY: self._summary,
-            Page.DECLINE: self._decline,
+            QuestionnairePage.INTRODUCTION: self._begin,
+            QuestionnairePage.ITEM: self._item,
+            QuestionnairePage.SUMMARY: self._summary,
+            QuestionnairePage.DECLINE: self._decline,
         }[self.page](key)
 
     def settles(self, key: str) -> bool:
@@ -258,7 +262,7 @@ class Round:
             self._set_typed(item, "")
             self.complaint = self.words.number.format(low=item.low, high=item.high)
         elif item.digits:
-            self._take(item, Answer(int(typed)))
+            self._take(item, ItemAnswer(int(typed)))
             self._last, self._settled_us = digit, self._now_us() + SETTLING_US
         else:
             self._set_typed(item, typed)
@@ -271,14 +275,14 @@ class Round:
     def _confirm(self, item: QuestionnaireItemView) -> None:
         """Not with nothing chosen: an enter too many must leave nothing out."""
         if self.mark is not None:
-            self._take(item, Answer(self.mark))
+            self._take(item, ItemAnswer(self.mark))
         else:
             words = self.words.number_or_skip if item.optional else self.words.number
             self.complaint = words.format(low=item.low, high=item.high)
 
     def _skip(self, item: QuestionnaireItemView) -> None:
         if item.optional:
-            self._take(item, Answer(skipped=True))
+            self._take(item, ItemAnswer(skipped=True))
         else:
             self.complaint = self.words.wants_answer
 
@@ -290,13 +294,13 @@ class Round:
         if len(text.strip()) > LONGEST:
             self.complaint = self.words.too_long.format(most=LONGEST)
         elif text.strip():
-            self._take(item, Answer(text=text.strip()))
+            self._take(item, ItemAnswer(text=text.strip()))
         else:
             self._skip(item)
 
     # -- answers ------------------------------------------------------------------------------
 
-    def _take(self, item: QuestionnaireItemView, answer: Answer) -> None:
+    def _take(self, item: QuestionnaireItemView, answer: ItemAnswer) -> None:
         request = AskAnswer(
             questionnaire=self.asked.name,
             item=item.name,
@@ -324,12 +328,12 @@ class Round:
             self._show(names.index(request.item))
         self.complaint = why
 
-    def go_on(self, asked: Asked) -> None:
+    def go_on(self, asked: OpenQuestionnaire) -> None:
         """The picture was told anew, after a lost line: what was not confirmed goes out again."""
         self.asked = asked
         for request in list(self.unconfirmed.values()):
             value = None if request.value is None else round(request.value)
-            asked.answers[request.item] = Answer(value, request.text, request.skipped)
+            asked.answers[request.item] = ItemAnswer(value, request.text, request.skipped)
             self._send(request)
 
 

@@ -21,8 +21,8 @@ from woz_tui.console.study.questionnaire_pages import (
     question_height,
     words_rows,
 )
-from woz_tui.console.study.questionnaire_run import Page, Round
-from woz_tui.console.study.questionnaires import Asked
+from woz_tui.console.study.questionnaire_run import QuestionnairePage, QuestionnaireRun
+from woz_tui.console.study.questionnaires import OpenQuestionnaire
 from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire, Reply
 from woz_tui.protocol.welcome import ENGLISH, QuestionnaireWords
 
@@ -43,16 +43,16 @@ def thanks(words: QuestionnaireWords) -> Words:
     return [(words.thanks, "strong"), ("", "plain"), (words.wait, "muted")]
 
 
-class Written(TextArea):
+class AnswerField(TextArea):
     """A field for a sentence or some. Enter goes on; the way back is over its first line.
 
     `idle` is asked once for each key, whether it is to do nothing at this moment.
     """
 
-    class Done(Message):
+    class Submitted(Message):
         """Enter was pressed."""
 
-    class Left(Message):
+    class KeyPassed(Message):
         """A key for the questionnaire, not for the field."""
 
         def __init__(self, key: str) -> None:
@@ -68,9 +68,9 @@ class Written(TextArea):
             event.stop()
             event.prevent_default()
         elif event.key == "enter":
-            self._take(event, self.Done())
+            self._take(event, self.Submitted())
         elif event.key in ("tab", "ctrl+d") or self._leads_back(event.key):
-            self._take(event, self.Left(event.key))
+            self._take(event, self.KeyPassed(event.key))
         else:
             await super()._on_key(event)
 
@@ -86,7 +86,7 @@ class Written(TextArea):
         self.post_message(message)
 
 
-class Sheet(Vertical):
+class QuestionnaireSheet(Vertical):
     """Pages above, a field for texts, keys at the bottom.
 
     Args:
@@ -102,25 +102,25 @@ class Sheet(Vertical):
         self._ask = ask
         self._now_us = now_us
         self._glyphs = glyphs
-        self._taken: Round | None = None
+        self._taken: QuestionnaireRun | None = None
         self._lines: Words = []
         self._words = ENGLISH
         self._written_for = ""
         self._field_height = _FIELD
-        self._kept: Round | None = None
+        self._kept: QuestionnaireRun | None = None
         self._away = False
         self._notice = ""
 
     def compose(self) -> ComposeResult:
         """Page, field, keys."""
         yield Cells(id="page")
-        field = Written(self._idle, id="written")
+        field = AnswerField(self._idle, id="written")
         field.display = False
         yield field
         yield Cells(id="foot")
 
     @property
-    def taken(self) -> Round | None:
+    def taken(self) -> QuestionnaireRun | None:
         """The way through the questionnaire, while one is asked."""
         return self._taken
 
@@ -136,7 +136,7 @@ class Sheet(Vertical):
 
     def follow(
         self,
-        asked: Asked | None,
+        asked: OpenQuestionnaire | None,
         lines: Words | None = None,
         *,
         words: QuestionnaireWords = ENGLISH,
@@ -156,7 +156,7 @@ class Sheet(Vertical):
         if asked is None or away:
             self._taken = None
         elif taken is None or taken.asked.name != asked.name:
-            self._taken = Round(asked, self._send, self._now_us, words)
+            self._taken = QuestionnaireRun(asked, self._send, self._now_us, words)
         elif taken.asked is not asked:
             self._taken = taken
             taken.go_on(asked)
@@ -197,7 +197,7 @@ class Sheet(Vertical):
             self.draw()  # it may say why
         return idle
 
-    def on_written_done(self, event: Written.Done) -> None:
+    def on_answer_field_submitted(self, event: AnswerField.Submitted) -> None:
         """A text was confirmed."""
         event.stop()
         taken = self._taken
@@ -205,7 +205,7 @@ class Sheet(Vertical):
             taken.write(self._field.text)
             self.draw()
 
-    def on_written_left(self, event: Written.Left) -> None:
+    def on_answer_field_key_passed(self, event: AnswerField.KeyPassed) -> None:
         """A key that goes past the field."""
         event.stop()
         if self._taken is not None:
@@ -215,8 +215,8 @@ class Sheet(Vertical):
     # -- drawing ------------------------------------------------------------------------------
 
     @property
-    def _field(self) -> Written:
-        return self.query_one("#written", Written)
+    def _field(self) -> AnswerField:
+        return self.query_one("#written", AnswerField)
 
     def draw(self) -> None:
         """Show the page as it is now."""
@@ -235,12 +235,12 @@ class Sheet(Vertical):
     def _frame(self, cells: Cells) -> PaintFrame:
         return PaintFrame(cells.size.width, cells.size.height, 0, self._glyphs)
 
-    def _room(self, taken: Round | None, column: int) -> int:
+    def _room(self, taken: QuestionnaireRun | None, column: int) -> int:
         """Lines for the field and the air below it, once the question is in sight."""
         question = question_height(taken, column, self._glyphs) if taken is not None else 0
         return self.size.height - _FOOT - question
 
-    def _show_field(self, taken: Round | None) -> None:
+    def _show_field(self, taken: QuestionnaireRun | None) -> None:
         """The field with what was written before, while its item is shown."""
         field = self._field
         column = column_of(self.size.width)
@@ -250,7 +250,7 @@ class Sheet(Vertical):
         height = max(_FIELD_LEAST, min(_FIELD, room - 1))
         if height != self._field_height:
             self._field_height = field.styles.height = height
-        item = taken.item if taken is not None and taken.page is Page.ITEM else None
+        item = taken.item if taken is not None and taken.page is QuestionnairePage.ITEM else None
         wanted = item.name if item is not None and item.text else ""
         if wanted == self._written_for:
             return

@@ -12,7 +12,7 @@ from woz_tui.protocol.welcome import QuestionnaireItemView, QuestionnaireView
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class ItemAnswer:
     """A number on the scale, a text, or left out on purpose (`skipped`)."""
 
     value: int | None = None
@@ -27,11 +27,11 @@ class Answer:
 
 
 @dataclass(slots=True)
-class Asked:
+class OpenQuestionnaire:
     """A questionnaire that is put to somebody; answers by item."""
 
     questionnaire: QuestionnaireView
-    answers: dict[str, Answer] = field(default_factory=dict)
+    answers: dict[str, ItemAnswer] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -51,7 +51,7 @@ class Asked:
     def take(self, told: m.QuestionnaireAnswered) -> None:
         """Somebody answered, here or at another terminal."""
         value = None if told.value is None else round(told.value)
-        self.answers[told.item] = Answer(value, told.text, told.skipped)
+        self.answers[told.item] = ItemAnswer(value, told.text, told.skipped)
 
     def first_open(self) -> int:
         """The first item without an answer; behind the last one if there is none."""

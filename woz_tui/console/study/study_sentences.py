@@ -12,7 +12,7 @@ from woz_tui.console.number_text import millis, seconds
 from woz_tui.protocol import messages as m
 
 
-class Line(NamedTuple):
+class EventText(NamedTuple):
     """The mark (see `sentences.Event`), what happened, and details."""
 
     mark: str
@@ -30,107 +30,107 @@ _JUDGED = {
 }
 
 
-def line_of(message: m.Message) -> Line | None:
+def event_text(message: m.Message) -> EventText | None:
     """The line for `message`, or None if it is not worth one."""
     tell = TELLERS.get(type(message))
     return tell(message) if tell is not None else None
 
 
-def _assigned(told: m.ConditionsAssigned) -> Line:
+def _assigned(told: m.ConditionsAssigned) -> EventText:
     how = "chosen by hand" if told.method == "hand" else told.method
     why = ", ".join(part for part in (how, told.why) if part)
-    return Line("info", f"{told.participant}: {', '.join(told.order)}", why)
+    return EventText("info", f"{told.participant}: {', '.join(told.order)}", why)
 
 
-def _trial(told: m.TrialStarted) -> Line:
+def _trial(told: m.TrialStarted) -> EventText:
     of = f" of {told.planned}" if told.planned else ""
-    return Line("info", f"Trial {told.trial}{of} begins", told.condition)
+    return EventText("info", f"Trial {told.trial}{of} begins", told.condition)
 
 
-def _trial_over(told: m.TrialEnded) -> Line:
-    return Line(
+def _trial_over(told: m.TrialEnded) -> EventText:
+    return EventText(
         _OUTCOMES.get(told.outcome, "info"), f"Trial {told.trial} {told.outcome}", told.text
     )
 
 
-def _break(told: m.BreakStarted) -> Line:
-    return Line("info", "Break", told.text)
+def _break(told: m.BreakStarted) -> EventText:
+    return EventText("info", "Break", told.text)
 
 
-def _break_over(told: m.BreakEnded) -> Line:
-    return Line("info", "Break over", told.text)
+def _break_over(told: m.BreakEnded) -> EventText:
+    return EventText("info", "Break over", told.text)
 
 
-def _checked(told: m.PreflightChecked) -> Line | None:
+def _checked(told: m.PreflightChecked) -> EventText | None:
     """What a program found out stands in the preflight."""
     if told.source == "robot":
         return None
     if told.level == "ok":
-        return Line("done", f"Ticked: {told.check}", told.detail)
-    return Line("warning", f"Not ticked: {told.check}", told.detail)
+        return EventText("done", f"Ticked: {told.check}", told.detail)
+    return EventText("warning", f"Not ticked: {told.check}", told.detail)
 
 
-def _asks(told: m.QuestionnaireStarted) -> Line:
+def _asks(told: m.QuestionnaireStarted) -> EventText:
     about = f"after trial {told.trial}" if told.trial >= 0 else ""
-    return Line("info", f"Asked: {told.title or told.questionnaire}", about)
+    return EventText("info", f"Asked: {told.title or told.questionnaire}", about)
 
 
-def _asked(told: m.QuestionnaireEnded) -> Line:
+def _asked(told: m.QuestionnaireEnded) -> EventText:
     mark = "done" if told.reason == "done" else "info"
     reason = {"done": "answered", "left": "not finished"}.get(told.reason, told.reason)
-    return Line(mark, f"Questionnaire {reason}", f"{told.answered} answered")
+    return EventText(mark, f"Questionnaire {reason}", f"{told.answered} answered")
 
 
-def _shaping(told: m.ShapingChanged) -> Line:
+def _shaping(told: m.ShapingChanged) -> EventText:
     if not told.floor_us and not told.jitter_us:
-        return Line("info", "Answers come at once")
+        return EventText("info", "Answers come at once")
     jitter = f" and up to {seconds(told.jitter_us)} more" if told.jitter_us else ""
     soonest = f"Answers come {seconds(told.floor_us)}{jitter} after a cue"
-    return Line("info", soonest, ", ".join(told.cues))
+    return EventText("info", soonest, ", ".join(told.cues))
 
 
-def _perception(told: m.PerceptionChanged) -> Line:
+def _perception(told: m.PerceptionChanged) -> EventText:
     if not told.hidden and not told.blurred:
-        return Line("info", "Nothing is kept from you")
+        return EventText("info", "Nothing is kept from you")
     blurred = f"blurred: {', '.join(told.blurred)}" if told.blurred else ""
     if not told.hidden:
-        return Line("info", f"Kept from you, {blurred}")
-    return Line("info", f"Kept from you: {', '.join(told.hidden)}", blurred)
+        return EventText("info", f"Kept from you, {blurred}")
+    return EventText("info", f"Kept from you: {', '.join(told.hidden)}", blurred)
 
 
-def _training(told: m.TrainingChanged) -> Line:
+def _training(told: m.TrainingChanged) -> EventText:
     cues = f"{told.planned} cue{'' if told.planned == 1 else 's'}"
     if told.state == "over":
-        return Line("done", f"Training over: {told.right} of {cues} right")
+        return EventText("done", f"Training over: {told.right} of {cues} right")
     state = "waits for you" if told.state == "waits" else "begins"
-    return Line("info", f"Training {state}: {cues}", "nothing moves")
+    return EventText("info", f"Training {state}: {cues}", "nothing moves")
 
 
-def _cue(told: m.CueGiven) -> Line:
-    return Line("heard", f"Cue: {told.sort}", told.text)
+def _cue(told: m.CueGiven) -> EventText:
+    return EventText("heard", f"Cue: {told.sort}", told.text)
 
 
-def _answered(told: m.CueAnswered) -> Line:
+def _answered(told: m.CueAnswered) -> EventText:
     took = seconds(told.reaction_us) if told.reaction_us >= 0 else ""
     mark, text = _JUDGED.get(told.judged, ("info", f"Cue {told.judged}"))
-    return Line(mark, text, took)
+    return EventText(mark, text, took)
 
 
-def _rerun(told: m.RerunStarted) -> Line:
-    return Line("info", f"Run again: {told.original}", f"{told.commands} commands")
+def _rerun(told: m.RerunStarted) -> EventText:
+    return EventText("info", f"Run again: {told.original}", f"{told.commands} commands")
 
 
-def _skipped(told: m.RerunSkipped) -> Line:
-    return Line("warning", f"Left out: {told.original_command}", told.reason)
+def _skipped(told: m.RerunSkipped) -> EventText:
+    return EventText("warning", f"Left out: {told.original_command}", told.reason)
 
 
-def _rerun_over(told: m.RerunEnded) -> Line:
+def _rerun_over(told: m.RerunEnded) -> EventText:
     late = f"late by {millis(told.late_p50_us)}, {millis(told.late_max_us)} at the most"
     counts = f"{told.sent_again} sent, {told.skipped_commands} left out, {late}"
-    return Line("info", f"Re-run over: {told.reason}", counts)
+    return EventText("info", f"Re-run over: {told.reason}", counts)
 
 
-TELLERS: Mapping[type[m.Message], Callable[[Any], Line | None]] = {
+TELLERS: Mapping[type[m.Message], Callable[[Any], EventText | None]] = {
     m.ConditionsAssigned: _assigned,
     m.TrialStarted: _trial,
     m.TrialEnded: _trial_over,

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import msgspec
 
 from woz_tui.console.number_text import seconds
-from woz_tui.console.study.questionnaires import Asked, items_of
+from woz_tui.console.study.questionnaires import OpenQuestionnaire, items_of
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import QuestionnaireView
 from woz_tui.timeline.session_state import SessionState
@@ -28,7 +28,7 @@ _JUDGED = {
 }
 
 
-class Tiding(NamedTuple):
+class StudyNews(NamedTuple):
     """A sentence for the wizard and its look. `right`: names of the actions that would have
     answered a cue; `command`: that of the console which helps, and what it does.
     """
@@ -39,7 +39,7 @@ class Tiding(NamedTuple):
     command: tuple[str, str] = ("", "")
 
 
-class Trial(NamedTuple):
+class RunningTrial(NamedTuple):
     """The trial under way: since `began`, in microseconds on the axis of `t`."""
 
     number: int
@@ -47,13 +47,13 @@ class Trial(NamedTuple):
 
 
 @dataclass(slots=True)
-class Study:
+class StudyView:
     """What holds is in `session`; `adopt` and `take` add what only a screen needs."""
 
     session: SessionState = field(default_factory=SessionState)
     questionnaires: tuple[QuestionnaireView, ...] = ()
     #: The questionnaire that is put to somebody now, and the message that began it.
-    asked: Asked | None = None
+    asked: OpenQuestionnaire | None = None
     _started: m.QuestionnaireStarted | None = None
     #: The last cue of a training.
     _cue: m.CueGiven | None = None
@@ -61,7 +61,7 @@ class Study:
     judged: m.CueAnswered | None = None
     #: Whether it was said that no trial is under way, since the last one.
     _told_outside: bool = False
-    _tidings: deque[Tiding] = field(default_factory=lambda: deque(maxlen=_TIDINGS))
+    _tidings: deque[StudyNews] = field(default_factory=lambda: deque(maxlen=_TIDINGS))
 
     # -- reading ------------------------------------------------------------------------------
 
@@ -83,10 +83,10 @@ class Study:
         return self.session.study.planned
 
     @property
-    def trial(self) -> Trial | None:
+    def trial(self) -> RunningTrial | None:
         """The one under way."""
         trial = self.session.study.trial
-        return Trial(trial.started.trial, trial.begin) if trial is not None else None
+        return RunningTrial(trial.started.trial, trial.begin) if trial is not None else None
 
     @property
     def next(self) -> int:
@@ -174,7 +174,7 @@ class Study:
         wanted = cue is not None and cue.cue == told.cue and told.judged in ("wrong", "missed")
         return tuple(cue.expects) if wanted and cue is not None else ()
 
-    def read_tidings(self) -> list[Tiding]:
+    def read_tidings(self) -> list[StudyNews]:
         """Sentences that nobody has read, oldest first."""
         told = list(self._tidings)
         self._tidings.clear()
@@ -197,12 +197,14 @@ class Study:
                 missing = self.unticked() if self.last is None else []
                 if missing:
                     text = f"{len(missing)} not ticked in the preflight"
-                    self._tidings.append(Tiding(text, "warn", command=("preflight", "lists them")))
+                    self._tidings.append(
+                        StudyNews(text, "warn", command=("preflight", "lists them"))
+                    )
             case m.CueGiven():
                 self._cue = message
             case m.CueAnswered():
                 self.judged = message
-                self._tidings.append(Tiding(*judged(message), self.right_for(message)))
+                self._tidings.append(StudyNews(*verdict_text(message), self.right_for(message)))
             case m.QuestionnaireStarted() | m.QuestionnaireEnded():
                 self.follow()
             case m.QuestionnaireAnswered():
@@ -217,7 +219,7 @@ class Study:
         if self.designed and not apart:
             self._told_outside = True
             text = "Played outside of a trial"
-            self._tidings.append(Tiding(text, "warn", command=("trial", "begins one")))
+            self._tidings.append(StudyNews(text, "warn", command=("trial", "begins one")))
 
     def follow(self) -> None:
         """Ask what `session` asks now; in the same round the sheet that shows it keeps what was
@@ -230,7 +232,7 @@ class Study:
         round_ = (current.name, current.started)
         if self.asked is None or (self.asked.name, self._started) != round_:
             self._started = current.started
-            self.asked = Asked(self._put(current.name, current.started))
+            self.asked = OpenQuestionnaire(self._put(current.name, current.started))
             for answer in current.answers.values():
                 self.asked.take(answer)
 
@@ -243,7 +245,7 @@ class Study:
         return msgspec.structs.replace(known, title=started.title, items=items)
 
 
-def judged(told: m.CueAnswered) -> tuple[str, str]:
+def verdict_text(told: m.CueAnswered) -> tuple[str, str]:
     """`right, 1.24 s`, with its look."""
     word, look = _JUDGED.get(told.judged, (told.judged, "plain"))
     took = f", {seconds(told.reaction_us)}" if told.reaction_us >= 0 else ""

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from woz_tui.console.robot_settings.name_completion import holding
+from woz_tui.console.robot_settings.name_completion import names_containing
 from woz_tui.protocol.robot_outline import RobotOutline, Tag
 
 _SLASH = "\\"
@@ -18,7 +18,7 @@ _REST = re.compile(r"[A-Za-z0-9_=/.\-]*[\\)]?")
 
 
 @dataclass(frozen=True, slots=True)
-class Begun:
+class PartialTag:
     """A tag that is being typed: its place in the text, and what stands there before the caret."""
 
     start: int
@@ -27,7 +27,7 @@ class Begun:
 
 
 @dataclass(frozen=True, slots=True)
-class Offer:
+class TagOffer:
     """What a tag may become: `text` in its place, and a few words on it."""
 
     text: str
@@ -35,7 +35,7 @@ class Offer:
 
 
 @dataclass(frozen=True, slots=True)
-class Numbered:
+class NumberEntry:
     r"""A tag with a number that tab has just put in, `\pau=500\`: digits typed right behind it are
     meant for the number, and one more `\` behind them for its end.
 
@@ -50,12 +50,12 @@ class Numbered:
     over: bool = False
 
     @classmethod
-    def put_in(cls, text: str, begun: Begun, caret: int) -> Numbered | None:
+    def put_in(cls, text: str, begun: PartialTag, caret: int) -> NumberEntry | None:
         """The tag between where it was begun and the caret, if it has a number."""
         found = _NUMBER.fullmatch(text[begun.start : caret])
         return cls(text, begun.start + found.start(1), caret) if found is not None else None
 
-    def goes_on(self, text: str) -> Numbered | None:
+    def goes_on(self, text: str) -> NumberEntry | None:
         """What becomes of it with the text as it is now; None: it was left."""
         front, behind = self.text[: self.caret], self.text[self.caret :]
         if text == self.text:
@@ -67,10 +67,10 @@ class Numbered:
             return None
         number = self.typed + digits
         front = f"{self.text[: self.start]}{number}{_SLASH}"
-        return Numbered(front + behind, self.start, len(front), number, over=digits != more)
+        return NumberEntry(front + behind, self.start, len(front), number, over=digits != more)
 
 
-def begun_tag(text: str, caret: int) -> Begun | None:
+def partial_tag(text: str, caret: int) -> PartialTag | None:
     r"""The tag in which, or right behind whose `\` or `^`, the caret stands."""
     before = text[:caret]
     slash = before.rfind(_SLASH) if before.count(_SLASH) % 2 else -1
@@ -81,22 +81,22 @@ def begun_tag(text: str, caret: int) -> Begun | None:
     pattern = _VOICE if typed.startswith(_SLASH) else _MOVE
     if not pattern.fullmatch(typed):
         return None
-    return Begun(start, caret + _rest(typed, text[caret:]), typed)
+    return PartialTag(start, caret + _rest(typed, text[caret:]), typed)
 
 
-def offers(begun: Begun, outline: RobotOutline) -> list[Offer]:
+def tag_offers(begun: PartialTag, outline: RobotOutline) -> list[TagOffer]:
     """Tags, or names for a tag that takes one, that go with what was typed."""
     head, bracket, name = begun.typed.partition("(")
     if bracket:
-        return [Offer(f"{head}({move})", "") for move in holding(name, outline.moves)]
+        return [TagOffer(f"{head}({move})", "") for move in names_containing(name, outline.moves)]
     name, equals, value = begun.typed.partition("=")
     return [
-        Offer(f"{name}={value}{_SLASH}" if equals and value else _short(tag), tag.help)
+        TagOffer(f"{name}={value}{_SLASH}" if equals and value else _short(tag), tag.help)
         for tag in _matching(name, bool(equals), outline.tags)
     ]
 
 
-def completed(text: str, begun: Begun, offer: Offer) -> tuple[str, int]:
+def completed(text: str, begun: PartialTag, offer: TagOffer) -> tuple[str, int]:
     """The text with the offer in the tag's place, and where the caret is then."""
     front = text[: begun.start] + offer.text
     return front + text[begun.end :], len(front)

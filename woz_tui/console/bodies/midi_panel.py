@@ -10,8 +10,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from woz_tui.console.bodies.body_outlines import Control, PanelOutline
-from woz_tui.console.bodies.dot_canvas import ACROSS, DOWN, Dots, Layer
+from woz_tui.console.bodies.dot_canvas import ACROSS, DOWN, DotCanvas, DotLayer
+from woz_tui.console.bodies.driver_outlines import PanelControl, PanelOutline
 from woz_tui.console.cells import Piece, Row, clean, cut, fit
 from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.meter_rows import side_by_side
@@ -26,8 +26,8 @@ LEAST_COLUMN, MOST_COLUMN = 7, 13
 GOOD_COLUMN = 9
 #: Cells of a knob, and how far around it goes, in degrees from its lowest place.
 DIAL, TURN = (4, 2), 270.0
-_DIAL_LAYERS = {"rest": Layer("faint", "."), "turned": Layer("run", "#")}
-_STALE_LAYERS = {"rest": Layer("faint", "."), "turned": Layer("stale", "#")}
+_DIAL_LAYERS = {"rest": DotLayer("faint", "."), "turned": DotLayer("run", "#")}
+_STALE_LAYERS = {"rest": DotLayer("faint", "."), "turned": DotLayer("stale", "#")}
 #: Cells of a slider's bar, and lines.
 BAR = (2, 4)
 
@@ -38,26 +38,26 @@ HINT = (
 
 
 @dataclass(frozen=True, slots=True)
-class Board:
+class PanelState:
     """A panel at one moment; `old` as for bodies."""
 
     outline: PanelOutline
     knobs: ControlsMoved
     old: str = ""
 
-    def value(self, control: Control) -> int | None:
+    def value(self, control: PanelControl) -> int | None:
         """0..127; None before anybody touched it."""
         return self.knobs.values.get(control.name)
 
-    def waits(self, control: Control) -> bool:
+    def waits(self, control: PanelControl) -> bool:
         """Whether it does nothing until it has come to the robot's value."""
         return control.name in self.knobs.waiting
 
 
-def board_rows(board: Board, frame: PaintFrame) -> list[Row]:
+def panel_rows(board: PanelState, frame: PaintFrame) -> list[Row]:
     """The picture, beneath it what was moved last and what to do about controls that wait."""
     told, drawn = _split(board.outline.controls, frame.width)
-    rows = [*_grid(board, drawn, frame), (), *_told(board, told, frame)]
+    rows = [*_grid(board, drawn, frame), (), *_button_text(board, told, frame)]
     foot = _foot(board, frame)
     room = max(0, frame.height - len(foot))
     rows = rows[:room] + [()] * max(0, room - len(rows)) + foot
@@ -67,7 +67,9 @@ def board_rows(board: Board, frame: PaintFrame) -> list[Row]:
 # -- the picture ----------------------------------------------------------------------------------
 
 
-def _split(controls: Sequence[Control], width: int) -> tuple[list[Control], list[Control]]:
+def _split(
+    controls: Sequence[PanelControl], width: int
+) -> tuple[list[PanelControl], list[PanelControl]]:
     """Controls told as text, and those that are drawn: all of them where there is room."""
     columns = {control.column for control in controls}
     if width // max(1, len(columns)) >= GOOD_COLUMN:
@@ -79,7 +81,7 @@ def _split(controls: Sequence[Control], width: int) -> tuple[list[Control], list
     )
 
 
-def _grid(board: Board, controls: Sequence[Control], frame: PaintFrame) -> list[Row]:
+def _grid(board: PanelState, controls: Sequence[PanelControl], frame: PaintFrame) -> list[Row]:
     columns = sorted({control.column for control in controls})
     if not columns:
         return []
@@ -97,34 +99,34 @@ def _grid(board: Board, controls: Sequence[Control], frame: PaintFrame) -> list[
     return rows
 
 
-def _control(board: Board, control: Control, width: int, glyphs: Glyphs) -> list[Row]:
+def _control(board: PanelState, control: PanelControl, width: int, glyphs: Glyphs) -> list[Row]:
     if control.kind == "button":
         return [_button(board, control, width, glyphs)]
     draw = _knob if control.kind == "knob" else _slider
     label = clean(control.label)
-    look = "faint" if not label else "warn" if board.waits(control) else _tone(board, "plain")
+    look = "faint" if not label else "warn" if board.waits(control) else _look(board, "plain")
     return [
         *draw(board, control, glyphs),
-        ((_short(label or glyphs.middle, width, glyphs.ellipsis), look),),
+        ((_short_label(label or glyphs.middle, width, glyphs.ellipsis), look),),
     ]
 
 
-def _tone(board: Board, look: str) -> str:
+def _look(board: PanelState, look: str) -> str:
     return "stale" if board.old else look
 
 
-def _button(board: Board, control: Control, width: int, glyphs: Glyphs) -> Row:
+def _button(board: PanelState, control: PanelControl, width: int, glyphs: Glyphs) -> Row:
     pressed = (board.value(control) or 0) > 0
     lit = control.name in board.knobs.lit
     sign = glyphs.yes if lit or pressed else glyphs.no
     if not control.label:
         return ((fit(sign if pressed else glyphs.middle, width), "faint"),)
     look = "flash" if pressed else "run" if lit else "muted"
-    label = _short(clean(control.label), width - 2, glyphs.ellipsis)
-    return ((f"{sign} {label}", _tone(board, look)),)
+    label = _short_label(clean(control.label), width - 2, glyphs.ellipsis)
+    return ((f"{sign} {label}", _look(board, look)),)
 
 
-def _short(label: str, width: int, ellipsis: str) -> str:
+def _short_label(label: str, width: int, ellipsis: str) -> str:
     """A label in `width` cells; of `point-left` what tells it from `point-right` is kept."""
     tail = label.rpartition("-")[2]
     if len(label) > width >= len(tail):
@@ -132,15 +134,15 @@ def _short(label: str, width: int, ellipsis: str) -> str:
     return fit(label, width, ellipsis)
 
 
-def _figures(board: Board, control: Control, glyphs: Glyphs) -> tuple[Piece, Piece]:
+def _figures(board: PanelState, control: PanelControl, glyphs: Glyphs) -> tuple[Piece, Piece]:
     """The value, and where it has to go."""
     value = board.value(control)
     shown = glyphs.dash if value is None else str(value)
-    look = _tone(board, "strong" if control.label else "muted")
-    return (f"{shown:>3}", look), (_way(board, control, glyphs), "warn")
+    look = _look(board, "strong" if control.label else "muted")
+    return (f"{shown:>3}", look), (_takeover_arrow(board, control, glyphs), "warn")
 
 
-def _way(board: Board, control: Control, glyphs: Glyphs) -> str:
+def _takeover_arrow(board: PanelState, control: PanelControl, glyphs: Glyphs) -> str:
     """`↑90`: turn it up to 90."""
     if not board.waits(control):
         return ""
@@ -150,7 +152,7 @@ def _way(board: Board, control: Control, glyphs: Glyphs) -> str:
     return f"{glyphs.up if target > value else glyphs.down}{target}"
 
 
-def _knob(board: Board, control: Control, glyphs: Glyphs) -> list[Row]:
+def _knob(board: PanelState, control: PanelControl, glyphs: Glyphs) -> list[Row]:
     value = board.value(control)
     if glyphs.ascii:
         dial = _bar_across(value, DIAL[0])
@@ -160,9 +162,9 @@ def _knob(board: Board, control: Control, glyphs: Glyphs) -> list[Row]:
     return [(*dial[0], number), (*dial[1], way)]
 
 
-def _dial(value: int | None, *, stale: bool) -> Dots:
+def _dial(value: int | None, *, stale: bool) -> DotCanvas:
     """An arc open at the bottom, turned as far as the knob is, and its pointer."""
-    dots = Dots(*DIAL, _STALE_LAYERS if stale else _DIAL_LAYERS)
+    dots = DotCanvas(*DIAL, _STALE_LAYERS if stale else _DIAL_LAYERS)
     middle_x, middle_y = (DIAL[0] * ACROSS - 1) / 2, (DIAL[1] * DOWN - 1) / 2
     share = -1.0 if value is None else min(1.0, max(0.0, value / MOST))
 
@@ -186,12 +188,12 @@ def _bar_across(value: int | None, width: int) -> list[Row]:
     return [(("#" * filled, "run"), ("." * (width - filled), "faint")), ((" " * width, "plain"),)]
 
 
-def _slider(board: Board, control: Control, glyphs: Glyphs) -> list[Row]:
+def _slider(board: PanelState, control: PanelControl, glyphs: Glyphs) -> list[Row]:
     """A bar as high as the slider stands, in half lines."""
     width, height = BAR
     value = board.value(control)
     halves = round((value or 0) / MOST * height * 2)
-    look = _tone(board, "run" if control.label else "muted")
+    look = _look(board, "run" if control.label else "muted")
     number, way = _figures(board, control, glyphs)
     rows: list[Row] = []
     for line in range(height):
@@ -210,14 +212,16 @@ def _slider(board: Board, control: Control, glyphs: Glyphs) -> list[Row]:
 # -- in words -------------------------------------------------------------------------------------
 
 
-def _told(board: Board, controls: Sequence[Control], frame: PaintFrame) -> list[Row]:
+def _button_text(
+    board: PanelState, controls: Sequence[PanelControl], frame: PaintFrame
+) -> list[Row]:
     """Buttons that had no room in the picture: those that do something."""
     glyphs = frame.glyphs
     row: Row = ()
     for control in controls:
         if control.label:
             lit = control.name in board.knobs.lit or (board.value(control) or 0) > 0
-            look = _tone(board, "run" if lit else "muted")
+            look = _look(board, "run" if lit else "muted")
             sign = glyphs.yes if lit else glyphs.no
             words = clean(control.label)
             name = "" if words == control.name else f"{clean(control.name)} "
@@ -225,11 +229,11 @@ def _told(board: Board, controls: Sequence[Control], frame: PaintFrame) -> list[
     return [row] if row else []
 
 
-def _foot(board: Board, frame: PaintFrame) -> list[Row]:
-    return [(), _moved(board, frame.glyphs), *_advice(board, frame)]
+def _foot(board: PanelState, frame: PaintFrame) -> list[Row]:
+    return [(), _last_moved(board, frame.glyphs), *_advice(board, frame)]
 
 
-def _moved(board: Board, glyphs: Glyphs) -> Row:
+def _last_moved(board: PanelState, glyphs: Glyphs) -> Row:
     """What was touched last, in full."""
     last = next(reversed(board.knobs.values), "")
     found = next((one for one in board.outline.controls if one.name == last), None)
@@ -243,11 +247,11 @@ def _moved(board: Board, glyphs: Glyphs) -> Row:
         (f"{does}: {board.value(found)} of {MOST}", "plain"),
     )
     if board.waits(found):
-        row += ((f"  {glyphs.warning} {_order(board, found)}", "warn"),)
+        row += ((f"  {glyphs.warning} {_takeover_text(board, found)}", "warn"),)
     return row
 
 
-def _order(board: Board, control: Control) -> str:
+def _takeover_text(board: PanelState, control: PanelControl) -> str:
     target, value = board.knobs.targets.get(control.name), board.value(control)
     if target is None or value is None:
         return "waits until it has passed the robot's value"
@@ -256,7 +260,7 @@ def _order(board: Board, control: Control) -> str:
     return f"waits: {verb} {turned[0] if target > value else turned[1]} to {target}"
 
 
-def _advice(board: Board, frame: PaintFrame) -> list[Row]:
+def _advice(board: PanelState, frame: PaintFrame) -> list[Row]:
     waiting = [one for one in board.outline.controls if board.waits(one)]
     if waiting and not board.old:
         names = ", ".join(clean(one.label or one.name) for one in waiting)

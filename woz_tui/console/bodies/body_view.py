@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from woz_tui.console.bodies.body_outlines import BodyOutline, bodies
+from woz_tui.console.bodies.driver_outlines import BodyOutline, body_outlines
 from woz_tui.console.bodies.link_views import Pose
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Glyphs
@@ -15,7 +15,7 @@ from woz_tui.protocol import messages as m
 
 
 @dataclass(frozen=True, slots=True)
-class SeenBody:
+class BodyView:
     """A body as it is shown: `old` says how old that is, and is empty as long as it is new."""
 
     outline: BodyOutline
@@ -32,16 +32,18 @@ class SeenBody:
         return next((self.values[name] for name in names if name in self.values), None)
 
 
-def seen_bodies(picture: ConsoleState, now: int, glyphs: Glyphs) -> list[SeenBody]:
+def body_views(picture: ConsoleState, now: int, glyphs: Glyphs) -> list[BodyView]:
     """Every body of the session, in the robot file's order."""
-    return [_seen(picture, outline, now, glyphs) for outline in bodies(picture.outlines)]
+    return [
+        _body_view(picture, outline, now, glyphs) for outline in body_outlines(picture.outlines)
+    ]
 
 
-def _seen(picture: ConsoleState, outline: BodyOutline, now: int, glyphs: Glyphs) -> SeenBody:
+def _body_view(picture: ConsoleState, outline: BodyOutline, now: int, glyphs: Glyphs) -> BodyView:
     driver = outline.driver
     session = picture.session
     body, mode = session.bodies.get(driver), session.modes.get(driver)
-    values = dict(_flat(body.values if body is not None else {}))
+    values = dict(_flattened(body.values if body is not None else {}))
     reached = _sensors(picture, outline, "joint")
     wanted = _sensors(picture, outline, "setpoint")
     newest = max((sensor.t for sensor in (*reached.values(), *wanted.values())), default=None)
@@ -55,10 +57,10 @@ def _seen(picture: ConsoleState, outline: BodyOutline, now: int, glyphs: Glyphs)
     old = ""
     if stale:
         old = f"{glyphs.stale}{age(now - since)} old" if since is not None else "lost"
-    return SeenBody(
+    return BodyView(
         outline,
         session.faces.get(driver),
-        Pose(_placed(outline, reached), _placed(outline, wanted), stale=bool(old)),
+        Pose(_joint_angles(outline, reached), _joint_angles(outline, wanted), stale=bool(old)),
         values,
         (mode.now if mode is not None else "") or str(values.get("mode") or "normal"),
         old,
@@ -83,7 +85,9 @@ def _sensors(picture: ConsoleState, outline: BodyOutline, kind: str) -> dict[str
     return found
 
 
-def _placed(outline: BodyOutline, sensors: Mapping[str, SensorView]) -> dict[str, float] | None:
+def _joint_angles(
+    outline: BodyOutline, sensors: Mapping[str, SensorView]
+) -> dict[str, float] | None:
     """Degrees by joint; a joint that nobody speaks of stands at home. None: nobody says any."""
     known = {joint: one.value for joint, one in sensors.items() if one.value is not None}
     if not known:
@@ -91,10 +95,10 @@ def _placed(outline: BodyOutline, sensors: Mapping[str, SensorView]) -> dict[str
     return {joint: known.get(joint, home) for joint, home in outline.home.items()}
 
 
-def _flat(values: Mapping[str, m.Json]) -> Iterator[tuple[str, m.Json]]:
+def _flattened(values: Mapping[str, m.Json]) -> Iterator[tuple[str, m.Json]]:
     """Values within values side by side."""
     for name, value in values.items():
         if isinstance(value, dict):
-            yield from _flat(value)
+            yield from _flattened(value)
         else:
             yield name, value

@@ -25,7 +25,7 @@ def question(environment: Mapping[str, str]) -> str:
     return kitty.QUESTION if direct and environment.get("TERM", "") in PLACEHOLDERS else ""
 
 
-class Side:
+class PictureTerminal:
     """One terminal, from the side of whoever sends pictures. Used in the screen's thread.
 
     Args:

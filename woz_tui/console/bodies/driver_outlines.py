@@ -42,7 +42,7 @@ class BodyOutline:
 
 
 @dataclass(frozen=True, slots=True)
-class Control:
+class PanelControl:
     """A control of a panel; `column` and `row` count from the upper left. `label`: what it does."""
 
     name: str
@@ -58,7 +58,7 @@ class PanelOutline:
 
     driver: str
     name: str
-    controls: tuple[Control, ...]
+    controls: tuple[PanelControl, ...]
 
 
 Outline = BodyOutline | PanelOutline
@@ -112,11 +112,11 @@ def _panel(driver: str, told: Mapping[str, Json]) -> PanelOutline | None:
     return PanelOutline(driver, str(told.get("name", driver)), found) if found else None
 
 
-def _control(told: Mapping[str, Json]) -> Control | None:
+def _control(told: Mapping[str, Json]) -> PanelControl | None:
     match told:
         case {"name": str() as name, "kind": str() as kind, "column": int() as column,
               "row": int() as row}:  # fmt: skip
-            return Control(name, kind, column, row, str(told.get("label") or ""))
+            return PanelControl(name, kind, column, row, str(told.get("label") or ""))
     return None
 
 
@@ -129,11 +129,11 @@ def _number(value: object, instead: float) -> float:
 _READERS = {"body": _body, "panel": _panel}
 
 
-def bodies(outlines: Mapping[str, Outline]) -> list[BodyOutline]:
+def body_outlines(outlines: Mapping[str, Outline]) -> list[BodyOutline]:
     """The bodies among them."""
     return [outline for outline in outlines.values() if isinstance(outline, BodyOutline)]
 
 
-def boards(outlines: Mapping[str, Outline]) -> list[PanelOutline]:
+def panel_outlines(outlines: Mapping[str, Outline]) -> list[PanelOutline]:
     """The panels among them."""
     return [outline for outline in outlines.values() if isinstance(outline, PanelOutline)]

@@ -31,8 +31,7 @@ import msgspec
 from benchmarks.figures import Spread, machine, table, verdict
 from woz_tui.log.log_files import files_of
 from woz_tui.log.log_index import LogIndex
-from woz_tui.log.log_reader import read
-from woz_tui.log.message_stream import messages
+from woz_tui.log.log_reader import messages, read
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 

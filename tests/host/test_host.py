@@ -10,7 +10,7 @@ import pytest
 from tests.host.rig import Peer, served
 from tests.session.rig import Puppet
 from woz_tui.config.experiment import SessionSettings
-from woz_tui.host.panel_views import joint_limits
+from woz_tui.host.experiment_view import ExperimentView, joint_limits
 from woz_tui.host.session_sockets import SessionSocketError, bind
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
@@ -287,7 +287,7 @@ async def test_two_robots_joints_of_one_name_keep_their_limits_apart(tmp_path: P
         drivers = [replace(pan, name=f"{robot}.head") for robot in ("left", "right")]
         session.experiment = replace(session.experiment, drivers=tuple(drivers))
         span = (-90.0, 60.0)
-        assert joint_limits(session) == {"left.pan": span, "right.pan": span}
+        assert joint_limits(ExperimentView.of(session)) == {"left.pan": span, "right.pan": span}
 
 
 class Shapeless(Puppet):

@@ -14,9 +14,7 @@ from PIL import Image
 
 from tests.console.camera.filmed import Pixels, room
 from tests.console.camera.sixel_reader import read_sixel
-from woz_tui.host.colour_palette import quantised
-from woz_tui.host.picture_scaling import encoded, fitting, png, scaled
-from woz_tui.host.sixel import sixels
+from woz_tui.host.picture_encoding import encoded, fitting, png, quantised, scaled, sixels
 from woz_tui.protocol.camera_pictures import Picture
 
 sides = st.integers(1, 25)

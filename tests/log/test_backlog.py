@@ -3,8 +3,8 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.log.log_health import ALARM_US, CALM_US, LEVELS, LogHealth, level_of, worse
-from woz_tui.log.unsynced_lines import UnsyncedLines
+from woz_tui.log.log_segment import UnsyncedLines
+from woz_tui.log.recorder import ALARM_US, CALM_US, LEVELS, LogHealth, level_of, worse
 
 STEPS = st.lists(
     st.one_of(

@@ -14,8 +14,7 @@ from tests.log.story import GOLDEN
 from tests.log.test_golden import VERSIONS
 from tests.log.wounds import LINES, note, sample, written
 from woz_tui.log.log_index import LogIndex
-from woz_tui.log.log_reader import Damage, read
-from woz_tui.log.message_stream import messages
+from woz_tui.log.log_reader import Damage, messages, read
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import SCHEMA

@@ -15,8 +15,7 @@ from tests.log.bench import STEM, Bench, bench
 from tests.log.test_golden import VERSIONS, first
 from tests.log.wounds import ACTIONS, LINES, SAMPLES, note, sample, shown, written
 from woz_tui.log.log_index import LogIndex
-from woz_tui.log.log_reader import Damage
-from woz_tui.log.message_stream import LogItem, messages
+from woz_tui.log.log_reader import Damage, LogItem, messages
 from woz_tui.log.sample_blocks import SampleState, in_steady_series
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m

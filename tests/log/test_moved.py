@@ -12,8 +12,7 @@ import pytest
 from tests.log.bench import STEM, Bench, bench, until
 from woz_tui.log.log_files import NO_END, files_of
 from woz_tui.log.log_index import LogIndex
-from woz_tui.log.log_reader import Damage, read
-from woz_tui.log.message_stream import messages
+from woz_tui.log.log_reader import Damage, messages, read
 from woz_tui.log.verify import verify
 from woz_tui.protocol import messages as m
 

@@ -28,8 +28,7 @@ from tests.log.wounds import (
 )
 from woz_tui.log.line_reader import KINDS
 from woz_tui.log.log_index import LogIndex
-from woz_tui.log.log_reader import Damage, LogLine, read
-from woz_tui.log.message_stream import LogItem, messages
+from woz_tui.log.log_reader import Damage, LogItem, LogLine, messages, read
 from woz_tui.log.sample_blocks import SampleState
 from woz_tui.log.verify import verify
 from woz_tui.protocol import codec
@@ -138,7 +137,7 @@ def test_samples_that_are_not_wanted_are_not_opened(tmp_path: Path) -> None:
         import sys
         from pathlib import Path
         from woz_tui.log.log_reader import read
-        from woz_tui.log.message_stream import messages
+        from woz_tui.log.log_reader import messages
         opened = []
         sys.addaudithook(lambda what, args: opened.append(args[0]) if what == "open" else None)
         log = Path(sys.argv[1])

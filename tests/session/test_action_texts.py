@@ -22,7 +22,7 @@ from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.action_texts import variant
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.redactor import Redactor
-from woz_tui.session.study_settings import study_settings
+from woz_tui.session.session_plan import study_settings
 
 KEY = RequestOrigin("key", "h", "con1")
 HM = ("Hm.", "Let me think.", "Well, well.")

@@ -15,8 +15,7 @@ import pytest
 from tests.session.engaged import PLAIN, Room, guided, in_room
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.visitor_store import VisitorStore
-from woz_tui.session.known_visitors import KnownVisitors
-from woz_tui.session.visitor_store_worker import StoreJob
+from woz_tui.session.known_visitors import KnownVisitors, StoreJob
 
 TODAY = date(2026, 3, 2)
 

@@ -17,7 +17,7 @@ from woz_tui.config.repairs import INTERRUPT, LABELS, PANEL, REPEAT, REWORD
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.redactor import Redactor
-from woz_tui.session.study_settings import study_settings
+from woz_tui.session.session_plan import study_settings
 
 NAMES = (REPEAT, REWORD, INTERRUPT)
 MOVES = tuple(Action(name, LABELS[name], "", PANEL, (), HERE) for name in NAMES)

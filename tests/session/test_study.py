@@ -16,7 +16,7 @@ from woz_tui.protocol.welcome import PreflightCheck
 from woz_tui.session.action_runner import RequestOrigin
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.preflight import preflight
-from woz_tui.session.study_settings import study_snapshot
+from woz_tui.session.session_plan import study_snapshot
 
 KEY = RequestOrigin("key", "h", "con1")
 TRIALS = (m.ConditionsAssigned, m.TrialStarted, m.TrialEnded, m.BreakStarted, m.BreakEnded)

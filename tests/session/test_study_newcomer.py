@@ -14,7 +14,7 @@ from tests.session.studied import on_stage
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AskAnswer
 from woz_tui.session.participant_identity import RequestError
-from woz_tui.session.study_settings import study_snapshot
+from woz_tui.session.session_plan import study_snapshot
 from woz_tui.timeline.session_state import SessionState
 
 WHATS = ("begin", "done", "done", "begin", "aborted", "excluded", "break", "resume")

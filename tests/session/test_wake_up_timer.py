@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable
 
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.bus.hub import Hub
-from woz_tui.session.wake_up import WakeUpTimer
+from woz_tui.session.engagement_robot import WakeUpTimer
 
 SECOND = 1_000_000
 

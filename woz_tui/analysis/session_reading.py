@@ -12,8 +12,7 @@ from woz_tui.analysis.figure_counting import DEFAULTS, FigureOptions, figures_of
 from woz_tui.analysis.log_integrity import LineCount, integrity_of, with_verification
 from woz_tui.analysis.session_report import SessionReport
 from woz_tui.analysis.timeline_lanes import SensorCurves, drawing_of
-from woz_tui.log.log_reader import Damage, LogLine, files_of
-from woz_tui.log.message_stream import messages
+from woz_tui.log.log_reader import Damage, LogLine, files_of, messages
 from woz_tui.protocol.codec import is_sample
 from woz_tui.timeline.timeline import Timeline
 

@@ -14,9 +14,8 @@ from collections.abc import Callable, Coroutine, Iterable, Mapping
 
 import msgspec
 
-from woz_tui.bus.driver_calls import guarded
 from woz_tui.bus.hub import Hub
-from woz_tui.bus.lane import Lane, PendingCommand
+from woz_tui.bus.lane import Lane, PendingCommand, guarded
 from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import DeviceLostError, Performer, Scope, StopReport, Verb
 from woz_tui.drivers.secret_arguments import hidden

@@ -12,12 +12,12 @@ import contextlib
 import logging
 import math
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import msgspec
 
-from woz_tui.bus.driver_calls import guarded
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers.contract import DriverError, Performer, RejectedError, Verb
 from woz_tui.protocol import codec
@@ -36,6 +36,21 @@ from woz_tui.protocol.messages import (
     Superseded,
     TimedOut,
 )
+
+T = TypeVar("T")
+
+
+async def guarded(call: Callable[[], Awaitable[T]]) -> T:
+    """Await `call()`; whatever it raises stays inside the caller's task.
+
+    `SystemExit` and `KeyboardInterrupt` (a maker's library that calls `sys.exit`) would end the
+    robot process from inside a task, so they become ordinary failures too.
+    """
+    try:
+        return await call()
+    except (SystemExit, KeyboardInterrupt) as error:
+        raise DriverError(f"the driver raised {type(error).__name__}") from error
+
 
 #: How long a cancelled job may take to end before its lane counts as faulted, in seconds.
 GRACE_S = 0.25

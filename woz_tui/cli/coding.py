@@ -90,8 +90,7 @@ def _listed(found: Codings, *, as_json: bool) -> int:
 def _compared(arguments: argparse.Namespace, found: Codings) -> int:
     from woz_tui.analysis.coder_agreement import agreements, coded_spans  # noqa: PLC0415
     from woz_tui.cli.report_layout import report_page  # noqa: PLC0415
-    from woz_tui.log.log_reader import LogLine  # noqa: PLC0415
-    from woz_tui.log.message_stream import messages  # noqa: PLC0415
+    from woz_tui.log.log_reader import LogLine, messages  # noqa: PLC0415
     from woz_tui.timeline.timeline import timeline_of  # noqa: PLC0415
 
     one, other = arguments.coders

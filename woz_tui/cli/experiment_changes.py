@@ -13,7 +13,7 @@ from woz_tui.config.experiment import Experiment, ExperimentError
 from woz_tui.replay import experiment_origin
 from woz_tui.replay.experiment_origin import ExperimentOrigin
 from woz_tui.session.redactor import Redactor
-from woz_tui.session.study_settings import study_settings
+from woz_tui.session.session_plan import study_settings
 from woz_tui.system.text_cleaning import clean
 
 #: Lines of a difference that are shown at most; the rest is counted.

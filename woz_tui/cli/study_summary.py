@@ -10,7 +10,7 @@ from woz_tui.config.counterbalancing import Order, block_size, planned, rows
 from woz_tui.config.experiment import Experiment, Phase
 from woz_tui.config.study import Design, Questionnaire, Training
 from woz_tui.protocol.messages import Json
-from woz_tui.session.study_settings import study_settings
+from woz_tui.session.session_plan import study_settings
 
 #: So many orders are listed; the rest is counted.
 _LISTED = 12

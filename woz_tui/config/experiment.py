@@ -31,6 +31,10 @@ class FilePosition:
         return f"{self.file}:{self.line}:{self.column}"
 
 
+#: Where what was not read from a file stands.
+NOWHERE = FilePosition("", 0, 0)
+
+
 @dataclass(frozen=True, slots=True)
 class Problem:
     """One error or warning in a file."""
@@ -101,7 +105,7 @@ class Call:
     verb: str
     args: Mapping[str, Json]
     driver: str
-    place: FilePosition
+    place: FilePosition = NOWHERE
     tells: tuple[str, ...] = ()
     unfilled: Mapping[str, Json] = field(default_factory=dict)
     choices: Mapping[str, TextVariants] = field(default_factory=dict)

@@ -16,8 +16,7 @@ from woz_tui.export.redaction import redacted
 from woz_tui.export.safe_names import letters
 from woz_tui.log.coding_file import CodingError, Codings, coding_path, read_codings
 from woz_tui.log.file_names import FileName
-from woz_tui.log.log_reader import Damage, LogFiles, LogLine, files_of, merge
-from woz_tui.log.message_stream import batches
+from woz_tui.log.log_reader import Damage, LogFiles, LogLine, batches, files_of, merge
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import Reading
 

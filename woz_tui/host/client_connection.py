@@ -8,14 +8,15 @@ from __future__ import annotations
 import asyncio
 import os
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
+from typing import Any
 
 import msgspec
 
 from woz_tui.bus.hub import Hub, Subscription
-from woz_tui.host.role_view import RoleView
 from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import (
     AnyRequest,
     AskAnswer,
@@ -33,7 +34,50 @@ from woz_tui.protocol.requests import (
     Hello,
     Reply,
 )
+from woz_tui.session.recent_messages import RecentMessages
+from woz_tui.session.redactor import Redactor
 from woz_tui.system.clock import Standstill
+
+
+class RoleView:
+    """What a role sees of a session, as it goes on.
+
+    Args:
+        redactor: Decides it.
+        before: The messages from which it knows what holds, and the last ones of the log.
+    """
+
+    def __init__(
+        self, redactor: Redactor, before: Iterable[m.Message], recent: Iterable[m.Message]
+    ) -> None:
+        self.redactor = redactor
+        self._recent = RecentMessages()
+        self._last: tuple[m.Message | None, m.Message | None] = None, None
+        for message in before:
+            redactor.take(message)
+        for message in recent:
+            self._list(redactor.message(message))
+
+    def see(self, message: m.Message) -> m.Message | None:
+        """What may be had of `message`."""
+        if self._last[0] is not message:
+            self._last = message, self.redactor.message(message)
+        return self._last[1]
+
+    def hear(self, message: m.AnyMessage) -> None:
+        """`message` has been published."""
+        self._list(self.see(message))
+        self.redactor.take(message)
+
+    @property
+    def recent(self) -> list[m.AnyMessage]:
+        """The last lines as they were seen."""
+        return self._recent.lines
+
+    def _list(self, message: Any) -> None:
+        if message is not None:
+            self._recent.take(message)
+
 
 #: Lines that may wait for a client that does not read; then its samples are dropped.
 CAPACITY = 4096

@@ -2,29 +2,115 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 
 import msgspec
 
-from woz_tui.config.experiment import Experiment, Profile
+from woz_tui.config.experiment import Action, Experiment, Profile
+from woz_tui.config.profiles import FIELDS
+from woz_tui.config.sensor_names import published_names
 from woz_tui.drivers.contract import Driver
-from woz_tui.host.panel_views import (
-    action_view,
-    allowances,
-    engagement_limits,
-    joint_limits,
-    outlines,
-    panel_views,
-    phase_views,
-    verb_names,
-)
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.welcome import StudySettings, WelcomeSettings
+from woz_tui.protocol.messages import Json
+from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
+from woz_tui.protocol.welcome import Allowance, ModelLimits, StudySettings, WelcomeSettings
 from woz_tui.session.session import Session
+from woz_tui.session.session_plan import study_settings, study_snapshot
 from woz_tui.session.session_start import without_home
-from woz_tui.session.study_settings import study_settings, study_snapshot
+
+log = logging.getLogger(__name__)
+
+
+def panel_views(
+    experiment: Experiment, locked: Mapping[str, bool], profile: Profile | None = None
+) -> list[PanelView]:
+    """All panels with their actions, in the file's order.
+
+    What `profile` does not allow is locked, or left out where it says `hide`.
+    """
+    views = [
+        PanelView(
+            title=panel.title,
+            actions=[
+                action_view(action, profile)
+                for action in panel.actions
+                if profile is None or not profile.hide or profile.plays(action)
+            ],
+            locked=locked.get(panel.title, panel.locked)
+            or (profile is not None and not any(map(profile.plays, panel.actions))),
+            covers=list(panel.covers),
+        )
+        for panel in experiment.panels
+    ]
+    return [view for view in views if view.actions or not (profile and profile.hide)]
+
+
+def action_view(action: Action, profile: Profile | None) -> ActionView:
+    """One action, locked where the profile does not allow it."""
+    calls = action.calls
+    return ActionView(
+        name=action.name,
+        label=action.label,
+        key=action.key,
+        help=action.help,
+        verbs=list(dict.fromkeys(call.verb for call in calls)),
+        utterances=[
+            text for call in calls if isinstance(text := call.args.get("text"), str) and text
+        ],
+        locked=action.locked or (profile is not None and not profile.plays(action)),
+        then=[*action.then],
+    )
+
+
+def _allowance(profile: Profile) -> Allowance:
+    """What a profile names; `hide` where it does not show the rest."""
+    named = {field: sorted(getattr(profile, field)) for field in FIELDS if field != "hide"}
+    return Allowance(**named, hide=profile.hide)
+
+
+def engagement_limits(experiment: Experiment) -> ModelLimits:
+    """What limits the engagement model in time; nothing in a session without one."""
+    if experiment.engagement is None:
+        return ModelLimits()
+    settings = experiment.engagement.settings
+    handshake = settings.handshake
+    return ModelLimits(asdict(settings.timeouts), handshake.seconds, handshake.attempts)
+
+
+def joint_limits(shown: ExperimentView) -> dict[str, tuple[float, float]]:
+    """Lowest and highest angle of each joint in degrees, as far as its driver's class tells.
+
+    Named as its sensor is published, without `joint.`: `left.pan` for `left.joint.pan`.
+    """
+    limits: dict[str, tuple[float, float]] = {}
+    published = published_names(shown.experiment.drivers)
+    for spec in shown.experiment.drivers:
+        joints = shown.catalogue[spec.type].joints(spec.settings)
+        for name, span in (joints or {}).items():
+            if span.low is not None and span.high is not None:
+                sensor = published[spec.name].get(f"joint.{name}", name)
+                limits[sensor.replace("joint.", "", 1)] = float(span.low), float(span.high)
+    return limits
+
+
+def driver_outlines(shown: ExperimentView) -> dict[str, Json]:
+    """What drivers look like, by name, as far as their classes tell: `outline(settings)`.
+
+    A body's outline has the `kind` body, its `joints` from the base up and its `face`; a control
+    panel's has the `kind` panel and its `controls`.
+    """
+    found: dict[str, Json] = {}
+    for spec in shown.experiment.drivers:
+        try:
+            outline = shown.catalogue[spec.type].outline(spec.settings)
+            if outline:
+                found[spec.name] = outline
+        except Exception:  # a stranger's code must not keep the wizard from attaching
+            log.exception("the outline of %s is left out", spec.name)
+    return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +146,7 @@ def plan_of(shown: ExperimentView) -> m.SessionPlan:
         title=experiment.title,
         panels=panel_views(experiment, shown.locked, shown.profile),
         script=list(experiment.script),
-        verbs=verb_names(experiment),
+        verbs={spec.name: [verb.name for verb in spec.verbs] for spec in experiment.drivers},
         variables=sorted(shown.values),
         conditions=list(experiment.conditions),
         keyboard=experiment.keyboard,
@@ -70,7 +156,7 @@ def plan_of(shown: ExperimentView) -> m.SessionPlan:
             dead_man=experiment.session.dead_man,
             participant_pattern=experiment.participant_pattern,
             joints=joint_limits(shown),
-            outlines=outlines(shown),
+            outlines=driver_outlines(shown),
             values=dict(shown.values),
             steps=asdict(experiment.steps),
             lanes={
@@ -80,9 +166,9 @@ def plan_of(shown: ExperimentView) -> m.SessionPlan:
             repairs=[action_view(action, None) for action in experiment.repairs],
             profiles=[*experiment.profiles],
             profile=shown.profile.name if shown.profile is not None else "",
-            allows=allowances(experiment),
+            allows={name: _allowance(profile) for name, profile in experiment.profiles.items()},
             engagement=engagement_limits(experiment),
-            phases=phase_views(experiment),
+            phases=msgspec.convert(experiment.phases, list[PhaseView], from_attributes=True),
             sensors=[*experiment.sensors],
             study=shown.study or study_settings(experiment),
         ),
@@ -96,6 +182,6 @@ def plan_for_log(shown: ExperimentView) -> m.SessionPlan:
     plan = plan_of(shown)
     own = {name: text for name, text in shown.values.items() if name in shown.experiment.variables}
     settings = msgspec.structs.replace(plan.settings, values=own)
-    told = msgspec.structs.replace(plan, settings=settings)
-    line = without_home(codec.encode(told).decode())
+    logged = msgspec.structs.replace(plan, settings=settings)
+    line = without_home(codec.encode(logged).decode())
     return msgspec.json.decode(line, type=m.SessionPlan)

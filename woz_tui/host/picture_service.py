@@ -141,6 +141,6 @@ class PictureService:
 
 
 def _drawn(picture: Picture, request: AskPicture) -> tuple[int, int, str]:
-    from woz_tui.host.picture_scaling import encoded  # noqa: PLC0415 - loads numpy
+    from woz_tui.host.picture_encoding import encoded  # noqa: PLC0415 - loads numpy
 
     return encoded(picture, request.width, request.height, request.format)

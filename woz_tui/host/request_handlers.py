@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 import msgspec
 from msgspec.structs import replace
 
-from woz_tui.config.experiment import Call, Experiment, ExperimentError, FilePosition
+from woz_tui.config.experiment import Call, Experiment, ExperimentError
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.contract import Finding
 from woz_tui.host.client_connection import ClientConnection
@@ -64,7 +64,6 @@ PARTICIPANT_MAY = (AskQuestionnaire, AskAnswer)
 Slow = AskReload | AskKeepTyped | AskPreflight | AskProposal
 #: So many of one kind may wait for each client, while the one before is worked on.
 SLOW_WAITING = 16
-_NOWHERE = FilePosition("", 0, 0)
 
 
 class RequestHandlers:
@@ -229,7 +228,7 @@ class RequestHandlers:
         # First of all: a sentence about a variable would quote what stands between braces.
         args = self._session.bus.hidden(request.verb, request.args)
         texts = {name: text for name, text in args.items() if isinstance(text, str)}
-        call = Call(request.verb, texts, request.on, _NOWHERE)
+        call = Call(request.verb, texts, request.on)
         if not stale:
             try:
                 call = filled_call(call, self._session.values())

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from woz_tui.bus.bus import STOP_WAIT_S
-from woz_tui.config.experiment import Call, Experiment, FilePosition
+from woz_tui.config.experiment import Call, Experiment
 from woz_tui.host.server import SessionServer
 from woz_tui.protocol import messages as m
 from woz_tui.replay.rerun_plan import REPLAY, RerunPlan, plan_of
@@ -29,7 +29,6 @@ WARNING_US = 3_000_000
 SESSION_END = "the re-run is over"
 #: Begins the reason of a re-run of which nothing was sent.
 NOT_BEGUN = "not begun: "
-_NOWHERE = FilePosition("", 0, 0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,7 +160,7 @@ class RerunSession:
         """As it was asked for then. It waits for a lane that is still busy, whatever it did then:
         that it took another one's place is in the log as that one's end.
         """
-        call = Call(command.verb, dict(command.args), command.driver, _NOWHERE)
+        call = Call(command.verb, dict(command.args), command.driver)
         return self._session.runner.send(
             call, RequestOrigin(REPLAY), "queue", None, on_end, like=command
         )

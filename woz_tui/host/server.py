@@ -13,10 +13,9 @@ import msgspec
 
 from woz_tui.config.experiment import Experiment
 from woz_tui.host import session_sockets
-from woz_tui.host.client_connection import LINGER_S, ClientConnection, RequestScheduler
+from woz_tui.host.client_connection import LINGER_S, ClientConnection, RequestScheduler, RoleView
 from woz_tui.host.experiment_view import ExperimentView, plan_for_log, plan_of
 from woz_tui.host.request_handlers import RequestHandlers
-from woz_tui.host.role_view import RoleView
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import (
@@ -33,8 +32,7 @@ from woz_tui.protocol.requests import (
 from woz_tui.session.questionnaire_control import PARTICIPANT
 from woz_tui.session.redactor import ParticipantRedactor, Redactor, redactor_for
 from woz_tui.session.session import Session
-from woz_tui.session.session_plan import panels_changed, welcome
-from woz_tui.session.study_settings import study_settings
+from woz_tui.session.session_plan import panels_changed, study_settings, welcome
 from woz_tui.system.clock import boot_id
 
 PULSE_S = 1.0

@@ -8,6 +8,7 @@ are written again from memory, and readers drop the repetition.
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import threading
 import time
@@ -21,11 +22,10 @@ from woz_tui.log.file_names import (
     FileName,
     fallback_folders,
     from_folder,
+    session_code,
     unique_paths,
     without_home,
 )
-from woz_tui.log.file_series import FileSeries
-from woz_tui.log.log_health import LogHealth, state_of
 from woz_tui.log.log_segment import (
     ACTIONS,
     SAMPLES,
@@ -33,12 +33,224 @@ from woz_tui.log.log_segment import (
     Defer,
     LogFile,
     OpenSegment,
+    UnsyncedLines,
     at_once,
 )
-from woz_tui.log.unsynced_lines import UnsyncedLines
 from woz_tui.protocol import codec
-from woz_tui.protocol.messages import AnyMessage, RecorderState
-from woz_tui.system.clock import Clock
+from woz_tui.protocol.messages import AnyMessage, RecorderState, Segment
+from woz_tui.system.clock import Clock, timestamp
+
+WARN_US = 250_000
+ALARM_US = 1_000_000
+#: A level falls only after it has not been needed for this long.
+CALM_US = 1_000_000
+#: Reports without a change: this often while something is wrong, and while all is well.
+REPEAT_US = 1_000_000
+REPEAT_OK_US = 10_000_000
+
+LEVELS = ("ok", "warn", "alarm", "failed")
+
+
+def level_of(lag_us: int) -> str:
+    """The level that a lag alone deserves."""
+    if lag_us >= ALARM_US:
+        return "alarm"
+    return "warn" if lag_us >= WARN_US else "ok"
+
+
+def worse(one: str, other: str) -> str:
+    """The worse of two levels."""
+    return max(one, other, key=LEVELS.index)
+
+
+class LogHealth:
+    """Turns measured lags into a level, and says when it is time to report.
+
+    `peak_us` is the worst lag since the last report.
+    """
+
+    def __init__(self) -> None:
+        self.level = "ok"
+        self.peak_us = 0
+        self._needed_us = 0
+        self._reported_us: int | None = None
+        self._moved = True
+
+    def measure(self, now_us: int, lag_us: int, floor: str) -> None:
+        """Take in the worst lag since the last call; `floor` is the level demanded at least."""
+        self.peak_us = max(self.peak_us, lag_us)
+        wanted = worse(floor, level_of(lag_us))
+        if worse(wanted, self.level) == wanted:
+            self._needed_us = now_us
+        elif now_us - self._needed_us < CALM_US:
+            return
+        self._moved = self._moved or wanted != self.level
+        self.level = wanted
+
+    def insist(self) -> None:
+        """Something other than the level has changed: the next report is due at once."""
+        self._moved = True
+
+    def due(self, now_us: int, news: bool) -> bool:
+        """Whether to report now; `news`: lines came in since the last report."""
+        if self._moved or self._reported_us is None:
+            return True
+        since = now_us - self._reported_us
+        return since >= REPEAT_US if self.level != "ok" else news and since >= REPEAT_OK_US
+
+    def reported(self, now_us: int) -> None:
+        """A report went out."""
+        self._reported_us = now_us
+        self._moved = False
+        self.peak_us = 0
+
+
+def state_of(
+    gauge: LogHealth,
+    *,
+    path: str,
+    broken: str,
+    failed: str,
+    left: str,
+    samples: bool,
+    uncopied: str,
+    lost: tuple[int, int],
+) -> RecorderState:
+    """How the log is: in figures, and in words what is wrong with it and what to do about that.
+
+    Args:
+        gauge: Level and lag.
+        path: Where the log goes now.
+        broken: What has just gone wrong with its file; empty if nothing has.
+        failed: Why no folder takes it; empty while one does.
+        left: Why an earlier file was left; empty if none was.
+        samples: Whether there is a file for samples.
+        uncopied: Which deleted file could not be copied.
+        lost: Lines and samples that no file holds.
+    """
+    parts, remedy = [], ""
+    if failed:
+        parts.append(f"the log cannot be written to any folder ({failed}); it is kept in memory")
+        remedy = "free space, or connect the disk again; the log is then written"
+    elif broken:
+        parts.append(f"{broken}; searching for another folder")
+    elif left:
+        parts.append(f"{left}; the log goes on in {path}")
+        remedy = "after the session, put all files of this log into one folder"
+    elif gauge.level != "ok":
+        parts.append("the disk is slow")
+        remedy = "stop other programs that write to this disk"
+    if not samples and not failed:
+        parts.append("there is no space for samples")
+        remedy = remedy or "free space; samples are written again as soon as there is room"
+    if uncopied:
+        parts.append(uncopied)
+    parts.extend(f"{count} {what} lost" for count, what in zip(lost, _WHAT, strict=True) if count)
+    return RecorderState(
+        level=gauge.level,
+        lag_us=gauge.peak_us,
+        path=path,
+        detail="; ".join(parts),
+        remedy=remedy,
+    )
+
+
+_WHAT = ("lines are", "samples are")
+
+
+_MOST_NAMES = 10_000
+
+
+class FileSeries:
+    """Gives out names, each once. `places` are the folders in the order of preference."""
+
+    def __init__(self, places: list[Path], stem: str, clock: Clock) -> None:
+        self.places = places
+        self._wanted = self._stem = stem
+        self._clock = clock
+        self._zero_us: int | None = None
+        self._number = 1
+        self._copies = 1
+
+    def tie(self, now_us: int, t: int) -> None:
+        """Learn where the session's `t` axis begins, from the first line that comes in."""
+        if self._zero_us is None:
+            self._zero_us = now_us - max(t, 0)
+
+    def first_path(self, samples: bool) -> Path:
+        """Where the session's first file belongs."""
+        return self.places[0] / str(FileName(self._stem, 1, samples))
+
+    def order(self, left: Path | None) -> list[Path]:
+        """All places, the one that is being left last."""
+        if left is None:
+            return self.places
+        return [place for place in self.places if place != left] + [left]
+
+    def create(self, folder: Path, make: Callable[[FileName], OpenSegment]) -> OpenSegment:
+        """New files in `folder` under the next name that is free there. Raises `OSError`."""
+        for _ in range(_MOST_NAMES):
+            try:
+                new = make(FileName(self._stem, self._number))
+            except FileExistsError:
+                self._skip()
+                continue
+            if not new.samples_path.exists():
+                return new
+            new.discard()
+            self._skip()
+        raise FileExistsError(errno.EEXIST, "all file names are in use", str(folder))
+
+    def _skip(self) -> None:
+        """A name is taken: a session that has not begun takes another stem, a running one the
+        next number.
+        """
+        if self._number > 1:
+            self._number += 1
+            return
+        self._copies += 1
+        self._stem = f"{self._wanted}-{self._copies}"
+
+    def used(self) -> None:
+        """The last name is taken for good."""
+        self._number += 1
+
+    def claim(self, samples: bool) -> FileName:
+        """A name for a file that stands alone, such as the copy of a deleted one."""
+        self.used()
+        return FileName(self._stem, self._number - 1, samples)
+
+    def header(
+        self,
+        path: Path,
+        number: int,
+        *,
+        reason: str = "",
+        previous: Path | None = None,
+        copied: bool = False,
+        next_file: Path | None = None,
+        lost: tuple[int, int] = (0, 0),
+    ) -> bytes:
+        """The line with which the file `path` begins, or with `next_file` the one with which it
+        ends; `lost` counts actions and samples.
+        """
+        now_us = self._clock.now_us()
+        return codec.encode(
+            Segment(
+                t=-1 if self._zero_us is None else now_us - self._zero_us,
+                ts=timestamp(self._clock.wall()),
+                log=self._stem,
+                session=session_code(self._stem),
+                number=number,
+                previous=from_folder(previous, path.parent) if previous else "",
+                copied=copied,
+                next_file=without_home(next_file) if next_file else "",
+                reason=reason,
+                dropped=lost[0],
+                dropped_samples=lost[1],
+            )
+        )
+
 
 #: Lines kept for writing again, or for when no place takes them: actions, samples (bytes).
 MEMORY = (32 << 20, 8 << 20)

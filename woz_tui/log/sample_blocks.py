@@ -17,7 +17,7 @@ import msgspec
 
 from woz_tui.log.damage import Damage
 from woz_tui.log.line_reader import LineChunk
-from woz_tui.log.message_stream import LogItem, items_in
+from woz_tui.log.log_reader import LogItem, items_in
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import EngagementShown, Reading
 

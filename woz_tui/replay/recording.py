@@ -32,7 +32,7 @@ from woz_tui.replay.legacy_plan import plan_from
 from woz_tui.replay.study_snapshot import revealed
 from woz_tui.session.recent_messages import MOST, RecentMessages
 from woz_tui.session.redactor import CoderRedactor, PerceptionLimits, Redactor, mark_legacy
-from woz_tui.session.study_settings import study_snapshot
+from woz_tui.session.session_plan import study_snapshot
 from woz_tui.timeline.episodes import EngagementEpisode
 from woz_tui.timeline.session_state import SessionState
 

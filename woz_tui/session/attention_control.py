@@ -10,18 +10,16 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from woz_tui.config.engagement import EngagementSettings
-from woz_tui.config.experiment import Call, DriverSpec, Experiment, FilePosition
+from woz_tui.config.experiment import Call, DriverSpec, Experiment
 from woz_tui.config.sensor_names import published_names
 from woz_tui.drivers.contract import Verb
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.attention import Attention, GazeDirection, LookBack, Order, Stimulus
 from woz_tui.sensing.engagement_stream import EngagementFollower
 from woz_tui.sensing.state_machine import ENGAGED
-from woz_tui.session.engagement_robot import ORIGIN, EngagementRobot
-from woz_tui.session.wake_up import WakeUpTimer
+from woz_tui.session.engagement_robot import ORIGIN, EngagementRobot, WakeUpTimer
 
 GAZE, DIRECTION = "gaze", "direction"
-_NOWHERE = FilePosition("", 0, 0)
 
 
 class AttentionController:
@@ -120,7 +118,7 @@ class AttentionController:
         spec, verb = self._head
         known = {argument.name for argument in verb.arguments}
         fitting = {name: _within(verb, name, args[name]) for name in args if name in known}
-        self._robot.send(Call(GAZE, fitting, spec.name, _NOWHERE))
+        self._robot.send(Call(GAZE, fitting, spec.name))
 
     def _ring(self) -> None:
         self._carry_out(self._attention.advance(self._now))

@@ -1,16 +1,60 @@
-"""The drivers of a session, called together: to open, to get ready, to rest, to close."""
+"""Makes the drivers of a session and calls them together: open, prepare, rest, close."""
 
 from __future__ import annotations
 
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable, Mapping
+from pathlib import Path
 from typing import Any
 
-from woz_tui.bus.driver_calls import guarded
 from woz_tui.bus.hub import Hub
+from woz_tui.bus.lane import guarded
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.sensor_names import published_names
 from woz_tui.drivers.contract import Driver, DriverError
+from woz_tui.drivers.feeds import Feeds
+from woz_tui.drivers.plugins import PluginError
 from woz_tui.protocol import messages as m
+from woz_tui.session.driver_context import DriverRequestHandler, SessionDriverContext
+from woz_tui.system.clock import Clock
+
+
+def make_drivers(
+    experiment: Experiment,
+    catalogue: Mapping[str, type[Driver]],
+    hub: Hub,
+    clock: Clock,
+    *,
+    feeds: Feeds,
+    asked: DriverRequestHandler,
+    media: Callable[[], Path],
+) -> dict[str, Driver]:
+    """Every driver by its name, each with a context of its own.
+
+    `asked` carries out what drivers ask for, `media` is the folder for sound and pictures. Raises
+    `PluginError` if one cannot be made.
+    """
+    names, drivers = published_names(experiment.drivers), dict[str, Driver]()
+    for spec in experiment.drivers:
+        context = SessionDriverContext(
+            spec.name,
+            hub,
+            clock,
+            experiment.path.parent,
+            names=names[spec.name],
+            feeds=feeds,
+            asked=asked,
+            media=media,
+        )
+        try:
+            drivers[spec.name] = catalogue[spec.type](spec.name, spec.settings, context)
+        except (Exception, SystemExit) as error:
+            raise PluginError(
+                f"the driver {spec.name!r} cannot be created: {type(error).__name__}: {error}"
+            ) from error
+    return drivers
+
 
 #: Seconds that drivers may take to open, and to rest and to close when the session ends.
 OPEN_WAIT_S = 3.0

@@ -27,10 +27,9 @@ from woz_tui.sensing import engagement_commands
 from woz_tui.sensing.engagement_model import Transition
 from woz_tui.sensing.engagement_stream import EngagementFollower
 from woz_tui.session.attention_control import AttentionController
-from woz_tui.session.engagement_robot import EngagementRobot
+from woz_tui.session.engagement_robot import EngagementRobot, WakeUpTimer
 from woz_tui.session.state_effects import StateEffects
 from woz_tui.session.visitor_recognition import VisitorRecognition
-from woz_tui.session.wake_up import WakeUpTimer
 from woz_tui.timeline.session_state import SessionState
 
 #: Microseconds between two looks at the signs, while no state changes.

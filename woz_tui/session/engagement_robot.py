@@ -1,7 +1,8 @@
-"""What the engagement model needs of a session: commands for the robot, and whether it may move."""
+"""What the engagement model uses of a session: robot commands, whether it may move, timers."""
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import date
@@ -13,6 +14,33 @@ from woz_tui.config.session_verbs import ENGAGEMENT
 from woz_tui.protocol import messages as m
 from woz_tui.session.action_runner import ActionRunner, RequestOrigin
 from woz_tui.session.action_texts import ActionTexts
+
+#: The least that it waits, in seconds: whoever is late is woken soon, and not without a pause.
+_SOON_S = 0.001
+
+
+class WakeUpTimer:
+    """Calls `ring` in the session's thread when the moment comes that was set last."""
+
+    def __init__(self, hub: Hub, ring: Callable[[], object]) -> None:
+        self._hub = hub
+        self._ring = ring
+        self._loop = asyncio.get_running_loop()
+        self._timer: asyncio.TimerHandle | None = None
+
+    def set(self, due: int | None) -> None:
+        """Ring at `due` microseconds, and at no other moment; None: not at all."""
+        self.cancel()
+        if due is not None:
+            seconds = max((due - self._hub.now()) / 1_000_000, _SOON_S)
+            self._timer = self._loop.call_later(seconds, self._ring)
+
+    def cancel(self) -> None:
+        """Do not ring."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
 
 #: Whose hand it is, in the log.
 ORIGIN = RequestOrigin(ENGAGEMENT)

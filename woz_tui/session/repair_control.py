@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
-from woz_tui.config.experiment import Action, Call, Experiment, FilePosition
+from woz_tui.config.experiment import Action, Call, Experiment
 from woz_tui.config.repairs import INTERRUPT, PANEL, REWORD
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_stream import SPEECH
@@ -13,8 +13,6 @@ from woz_tui.session.action_runner import ActionRunner, RequestOrigin
 from woz_tui.session.action_texts import ActionTexts, Steps
 from woz_tui.session.participant_identity import RequestError
 from woz_tui.timeline.episodes import CommandEpisode
-
-_NOWHERE = FilePosition("", 0, 0)
 
 
 @dataclass
@@ -69,7 +67,7 @@ class RepairController:
         last = self._last
         if last is None:
             return "nothing has been said yet"
-        call = Call(last.verb, dict(last.args), last.driver, _NOWHERE)
+        call = Call(last.verb, dict(last.args), last.driver)
         return [(replace(call, tells=last.tells, unfilled=dict(last.unfilled)),)]
 
     def _other_words(self) -> Steps | str:

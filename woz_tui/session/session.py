@@ -13,20 +13,18 @@ from typing import NoReturn
 
 from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
-from woz_tui.config.experiment import Action, Call, Experiment, FilePosition, Phase
+from woz_tui.config.experiment import Action, Call, Experiment, Phase
 from woz_tui.drivers.contract import Ask, Driver, Performer
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.log.file_names import media_folder
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.session.action_runner import ActionRunner, CommandRefusal, RequestOrigin
-from woz_tui.session.action_texts import ActionTexts
-from woz_tui.session.driver_factory import make_drivers
-from woz_tui.session.driver_manager import DriverManager
-from woz_tui.session.driver_requests import DriverRequests, OnCompletion
+from woz_tui.session.action_texts import ActionTexts, no_value, utterances
+from woz_tui.session.driver_context import DriverRequests, OnCompletion
+from woz_tui.session.driver_manager import DriverManager, make_drivers
 from woz_tui.session.engagement_control import EngagementController
 from woz_tui.session.engagement_robot import EngagementRobot
-from woz_tui.session.next_utterances import no_value, utterances
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.session.phase_control import PhaseController
 from woz_tui.session.profile_limits import ProfileLimits, is_by_hand, panel_refusal
@@ -366,7 +364,7 @@ class Session:
     def _call(self, verb: str, args: Mapping[str, m.Json], on: str) -> Call:
         if self.ended:
             raise RequestError("the session is ending")
-        return Call(verb, dict(args), self._driver_for(verb, on), FilePosition("", 0, 0))
+        return Call(verb, dict(args), self._driver_for(verb, on))
 
     def _asked(self, driver: str, ask: Ask, done: OnCompletion | None) -> None:
         """A driver asks for something; drivers are made before the session is whole."""

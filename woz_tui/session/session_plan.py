@@ -1,11 +1,63 @@
-"""From what a session shows (`session.plan`) to what its consoles are told."""
+"""What consoles get of a session: welcome and panels from its plan, and the study's settings.
+
+`docs/reference/protocol.md` has the keys.
+"""
 
 from __future__ import annotations
 
 from typing import Any
 
+import msgspec
+
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.study import Questionnaire
 from woz_tui.protocol import messages as m
+from woz_tui.protocol import welcome as s
 from woz_tui.protocol.requests import PANEL_SETTINGS, PROTOCOL, PanelsChanged, Welcome
+from woz_tui.timeline.study_history import StudyState
+
+
+def study_settings(experiment: Experiment) -> s.StudySettings:
+    """What the file says; what became of it is in the stream's messages."""
+    study = experiment.study
+    design, shaping = study.design, study.shaping
+    return s.StudySettings(
+        design=s.DesignView(design.order, design.within, design.trials) if design else None,
+        blind=dict(design.blind) if design else {},
+        questionnaires=[*map(questionnaire_view, study.questionnaires)],
+        preflight=[*map(s.PreflightCheck, study.preflight)],
+        perception=s.PerceptionView([*study.perception.hide], [*study.perception.blur]),
+        shaping=s.ShapingView(shaping.floor, shaping.jitter, [*shaping.cues]) if shaping else None,
+        words=experiment.words,
+        answers={cue: [*names] for cue, names in study.answers.items()},
+        by_condition={name: dict(texts) for name, texts in experiment.by_condition.items()},
+    )
+
+
+def study_snapshot(settings: s.StudySettings, study: StudyState) -> s.StudySettings:
+    """The file's part, and what holds now: the list with its ticks, the order, what is due.
+
+    Args:
+        settings: What the file says, or what a log's `session.plan` says of it.
+        study: What holds now.
+    """
+    return msgspec.structs.replace(
+        settings,
+        preflight=[
+            s.PreflightCheck(each.check, study.ticked(each.check)) for each in settings.preflight
+        ],
+        assigned=[*study.order],
+        planned=study.planned,
+        trial=study.next_trial,
+        running=study.trial is not None,
+        on_break=study.in_break is not None,
+        due=[due.questionnaire for due in study.due],
+    )
+
+
+def questionnaire_view(questionnaire: Questionnaire) -> s.QuestionnaireView:
+    """A questionnaire of the file."""
+    return msgspec.convert(questionnaire, s.QuestionnaireView, from_attributes=True)
 
 
 def welcome(plan: m.SessionPlan, *, console: str, role: str, seq: int, t: int, log: str) -> Welcome:

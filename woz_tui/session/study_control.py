@@ -23,7 +23,7 @@ from woz_tui.session.participant_identity import (
     check_participant,
 )
 from woz_tui.session.questionnaire_control import QuestionnaireController
-from woz_tui.session.study_settings import study_settings
+from woz_tui.session.session_plan import study_settings
 from woz_tui.session.variables import VariableValues, by_condition
 from woz_tui.timeline.session_state import SessionState
 

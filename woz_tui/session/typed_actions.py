@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from woz_tui.config.experiment import (
+    NOWHERE,
     Action,
     Call,
     Experiment,
     ExperimentError,
-    FilePosition,
     Panel,
     ParallelCalls,
 )
@@ -33,7 +33,6 @@ PANEL = "Typed"
 MOST = 40
 #: Letters of a sentence on its button and in its name.
 LABEL = 40
-_NOWHERE = FilePosition("", 0, 0)
 _KEYS = (*string.digits[1:], "0", *string.ascii_lowercase, *string.ascii_uppercase)
 
 
@@ -53,18 +52,18 @@ def with_typed(experiment: Experiment, typed: Sequence[Action]) -> Experiment:
         more = replace(own, actions=(*own.actions, *typed))
         panels = tuple(more if panel is own else panel for panel in panels)
     elif typed:
-        panels = (*panels, Panel(PANEL, tuple(typed), _NOWHERE))
+        panels = (*panels, Panel(PANEL, tuple(typed), NOWHERE))
     return replace(experiment, panels=panels)
 
 
 def without_typed(experiment: Experiment) -> Experiment:
     """The experiment as its file has it."""
     panels = tuple(
-        replace(panel, actions=tuple(one for one in panel.actions if one.place is not _NOWHERE))
+        replace(panel, actions=tuple(one for one in panel.actions if one.place is not NOWHERE))
         if panel.title == PANEL
         else panel
         for panel in experiment.panels
-        if panel.place is not _NOWHERE
+        if panel.place is not NOWHERE
     )
     return replace(experiment, panels=panels)
 
@@ -83,9 +82,9 @@ def with_sentence(
     name, number = f"{NAME}{label}", 2
     while name in used:
         name, number = f"{NAME}{label} ({number})", number + 1
-    call = Call("say", {"text": text}, driver, _NOWHERE)
+    call = Call("say", {"text": text}, driver)
     key = _free_key(experiment, key)
-    action = Action(name, label, key, PANEL, (ParallelCalls((call,)),), _NOWHERE, help="typed")
+    action = Action(name, label, key, PANEL, (ParallelCalls((call,)),), NOWHERE, help="typed")
     return (*typed, action)[-MOST:]
 
 

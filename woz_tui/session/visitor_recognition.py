@@ -11,16 +11,165 @@ import asyncio
 from collections.abc import Callable
 from pathlib import Path
 
-from woz_tui.config.engagement import EngagementSettings
-from woz_tui.drivers.contract import SPEECH_TEXT
+from woz_tui.config.engagement import EngagementSettings, HandshakeSettings
+from woz_tui.config.experiment import NOWHERE, Call
+from woz_tui.config.session_verbs import ENGAGEMENT
+from woz_tui.drivers.contract import LEARN_FACE, SPEECH_TEXT
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_model import Transition
+from woz_tui.sensing.name_handshake import (
+    Handshake,
+    HandshakeFailed,
+    Learn,
+    NameLearned,
+    Order,
+    Say,
+)
 from woz_tui.sensing.state_machine import State
 from woz_tui.sensing.visitor_store import store_at
-from woz_tui.session import face_learning
-from woz_tui.session.engagement_robot import EngagementRobot
+from woz_tui.session.engagement_robot import EngagementRobot, WakeUpTimer
 from woz_tui.session.known_visitors import KnownVisitors
-from woz_tui.session.robot_handshake import RobotHandshake
+
+#: What is said and sent here tells who stands there.
+IDENTITY = ("identity",)
+
+
+class RobotHandshake:
+    """One handshake with one visitor, led by the robot.
+
+    What is heard while the robot speaks is its own voice, and no answer.
+
+    Args:
+        robot: Speaks, and hears.
+        settings: What is said, how often, how long.
+        voice: The driver that speaks.
+        is_taken: Whether a name belongs to somebody.
+    """
+
+    def __init__(
+        self,
+        robot: EngagementRobot,
+        settings: HandshakeSettings,
+        voice: str,
+        is_taken: Callable[[str], bool],
+    ) -> None:
+        self._robot = robot
+        self._settings = settings
+        self._voice = voice
+        self._procedure = Handshake(settings, is_taken)
+        self._alarm = WakeUpTimer(robot.hub, self._ring)
+        self._saying = 0
+        self._own: set[tuple[str, int]] = set()
+
+    @property
+    def attempt(self) -> int:
+        """How many names were asked for so far."""
+        return self._procedure.attempt
+
+    def begin(self) -> None:
+        """Ask for the name."""
+        self._carry_out(self._procedure.begin(self._now))
+
+    def hear(self, message: m.Speech) -> None:
+        """What the microphone hears."""
+        segment = (message.driver, message.segment)
+        if isinstance(message, m.SpeechStarted) and self._saying:
+            self._own.add(segment)
+        if segment in self._own:
+            return
+        match message:
+            case m.SpeechStarted():
+                self._procedure.speaks(self._now)
+            case m.SpeechEnded():
+                self._procedure.spoke(self._now)
+            case m.SpeechText(text=text):
+                self._carry_out(self._procedure.heard(text, self._now))
+        self._alarm.set(self._procedure.due())
+
+    def left(self, outcome: str, visitor: str) -> None:
+        """The machine has left the handshake, for whatever reason."""
+        if outcome == "eng2know" and visitor:
+            self._carry_out(self._procedure.recognised(visitor, self._now), tell=False)
+        elif self._procedure.abandon(outcome, self._now) and outcome == "eng2unknow":
+            self._say(self._procedure.worded(self._settings.give_up))
+        self.stop()
+
+    def stop(self) -> None:
+        """Ask nothing more."""
+        self._procedure.abandon("stopped", self._now)
+        self._alarm.cancel()
+
+    # -- inside ------------------------------------------------------------------------------------
+
+    @property
+    def _now(self) -> int:
+        return self._robot.hub.now()
+
+    def _carry_out(self, order: Order | None, *, tell: bool = True) -> None:
+        match order:
+            case Say(text=text):
+                self._say(text)
+            case Learn():
+                # It holds in memory at least; the store tells if the disk does not take it.
+                self._carry_out(self._procedure.learnt(True, self._now))
+            case NameLearned(name=name, say=say):
+                if tell:
+                    self._command("visitor", code=name)
+                self._say(say)
+            case HandshakeFailed(say=say):
+                self._command("handshake", what="fail")
+                self._say(say)
+        self._alarm.set(self._procedure.due())
+
+    def _say(self, text: str) -> None:
+        if text and not self._robot.is_over():
+            self._saying += 1
+            call = Call("say", {"text": text}, self._voice, NOWHERE, IDENTITY, {"text": "..."})
+            self._robot.send(call, self._said)
+
+    def _said(self, end: m.End) -> None:
+        self._saying -= 1
+        self._procedure.said(self._now)
+        self._alarm.set(self._procedure.due())
+
+    def _command(self, verb: str, **args: m.Json) -> None:
+        if self._robot.is_over():
+            return
+        unfilled = {"code": "{visitor}"} if "code" in args else {}
+        self._robot.send(
+            Call(verb, args, ENGAGEMENT, NOWHERE, IDENTITY if unfilled else (), unfilled)
+        )
+
+    def _ring(self) -> None:
+        self._carry_out(self._procedure.advance(self._now))
+
+
+def _learn_faces(robot: EngagementRobot, change: Transition) -> None:
+    """A handshake has given somebody a name: their face gets it, unless it has one already."""
+    recognised = change.verdicts.get("identity") not in (None, "", "Unknown")
+    if change.outcome != "eng2know" or not change.visitor or recognised:
+        return
+    for spec in robot.experiment().drivers:
+        if any(verb.name == LEARN_FACE for verb in spec.verbs):
+            _learn_face(robot, spec.name, change.visitor)
+
+
+def _learn_face(robot: EngagementRobot, driver: str, name: str) -> None:
+    def ended(end: m.End) -> None:
+        if isinstance(end, m.Failed | m.TimedOut | m.Refused):
+            robot.hub.publish(
+                m.Notice(
+                    level="warning",
+                    text=f"{driver} did not learn the face of {name}: {end.reason}",
+                    remedy=f"play `{LEARN_FACE}: {name}` while the visitor is there",
+                    tells=IDENTITY,
+                )
+            )
+
+    unfilled: dict[str, m.Json] = {"name": "{visitor}"}
+    call = Call(LEARN_FACE, {"name": name}, driver, NOWHERE, IDENTITY, unfilled)
+    robot.send(call, ended)
+
 
 _SAY = "say"
 #: Who comes into one of these may be somebody whom another process has named meanwhile.
@@ -88,7 +237,7 @@ class VisitorRecognition:
     def entered(self, change: Transition) -> None:
         """The machine is in another state."""
         if not self._robot.is_over():
-            face_learning.introduced(self._robot, change)
+            _learn_faces(self._robot, change)
         if change.was == State.HANDSHAKE and self._introduction is not None:
             introduction, self._introduction = self._introduction, None
             introduction.left(change.outcome, self.name(change.visitor))

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tests.fakes.host import FakeHost
-from woz_tui.host.picture_scaling import encoded
+from woz_tui.host.picture_encoding import encoded
 from woz_tui.protocol import codec
 from woz_tui.protocol.camera_pictures import Picture, PictureShown
 from woz_tui.protocol.requests import AnyRequest, AskPicture

@@ -15,8 +15,8 @@ from woz_tui.analysis.csv_package import table_files
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.measures import measured
+from woz_tui.analysis.report_tables import settings
 from woz_tui.analysis.session_reading import read_report
-from woz_tui.analysis.setting_differences import by_trial
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 
@@ -113,12 +113,9 @@ def test_another_value_is_another_row() -> None:
         (0.9, 0.6, 4),
         (0.9, 0.5, 9),
     ]
-    [together] = by_trial(figures.differences)
-    assert (together.values, together.wanted, together.us) == (
-        "0.8, 0.9",
-        "0.6, 0.5",
-        8 * SECOND,
-    )
+    [row] = settings(figures).rows
+    assert list(row[:3]) == ["volume", "0.8, 0.9", "0.6, 0.5"]
+    assert row[6] == "8.00 s"
 
 
 def test_what_comes_in_late_of_a_lost_robot_tells_nothing() -> None:
@@ -148,7 +145,7 @@ def test_one_robot_is_lost_and_the_other_is_not() -> None:
         ("pepper", 3),
     ]
     assert figures.whole.differing_us == 8 * SECOND
-    assert [each.name for each in by_trial(figures.differences)] == ["nao volume", "pepper volume"]
+    assert [row[0] for row in settings(figures).rows] == ["nao volume", "pepper volume"]
 
 
 def test_an_aborted_trial_does_not_count_but_is_told() -> None:
@@ -162,7 +159,7 @@ def test_an_aborted_trial_does_not_count_but_is_told() -> None:
         (7, True),
         (9, False),
     ]
-    assert [each.counted for each in by_trial(figures.differences)] == [False, True, False]
+    assert [row[3] for row in settings(figures).rows] == ["not counted: 1", "1", "-"]
 
 
 def test_a_trial_that_is_only_numbered_divides_it_too() -> None:

@@ -6,11 +6,11 @@ import re
 from pathlib import Path
 
 from tests.analysis.told import SECOND, Told, figures_of, in_time, study
-from woz_tui.analysis.english_lists import listed, some, times
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.methods_section import paragraphs
 from woz_tui.analysis.session_reading import read_report
 from woz_tui.analysis.study_figures import Studies, StudyFacts
+from woz_tui.analysis.text_format import counted, listed, times
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.protocol.welcome import WelcomeSettings
@@ -150,7 +150,7 @@ def test_data_that_were_left_out() -> None:
 
 
 def test_words() -> None:
-    assert (some(1, "stop"), some(0, "stop"), times(1), times(2), times(3)) == (
+    assert (counted(1, "stop"), counted(0, "stop"), times(1), times(2), times(3)) == (
         *("1 stop", "0 stops", "once", "twice", "3 times"),
     )
     assert [listed(words) for words in ([], ["a"], ["a", "b"], ["a", "b", "c"])] == [

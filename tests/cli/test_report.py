@@ -105,14 +105,14 @@ def test_settings_that_differed_are_on_the_page_and_nothing_of_those_that_did_no
     _, out, _ = told(capsys, "report", it.written(here))
     assert max(map(len, lines(out))) <= 80
     rows = [" ".join(line.split()) for line in lines(out)]
-    assert "robot's settings differed 37.0 s 9.00 s 20.0 s 8.00 s" in rows
+    assert "Robot's settings differed 37.0 s 9.00 s 20.0 s 8.00 s" in rows
     # Trial 1 until 0:29, trial 2 from 0:34; from 0:52 to 0:55 the robot was lost.
     table = rows.index("Robot settings that differed from the requested ones")
     assert rows[table + 2 : table + 6] == [
-        "volume 0.8 0.6 1 warm 0:20 9.00",
-        "volume 0.8 0.6 - warm 0:29 5.00",
-        "volume 0.8 0.6 2 cold 0:34 20.0",
-        "volume 0.8 0.6 - cold 0:57 3.00",
+        "volume 0.8 0.6 1 warm 0:20 9.00 s",
+        "volume 0.8 0.6 - warm 0:29 5.00 s",
+        "volume 0.8 0.6 2 cold 0:34 20.0 s",
+        "volume 0.8 0.6 - cold 0:57 3.00 s",
     ]
 
 

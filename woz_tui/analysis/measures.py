@@ -231,6 +231,29 @@ MEASURES: tuple[Measure, ...] = (
 )  # fmt: skip
 
 BY_NAME = {measure.name: measure for measure in MEASURES}
+#: In tables that people read, where the name would not do.
+_TITLES = {
+    "duration": "Length",
+    "gap_median_s": "Gap between them, median",
+    "press_median_ms": "Key to robot, median",
+    "press_p95_ms": "Key to robot, p95",
+    "press_max_ms": "Key to robot, longest",
+    "action_median_s": "Request to end, median",
+    "reaction_median_s": "Reaction, median",
+    "reaction_p95_s": "Reaction, p95",
+    "engaged_share": "Engaged",
+    "episode_median_s": "Episode, median",
+    "settings_differ_s": "Robot's settings differed",
+    "settings_differ_share": "Of the time known",
+    "speech_s": "Speech of the visitor",
+    "held_median_s": "Held back, median",
+    "mistake_rate": "Mistakes by wizard actions",
+}
+
+
+def title_of(name: str) -> str:
+    """What a main figure is called in a table that people read."""
+    return _TITLES.get(name) or name.replace("_", " ").capitalize()
 
 
 def measured(part: PartFigures) -> dict[str, float | None]:

@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from woz_tui.analysis.durations import Durations
-from woz_tui.analysis.english_lists import Some, capital, listed, neither, some, times, was, were
 from woz_tui.analysis.study_figures import StudyFacts, WizardTraining
+from woz_tui.analysis.text_format import Some, capital, counted, listed, neither, times, was, were
 
 #: What the guidelines ask for and no log can know.
 BY_HAND = (
@@ -95,17 +95,18 @@ def _attended(facts: StudyFacts) -> Iterator[str]:
     people = len(facts.participants)
     if people:
         yield (
-            f"In all, {some(people, 'participant')} took part in {some(facts.sessions, 'session')}"
-            f"{_lengths(facts)}."
+            f"In all, {counted(people, 'participant')} took part in"
+            f" {counted(facts.sessions, 'session')}{_lengths(facts)}."
         )
     else:
-        yield f"There {were(facts.sessions)} {some(facts.sessions, 'session')}{_lengths(facts)}."
+        yield f"There {were(facts.sessions)} {counted(facts.sessions, 'session')}{_lengths(facts)}."
     if facts.unnamed:
-        yield f"No participant was recorded in {some(facts.unnamed, 'session')}."
+        yield f"No participant was recorded in {counted(facts.unnamed, 'session')}."
     conditions = [(name, len(who)) for name, who in sorted(facts.people.items()) if name]
     if conditions:
         told = [
-            f"the condition {name} had {some(count, 'participant')}" for name, count in conditions
+            f"the condition {name} had {counted(count, 'participant')}"
+            for name, count in conditions
         ]
         yield f"{capital(listed(told))}."
     elif people:
@@ -119,7 +120,7 @@ def _attended(facts: StudyFacts) -> Iterator[str]:
     for name, count in facts.questionnaires.items():
         yield f"The questionnaire {name} was given {times(count)}."
     if facts.declined:
-        yield f"Participants declined {some(facts.declined, 'questionnaire')}."
+        yield f"Participants declined {counted(facts.declined, 'questionnaire')}."
 
 
 def _lengths(facts: StudyFacts) -> str:
@@ -134,7 +135,7 @@ def _lengths(facts: StudyFacts) -> str:
 
 def _orders(facts: StudyFacts) -> Iterator[str]:
     told = [
-        f"{_ORDERS.get(method, method)} in {some(count, 'session')}"
+        f"{_ORDERS.get(method, method)} in {counted(count, 'session')}"
         for method, count in sorted(facts.orders.items())
     ]
     if told:
@@ -149,13 +150,13 @@ def _wizards(facts: StudyFacts) -> Iterator[str]:
         yield "The wizard was not recorded."
     elif len(known) == 1:
         [(name, count)] = known.items()
-        led = "all sessions" if count == facts.sessions > 1 else some(count, "session")
+        led = "all sessions" if count == facts.sessions > 1 else counted(count, "session")
         yield f"The robot was controlled by 1 wizard ({name}), who led {led}."
     else:
-        led = listed([f"{name} led {some(count, 'session')}" for name, count in known.items()])
+        led = listed([f"{name} led {counted(count, 'session')}" for name, count in known.items()])
         yield f"The robot was controlled by {len(known)} wizards: {led}."
     if known and facts.wizards[""]:
-        yield f"No wizard was recorded in {some(facts.wizards[''], 'session')}."
+        yield f"No wizard was recorded in {counted(facts.wizards[''], 'session')}."
     yield from _training(facts, [*known])
 
 
@@ -172,7 +173,7 @@ def _training(facts: StudyFacts, wizards: Sequence[str]) -> Iterator[str]:
 
 
 def _practised(name: str, practice: WizardTraining) -> str:
-    told = f"{name} practised in {some(practice.sessions, 'training session')}"
+    told = f"{name} practised in {counted(practice.sessions, 'training session')}"
     last = practice.last
     if last is None or not last.cues:
         return f"{told}."
@@ -181,7 +182,7 @@ def _practised(name: str, practice: WizardTraining) -> str:
     if last.times.median is not None:
         reaction = f", with a median reaction time of {_seconds(last.times.median)} s"
     return (
-        f"{told} and answered {last.right} of {some(last.cues, 'cue')}"
+        f"{told} and answered {last.right} of {counted(last.cues, 'cue')}"
         f" ({_per_cent(last.right, last.cues)}) correctly{when}{reaction}."
     )
 
@@ -189,8 +190,8 @@ def _practised(name: str, practice: WizardTraining) -> str:
 def _production(facts: StudyFacts) -> Iterator[str]:
     if facts.offered:
         yield (
-            f"The wizard chose from {some(len(facts.offered), 'prepared action')} on"
-            f" {some(len(facts.panels), 'panel')} ({listed([*facts.panels])})."
+            f"The wizard chose from {counted(len(facts.offered), 'prepared action')} on"
+            f" {counted(len(facts.panels), 'panel')} ({listed([*facts.panels])})."
         )
         locked = [title for title, lock in facts.panels.items() if lock]
         if locked:
@@ -201,17 +202,17 @@ def _production(facts: StudyFacts) -> Iterator[str]:
     elif facts.sessions:
         yield "What the wizard could choose from was not recorded."
     for profile, count in sorted(facts.profiles.items()):
-        yield f"The profile {profile} restricted the choice in {some(count, 'session')}."
+        yield f"The profile {profile} restricted the choice in {counted(count, 'session')}."
     yield from _acted(facts)
     for (floor, jitter, cues), count in sorted(facts.shaped.items()):
         named = listed([_CUES.get(cue, cue) for cue in cues], "or") or "any cue"
         yield (
-            f"In {some(count, 'session')} the robot answered {named} no sooner than"
+            f"In {counted(count, 'session')} the robot answered {named} no sooner than"
             f" {_seconds(floor)} s after it{_jitter(jitter)}."
         )
     if facts.held.median is not None:
         yield (
-            f"Earlier actions were delayed: {some(facts.held.n, 'action')}, by"
+            f"Earlier actions were delayed: {counted(facts.held.n, 'action')}, by"
             f" {_seconds(facts.held.median)} s in the median."
         )
 
@@ -228,7 +229,7 @@ def _acted(facts: StudyFacts) -> Iterator[str]:
         how = f"{'all ' if total > 1 else ''}{sources[0][1]}"
     else:
         how = listed([f"{count} {words}" for count, words in sources])
-    yield f"In all, {some(total, 'action')} {were(total)} asked for, {how}."
+    yield f"In all, {counted(total, 'action')} {were(total)} asked for, {how}."
     ends = [
         f"{count} {one if count == 1 else many}"
         for end, (one, many) in _ENDS.items()
@@ -241,7 +242,7 @@ def _acted(facts: StudyFacts) -> Iterator[str]:
     else:
         yield f"Of these, {listed(ends)}."
     if facts.direct:
-        yield f"Besides, {some(facts.direct, 'improvised action')} {were(facts.direct)} played."
+        yield f"Besides, {counted(facts.direct, 'improvised action')} {were(facts.direct)} played."
 
 
 _ENDS = {
@@ -264,7 +265,7 @@ def _recognition(facts: StudyFacts) -> Iterator[str]:
     for (hidden, blurred), count in sorted(facts.seen.items()):
         parts = [f"did not see {listed(_named(hidden), 'or')}"] if hidden else []
         parts += [f"saw {listed(_named(blurred))} only blurred"] if blurred else []
-        yield f"In {some(count, 'session')} the wizard {listed(parts)}."
+        yield f"In {counted(count, 'session')} the wizard {listed(parts)}."
     if not facts.seen:
         yield "No restriction of the wizard's view was recorded."
 
@@ -277,18 +278,18 @@ def _performance(facts: StudyFacts) -> Iterator[str]:
     if facts.acts:
         marked = f"{facts.mistakes} ({_per_cent(facts.mistakes, facts.acts)})"
         what = "marked as a mistake" if facts.mistakes == 1 else "marked as mistakes"
-        yield f"Of {some(facts.acts, 'wizard action')}, {marked} {was(facts.mistakes)} {what}."
+        yield f"Of {counted(facts.acts, 'wizard action')}, {marked} {was(facts.mistakes)} {what}."
     yield from _reacted(facts)
     if facts.press.n:
         yield (
             "The time from the request of a wizard action to its start in the robot, the wait"
             " behind an earlier act included, was"
-            f" {_spread(facts.press, _fine, 'ms')}, over {some(facts.press.n, 'wizard action')}."
+            f" {_spread(facts.press, _fine, 'ms')}, over {counted(facts.press.n, 'wizard action')}."
         )
     if facts.stops:
         yield (
             f"The emergency stop was pressed {times(facts.stops)}"
-            f" in {some(facts.stopped_sessions, 'session')}."
+            f" in {counted(facts.stopped_sessions, 'session')}."
         )
     if facts.unreached:
         names = listed([f"{name} ({times(n)})" for name, n in sorted(facts.unreached.items())])
@@ -314,7 +315,7 @@ def _reacted(facts: StudyFacts) -> Iterator[str]:
         left = f" of those {neither(others)}" if others else ""
         share = f" ({_per_cent(facts.results['answered'], due)}{left})"
     yield (
-        f"Of {some(cues, 'cue')} that needed an answer, the wizard answered"
+        f"Of {counted(cues, 'cue')} that needed an answer, the wizard answered"
         f" {facts.results['answered']} within {_seconds(facts.window_us)} s"
         f"{share}."
     )
@@ -329,23 +330,25 @@ def _data(facts: StudyFacts) -> Iterator[str]:
         told = [
             f"{count} {was(count)} {outcome}" for outcome, count in sorted(facts.left_out.items())
         ]
-        yield f"Of {some(facts.trials, 'trial')}, {listed(told)} and left out."
+        yield f"Of {counted(facts.trials, 'trial')}, {listed(told)} and left out."
     if facts.outside:
         yield (
-            f"In {some(facts.outside, 'session')} there was time outside of trials; figures of what"
-            " the wizard did are of the trials alone."
+            f"In {counted(facts.outside, 'session')} there was time outside of trials; figures of"
+            " what the wizard did are of the trials alone."
         )
     if facts.reruns:
         yield f"{Some(facts.reruns, 're-run')} of a session {were(facts.reruns)} left out."
     if facts.damaged:
         yield (
-            f"The {'log' if facts.damaged == 1 else 'logs'} of {some(facts.damaged, 'session')}"
-            f" {were(facts.damaged)} damaged; {some(facts.lost, 'line')} {were(facts.lost)} lost."
+            f"The {'log' if facts.damaged == 1 else 'logs'} of {counted(facts.damaged, 'session')}"
+            f" {were(facts.damaged)} damaged;"
+            f" {counted(facts.lost, 'line')} {were(facts.lost)} lost."
         )
     if facts.open_logs:
         yield (
             f"The {'log' if facts.open_logs == 1 else 'logs'} of"
-            f" {some(facts.open_logs, 'session')} {were(facts.open_logs)} cut off before the end."
+            f" {counted(facts.open_logs, 'session')}"
+            f" {were(facts.open_logs)} cut off before the end."
         )
     if not facts.damaged and not facts.open_logs:
         yield f"No line was lost from the {'log' if facts.sessions == 1 else 'logs'}."

@@ -83,7 +83,7 @@ def _listed(found: Codings, *, as_json: bool) -> int:
     for coder, mine in coders.items():
         notes = sum(code.note for code in mine)
         made.add_row(coder, ", ".join(tiers_of(mine)), str(len(mine) - notes), str(notes))
-    report_page().put(made)
+    report_page().put([made])
     return 0
 
 
@@ -133,11 +133,13 @@ def _plain(found: Agreement, arguments: argparse.Namespace) -> dict[str, object]
 
 
 def _show(paper: ReportPage, found: Agreement, one: str, other: str) -> None:
+    from rich.text import Text  # noqa: PLC0415
+
     from woz_tui.cli.report_layout import text_table  # noqa: PLC0415
 
     agreed = "no bins" if found.agreed is None else f"{found.agreed:.1%} of {found.bins} bins"
     kappa = "not defined (only one code)" if found.kappa is None else f"{found.kappa:.3f}"
-    paper.head(f"{found.tier}: agreement {agreed}, Cohen's kappa {kappa}")
+    title = f"{found.tier}: agreement {agreed}, Cohen's kappa {kappa}"
     codes = found.codes
     made = text_table(f"{one} \\ {other}", *(code or NO_CODE for code in codes), "all")
     for row in codes:
@@ -145,4 +147,4 @@ def _show(paper: ReportPage, found: Agreement, one: str, other: str) -> None:
         made.add_row(row or NO_CODE, *map(str, counts), str(sum(counts)))
     totals = [sum(found.table.get((row, column), 0) for row in codes) for column in codes]
     made.add_row("all", *map(str, totals), str(sum(totals)))
-    paper.put(made)
+    paper.put([Text(title, "bold"), made])

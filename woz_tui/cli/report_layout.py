@@ -1,4 +1,4 @@
-"""The page of `woz report`: how wide it is, which signs it may use, how numbers look."""
+"""The page of `woz report`: how wide it is, which signs it may use, tables that fit into it."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from rich.console import Group, RenderableType
 from rich.table import Column, Table
 from rich.text import Text
 
+from woz_tui.analysis.report_tables import ReportTable
+from woz_tui.analysis.text_format import counted
 from woz_tui.cli.safe_streams import raw_stream
 from woz_tui.console.text_console import TextConsole
 
@@ -21,8 +23,6 @@ from woz_tui.console.text_console import TextConsole
 _PAGE = 80
 #: Cells between two columns of a table, and between two blocks.
 _GAP, _BETWEEN = 2, 4
-#: What stands where there is no figure.
-NONE = "-"
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,25 +110,34 @@ class ReportPage:
         """Cells of each of two things beside each other; of a whole line where there is no room."""
         return (self.width - _BETWEEN) // 2 if self.wide else self.width
 
-    def put(self, made: Table, room: int = 0) -> None:
-        """A table, as wide as the page unless there is less `room`."""
-        for piece in fitted(made, room or self.width):
-            self.console.print(piece)
+    def table(self, found: ReportTable, most_rows: int = sys.maxsize) -> Table:
+        """The columns and rows for which a terminal has room."""
+        shown = slice(found.on_terminal)
+        made = text_table(*found.heads[shown], left=found.words)
+        for place, row in enumerate(found.rows[:most_rows], 1):
+            last = found.total and place == len(found.rows)
+            made.add_row(*row[shown], style="bold" if last else None)
+        return made
 
-    def beside(self, left: Block, right: Block) -> None:
-        """Two blocks beside each other where there is room, else one after the other."""
-        if self.wide and left and right:
+    def block(self, found: ReportTable, most_rows: int = sys.maxsize) -> Block:
+        """A table with its title; nothing if it has no rows."""
+        left = len(found.rows) - most_rows
+        more = Text(f"{self.signs.ellipsis} and {counted(left, 'row')} more (--all)", "dim")
+        block: Block = [Text(found.title, "bold"), self.table(found, most_rows)]
+        return [*block, *([more] * (left > 0))] if found.rows else []
+
+    def put(self, *blocks: Block) -> None:
+        """Blocks one after the other; two beside each other where there is room."""
+        blocks = tuple(filter(None, blocks))
+        if self.wide and len(blocks) == 2:
             grid = Table.grid(padding=(0, _BETWEEN, 0, 0), pad_edge=False)
-            grid.add_column(width=self.half)
-            grid.add_column(width=self.half)
-            grid.add_row(*(Group(*_pieces(block, self.half)) for block in (left, right)))
-            self.say()
-            self.console.print(grid)
+            for _ in blocks:
+                grid.add_column(width=self.half)
+            grid.add_row(*(Group(*_pieces(block, self.half)) for block in blocks))
+            self.console.print("", grid, sep="\n")
             return
-        for block in filter(None, (left, right)):
-            self.say()
-            for each in _pieces(block, self.width):
-                self.console.print(each)
+        for block in blocks:
+            self.console.print("", *_pieces(block, self.width), sep="\n")
 
     def trouble(self, text: str) -> None:
         """Something that is wrong with the data."""
@@ -220,65 +229,3 @@ def _pieces(block: Block, room: int) -> Block:
         for each in block
         for piece in (fitted(each, room) if isinstance(each, Table) else [each])
     ]
-
-
-def more(page: ReportPage, left: int, one: str) -> Block:
-    """Says that a table does not show everything."""
-    if left <= 0:
-        return []
-    return [dim(f"{page.signs.ellipsis} and {some(left, one)} more (--all)")]
-
-
-def bold(text: str) -> Text:
-    """The head of a block."""
-    return Text(text, "bold")
-
-
-def dim(text: str) -> Text:
-    """Something that is worth less than the rest."""
-    return Text(text, "dim")
-
-
-# -- numbers --------------------------------------------------------------------------------------
-
-
-def clock(us: float | None) -> str:
-    """A moment or a long time: minutes and seconds, with hours where there are any."""
-    if us is None:
-        return NONE
-    seconds = round(us / 1e6)
-    hours, minutes = seconds // 3600, seconds // 60 % 60
-    return f"{hours}:{minutes:02d}:{seconds % 60:02d}" if hours else f"{minutes}:{seconds % 60:02d}"
-
-
-def in_unit(value: float | None, unit: str) -> str:
-    """A figure with three digits that count, in its unit, without the unit's name."""
-    if value is None:
-        return NONE
-    match unit:
-        case "share":
-            return f"{value:.1%}".replace("%", " %")
-        case "" if float(value).is_integer():
-            return f"{value:.0f}"
-    return digits(value)
-
-
-def digits(value: float) -> str:
-    """A number with three digits that count."""
-    size = abs(value)
-    return f"{value:.0f}" if size >= 100 else f"{value:.1f}" if size >= 10 else f"{value:.2f}"
-
-
-def s(us: float | None) -> str:
-    """Microseconds, in seconds."""
-    return NONE if us is None else digits(us / 1e6)
-
-
-def ms(us: float | None) -> str:
-    """Microseconds, in milliseconds."""
-    return NONE if us is None else digits(us / 1e3)
-
-
-def some(count: int, one: str, many: str = "") -> str:
-    """`1 stop`, `2 stops`."""
-    return f"{count} {one if count == 1 else many or one + 's'}"

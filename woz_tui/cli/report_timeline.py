@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 from rich.text import Text
 
+from woz_tui.analysis.text_format import clock
 from woz_tui.analysis.timeline_lanes import Interval, TimelineDrawing, TimelineLane
-from woz_tui.cli.report_layout import TextSigns, clock
+from woz_tui.cli.report_layout import TextSigns
 
 #: State -> how much goes on, a place in `TextSigns.levels`.
 LEVELS = {

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.analysis.html.markup import clean, escaped, isolated, joined, json_block, short, tag
-from woz_tui.analysis.html.number_format import digits
+from woz_tui.analysis.text_format import digits
 
 #: All of Unicode, halves of pairs too, and what is special in HTML more often than by chance.
 TEXTS = st.text(st.characters() | st.sampled_from("<>&\"'/!-\0\u2028\u202e\ud800"))
@@ -76,4 +76,4 @@ def test_numbers_in_pictures_are_short() -> None:
 
 def test_figures_have_three_digits_that_count_and_no_exponent() -> None:
     found = [digits(one) for one in (0.0, 0.06512, 16.12, 962.4, 999.6, 1217.3, 84_000.2)]
-    assert found == ["0", "0.0651", "16.1", "962", "1000", "1217", "84000"]
+    assert found == ["0.00", "0.0651", "16.1", "962", "1000", "1217", "84000"]

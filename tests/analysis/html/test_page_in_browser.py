@@ -134,7 +134,7 @@ def test_it_can_be_read_without_javascript(page: Page, single: Path) -> None:
         body = page.one("body").text
         assert "Hello, I am the guide." in body
         assert "It was friendly." in body
-        assert "Press to start" in body
+        assert "Key to robot" in body
 
 
 def test_without_javascript_long_lists_say_what_they_leave_out(

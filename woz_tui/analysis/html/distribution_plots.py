@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from woz_tui.analysis.durations import Durations
+from woz_tui.analysis.html.figure_definitions import wide
 from woz_tui.analysis.html.markup import Markup, isolated, joined, short, tag
-from woz_tui.analysis.html.number_format import duration
+from woz_tui.analysis.text_format import duration
 
 _WIDTH, _HEIGHT, _BINS = 300, 84, 24
 _BASE = 64
@@ -103,7 +104,10 @@ def transitions(table: Mapping[str, Mapping[str, int]]) -> Markup:
         if table.get(state)
     ]
     caption = tag("caption", "Transitions of the engagement model")
-    return _scroll(tag("table", caption, tag("thead", head), tag("tbody", body), class_="heat"))
+    return wide(
+        tag("table", caption, tag("thead", head), tag("tbody", body), class_="heat"),
+        "Transitions of the engagement model",
+    )
 
 
 def _states(table: Mapping[str, Mapping[str, int]]) -> Sequence[str]:
@@ -120,7 +124,3 @@ def _head(text: str, scope: str) -> Markup:
 def _cell(number: int, most: int) -> Markup:
     shade = -(-number * _SHADES // most)
     return tag("td", str(number) if number else "", class_=f"heat-{shade}")
-
-
-def _scroll(table: Markup) -> Markup:
-    return tag("div", table, class_="wide", tabindex=0, role="region", aria_label="Wide table")

@@ -1,46 +1,53 @@
-"""What each figure on the page is: shown at the figure, and in full at the end of the page.
+"""Tables on the page, and what each figure is: shown at the figure, and in full at the end.
 
 The sentences are those of the measures, as in docs/reference/report.md and beside the CSV.
 """
 
 from __future__ import annotations
 
-from woz_tui.analysis.html.markup import Markup, tag
-from woz_tui.analysis.measures import BY_NAME
+from woz_tui.analysis.html.markup import Child, Markup, isolated, tag
+from woz_tui.analysis.measures import BY_NAME, title_of
+from woz_tui.analysis.report_tables import DEFINED, LogText, ReportTable
 
-#: Name in an address -> title on the page, and the measure that it stands for.
-_MEASURES: dict[str, tuple[str, str]] = {
-    "acts": ("Wizard actions", "wizard_actions"),
-    "rate": ("Wizard actions per minute", "wizard_actions_per_minute"),
-    "reaction": ("Reaction time", "reaction_median_s"),
-    "early": ("Cues answered early", "cues_answered_early"),
-    "missed": ("Missed cues", "cues_missed"),
-    "superseded": ("Superseded cues", "cues_superseded"),
-    "press": ("Press to start", "press_median_ms"),
-    "done": ("Request to end", "action_median_s"),
-    "gaps": ("Gaps", "gap_median_s"),
-    "mistakes": ("Mistakes", "mistakes"),
-    "engaged": ("Engaged", "engaged_share"),
-    "episodes": ("Episodes", "episodes"),
-    "differing": ("Settings differed", "settings_differ_s"),
-    "stops": ("Stops", "stops"),
-    "trials": ("Trials", "trials"),
-}
 _PERCENTILE = "half, and 95 of 100, of the values are at most this; linear between neighbours"
 
 
-def defined(name: str, text: str = "") -> Markup:
-    """The figure's title, leading to its definition."""
-    title, measure = _MEASURES[name]
+def defined(measure: str, text: str = "") -> Markup:
+    """The title of a measure, leading to its definition."""
     meaning = BY_NAME[measure].meaning.replace("`", "")
-    return tag("a", text or title, href=f"#about-{name}", title=meaning, class_="defined")
+    words = text or title_of(measure)
+    return tag("a", words, href=f"#about-{measure}", title=meaning, class_="defined")
+
+
+def table(found: ReportTable) -> Markup | None:
+    """A table whose first column names its rows; None if there are none."""
+
+    def cell(text: str) -> Child:
+        if text in found.definitions:
+            return defined(found.definitions[text], text)
+        return isolated(text) if isinstance(text, LogText) else text
+
+    if not found.rows:
+        return None
+    head = tag("tr", [tag("th", cell(each), scope="col") for each in found.heads])
+    body = [
+        tag("tr", tag("th", cell(first), scope="row"), [tag("td", cell(each)) for each in rest])
+        for first, *rest in found.rows
+    ]
+    content = (tag("caption", found.title), tag("thead", head), tag("tbody", body))
+    return wide(tag("table", content), found.title)
+
+
+def wide(content: Markup, name: str) -> Markup:
+    """What may be wider than the page, and then scrolls."""
+    return tag("div", content, class_="wide", tabindex=0, role="region", aria_label=name)
 
 
 def glossary() -> Markup:
     """All definitions."""
     entries = [
-        (tag("dt", title, id=f"about-{name}"), tag("dd", prose(BY_NAME[measure].meaning)))
-        for name, (title, measure) in _MEASURES.items()
+        (tag("dt", title_of(name), id=f"about-{name}"), tag("dd", prose(BY_NAME[name].meaning)))
+        for name in DEFINED
     ]
     return tag(
         "section",

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from woz_tui.analysis import report_tables as tables
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.html import figure_tables
 from woz_tui.analysis.html.distribution_plots import distribution, transitions
-from woz_tui.analysis.html.figure_definitions import defined
+from woz_tui.analysis.html.figure_definitions import defined, table
 from woz_tui.analysis.html.markup import Child, Markup, isolated, json_block, tag
-from woz_tui.analysis.html.number_format import DASH, calendar, clock, counted, duration, percent
 from woz_tui.analysis.html.timeline_items import TimelineItem, TimelineRow, by_time, page_data, rows
 from woz_tui.analysis.html.timeline_picture import picture
 from woz_tui.analysis.html.timeline_styles import SORTS, swatch
 from woz_tui.analysis.session_report import SessionReport
+from woz_tui.analysis.text_format import NONE, clock, counted, duration, percent
 from woz_tui.analysis.timeline_lanes import TimelineDrawing
 
 #: Sorts that are listed even where there are too many events to list all without a script.
@@ -99,7 +99,6 @@ def _content(entry: SessionEntry, every_event: bool) -> Iterator[Child]:
         class_="who",
     )
     yield tag("ul", list(_tiles(figures)), class_="tiles")
-    yield figure_tables.parts(figures)
     yield _timeline(entry)
     yield _events(entry, every_event)
     yield _distributions(figures)
@@ -116,18 +115,21 @@ def _damage(figures: SessionFigures) -> Markup | None:
 
 
 def _who(figures: SessionFigures) -> Iterator[tuple[str, Child]]:
-    yield "Session", isolated(figures.session or DASH)
-    yield "Participant", isolated(figures.participant or DASH)
-    yield "Condition", isolated(figures.condition or DASH)
+    yield "Session", isolated(figures.session or NONE)
+    yield "Participant", isolated(figures.participant or NONE)
+    yield "Condition", isolated(figures.condition or NONE)
     if figures.order:
         yield (
             "Order of conditions",
             isolated(f"{', '.join(figures.order)} ({figures.order_method})"),
         )
-    yield "Wizard", isolated(figures.wizard or DASH)
+    yield "Wizard", isolated(figures.wizard or NONE)
     yield "Experiment", isolated(" · ".join(filter(None, (figures.title, figures.experiment))))
-    yield "Experiment file", tag("code", isolated(figures.experiment_sha256[:12] or DASH))
-    yield "Begin", isolated(calendar(figures.started, 19) + " UTC" if figures.started else DASH)
+    yield "Experiment file", tag("code", isolated(figures.experiment_sha256[:12] or NONE))
+    yield (
+        "Begin",
+        isolated(figures.started[:19].replace("T", " ") + " UTC" if figures.started else NONE),
+    )
     yield "Length", clock(figures.duration_us)
     yield "End", isolated(figures.ended or "not in the log")
     yield "Software", isolated(f"{figures.software}, log format {figures.schema}")
@@ -137,42 +139,38 @@ def _who(figures: SessionFigures) -> Iterator[tuple[str, Child]]:
 
 
 def _tiles(figures: SessionFigures) -> Iterator[Markup]:
-    whole = figures.whole
+    whole, training = figures.whole, figures.training
     reactions = whole.reactions.get("all")
-    yield _tile("acts", str(whole.acts), f"{_rate(whole.per_minute)} a minute")
+
+    def tile(measure: str, more: str) -> Markup:
+        value = tables.figure_text(whole, measure)
+        return tag("li", defined(measure), tag("b", value), tag("small", more))
+
+    yield tile(
+        "wizard_actions", f"{tables.figure_text(whole, 'wizard_actions_per_minute')} a minute"
+    )
     if reactions and reactions.cues:
         more = f"{reactions.answered} of {reactions.cues} cues, {reactions.missed} missed"
-        yield _tile("reaction", duration(reactions.times.median), more)
-    yield _tile("press", duration(whole.press.median), f"p95 {duration(whole.press.p95)}")
+        yield tile("reaction_median_s", more)
+    yield tile("press_median_ms", f"p95 {duration(whole.press.p95)}")
     if whole.engagement.share is not None:
         episodes = whole.engagement.episodes
         more = f"{counted(episodes.n, 'episode')}, median {duration(episodes.median)}"
-        yield _tile("engaged", percent(whole.engagement.share), more)
+        yield tile("engaged_share", more)
     if whole.differing_us:
-        more = f"of a robot: {percent(whole.differing_share)} of the time in which they were known"
-        yield _tile("differing", duration(whole.differing_us), more)
-    yield _tile("mistakes", str(whole.mistakes), f"{percent(whole.mistake_rate)} of wizard actions")
+        more = f"{percent(whole.differing_share)} of the time in which they were known"
+        yield tile("settings_differ_s", more)
+    yield tile("mistakes", f"{percent(whole.mistake_rate)} of wizard actions")
     ends = whole.outcomes
-    more = f"actions failed: {ends.failed}, refused: {ends.refused}"
-    yield _tile("stops", str(whole.stops), more)
+    yield tile("stops", f"actions failed: {ends.failed}, refused: {ends.refused}")
     if figures.trials:
-        number = sum(trial.counted for trial in figures.trials)
-        yield _tile("trials", str(number), f"of {len(figures.trials)} begun")
-    if figures.training:
-        training = figures.training
+        yield tile("trials", f"of {len(figures.trials)} begun")
+    if training:
         more = f"{training.right} of {training.cues} cues right, {training.missed} missed, "
         more += f"{training.wrong} wrong, {training.uncalled} uncalled"
         yield tag(
             "li", tag("span", "Training"), tag("b", percent(training.score)), tag("small", more)
         )
-
-
-def _rate(number: float | None) -> str:
-    return DASH if number is None else f"{number:.1f}"
-
-
-def _tile(name: str, value: str, more: str) -> Markup:
-    return tag("li", defined(name), tag("b", value), tag("small", more))
 
 
 def _timeline(entry: SessionEntry) -> Markup:
@@ -240,13 +238,17 @@ def _distributions(figures: SessionFigures) -> Markup | None:
     whole = figures.whole
     shown = [
         *(
-            ("reaction", f"Reaction to {sort}", found.times)
+            ("reaction_median_s", f"Reaction to {sort}", found.times)
             for sort, found in whole.reactions.items()
             if found.times.n
         ),
         *(
-            (name, "", series)
-            for name, series in (("press", whole.press), ("done", whole.took), ("gaps", whole.gaps))
+            (name, text, series)
+            for name, text, series in (
+                ("press_median_ms", "Key to robot", whole.press),
+                ("action_median_s", "Request to end", whole.took),
+                ("gap_median_s", "Gaps between wizard actions", whole.gaps),
+            )
             if series.n
         ),
     ]
@@ -256,7 +258,7 @@ def _distributions(figures: SessionFigures) -> Markup | None:
         tag(
             "figure",
             tag("figcaption", defined(name, text), tag("small", f" n = {series.n}")),
-            distribution(series, text or name),
+            distribution(series, text),
         )
         for name, text, series in shown
     ]
@@ -264,16 +266,15 @@ def _distributions(figures: SessionFigures) -> Markup | None:
 
 
 def _tables(figures: SessionFigures) -> Iterator[Markup | None]:
-    yield figure_tables.trials(figures)
-    yield figure_tables.phases(figures)
-    yield figure_tables.settings(figures)
-    yield figure_tables.cues(figures)
-    yield figure_tables.actions(figures)
-    yield figure_tables.verbs(figures)
+    yield table(tables.figures_table(figures))
+    for each in (tables.trials, tables.phases, tables.settings, tables.cues, tables.actions):
+        yield table(each(figures))
+    yield table(tables.commands(figures))
     if figures.whole.engagement.states:
-        yield figure_tables.states(figures)
+        yield table(tables.states(figures))
         yield transitions(figures.whole.engagement.transitions)
-    yield figure_tables.answers(figures)
-    yield figure_tables.marks(figures)
-    yield figure_tables.stops(figures)
-    yield figure_tables.limits(figures)
+    for each in (tables.answers, tables.marks, tables.stops):
+        yield table(each(figures))
+    sentences = [tag("li", isolated(sentence)) for sentence in tables.circumstances(figures)]
+    if sentences:
+        yield tag("div", tag("h3", "Circumstances"), tag("ul", sentences))

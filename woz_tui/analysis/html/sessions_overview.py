@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from woz_tui.analysis.figures import OUTSIDE, PartFigures
-from woz_tui.analysis.html.condition_totals import totals
-from woz_tui.analysis.html.figure_definitions import defined
+from woz_tui.analysis.html.figure_definitions import defined, table, wide
 from woz_tui.analysis.html.markup import Child, Markup, isolated, tag
-from woz_tui.analysis.html.number_format import DASH, calendar, clock, duration, percent, value
 from woz_tui.analysis.html.session_section import SessionEntry
 from woz_tui.analysis.html.session_strips import ruler, strip
+from woz_tui.analysis.measures import BY_NAME
+from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.analysis.participants import participant_text
+from woz_tui.analysis.report_tables import condition_totals, figure_text, item_totals, trainings
+from woz_tui.analysis.text_format import NONE
 
 
 def overview(found: Sequence[SessionEntry]) -> Markup | None:
@@ -24,7 +26,7 @@ def overview(found: Sequence[SessionEntry]) -> Markup | None:
         tag("h2", f"{len(found)} sessions", id="overview"),
         _damage(damaged, len(found)),
         _table(found),
-        list(totals([entry.report for entry in found])),
+        list(_totals(found)),
         _strips(found),
         aria_labelledby="overview",
         class_="overview",
@@ -43,20 +45,21 @@ def _link(entry: SessionEntry, text: str = "") -> Markup:
     return tag("a", isolated(text or entry.title), href=f"#{entry.name}")
 
 
+#: Main figures by which sessions can be sorted.
+_SORTED_BY = (
+    *("duration", "trials", "wizard_actions", "reaction_median_s", "cues_missed"),
+    *("press_median_ms", "engaged_share", "mistakes", "stops"),
+)
+
+
 def _table(found: Sequence[SessionEntry]) -> Markup:
-    heads: list[Child] = [
-        *("Participant", "Condition", "Session", "Begin", "Length", defined("trials")),
-        *(defined("acts"), defined("reaction", "Reaction, median"), defined("missed")),
-        *(defined("press", "Press to start, median"), defined("engaged"), defined("mistakes")),
-        *(defined("stops"), "Log"),
-    ]
+    heads: list[Child] = ["Participant", "Condition", "Session", "Begin"]
+    heads += [*map(defined, _SORTED_BY), "Log"]
     head = tag("tr", [tag("th", one, scope="col") for one in heads])
     rows = [tag("tr", list(_cells(entry, part))) for entry in found for part in _parts(entry)]
     caption = tag("caption", "By participant and condition")
     inner = tag("table", caption, tag("thead", head), tag("tbody", rows), class_="sortable")
-    return tag(
-        "div", inner, class_="wide", tabindex=0, role="region", aria_label="Sessions, one row each"
-    )
+    return wide(inner, "Sessions, one row each")
 
 
 def _parts(entry: SessionEntry) -> Sequence[PartFigures]:
@@ -67,31 +70,31 @@ def _parts(entry: SessionEntry) -> Sequence[PartFigures]:
 
 def _cells(entry: SessionEntry, part: PartFigures) -> Iterator[Markup]:
     figures = entry.figures
-    reactions = part.reactions.get("all")
-    median = reactions.times.median if reactions else None
-    who = participant_text(part.participant, counted=part.counted) or DASH
+    who = participant_text(part.participant, counted=part.counted) or NONE
     left = None if part.counted else tag("small", " (excluded)")
     yield tag("th", _link(entry, who), left, scope="row")
-    yield tag("td", isolated(part.condition))
-    yield tag("td", isolated(figures.session))
-    yield tag("td", isolated(calendar(figures.started, 16)))
-    yield _number(clock(part.us), part.us)
-    yield _number(str(part.trials), part.trials)
-    yield _number(str(part.acts), part.acts)
-    yield _number(duration(median), median)
-    yield _number(
-        str(reactions.missed) if reactions else DASH, reactions.missed if reactions else None
-    )
-    yield _number(duration(part.press.median), part.press.median)
-    yield _number(percent(part.engagement.share), part.engagement.share)
-    yield _number(str(part.mistakes), part.mistakes)
-    yield _number(str(part.stops), part.stops)
+    begin = figures.started[:16].replace("T", " ")
+    for text in (part.condition, figures.session, begin):
+        yield tag("td", isolated(text))
+    for name in _SORTED_BY:
+        number = BY_NAME[name].of(part)
+        value = "" if number is None else f"{number:g}"
+        yield tag("td", figure_text(part, name), class_="number", data_value=value)
     damaged = bool(figures.wholeness.sentences)
     yield tag("td", "damaged" if damaged else "whole", class_="bad" if damaged else None)
 
 
-def _number(text: str, number: float | None) -> Markup:
-    return tag("td", text, class_="number", data_value=value(number))
+def _totals(found: Sequence[SessionEntry]) -> Iterator[Markup | None]:
+    """What the conditions of each experiment amount to."""
+    grouped = GroupedSessions()
+    for entry in found:
+        grouped.add(entry.figures)
+    for experiment in grouped.experiments:
+        if len(grouped.experiments) > 1:
+            yield tag("h3", isolated(experiment or "experiment not recorded"))
+        yield table(condition_totals(grouped.totals(experiment)))
+        yield table(item_totals(grouped.items(experiment)))
+    yield table(trainings(grouped))
 
 
 def _strips(found: Sequence[SessionEntry]) -> Markup:
@@ -110,4 +113,4 @@ def _strips(found: Sequence[SessionEntry]) -> Markup:
     words = "Courses; from the top of each: trials and stops, engagement, speech, actions"
     caption = tag("caption", words)
     inner = tag("table", caption, tag("thead", head), tag("tbody", rows), class_="strips")
-    return tag("div", inner, class_="wide", tabindex=0, role="region", aria_label="Courses")
+    return wide(inner, "Courses")

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from woz_tui.analysis.html.markup import Markup, joined, short, tag
-from woz_tui.analysis.html.number_format import clock
 from woz_tui.analysis.html.timeline_items import TimelineItem, TimelineRow, curve_range, thinned
 from woz_tui.analysis.html.timeline_styles import SORTS
+from woz_tui.analysis.text_format import clock
 from woz_tui.analysis.timeline_lanes import SensorCurve, TimelineDrawing
 
 WIDTH, GUTTER, RIGHT = 960, 150, 10

@@ -1,0 +1,454 @@
+"""The tables of the report: titles, columns and cells, for the terminal and the page alike."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from woz_tui.analysis.durations import Durations
+from woz_tui.analysis.event_rows import CUE_RESULTS, SettingRow, value_text
+from woz_tui.analysis.figures import COMMAND_ENDS, ENDS, PartFigures, SessionFigures
+from woz_tui.analysis.measures import BY_NAME, Measure, title_of
+from woz_tui.analysis.participant_groups import (
+    ConditionRow,
+    ConditionTotal,
+    GroupedSessions,
+    ItemTotal,
+    Total,
+)
+from woz_tui.analysis.participants import condition_text, participant_text
+from woz_tui.analysis.text_format import NONE, clock, counted, digits, duration, listed, percent
+from woz_tui.protocol.messages import Json
+
+#: Values of one setting that are named in a row; beyond, there were more.
+_VALUES = 3
+#: The main figures of a session; one that does not exist in it is left out.
+_OF_SESSION = (
+    *("duration", "trials", "wizard_actions", "wizard_actions_per_minute", "actions"),
+    *("actions_done", "actions_failed", "actions_stopped", "actions_refused", "actions_open"),
+    *("improvised_actions", "gap_median_s", "press_median_ms", "press_p95_ms", "press_max_ms"),
+    *("cues", "cues_answered", "cues_missed", "reaction_median_s", "reaction_p95_s"),
+    *("settings_differ_s", "settings_differ_share", "engaged_share", "episodes"),
+    *("episode_median_s", "utterances", "speech_s", "mistakes", "mistake_rate", "stops"),
+    *("markers", "notes", "actions_held", "held_median_s"),
+)
+#: The main figures by which conditions are compared, those first that are worth most.
+COMPARED = (
+    *("duration", "wizard_actions", "cues", "cues_missed", "reaction_median_s", "press_median_ms"),
+    *("engaged_share", "mistakes", "stops", "actions_failed", "episodes", "press_p95_ms"),
+    *("wizard_actions_per_minute", "gap_median_s", "reaction_p95_s", "actions_refused"),
+    *("action_median_s", "episode_median_s", "mistake_rate", "markers", "notes"),
+)
+#: All of which a table has a title.
+DEFINED = tuple(dict.fromkeys((*_OF_SESSION, *COMPARED, "cues_answered_early", "cues_superseded")))
+_DEFINITIONS = {title_of(name): name for name in DEFINED}
+
+
+class LogText(str):
+    """Words of a person or of an experiment file, which may hold any character."""
+
+    __slots__ = ()
+
+
+@dataclass(frozen=True, slots=True)
+class ReportTable:
+    """A table without rows is not shown.
+
+    Attributes:
+        words: So many of the first columns hold words; the others hold figures.
+        on_terminal: So many of the first columns have room on a terminal; None: all of them.
+        definitions: Titles of columns and rows, and which measure says what each is.
+        total: The last row sums up the others.
+    """
+
+    title: str
+    heads: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    words: int = 1
+    on_terminal: int | None = None
+    definitions: Mapping[str, str] = field(default_factory=dict)
+    total: bool = False
+
+
+def measure_text(measure: Measure, value: float | None) -> str:
+    """A main figure in its unit."""
+    if value is None:
+        return NONE
+    match measure.unit:
+        case "share":
+            return percent(value)
+        case "s":
+            return (clock if measure.name == "duration" else duration)(value * 1e6)
+        case "ms":
+            return duration(value * 1e3)
+        case "" if float(value).is_integer():
+            return f"{value:.0f}"
+    return digits(value)
+
+
+def figure_text(part: PartFigures, name: str) -> str:
+    """A main figure of a part, by its name."""
+    return measure_text(BY_NAME[name], BY_NAME[name].of(part))
+
+
+def _spread(times: Durations) -> tuple[str, ...]:
+    return tuple(map(duration, (times.median, times.p95, times.most)))
+
+
+def _number(trial: int) -> str:
+    return NONE if trial < 0 else str(trial)
+
+
+def _scale(low: float | None, high: float | None) -> str:
+    return NONE if low is None or high is None else f"{low:g} to {high:g}"
+
+
+def _occurring(ends: Iterable[str], rows: Iterable[Mapping[str, int]]) -> list[str]:
+    """A column for each that occurs: all of them would make a table too wide for 80 columns."""
+    rows = list(rows)
+    return [end for end in ends if any(row.get(end) for row in rows)]
+
+
+def _counts(ends: Iterable[str], row: Mapping[str, int]) -> list[str]:
+    return [str(row.get(end) or "") for end in ends]
+
+
+# -- one session ----------------------------------------------------------------------------------
+
+
+def figures_table(figures: SessionFigures) -> ReportTable:
+    """The main figures: a column for the session, and one for each condition if there are some."""
+    parts = figures.parts if len(figures.parts) > 1 else ()
+    alone = len({part.participant for part in parts}) == 1
+    heads = [_part_name(part, alone=alone) for part in parts]
+    rows = []
+    for measure in map(BY_NAME.__getitem__, _OF_SESSION):
+        values = [measure.of(part) for part in (figures.whole, *parts)]
+        if any(values) or (measure.unit == "ms" and set(values) != {None}):
+            cells = [measure_text(measure, value) for value in values]
+            rows.append([title_of(measure.name), *cells])
+    return ReportTable("Figures", ["", "All", *heads], rows, definitions=_DEFINITIONS)
+
+
+def _part_name(part: PartFigures, *, alone: bool) -> LogText:
+    who = "" if alone else participant_text(part.participant, counted=part.counted)
+    name = " ".join(filter(None, (who, condition_text(part.condition, part.scope))))
+    return LogText(name or "none")
+
+
+def actions(figures: SessionFigures) -> ReportTable:
+    """Every action by panel and source, and how it ended; the most frequent first."""
+    counts = [
+        (count, {end: getattr(count.outcomes, end) for end in ENDS})
+        for count in sorted(
+            figures.whole.counts,
+            key=lambda it: (-it.outcomes.total, it.panel, it.action, it.source),
+        )
+    ]
+    ends = _occurring(ENDS, (row for _, row in counts))
+    rows = [
+        (
+            *map(LogText, (count.action, count.panel, count.source)),
+            *(str(count.outcomes.total), *_counts(ends, row)),
+        )
+        for count, row in counts
+    ]
+    return ReportTable("Actions", ["Action", "Panel", "Source", "All", *ends], rows, words=3)
+
+
+def commands(figures: SessionFigures) -> ReportTable:
+    """Commands by verb: how they ended, and their times; the most frequent first."""
+    found = sorted(figures.whole.verbs.items(), key=lambda item: (-item[1].commands, item[0]))
+    ends = _occurring(COMMAND_ENDS[1:], (times.ends for _, times in found))
+    rows = [
+        (
+            *(LogText(verb), str(times.commands), *_counts(ends, times.ends)),
+            *(*_spread(times.dispatched), *_spread(times.done)),
+        )
+        for verb, times in found
+    ]
+    heads = ("Verb", "Sent", *(end.replace("_", " ") for end in ends))
+    title = "Commands: request to start, start to end (median, p95, longest)"
+    return ReportTable(title, [*heads, "To start", "p95", "max", "To end", "p95", "max"], rows)
+
+
+_RESULT_TITLES = {
+    "answered": "Answered",
+    "answered_early": "Early",
+    "missed": "Missed",
+    "superseded": "Superseded",
+    "cut": "Cut short",
+}
+_RESULT_MEASURES = {
+    "Early": "cues_answered_early",
+    "Missed": "cues_missed",
+    "Superseded": "cues_superseded",
+    "Median": "reaction_median_s",
+}
+
+
+def cues(figures: SessionFigures) -> ReportTable:
+    """What became of cues, and reaction times, by the type of cue."""
+    found = figures.whole.reactions
+    results = _occurring(CUE_RESULTS, (each.results for each in found.values()))
+    rows = [
+        (cue_type, str(each.cues), *_counts(results, each.results), *_spread(each.times))
+        for cue_type, each in found.items()
+    ]
+    heads = ["Cue", "All", *map(_RESULT_TITLES.__getitem__, results), "Median", "p95", "Longest"]
+    title = f"Reactions: cue to the next wizard action (window {figures.window_us / 1e6:g} s)"
+    return ReportTable(title, heads, rows, definitions=_RESULT_MEASURES)
+
+
+def states(figures: SessionFigures) -> ReportTable:
+    """The engagement model's states, and unbroken engagement."""
+    model = figures.whole.engagement
+    lasting = [
+        (LogText(name), each.visits, each.us, each.lengths)
+        for name, each in sorted(model.states.items(), key=lambda item: -item[1].us)
+    ]
+    if lasting:
+        engaged = "engaged, without a break"
+        lasting.append((LogText(engaged), model.episodes.n, model.engaged_us, model.episodes))
+    rows = [
+        (
+            *(name, str(visits), clock(us), percent(us / model.on_us if model.on_us else None)),
+            *(duration(lengths.median), duration(lengths.most)),
+        )
+        for name, visits, us, lengths in lasting
+    ]
+    heads = ("State", "Visits", "Time", "Share", "Median", "Longest")
+    return ReportTable("Engagement", heads, rows, total=True)
+
+
+def trials(figures: SessionFigures) -> ReportTable:
+    """Trials, in their order."""
+    rows = [
+        (
+            *(str(trial.trial), LogText(trial.condition), trial.outcome or "no end in the log"),
+            *(LogText(trial.text), clock(trial.begin), duration(trial.duration)),
+            str(trial.actions),
+        )
+        for trial in figures.trials
+    ]
+    heads = ("Trial", "Condition", "Outcome", "Remark", "Begin", "Length", "Actions")
+    return ReportTable("Trials", heads, rows, words=4)
+
+
+def phases(figures: SessionFigures) -> ReportTable:
+    """Phases of the experiment, in their order."""
+    rows = [
+        (
+            *(LogText(phase.phase), _number(phase.trial), LogText(phase.condition)),
+            *(clock(phase.begin), duration(phase.duration), duration(phase.planned)),
+            str(phase.actions),
+        )
+        for phase in figures.phases
+    ]
+    heads = ("Phase", "Trial", "Condition", "Begin", "Length", "Planned", "Actions")
+    return ReportTable("Phases", heads, rows, words=3)
+
+
+def settings(figures: SessionFigures) -> ReportTable:
+    """How long robots had other settings than were requested: one row for each setting and trial,
+    in the order in which they began. A setting is named with its driver if there are several.
+    """
+    found: dict[tuple[object, ...], list[SettingRow]] = {}
+    for each in figures.differences:
+        key = (each.driver, each.setting, each.participant, each.condition, each.trial)
+        found.setdefault((*key, each.counted), []).append(each)
+    several = len({each.driver for each in figures.differences}) > 1
+    rows = [
+        (
+            LogText(f"{first.driver} {first.setting}" if several else first.setting),
+            *(_values(each.value for each in same), _values(each.wanted for each in same)),
+            ("" if first.counted or first.trial < 0 else "not counted: ") + _number(first.trial),
+            LogText(first.condition),
+            *(clock(first.begin), duration(sum(each.duration for each in same))),
+            LogText(participant_text(first.participant, counted=first.counted)),
+        )
+        for same in found.values()
+        for first in same[:1]
+    ]
+    heads = ("Setting", "Robot reported", "Requested", "Trial", "Condition", "From", "For")
+    title = "Robot settings that differed from the requested ones"
+    return ReportTable(title, [*heads, "Participant"], rows, words=5, on_terminal=7)
+
+
+def _values(values: Iterable[Json]) -> LogText:
+    """Each once."""
+    found = list(dict.fromkeys(map(value_text, values)))
+    return LogText(", ".join(found[:_VALUES] + ["..."] * (len(found) > _VALUES)))
+
+
+def stops(figures: SessionFigures) -> ReportTable:
+    """Stops: who, how soon confirmed, how long."""
+    rows = [
+        (
+            *(clock(stop.t), LogText(stop.source), LogText(stop.scope)),
+            "not recorded" if stop.elapsed_us is None else LogText(", ".join(stop.confirmed)),
+            LogText(", ".join(stop.missing)),
+            duration(stop.elapsed_us),
+            duration(None if stop.released is None else stop.released - stop.t),
+        )
+        for stop in figures.stops
+    ]
+    heads = ("At", "By", "Reach", "Confirmed by", "Not confirmed by", "Within", "Released after")
+    return ReportTable("Stops", heads, rows, words=5)
+
+
+def marks(figures: SessionFigures) -> ReportTable:
+    """Markers, notes and mistakes."""
+    rows = [
+        (
+            *(clock(mark.t), mark.sort, LogText(f"{mark.action} {mark.text}".strip())),
+            LogText(mark.source),
+        )
+        for mark in figures.marks
+    ]
+    return ReportTable("Markers, notes, mistakes", ("At", "What", "Text", "By"), rows, words=4)
+
+
+def answers(figures: SessionFigures) -> ReportTable:
+    """What was answered to questionnaires."""
+    rows = [
+        (
+            *(LogText(answer.item), LogText(answer.question)),
+            "left out"
+            if answer.skipped
+            else LogText(answer.text if answer.value is None else f"{answer.value:g}"),
+            *(_scale(answer.low, answer.high), duration(answer.answered_us)),
+            *(LogText(answer.questionnaire), str(answer.round)),
+            *(LogText(answer.condition), _number(answer.trial)),
+        )
+        for answer in figures.answers
+    ]
+    heads = ["Item", "Question", "Answer", "Scale", "After"]
+    heads += ["Questionnaire", "Round", "Condition", "Trial"]
+    return ReportTable("Questionnaires", heads, rows, words=4, on_terminal=4)
+
+
+def circumstances(figures: SessionFigures) -> Iterator[str]:
+    """Whatever else there is to be said about a session, in sentences."""
+    if figures.order:
+        yield f"order of conditions: {', '.join(figures.order)} ({figures.order_method})"
+    if figures.breaks:
+        lengths = sum(each.end - each.begin for each in figures.breaks if each.end is not None)
+        yield f"{counted(len(figures.breaks), 'break')}, {clock(lengths)} together"
+    if figures.training is not None:
+        training = figures.training
+        yield (
+            f"training: {training.right} of {counted(training.cues, 'cue')} answered correctly"
+            f" ({percent(training.score)}), {training.wrong} wrongly, {training.missed} missed,"
+            f" {counted(training.uncalled, 'action')} uncalled;"
+            f" reaction {duration(training.times.median)} (median)"
+        )
+    for title in figures.unanswered:
+        yield f"{title}: due and not answered"
+    for each in figures.rounds:
+        items = f" of {each.items}" if each.items else ""
+        ended = each.reason or "no end in the log"
+        yield f"{each.title or each.questionnaire}: {each.answered}{items} answered, {ended}"
+    for lost in figures.lost_drivers:
+        until = "to the end" if lost.end is None else f"to {clock(lost.end)}"
+        detail = f": {lost.text}" if lost.text else ""
+        yield f"driver {lost.name} was lost from {clock(lost.begin)} {until}{detail}"
+    for console in figures.consoles:
+        if console.lost and console.why != "left":
+            name = f"{console.role} console {console.console}"
+            yield f"{name} was disconnected at {clock(console.t)} ({console.why})"
+    for view in figures.restrictions:
+        hidden = [f"no {listed(view.hidden, 'or')}"] if view.hidden else []
+        hidden += [f"{listed(view.blurred)} blurred"] if view.blurred else []
+        yield f"from {clock(view.t)} the wizard's screen had {', '.join(hidden) or 'everything'}"
+    for shaping in figures.shaping:
+        yield (
+            f"from {clock(shaping.t)} answers to {listed(shaping.cues)} were delayed by at least"
+            f" {shaping.floor_us / 1e6:g} s, and up to {shaping.jitter_us / 1e6:g} s later"
+        )
+    if figures.profiles:
+        yield f"profiles in use: {', '.join(figures.profiles)}"
+    if figures.reloads:
+        yield f"the experiment file was read again {counted(figures.reloads, 'time')}"
+
+
+# -- many sessions --------------------------------------------------------------------------------
+
+
+def condition_rows(rows: Sequence[ConditionRow]) -> ReportTable:
+    """One row for each participant and condition of a session; a participant is named once."""
+    measures = [
+        measure
+        for measure in map(BY_NAME.__getitem__, COMPARED)
+        if any(row.values[measure.name] is not None for row in rows)
+    ]
+    found, last = [], ""
+    for row in rows:
+        who = participant_text(row.participant, counted=row.counted) or NONE
+        cells = (measure_text(measure, row.values[measure.name]) for measure in measures)
+        condition = condition_text(row.condition, row.scope) or NONE
+        found.append([*map(LogText, (who if who != last else "", condition, row.session)), *cells])
+        last = who
+    heads = ("Who", "Condition", "Session", *(each.short.capitalize() for each in measures))
+    return ReportTable("By participant and condition", heads, found, words=3)
+
+
+def condition_totals(totals: Sequence[ConditionTotal]) -> ReportTable:
+    """Figures down, conditions across."""
+    heads = [LogText(f"{each.condition or 'none'} (n = {each.participants})") for each in totals]
+    rows = [
+        [
+            title_of(name),
+            *(_total(each.values[name], each.participants, BY_NAME[name]) for each in totals),
+        ]
+        for name in COMPARED
+    ]
+    return ReportTable(
+        "By condition: mean and standard deviation over participants",
+        ["", *heads],
+        [row for row in rows if set(row[1:]) - {NONE}],
+        definitions=_DEFINITIONS,
+    )
+
+
+def _total(total: Total | None, participants: int = 0, measure: Measure | None = None) -> str:
+    """Mean, deviation, and of how many people if those are not all."""
+    if total is None or total.mean is None:
+        return NONE
+    mean, sd = (
+        "" if value is None else digits(value) if measure is None else measure_text(measure, value)
+        for value in (total.mean, total.sd)
+    )
+    people = f" n={total.n}" if total.n != participants else ""
+    return mean + (f" ({sd})" if sd else "") + people
+
+
+def item_totals(items: Sequence[ItemTotal]) -> ReportTable:
+    """Scales of questionnaires down, conditions across."""
+    conditions = list(dict.fromkeys(item.condition for item in items))
+    rows: dict[tuple[str, ...], dict[str, Total]] = {}
+    for item in items:
+        key = (item.question, item.questionnaire, item.item, _scale(item.low, item.high))
+        rows.setdefault(key, {})[item.condition] = item.total
+    heads = ["Questionnaire", "Item", "Scale", *(LogText(each or "none") for each in conditions)]
+    cells = [
+        [*map(LogText, key), *(_total(row.get(each)) for each in conditions), LogText(question)]
+        for (question, *key), row in rows.items()
+    ]
+    title = "Questionnaires: mean and standard deviation over participants"
+    return ReportTable(title, [*heads, "Question"], cells, words=3, on_terminal=len(heads))
+
+
+def trainings(grouped: GroupedSessions) -> ReportTable:
+    """Trainings of wizards, by wizard and time."""
+    rows = [
+        (
+            *(LogText(each.wizard or NONE), LogText(each.session)),
+            *map(str, (it.cues, it.right, it.wrong, it.missed, it.uncalled)),
+            *(percent(it.score), duration(it.times.median)),
+        )
+        for each in sorted(grouped.trainings, key=lambda each: (each.wizard, each.started))
+        for it in (each.training,)
+    ]
+    heads = ("Wizard", "Session", "Cues", "Right", "Wrong", "Missed", "Uncalled", "Score")
+    return ReportTable("Trainings", [*heads, "Reaction"], rows, words=2)

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import msgspec
 from woz_drivers.simulated.driver import SimulatedRobot
-from woz_drivers.simulated.pace import Pace
-from woz_drivers.simulated.settings import Settings
+from woz_drivers.simulated.pace import RobotTime
+from woz_drivers.simulated.settings import SimulatedSettings
 
 from tests.drivers.body.rig import SteppedBody
 from tests.fakes.virtual_time import LoopClock, run_virtual
@@ -41,7 +41,7 @@ LAG_US = 4_000
 Step = tuple[float, Callable[[Session], object]]
 
 
-class _LoopPace(Pace):
+class _LoopPace(RobotTime):
     """The loop's own time."""
 
     def now(self) -> float:
@@ -51,7 +51,7 @@ class _LoopPace(Pace):
 class _Robot(SimulatedRobot):
     """The simulated robot on the loop's time."""
 
-    def __init__(self, name: str, settings: Settings, context: DriverContext) -> None:
+    def __init__(self, name: str, settings: SimulatedSettings, context: DriverContext) -> None:
         super().__init__(name, settings, context, pace=_LoopPace())
 
 

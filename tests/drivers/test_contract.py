@@ -38,10 +38,10 @@ SETTINGS: list[tuple[str, Any]] = [
     *(("pepper", PepperSettings(robots=robots)) for robots in [(), ("simulated",), ("a/b",)]),
     ("pepper", PepperSettings(robots=("tcp://127.0.0.1:1",))),
     ("rangefinder", RangefinderSettings(NOWHERE)),
-    ("simulated", simulated.Settings()),
-    ("simulated", simulated.Settings(visitor=True)),
-    ("simulated", simulated.Settings(joints={})),
-    ("simulated", simulated.Settings(moves={"hop": 1})),
+    ("simulated", simulated.SimulatedSettings()),
+    ("simulated", simulated.SimulatedSettings(visitor=True)),
+    ("simulated", simulated.SimulatedSettings(joints={})),
+    ("simulated", simulated.SimulatedSettings(moves={"hop": 1})),
     ("speech", SpeechSettings(synthesise=("no-such-program",))),
 ]
 

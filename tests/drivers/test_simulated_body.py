@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.simulated import SimulatedJoint
-from woz_drivers.simulated.body import Body
-from woz_drivers.simulated.faults import Faults
+from woz_drivers.simulated.body import SimulatedRobotBody
+from woz_drivers.simulated.faults import ActiveFaults
 
 JOINTS = {"pan": SimulatedJoint(-90, 90, 100), "tilt": SimulatedJoint(-30, 40, 50)}
 
@@ -31,7 +31,7 @@ moments = st.floats(0, 3)
 def test_no_joint_leaves_its_limits_or_turns_faster_than_it_can(
     orders: list[tuple[float, str, dict[str, float], float]],
 ) -> None:
-    body = Body(JOINTS)
+    body = SimulatedRobotBody(JOINTS)
     now = 0.0
     for pause, order, goals, seconds in orders:
         match order:
@@ -54,7 +54,7 @@ def test_no_joint_leaves_its_limits_or_turns_faster_than_it_can(
 
 
 def test_a_frozen_body_stays_where_it_is() -> None:
-    body = Body(JOINTS)
+    body = SimulatedRobotBody(JOINTS)
     body.go({"pan": 80}, 2.0)
     body.advance(1.0)
     body.freeze()
@@ -67,9 +67,9 @@ def test_a_frozen_body_stays_where_it_is() -> None:
 
 
 def test_a_pose_takes_the_time_asked_for_or_the_time_it_needs() -> None:
-    body = Body(JOINTS)
+    body = SimulatedRobotBody(JOINTS)
     assert body.go({"pan": 10}, 2.0) == 2.0
-    body = Body(JOINTS)
+    body = SimulatedRobotBody(JOINTS)
     needed = body.go({"pan": 90}, 0.0)
     assert needed == pytest.approx(90 / 100 * math.pi / 2)
     body.advance(needed + 0.1)
@@ -78,7 +78,7 @@ def test_a_pose_takes_the_time_asked_for_or_the_time_it_needs() -> None:
 
 
 def test_the_base_drives_in_the_direction_it_looks() -> None:
-    body = Body(JOINTS)
+    body = SimulatedRobotBody(JOINTS)
     body.base.drive(0.0, 1.0, 0.0, 0.0, 90.0)
     body.advance(1.0)
     body.base.drive(1.0, 2.0, 1.0, 0.0, 0.0)
@@ -96,7 +96,7 @@ def test_a_joint_whose_home_lies_outside_its_limits_is_refused() -> None:
 
 
 def test_faults_hold_for_their_part_and_their_time() -> None:
-    faults = Faults()
+    faults = ActiveFaults()
     faults.add("refuse", 2.0, "voice", 10.0)
     faults.add("fail", 0.0, "", 10.0)
     assert faults.holding("refuse", "voice", 9.9) is None

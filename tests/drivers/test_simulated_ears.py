@@ -8,16 +8,16 @@ from pathlib import Path
 import pytest
 from woz_drivers import room_threshold
 from woz_drivers.microphone.driver import Microphone
-from woz_drivers.simulated import Settings
+from woz_drivers.simulated import SimulatedSettings
 from woz_drivers.simulated.senses import ROOM_NOISE, ROOM_SPREAD, THRESHOLD
 from woz_drivers.simulated.verbs import offered
-from woz_drivers.simulated.visitor import Visitor
+from woz_drivers.simulated.visitor import SimulatedVisitor
 
 from tests.fakes.simulated_rig import Rig, rig
 from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError, Scope
 from woz_tui.protocol.messages import Json, Reading, SpeechEnded, SpeechStarted
 
-VISITED = Settings(visitor=True, seed=7)
+VISITED = SimulatedSettings(visitor=True, seed=7)
 #: What a microphone's answer holds, and the simulated one's.
 TOLD = {"threshold", "was", "mean", "sd", "k", "loudest", "seconds"}
 
@@ -43,9 +43,9 @@ def number(sent: Json) -> float:
 
 def test_it_is_the_microphones_verb() -> None:
     assert [verb for verb in offered(VISITED) if verb.lane == "listen"] == [*Microphone.verbs(None)]
-    assert room_threshold.NAME not in {verb.name for verb in offered(Settings())}
+    assert room_threshold.NAME not in {verb.name for verb in offered(SimulatedSettings())}
     assert room_threshold.NAME in {
-        verb.name for verb in offered(Settings(visitor=True, voice_only=True))
+        verb.name for verb in offered(SimulatedSettings(visitor=True, voice_only=True))
     }
 
 
@@ -68,7 +68,7 @@ async def test_the_same_seed_teaches_the_same(tmp_path: Path) -> None:
     """Whatever the pace of the world, and whenever the robot looks at its clock."""
     found = []
     for speed, early in ((1.0, 0.31), (1.0, 0.39), (4.0, 0.39 / 4)):
-        async with rig(tmp_path, Settings(visitor=True, seed=7, speed=speed)) as it:
+        async with rig(tmp_path, SimulatedSettings(visitor=True, seed=7, speed=speed)) as it:
             await it.pace.advance(early)
             found.append((await it.do(room_threshold.NAME, seconds=1.5))["threshold"])
     assert found[0] == found[1] == found[2]
@@ -99,13 +99,13 @@ async def test_what_was_learnt_decides_what_is_speech(it: Rig) -> None:
     await it.pace.advance(60.0)
     assert [type(one) for one in it.context.told[:2]] == [SpeechStarted, SpeechEnded]
     few = sum(isinstance(one, SpeechStarted) for one in it.context.told)
-    as_usual = Visitor(7)
+    as_usual = SimulatedVisitor(7)
     as_usual.step(it.pace.now())
     assert few < sum(one.what == "started" for one in as_usual.speech())
 
 
 def test_visits_do_not_hang_on_what_is_taken_for_speech() -> None:
-    deaf, usual = Visitor(3), Visitor(3)
+    deaf, usual = SimulatedVisitor(3), SimulatedVisitor(3)
     deaf.hearing.ends.threshold = 0.9
     assert deaf.step(120.0) == usual.step(120.0)
 

@@ -7,7 +7,7 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-from woz_drivers.simulated import ScheduledFault, Settings, SimulatedRobot
+from woz_drivers.simulated import ScheduledFault, SimulatedRobot, SimulatedSettings
 
 from tests.fakes.simulated_rig import Rig, rig
 from woz_tui.drivers.contract import (
@@ -172,7 +172,7 @@ async def test_a_hot_motor_shows_and_everything_goes_on(it: Rig) -> None:
 
 
 async def test_sensors_break_in_three_ways(tmp_path: Path) -> None:
-    async with rig(tmp_path, Settings(visitor=True)) as it:
+    async with rig(tmp_path, SimulatedSettings(visitor=True)) as it:
         await it.pace.advance(1.0)
         await it.do("fault", kind="stuck", seconds=5.0, part="loudness")
         stuck = it.context.latest("loudness")
@@ -187,7 +187,7 @@ async def test_sensors_break_in_three_ways(tmp_path: Path) -> None:
 
 
 async def test_scheduled_faults_come_by_themselves(tmp_path: Path) -> None:
-    planned = Settings(faults=(ScheduledFault("disconnect", after=2.0, seconds=1.0),))
+    planned = SimulatedSettings(faults=(ScheduledFault("disconnect", after=2.0, seconds=1.0),))
     async with rig(tmp_path, planned) as it:
         await it.pace.advance(4.0)
     assert [health for health, _, _ in it.context.healths] == [
@@ -201,14 +201,14 @@ async def test_scheduled_faults_come_by_themselves(tmp_path: Path) -> None:
 
 
 async def test_a_planned_fault_of_a_part_that_is_not_there_is_found() -> None:
-    planned = Settings(faults=(ScheduledFault("fail", part="vioce"),))
+    planned = SimulatedSettings(faults=(ScheduledFault("fail", part="vioce"),))
     findings = await SimulatedRobot.examine(Probe("robot", planned))
     assert findings[-1].level == "error"
     assert "voice" in findings[-1].remedy
 
 
 async def test_it_may_take_a_while_to_be_found(tmp_path: Path) -> None:
-    async with rig(tmp_path, Settings(connect_after=2.0)) as it:
+    async with rig(tmp_path, SimulatedSettings(connect_after=2.0)) as it:
         with pytest.raises(DeviceLostError, match="not connected yet"):
             await it.do("say", text="Hello")
         await it.pace.advance(2.1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from woz_drivers.simulated import ScheduledFault, Settings, SimulatedJoint
+from woz_drivers.simulated import ScheduledFault, SimulatedJoint, SimulatedSettings
 
 from woz_tui.config.experiment import ExperimentError
 from woz_tui.config.loading import load
@@ -42,7 +42,7 @@ def test_every_kind_of_setting_can_stand_in_a_file(tmp_path: Path) -> None:
     path = tmp_path / "rehearsal.yaml"
     path.write_text(FILE)
     (robot,) = load(path, installed()).drivers
-    assert robot.settings == Settings(
+    assert robot.settings == SimulatedSettings(
         joints={"neck": SimulatedJoint(-40, 40, 90)},
         yaw_joint="neck",
         visitor=True,

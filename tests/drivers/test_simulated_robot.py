@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.simulated import Settings, SimulatedJoint, SimulatedRobot
+from woz_drivers.simulated import SimulatedJoint, SimulatedRobot, SimulatedSettings
 from woz_drivers.simulated.speech import utterance
 from woz_drivers.simulated.verbs import MOVES
 
@@ -29,7 +29,7 @@ async def it(tmp_path: Path) -> AsyncIterator[Rig]:
 
 async def test_it_works_in_real_time(tmp_path: Path) -> None:
     context = RecordingContext(tmp_path)
-    robot = SimulatedRobot("robot", Settings(speed=100), context)
+    robot = SimulatedRobot("robot", SimulatedSettings(speed=100), context)
     await robot.open()
     dance: dict[str, Json] = {"move": "dance", "speed": 1.0, "amplitude": 1.0}
     sent = await asyncio.wait_for(robot.perform(PlainJob("play", dance)), 20)
@@ -100,7 +100,7 @@ async def test_amplitude_and_speed_change_a_move(it: Rig) -> None:
 
 
 async def test_a_move_of_the_robot_file_takes_its_time(tmp_path: Path) -> None:
-    async with rig(tmp_path, Settings(moves={"hop": 3.0})) as it:
+    async with rig(tmp_path, SimulatedSettings(moves={"hop": 3.0})) as it:
         task = it.begin("play", move="hop")
         await it.pace.advance(2.9)
         assert not task.done()
@@ -238,28 +238,32 @@ async def test_readings_come_fast_while_it_moves_and_slowly_while_it_stands(it: 
     it.begin("pose", joints={"pan": 60}, seconds=4.0)
     await it.pace.advance(4.0)
     assert 39 <= len(it.context.of("joint.pan")) <= 41
-    assert set(SimulatedRobot.sensors(Settings())) == {r.sensor for r in it.context.readings}
+    assert set(SimulatedRobot.sensors(SimulatedSettings())) == {
+        r.sensor for r in it.context.readings
+    }
 
 
 # -- shape and visitor ----------------------------------------------------------------------------
 
 
 def test_a_head_joint_that_is_not_there_is_a_problem_of_the_file() -> None:
-    assert Settings().problems() == []
-    assert Settings(yaw_joint="neck").problems() == [("yaw_joint", "there is no joint 'neck'")]
-    assert Settings(joints={}).problems() == []
+    assert SimulatedSettings().problems() == []
+    assert SimulatedSettings(yaw_joint="neck").problems() == [
+        ("yaw_joint", "there is no joint 'neck'")
+    ]
+    assert SimulatedSettings(joints={}).problems() == []
 
 
 def test_a_robot_without_a_head_offers_no_gaze() -> None:
-    legs = Settings(joints={"knee": SimulatedJoint()})
+    legs = SimulatedSettings(joints={"knee": SimulatedJoint()})
     verbs = {verb.name for verb in SimulatedRobot.verbs(legs)}
     assert "pose" in verbs
     assert not {"gaze", "nudge", "hip"} & verbs
-    assert "pose" not in {verb.name for verb in SimulatedRobot.verbs(Settings(joints={}))}
+    assert "pose" not in {verb.name for verb in SimulatedRobot.verbs(SimulatedSettings(joints={}))}
 
 
 async def visits(tmp_path: Path, speech: Callable[[Rig], Awaitable[Any]]) -> list[Any]:
-    async with rig(tmp_path, Settings(visitor=True, seed=11)) as it:
+    async with rig(tmp_path, SimulatedSettings(visitor=True, seed=11)) as it:
         await it.pace.advance(14.0)
         await speech(it)
         await it.pace.advance(5.0)
@@ -283,7 +287,7 @@ async def test_the_same_seed_and_the_same_wizard_give_the_same_readings(tmp_path
 
 
 async def test_time_lapse_runs_everything_faster(tmp_path: Path) -> None:
-    async with rig(tmp_path, Settings(visitor=True, speed=20)) as it:
+    async with rig(tmp_path, SimulatedSettings(visitor=True, speed=20)) as it:
         task = it.begin("say", text="x" * 140)
         await it.pace.advance(0.6)
         assert task.done()
@@ -293,6 +297,6 @@ async def test_time_lapse_runs_everything_faster(tmp_path: Path) -> None:
 
 
 def test_a_voice_alone_leaves_the_body_to_another_driver() -> None:
-    settings = Settings(voice_only=True)
+    settings = SimulatedSettings(voice_only=True)
     assert [verb.name for verb in SimulatedRobot.verbs(settings)] == ["say", "sound", "volume"]
     assert SimulatedRobot.sensors(settings) == ()

@@ -7,31 +7,37 @@ from pathlib import Path
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.simulated.simulated_camera import HEIGHT, WIDTH, Person, Sight, drawn
+from woz_drivers.simulated.simulated_camera import (
+    HEIGHT,
+    WIDTH,
+    DrawnPerson,
+    SimulatedCamera,
+    scene_picture,
+)
 
 from tests.drivers.heard import Heard
 from woz_tui.protocol.camera_pictures import PICTURE, WATCHED, CameraWatched, Picture
 from woz_tui.system.clock import ManualClock
 
 
-def coat(person: Person | None) -> np.ndarray[tuple[int, ...], np.dtype[np.intp]]:
+def coat(person: DrawnPerson | None) -> np.ndarray[tuple[int, ...], np.dtype[np.intp]]:
     """Rows and columns of the visitor's coat."""
-    picture = np.frombuffer(drawn(person), np.uint8).reshape(HEIGHT, WIDTH, 3)
+    picture = np.frombuffer(scene_picture(person), np.uint8).reshape(HEIGHT, WIDTH, 3)
     return np.argwhere((picture == (58, 92, 150)).all(axis=2))
 
 
 def test_the_visitor_stands_where_the_visitor_is() -> None:
     assert len(coat(None)) == 0
-    left, right = (coat(Person(1.5, side, False, False)) for side in (-15.0, 15.0))
+    left, right = (coat(DrawnPerson(1.5, side, False, False)) for side in (-15.0, 15.0))
     assert left[:, 1].mean() < WIDTH / 2 - 10
     assert right[:, 1].mean() > WIDTH / 2 + 10
-    near, far = (coat(Person(distance, 0.0, False, False)) for distance in (1.0, 3.0))
+    near, far = (coat(DrawnPerson(distance, 0.0, False, False)) for distance in (1.0, 3.0))
     assert len(near) > 4 * len(far)
 
 
 def test_looks_and_words_are_seen() -> None:
     pictures = {
-        drawn(Person(1.0, 0.0, looking, talking))
+        scene_picture(DrawnPerson(1.0, 0.0, looking, talking))
         for looking in (True, False)
         for talking in (True, False)
     }
@@ -42,13 +48,13 @@ def test_looks_and_words_are_seen() -> None:
 def test_a_picture_has_its_size_wherever_they_stand(
     distance: float, side: float, looking: bool
 ) -> None:
-    assert len(drawn(Person(distance, side, looking, True))) == 3 * WIDTH * HEIGHT
+    assert len(scene_picture(DrawnPerson(distance, side, looking, True))) == 3 * WIDTH * HEIGHT
 
 
 async def test_it_looks_while_somebody_watches(tmp_path: Path) -> None:
     clock = ManualClock()
     heard = Heard(tmp_path, clock)
-    sight, feed = Sight(heard.context), heard.context.feed(PICTURE)
+    sight, feed = SimulatedCamera(heard.context), heard.context.feed(PICTURE)
     sight.look(None)
     assert feed.latest().serial == 0
     heard.context.feed(WATCHED).put(CameraWatched(1_000_000, 320, 5.0))

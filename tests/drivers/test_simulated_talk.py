@@ -10,24 +10,24 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from woz_drivers.simulated import Settings
+from woz_drivers.simulated import SimulatedSettings
 from woz_drivers.simulated import visitor as words
 from woz_drivers.simulated.senses import THRESHOLD, TICK
 from woz_drivers.simulated.simulated_microphone import (
     HANG_OVER,
     PRE_ROLL,
     UNDERSTOOD_AFTER,
-    Hearing,
-    Speech,
+    SpeechInProgress,
+    SpeechSegmenter,
 )
 from woz_drivers.simulated.verbs import offered, sensors
-from woz_drivers.simulated.visitor import PEOPLE, STRANGERS, Phase, Visitor
+from woz_drivers.simulated.visitor import PEOPLE, STRANGERS, SimulatedVisitor, VisitPhase
 
 from tests.fakes.simulated_rig import Rig, rig
 from woz_tui.drivers.contract import SPEECH, DriverError, RejectedError
 from woz_tui.protocol.messages import SpeechEnded, SpeechStarted, SpeechText
 
-VISITED = Settings(visitor=True, seed=7)
+VISITED = SimulatedSettings(visitor=True, seed=7)
 LOUD, QUIET = 0.1, 0.01
 
 
@@ -35,8 +35,8 @@ LOUD, QUIET = 0.1, 0.01
 
 
 def test_a_segment_has_pre_roll_hang_over_and_words() -> None:
-    hearing = Hearing(THRESHOLD, TICK)
-    told: list[Speech] = []
+    hearing = SpeechSegmenter(THRESHOLD, TICK)
+    told: list[SpeechInProgress] = []
     for tick in range(60):
         if tick == 20:
             hearing.words("How old is it?")
@@ -52,7 +52,7 @@ def test_a_segment_has_pre_roll_hang_over_and_words() -> None:
 
 
 def test_what_a_visitor_says_is_heard_segment_by_segment() -> None:
-    visitor = Visitor(7)
+    visitor = SimulatedVisitor(7)
     visitor.step(600.0)
     speech = visitor.speech()
     assert visitor.speech() == [], "told once"
@@ -93,22 +93,24 @@ def test_other_questions_and_sentences_get_other_answers() -> None:
 # -- faces ----------------------------------------------------------------------------------------
 
 
-def standing(visitor: Visitor, person: str, now: float = 0.0) -> float:
+def standing(visitor: SimulatedVisitor, person: str, now: float = 0.0) -> float:
     """Let time pass until this person stands there and is silent; returns the time."""
-    while not (visitor.phase is Phase.STAYING and visitor.person == person and not visitor.talking):
+    while not (
+        visitor.phase is VisitPhase.STAYING and visitor.person == person and not visitor.talking
+    ):
         now += 0.1
         visitor.step(now)
         assert now < 3000, f"{person} never came"
     return now
 
 
-def names(visitor: Visitor, until: float) -> set[str]:
+def names(visitor: SimulatedVisitor, until: float) -> set[str]:
     return {sample.text for sample in visitor.step(until) if sample.sensor == "identity"}
 
 
 @pytest.mark.parametrize("person", STRANGERS)
 def test_a_stranger_is_recognised_once_introduced(person: str) -> None:
-    visitor = Visitor(7)
+    visitor = SimulatedVisitor(7)
     now = standing(visitor, person)
     assert names(visitor, now + 5) == {""}
     assert visitor.learn_face("V9")
@@ -123,11 +125,11 @@ def test_a_stranger_is_recognised_once_introduced(person: str) -> None:
 
 
 def test_those_whom_the_robot_knows_are_called_by_their_name() -> None:
-    visitor = Visitor(7)
+    visitor = SimulatedVisitor(7)
     for person in PEOPLE:
         now = standing(visitor, person, 0.0)
         assert person in names(visitor, now + 10)
-        visitor = Visitor(7)
+        visitor = SimulatedVisitor(7)
 
 
 # -- answers and the clock ------------------------------------------------------------------------
@@ -137,7 +139,7 @@ def talked(seed: int, lateness: random.Random | None) -> list[tuple[str, int, st
     """Ten minutes with a robot that answers everything; `lateness` shakes its clock as a busy
     machine does, and cuts the steps anew.
     """
-    visitor = Visitor(seed)
+    visitor = SimulatedVisitor(seed)
     course: list[tuple[str, int, str]] = []
     for tick in range(1, 6000):
         late = lateness.uniform(0.0, 0.07) if lateness else 0.0
@@ -162,7 +164,7 @@ def test_a_clock_that_is_not_quite_on_time_changes_nothing(seed: int) -> None:
 
 
 def test_whoever_has_answered_enough_thanks_and_goes() -> None:
-    visitor = Visitor(7)
+    visitor = SimulatedVisitor(7)
     now = standing(visitor, "V1")
     visitor.speech()  # whatever others have said
     said: list[str] = []
@@ -178,7 +180,7 @@ def test_whoever_has_answered_enough_thanks_and_goes() -> None:
 
 
 def test_whoever_says_goodbye_goes_though_the_robot_talks_on() -> None:
-    visitor = Visitor(7)
+    visitor = SimulatedVisitor(7)
     now = standing(visitor, "V1")
     said: list[str] = []
     while visitor.present:
@@ -192,7 +194,7 @@ def test_whoever_says_goodbye_goes_though_the_robot_talks_on() -> None:
 
 
 def test_being_asked_for_a_name_is_not_too_much() -> None:
-    visitor = Visitor(7)
+    visitor = SimulatedVisitor(7)
     now = standing(visitor, "Kim")
     for _ in range(8):
         visitor.hear(now, 1.0, "What is your name?")
@@ -211,8 +213,8 @@ async def it(tmp_path: Path) -> AsyncIterator[Rig]:
 
 
 def test_speech_and_faces_are_there_with_a_visitor_only() -> None:
-    alone = Settings()
-    voice = Settings(visitor=True, voice_only=True)
+    alone = SimulatedSettings()
+    voice = SimulatedSettings(visitor=True, voice_only=True)
     assert SPEECH in sensors(VISITED)
     assert SPEECH in sensors(voice)
     assert SPEECH not in sensors(alone)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from woz_drivers.simulated.senses import DOOR, SENSORS, WALL, Sample
-from woz_drivers.simulated.visitor import Phase, Visitor
+from woz_drivers.simulated.visitor import SimulatedVisitor, VisitPhase
 
 HOUR = 3600.0
 
@@ -22,22 +22,22 @@ def by_sensor(samples: list[Sample], sensor: str) -> list[Sample]:
 @given(st.integers(0, 2**31 - 1), st.lists(st.floats(0, 20), min_size=1, max_size=8))
 def test_same_seed_same_samples_whatever_the_steps(seed: int, pauses: list[float]) -> None:
     end = sum(pauses)
-    stepped = Visitor(seed)
+    stepped = SimulatedVisitor(seed)
     now = 0.0
     samples = []
     for pause in pauses:
         now += pause
         samples += stepped.step(now)
-    assert samples == Visitor(seed).step(end)
+    assert samples == SimulatedVisitor(seed).step(end)
 
 
 def test_different_seeds_differ() -> None:
-    assert Visitor(1).step(60.0) != Visitor(2).step(60.0)
+    assert SimulatedVisitor(1).step(60.0) != SimulatedVisitor(2).step(60.0)
 
 
 @pytest.fixture(scope="module")
 def hour() -> list[Sample]:
-    return Visitor(7).step(HOUR)
+    return SimulatedVisitor(7).step(HOUR)
 
 
 def test_distance_and_loudness_come_ten_times_a_second(hour: list[Sample]) -> None:
@@ -71,27 +71,27 @@ def test_echoes_are_lost_rarely(hour: list[Sample]) -> None:
 
 
 def test_every_phase_occurs_and_a_visit_lasts(hour: list[Sample]) -> None:
-    visitor = Visitor(7)
+    visitor = SimulatedVisitor(7)
     phases = [visitor.phase]
     for tenth in range(1, int(HOUR * 10)):
         visitor.step(tenth / 10)
         if visitor.phase is not phases[-1]:
             phases.append(visitor.phase)
-    assert set(phases) == set(Phase)
-    assert all(b is Phase.COMING for a, b in pairwise(phases) if a is Phase.AWAY)
-    assert phases.count(Phase.COMING) > 30
+    assert set(phases) == set(VisitPhase)
+    assert all(b is VisitPhase.COMING for a, b in pairwise(phases) if a is VisitPhase.AWAY)
+    assert phases.count(VisitPhase.COMING) > 30
     assert DOOR > 4
 
 
-def talk_to(visitor: Visitor, begins: float, seconds: float, until: float) -> list[Sample]:
+def talk_to(visitor: SimulatedVisitor, begins: float, seconds: float, until: float) -> list[Sample]:
     visitor.hear(begins, seconds)
     return by_sensor(visitor.step(until), "loudness")
 
 
-def arrived() -> tuple[Visitor, float]:
-    visitor = Visitor(7)
+def arrived() -> tuple[SimulatedVisitor, float]:
+    visitor = SimulatedVisitor(7)
     now = 0.0
-    while visitor.phase is not Phase.STAYING or visitor.talking:
+    while visitor.phase is not VisitPhase.STAYING or visitor.talking:
         now += 0.1
         visitor.step(now)
         assert now < 60
@@ -115,7 +115,7 @@ def test_speech_rises_above_the_room_and_is_made_of_syllables() -> None:
 
 
 def test_nobody_answers_in_an_empty_room() -> None:
-    visitor = Visitor(7)
+    visitor = SimulatedVisitor(7)
     visitor.hear(0.1, 0.1)
     loudness = [s.value for s in by_sensor(visitor.step(2.0), "loudness")]
     assert all(value is not None and value < 0.04 for value in loudness)

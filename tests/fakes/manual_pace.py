@@ -7,7 +7,7 @@ import heapq
 import itertools
 import math
 
-from woz_drivers.simulated.pace import Pace
+from woz_drivers.simulated.pace import RobotTime
 
 from woz_tui.system.clock import ManualClock
 
@@ -15,7 +15,7 @@ from woz_tui.system.clock import ManualClock
 TURNS = 12
 
 
-class ManualPace(Pace):
+class ManualPace(RobotTime):
     """`advance` wakes the sleepers in order, at their times, and lets each run until it waits."""
 
     def __init__(self, clock: ManualClock) -> None:

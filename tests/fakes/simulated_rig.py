@@ -8,7 +8,7 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from woz_drivers.simulated import Settings, SimulatedRobot
+from woz_drivers.simulated import SimulatedRobot, SimulatedSettings
 
 from tests.fakes.manual_pace import ManualPace
 from woz_tui.drivers.argument_check import ArgumentError, checked
@@ -54,11 +54,11 @@ class Rig:
 
 
 @asynccontextmanager
-async def rig(folder: Path, settings: Settings | None = None) -> AsyncIterator[Rig]:
+async def rig(folder: Path, settings: SimulatedSettings | None = None) -> AsyncIterator[Rig]:
     clock = ManualClock()
     pace = ManualPace(clock)
     context = RecordingContext(folder, clock)
-    robot = SimulatedRobot("robot", settings or Settings(), context, pace=pace)
+    robot = SimulatedRobot("robot", settings or SimulatedSettings(), context, pace=pace)
     await robot.open()
     await pace.settle()
     try:

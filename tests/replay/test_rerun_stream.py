@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from woz_drivers.simulated import SimulatedRobot
-from woz_drivers.simulated.pace import Pace
+from woz_drivers.simulated.pace import RobotTime
 
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from tests.replay.again import KEY, NOWHERE
@@ -41,7 +41,7 @@ panels:
 Setpoints = list[tuple[int, str, float | None]]
 
 
-class LoopPace(Pace):
+class LoopPace(RobotTime):
     """The robot's time is the loop's."""
 
     def now(self) -> float:

@@ -6,6 +6,6 @@ drives about, breaks down when told to, and can be visited by a simulated person
 """
 
 from woz_drivers.simulated.driver import SimulatedRobot
-from woz_drivers.simulated.settings import ScheduledFault, Settings, SimulatedJoint
+from woz_drivers.simulated.settings import ScheduledFault, SimulatedJoint, SimulatedSettings
 
-__all__ = ["ScheduledFault", "Settings", "SimulatedJoint", "SimulatedRobot"]
+__all__ = ["ScheduledFault", "SimulatedJoint", "SimulatedRobot", "SimulatedSettings"]

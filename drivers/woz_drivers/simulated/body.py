@@ -23,7 +23,7 @@ def clamp(value: float, low: float, high: float) -> float:
     return min(max(value, low), high)
 
 
-class Joint:
+class MovingJoint:
     """One joint: a track of setpoints to come, and an angle that follows."""
 
     def __init__(self, limits: SimulatedJoint) -> None:
@@ -72,7 +72,7 @@ class Joint:
         return start + (goal - start) * (1 - math.cos(math.pi * clamp(share, 0, 1))) / 2
 
 
-class Base:
+class MovingBase:
     """Where the robot stands in the room: metres from its start, x forward, y left; degrees."""
 
     def __init__(self) -> None:
@@ -109,12 +109,12 @@ class Base:
         self.moving = share < 1
 
 
-class Body:
+class SimulatedRobotBody:
     """All joints and the base."""
 
     def __init__(self, joints: Mapping[str, SimulatedJoint]) -> None:
-        self.joints = {name: Joint(limits) for name, limits in joints.items()}
-        self.base = Base()
+        self.joints = {name: MovingJoint(limits) for name, limits in joints.items()}
+        self.base = MovingBase()
         self.torque = True
         self.now = 0.0
 

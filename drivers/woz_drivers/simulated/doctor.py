@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from woz_drivers.simulated import verbs
-from woz_drivers.simulated.settings import Settings
+from woz_drivers.simulated.settings import SimulatedSettings
 from woz_drivers.simulated.verbs import roles
 from woz_tui.drivers.contract import Finding, Probe
 
 
 def examine(probe: Probe) -> list[Finding]:
     """Nothing can be missing."""
-    settings: Settings = probe.settings
+    settings: SimulatedSettings = probe.settings
     findings = [Finding("ok", probe.name, f"simulated, {len(settings.joints)} joints")]
     if not {"yaw", "pitch"} & roles(settings).keys():
         findings.append(

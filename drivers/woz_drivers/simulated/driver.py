@@ -17,14 +17,14 @@ from woz_drivers.simulated.argument_values import (
     known_joints,
     sound_seconds,
 )
-from woz_drivers.simulated.body import Body
-from woz_drivers.simulated.faults import SLOWNESS, Fault, Faults
-from woz_drivers.simulated.pace import Pace
+from woz_drivers.simulated.body import SimulatedRobotBody
+from woz_drivers.simulated.faults import SLOWNESS, ActiveFaults, Fault
+from woz_drivers.simulated.pace import RobotTime
 from woz_drivers.simulated.publishing import Publisher
-from woz_drivers.simulated.simulated_camera import Person, Sight
-from woz_drivers.simulated.simulated_microphone import Ears, Teller
+from woz_drivers.simulated.simulated_camera import DrawnPerson, SimulatedCamera
+from woz_drivers.simulated.simulated_microphone import SimulatedMicrophone, SpeechMessages
 from woz_drivers.simulated.speech import utterance
-from woz_drivers.simulated.visitor import Visitor
+from woz_drivers.simulated.visitor import SimulatedVisitor
 from woz_tui.drivers.contract import (
     SPEECH,
     DeviceLostError,
@@ -71,30 +71,34 @@ _LOST_REMEDY = "it recovers by itself; `fault: clear` ends the fault at once"
 class SimulatedRobot(Driver):
     """A robot without hardware."""
 
-    Settings = _settings.Settings
+    Settings = _settings.SimulatedSettings
     summary = "A robot without hardware, to write and rehearse experiments"
-    settings: _settings.Settings
+    settings: _settings.SimulatedSettings
 
     def __init__(
         self,
         name: str,
-        settings: _settings.Settings,
+        settings: _settings.SimulatedSettings,
         context: DriverContext,
         *,
-        pace: Pace | None = None,
+        pace: RobotTime | None = None,
     ) -> None:
         super().__init__(name, settings, context)
-        self._pace = pace or Pace()
+        self._pace = pace or RobotTime()
         self._verbs = {verb.name: verb for verb in self.verbs(settings)}
-        self._faults = Faults()
-        self._body = Body(settings.joints)
+        self._faults = ActiveFaults()
+        self._body = SimulatedRobotBody(settings.joints)
         self._body.torque = settings.torque
-        self._visitor = Visitor(settings.seed) if settings.visitor else None
+        self._visitor = SimulatedVisitor(settings.seed) if settings.visitor else None
         self._publisher = Publisher(context, self._faults)
-        self._teller = Teller(name, context, self._clock_us)
+        self._teller = SpeechMessages(name, context, self._clock_us)
         visitor = self._visitor
-        self._sight = Sight(context) if visitor else None
-        self._ears = Ears(name, context, self._publisher, visitor.hearing) if visitor else None
+        self._sight = SimulatedCamera(context) if visitor else None
+        self._ears = (
+            SimulatedMicrophone(name, context, self._publisher, visitor.hearing)
+            if visitor
+            else None
+        )
         self._moves = verbs.playable_moves(settings)
         self._roles = verbs.roles(settings)
         self.volume = 0.7
@@ -126,17 +130,17 @@ class SimulatedRobot(Driver):
         self._closed = False
 
     @classmethod
-    def verbs(cls, settings: _settings.Settings) -> tuple[Verb, ...]:
+    def verbs(cls, settings: _settings.SimulatedSettings) -> tuple[Verb, ...]:
         """The common verbs, as far as the joints go, and `fault`."""
         return verbs.offered(settings)
 
     @classmethod
-    def sensors(cls, settings: _settings.Settings) -> tuple[str, ...]:
+    def sensors(cls, settings: _settings.SimulatedSettings) -> tuple[str, ...]:
         """Joints, base, and the visitor's traces if there is one."""
         return verbs.sensors(settings)
 
     @classmethod
-    def joints(cls, settings: _settings.Settings) -> Mapping[str, Range]:
+    def joints(cls, settings: _settings.SimulatedSettings) -> Mapping[str, Range]:
         """Joints with their limits in degrees, so that `woz check` finds impossible poses."""
         return {
             name: Range(joint.low, joint.high, "degrees") for name, joint in settings.joints.items()
@@ -234,13 +238,13 @@ class SimulatedRobot(Driver):
             self._listen(self._visitor, now)
             self._look(self._visitor, now)
 
-    def _look(self, visitor: Visitor, now: float) -> None:
+    def _look(self, visitor: SimulatedVisitor, now: float) -> None:
         """What its camera sees of the visitor, unless it is unplugged."""
         if self._sight is not None and self._gone(now) is None:
-            seen = Person(visitor.distance, visitor.side, visitor.looking, visitor.talking)
+            seen = DrawnPerson(visitor.distance, visitor.side, visitor.looking, visitor.talking)
             self._sight.look(seen if visitor.present else None)
 
-    def _listen(self, visitor: Visitor, now: float) -> None:
+    def _listen(self, visitor: SimulatedVisitor, now: float) -> None:
         """What the microphone makes of the visitor's voice, unless it is unplugged."""
         speech, gone = visitor.speech(), self._gone(now)
         if gone is not None:

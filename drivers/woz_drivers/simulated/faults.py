@@ -45,7 +45,7 @@ class Fault:
         return self.part in ("", part) and self.begin <= now < self.end
 
 
-class Faults:
+class ActiveFaults:
     """The break-downs that hold or are still to come."""
 
     def __init__(self) -> None:

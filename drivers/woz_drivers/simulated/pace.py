@@ -6,7 +6,7 @@ import asyncio
 import time
 
 
-class Pace:
+class RobotTime:
     """Real time: seconds of CLOCK_MONOTONIC, pauses of asyncio."""
 
     def now(self) -> float:

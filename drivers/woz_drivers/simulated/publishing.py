@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from woz_drivers.simulated.body import Body
-from woz_drivers.simulated.faults import Faults
+from woz_drivers.simulated.body import SimulatedRobotBody
+from woz_drivers.simulated.faults import ActiveFaults
 from woz_drivers.simulated.senses import UNITS, Sample
 from woz_tui.drivers.contract import DriverContext
 
@@ -20,14 +20,14 @@ MANY = 50
 class Publisher:
     """Body and visitor as readings."""
 
-    def __init__(self, context: DriverContext, faults: Faults) -> None:
+    def __init__(self, context: DriverContext, faults: ActiveFaults) -> None:
         self._context = context
         self._faults = faults
         self._last: dict[str, float | None] = {}
         self._was_moving = True
         self._calm_until = -math.inf
 
-    def body(self, body: Body, now: float) -> None:
+    def body(self, body: SimulatedRobotBody, now: float) -> None:
         """Joints and base: always while something moves, once when it ends, else now and then."""
         moving = body.moving
         if not (moving or self._was_moving or now >= self._calm_until):

@@ -48,7 +48,7 @@ class Sample:
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class VisitorView:
     """The person as they are: metres (None: nobody), degrees to the left, a name to recognise."""
 
     distance: float | None
@@ -58,14 +58,14 @@ class Seen:
     face: str
 
 
-class Senses:
+class SimulatedSensors:
     """All sensors of the simulated robot that are about people."""
 
     def __init__(self, seed: int) -> None:
         self._chance = Random(f"{seed} noise")
         self._blind_until = 0.0
 
-    def sensed(self, tick: int, seen: Seen) -> list[Sample]:
+    def sensed(self, tick: int, seen: VisitorView) -> list[Sample]:
         """The samples of one tick; each has to be asked for, in order."""
         now = tick * TICK
         samples = [
@@ -76,7 +76,7 @@ class Senses:
             samples += self._seen(now, seen)
         return samples
 
-    def _range(self, now: float, seen: Seen) -> float | None:
+    def _range(self, now: float, seen: VisitorView) -> float | None:
         """Metres, to the centimetre; now and then the echo is lost for up to 0.7 s."""
         noise = self._chance.gauss(0.0, 0.015)
         lost = self._chance.random() < 0.004
@@ -87,7 +87,7 @@ class Senses:
             return None
         return round((WALL if seen.distance is None else seen.distance) + noise, 2)
 
-    def _loudness(self, now: float, seen: Seen) -> float:
+    def _loudness(self, now: float, seen: VisitorView) -> float:
         """RMS of the last tick: the room, and bursts of syllables while the person talks."""
         room = max(0.001, self._chance.gauss(ROOM_NOISE, ROOM_SPREAD))
         strength = self._chance.uniform(0.8, 1.2)
@@ -97,7 +97,7 @@ class Senses:
         voice = VOICE * strength * syllable / max(seen.distance, 0.5)
         return round(min(1.0, math.hypot(room, voice)), 4)
 
-    def _seen(self, now: float, seen: Seen) -> list[Sample]:
+    def _seen(self, now: float, seen: VisitorView) -> list[Sample]:
         missed, flicker, mistaken = (self._chance.random() for _ in range(3))
         turn = self._chance.gauss(0.0, 2.0)
         score = round(self._chance.uniform(0.6, 0.95), 2)

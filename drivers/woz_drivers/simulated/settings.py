@@ -45,7 +45,7 @@ def _joints() -> dict[str, SimulatedJoint]:
 
 
 @dataclass(frozen=True, slots=True)
-class Settings(Section):
+class SimulatedSettings(Section):
     """The robot, its pace, its visitor and its break-downs."""
 
     joints: Annotated[dict[str, SimulatedJoint], Doc("joints by name")] = field(

@@ -26,7 +26,7 @@ Colour = tuple[int, int, int]
 
 
 @dataclass(frozen=True, slots=True)
-class Person:
+class DrawnPerson:
     """Somebody `distance` metres away, `side` degrees to the right."""
 
     distance: float
@@ -35,7 +35,7 @@ class Person:
     talking: bool
 
 
-class Sight:
+class SimulatedCamera:
     """Gives pictures while somebody watches, as a camera does."""
 
     def __init__(self, context: DriverContext) -> None:
@@ -44,7 +44,7 @@ class Sight:
         self._clock = context.clock
         self._given_us: int | None = None
 
-    def look(self, person: Person | None) -> None:
+    def look(self, person: DrawnPerson | None) -> None:
         """Give a picture, if one is wanted now."""
         now = self._clock.now_us()
         wish = self._watched.latest().value
@@ -53,10 +53,10 @@ class Sight:
         if self._given_us is not None and now - self._given_us < 1_000_000 / (2 * wish.rate):
             return
         self._given_us = now
-        self._pictures.put(Picture(now, WIDTH, HEIGHT, drawn(person)))
+        self._pictures.put(Picture(now, WIDTH, HEIGHT, scene_picture(person)))
 
 
-def drawn(person: Person | None) -> bytes:
+def scene_picture(person: DrawnPerson | None) -> bytes:
     """`HEIGHT` rows of `WIDTH` pixels, three bytes each."""
     rows = [_room(y) for y in range(HEIGHT)]
     if person is not None:
@@ -72,7 +72,7 @@ def _room(y: int) -> bytearray:
     )
 
 
-def _draw(rows: list[bytearray], person: Person) -> None:
+def _draw(rows: list[bytearray], person: DrawnPerson) -> None:
     metre = WIDTH / (2 * math.tan(math.radians(VIEW / 2)) * max(0.3, person.distance))
     across = (
         WIDTH / 2 * (1 + math.tan(math.radians(person.side)) / math.tan(math.radians(VIEW / 2)))

@@ -20,7 +20,7 @@ from woz_tui.sensing.speech_endpoint import Endpointer, SpeechEnd, SpeechStart
 # unplugged.
 
 
-class Teller:
+class SpeechMessages:
     """Speech as messages. `clock_us` gives the clock at a second of the simulated world."""
 
     def __init__(
@@ -33,7 +33,7 @@ class Teller:
         self._began = 0
         self._understood: set[int] = set()
 
-    def tell(self, speech: Iterable[Speech]) -> None:
+    def tell(self, speech: Iterable[SpeechInProgress]) -> None:
         """What happened, in order."""
         for one in speech:
             if one.what == "started":
@@ -56,7 +56,7 @@ class Teller:
             self._end(t, None, f"the sound stopped: {why}")
         self._understood.clear()
 
-    def _start(self, one: Speech) -> None:
+    def _start(self, one: SpeechInProgress) -> None:
         self._open = one.segment
         self._began = self._t(one.began)
         self._context.tell(
@@ -86,7 +86,7 @@ class Teller:
 _SENSOR = "loudness"
 
 
-class Listening:
+class LevelCollection:
     """The levels of so many seconds of the simulated world, tick by tick."""
 
     def __init__(self, seconds: float) -> None:
@@ -108,17 +108,17 @@ class Listening:
         return len(self.levels) >= self._wanted
 
 
-class Ears:
+class SimulatedMicrophone:
     """What the driver `name` makes of the loudness that it publishes."""
 
     def __init__(
-        self, name: str, context: DriverContext, publisher: Publisher, hearing: Hearing
+        self, name: str, context: DriverContext, publisher: Publisher, hearing: SpeechSegmenter
     ) -> None:
         self._name = name
         self._context = context
         self._publisher = publisher
         self._hearing = hearing
-        self._listening: Listening | None = None
+        self._listening: LevelCollection | None = None
 
     def tell_threshold(self) -> None:
         """Publish what counts as speech now."""
@@ -135,15 +135,15 @@ class Ears:
                     self._listening.take(level)
 
     @contextlib.contextmanager
-    def lesson(self, seconds: float) -> Iterator[Listening]:
+    def lesson(self, seconds: float) -> Iterator[LevelCollection]:
         """Listen from now on until the block ends."""
-        self._listening = Listening(seconds)
+        self._listening = LevelCollection(seconds)
         try:
             yield self._listening
         finally:
             self._listening = None
 
-    def adopt(self, heard: Listening) -> dict[str, Json]:
+    def adopt(self, heard: LevelCollection) -> dict[str, Json]:
         """The threshold that follows holds from now on. Raises `DeviceLostError` if not enough was
         heard.
         """
@@ -170,7 +170,7 @@ UNDERSTOOD_AFTER = 4
 
 
 @dataclass(frozen=True, slots=True)
-class Speech:
+class SpeechInProgress:
     """What happened to segment number `segment`: `what` is started, ended or text. Times in seconds
     of the simulated world.
     """
@@ -184,7 +184,7 @@ class Speech:
     text: str = ""
 
 
-class Hearing:
+class SpeechSegmenter:
     """Turns the loudness of one tick after the other into segments of speech."""
 
     def __init__(self, threshold: float, tick: float) -> None:
@@ -193,21 +193,23 @@ class Hearing:
         self._segment = 0
         self._loudest = 0.0
         self._words: list[str] = []
-        self._to_come: deque[Speech] = deque()
+        self._to_come: deque[SpeechInProgress] = deque()
 
     def words(self, text: str) -> None:
         """The visitor begins to say this."""
         self._words.append(text)
 
-    def take(self, loudness: float) -> list[Speech]:
+    def take(self, loudness: float) -> list[SpeechInProgress]:
         """The loudness of the next tick; what it tells."""
         event = self.ends.take(loudness)
         now = self.ends.chunks * self._tick
-        told: list[Speech] = []
+        told: list[SpeechInProgress] = []
         if isinstance(event, SpeechStart):
             self._segment += 1
             self._loudest = 0.0
-            told.append(Speech("started", self._segment, now, began=event.first * self._tick))
+            told.append(
+                SpeechInProgress("started", self._segment, now, began=event.first * self._tick)
+            )
         self._loudest = max(self._loudest, loudness)
         if isinstance(event, SpeechEnd):
             told.append(self._ended(event, now))
@@ -215,11 +217,11 @@ class Hearing:
             told.append(self._to_come.popleft())
         return told
 
-    def _ended(self, event: SpeechEnd, now: float) -> Speech:
+    def _ended(self, event: SpeechEnd, now: float) -> SpeechInProgress:
         text, self._words = " ".join(self._words), []
         later = now + UNDERSTOOD_AFTER * self._tick
-        self._to_come.append(Speech("text", self._segment, later, ended=now, text=text))
-        return Speech(
+        self._to_come.append(SpeechInProgress("text", self._segment, later, ended=now, text=text))
+        return SpeechInProgress(
             "ended",
             self._segment,
             now,

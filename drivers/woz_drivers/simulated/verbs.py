@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from woz_drivers import room_threshold
 from woz_drivers.simulated.faults import MEANING
 from woz_drivers.simulated.senses import SENSORS
-from woz_drivers.simulated.settings import Settings
+from woz_drivers.simulated.settings import SimulatedSettings
 from woz_tui.drivers.contract import SPEECH, SPEECH_TEXT, Argument, Verb
 from woz_tui.drivers.fields import Range
 
@@ -17,7 +17,7 @@ from woz_tui.drivers.fields import Range
 
 
 @dataclass(frozen=True, slots=True)
-class Move:
+class SimulatedMove:
     """A gesture. `keys` are (fraction of the duration, degrees from home by role of the joint).
 
     The roles are yaw, pitch and hip; a robot without such a joint leaves it out.
@@ -29,8 +29,8 @@ class Move:
 
 _HOME = {"yaw": 0.0, "pitch": 0.0, "hip": 0.0}
 
-MOVES: Mapping[str, Move] = {
-    "nod": Move(
+MOVES: Mapping[str, SimulatedMove] = {
+    "nod": SimulatedMove(
         1.2,
         (
             (0.2, {"pitch": 18}),
@@ -39,7 +39,7 @@ MOVES: Mapping[str, Move] = {
             (1.0, {"pitch": 0}),
         ),
     ),
-    "shake": Move(
+    "shake": SimulatedMove(
         1.6,
         (
             (0.15, {"yaw": 22}),
@@ -49,7 +49,7 @@ MOVES: Mapping[str, Move] = {
             (1.0, {"yaw": 0}),
         ),
     ),
-    "dance": Move(
+    "dance": SimulatedMove(
         6.0,
         (
             (0.12, {"yaw": 30, "pitch": 10, "hip": 10}),
@@ -62,7 +62,7 @@ MOVES: Mapping[str, Move] = {
             (1.0, _HOME),
         ),
     ),
-    "wave": Move(
+    "wave": SimulatedMove(
         2.4,
         (
             (0.2, {"yaw": 8, "hip": 6}),
@@ -72,19 +72,19 @@ MOVES: Mapping[str, Move] = {
             (1.0, _HOME),
         ),
     ),
-    "bow": Move(
+    "bow": SimulatedMove(
         2.6, ((0.4, {"hip": 24, "pitch": 20}), (0.6, {"hip": 24, "pitch": 20}), (1, _HOME))
     ),
-    "point-left": Move(
+    "point-left": SimulatedMove(
         2.0, ((0.35, {"yaw": 50, "hip": 6}), (0.7, {"yaw": 50, "hip": 6}), (1.0, _HOME))
     ),
-    "point-middle": Move(
+    "point-middle": SimulatedMove(
         2.0, ((0.35, {"pitch": 14, "hip": 12}), (0.7, {"pitch": 14, "hip": 12}), (1.0, _HOME))
     ),
-    "point-right": Move(
+    "point-right": SimulatedMove(
         2.0, ((0.35, {"yaw": -50, "hip": 6}), (0.7, {"yaw": -50, "hip": 6}), (1.0, _HOME))
     ),
-    "look-around": Move(
+    "look-around": SimulatedMove(
         4.0,
         (
             (0.25, {"yaw": 55, "pitch": -8}),
@@ -96,12 +96,12 @@ MOVES: Mapping[str, Move] = {
 }
 
 
-def playable_moves(settings: Settings) -> dict[str, Move]:
+def playable_moves(settings: SimulatedSettings) -> dict[str, SimulatedMove]:
     """Our gestures, and those that the robot file adds: these take their time and move nothing."""
-    return dict(MOVES) | {name: Move(seconds) for name, seconds in settings.moves.items()}
+    return dict(MOVES) | {name: SimulatedMove(seconds) for name, seconds in settings.moves.items()}
 
 
-def roles(settings: Settings) -> dict[str, str]:
+def roles(settings: SimulatedSettings) -> dict[str, str]:
     """Role of a joint -> its name, for those the robot has."""
     wanted = {
         "yaw": settings.yaw_joint,
@@ -122,7 +122,7 @@ _STEP = Range(-90, 90, "degrees")
 _METRES = Range(-5, 5, "m")
 
 
-def offered(settings: Settings) -> tuple[Verb, ...]:
+def offered(settings: SimulatedSettings) -> tuple[Verb, ...]:
     """The verbs of a robot with these joints, moves and modes."""
     senses = (room_threshold.verb(), _LEARN_FACE) if settings.visitor else ()
     if settings.voice_only:
@@ -131,7 +131,7 @@ def offered(settings: Settings) -> tuple[Verb, ...]:
     return (*_VOICE, *rest, *senses)
 
 
-def sensors(settings: Settings) -> tuple[str, ...]:
+def sensors(settings: SimulatedSettings) -> tuple[str, ...]:
     """Names of the readings: joints, base, and the visitor's traces if there is one."""
     joints = [f"{kind}.{name}" for name in settings.joints for kind in ("joint", "setpoint")]
     seen = (*SENSORS, room_threshold.THRESHOLD, SPEECH, SPEECH_TEXT) if settings.visitor else ()
@@ -140,7 +140,7 @@ def sensors(settings: Settings) -> tuple[str, ...]:
     return (*joints, "base.x", "base.y", "base.heading", *seen)
 
 
-def lanes(settings: Settings) -> tuple[str, ...]:
+def lanes(settings: SimulatedSettings) -> tuple[str, ...]:
     """The lanes of all verbs, in order."""
     return tuple(dict.fromkeys(verb.lane for verb in offered(settings)))
 
@@ -178,7 +178,7 @@ _LEARN_FACE = Verb(
 )
 
 
-def _body(settings: Settings) -> tuple[Verb, ...]:
+def _body(settings: SimulatedSettings) -> tuple[Verb, ...]:
     moves = [
         Verb(
             "play",
@@ -266,7 +266,7 @@ _HIP = Verb(
 )
 
 
-def _face(settings: Settings) -> tuple[Verb, ...]:
+def _face(settings: SimulatedSettings) -> tuple[Verb, ...]:
     return (
         Verb(
             "emotion",
@@ -317,7 +317,7 @@ _DRIVE = Verb(
 )
 
 
-def _control(settings: Settings) -> tuple[Verb, ...]:
+def _control(settings: SimulatedSettings) -> tuple[Verb, ...]:
     return (
         Verb(
             "mode",
@@ -344,7 +344,7 @@ def _control(settings: Settings) -> tuple[Verb, ...]:
     )
 
 
-def breakable(settings: Settings, kind: str) -> tuple[str, ...]:
+def breakable(settings: SimulatedSettings, kind: str) -> tuple[str, ...]:
     """What a fault of this kind may name as its part; some hit the whole robot only."""
     if kind in ("nan", "stuck", "silent"):
         return sensors(settings)

@@ -15,8 +15,15 @@ import re
 from collections import Counter
 from random import Random
 
-from woz_drivers.simulated.senses import DOOR, THRESHOLD, TICK, Sample, Seen, Senses
-from woz_drivers.simulated.simulated_microphone import Hearing, Speech
+from woz_drivers.simulated.senses import (
+    DOOR,
+    THRESHOLD,
+    TICK,
+    Sample,
+    SimulatedSensors,
+    VisitorView,
+)
+from woz_drivers.simulated.simulated_microphone import SpeechInProgress, SpeechSegmenter
 
 # -- words ----------------------------------------------------------------------------------------
 # What a simulated visitor says: a few sentences, and answers to what a robot asks strangers.
@@ -97,7 +104,7 @@ _NOTICED = 5
 _NEVER = 2**62
 
 
-class Phase(enum.Enum):
+class VisitPhase(enum.Enum):
     """What the person is doing as a whole."""
 
     AWAY = "away"
@@ -107,20 +114,20 @@ class Phase(enum.Enum):
     GOING = "going"
 
 
-class Visitor:
+class SimulatedVisitor:
     """Comes, looks, talks, answers, looks away, steps back, leaves, and comes again."""
 
     def __init__(self, seed: int) -> None:
         self._seed = seed
-        self._senses = Senses(seed)
+        self._senses = SimulatedSensors(seed)
         #: The microphone that hears them.
-        self.hearing = Hearing(THRESHOLD, TICK)
-        self._speech: list[Speech] = []
+        self.hearing = SpeechSegmenter(THRESHOLD, TICK)
+        self._speech: list[SpeechInProgress] = []
         self._faces = {person: person for person in PEOPLE}
         self._tick = 0
         self._visit = 0
         self._drawn: Counter[str] = Counter()
-        self.phase = Phase.AWAY
+        self.phase = VisitPhase.AWAY
         self.person = ""
         self.distance = DOOR
         self._goal = DOOR
@@ -138,7 +145,7 @@ class Visitor:
     @property
     def present(self) -> bool:
         """Whether somebody is there."""
-        return self.phase is not Phase.AWAY
+        return self.phase is not VisitPhase.AWAY
 
     @property
     def talking(self) -> bool:
@@ -154,7 +161,7 @@ class Visitor:
             samples += self._sensed()
         return samples
 
-    def speech(self) -> list[Speech]:
+    def speech(self) -> list[SpeechInProgress]:
         """What the microphone made of their voice since this was asked last."""
         told, self._speech = self._speech, []
         return told
@@ -181,7 +188,7 @@ class Visitor:
 
     def learn_face(self, name: str) -> bool:
         """Recognise the present person as `name` from now on; False if nobody shows a face."""
-        if not self.present or self.distance >= FACE_RANGE or self.phase is Phase.GOING:
+        if not self.present or self.distance >= FACE_RANGE or self.phase is VisitPhase.GOING:
             return False
         self._faces[self.person] = name
         return True
@@ -194,8 +201,8 @@ class Visitor:
 
     @property
     def _listens(self) -> bool:
-        near = self.phase is Phase.COMING and self.distance < FACE_RANGE
-        return near or self.phase in (Phase.STAYING, Phase.DOUBTING)
+        near = self.phase is VisitPhase.COMING and self.distance < FACE_RANGE
+        return near or self.phase in (VisitPhase.STAYING, VisitPhase.DOUBTING)
 
     def _dice(self, decision: str) -> Random:
         """Chance for the next decision of a kind in this visit."""
@@ -210,7 +217,7 @@ class Visitor:
         if self._tick >= self._phase_ends:
             self._next_phase()
         self._walk()
-        if self.phase in (Phase.STAYING, Phase.DOUBTING):
+        if self.phase in (VisitPhase.STAYING, VisitPhase.DOUBTING):
             self._attend()
         if self._tick == self._talk_begins:
             self.hearing.words(self._words)
@@ -220,22 +227,22 @@ class Visitor:
             self._near_since = self._tick
 
     def _next_phase(self) -> None:
-        if self.phase is Phase.AWAY:
+        if self.phase is VisitPhase.AWAY:
             self._arrive()
-        elif self.phase is Phase.COMING:
-            self._enter(Phase.STAYING, self._goal, self._ticks("stay", 15.0, 35.0))
+        elif self.phase is VisitPhase.COMING:
+            self._enter(VisitPhase.STAYING, self._goal, self._ticks("stay", 15.0, 35.0))
             if self._talk_again == _NEVER:
                 self._talk_again = self._tick + self._ticks("talk again", 2.0, 7.0)
-        elif self.phase is Phase.STAYING and self._stays("step back", 0.45):
+        elif self.phase is VisitPhase.STAYING and self._stays("step back", 0.45):
             back = self._dice("back").uniform(1.6, 2.3)
-            self._enter(Phase.DOUBTING, back, self._ticks("doubt", 4.0, 8.0))
-        elif self.phase is Phase.DOUBTING and self._stays("come back", 0.5):
+            self._enter(VisitPhase.DOUBTING, back, self._ticks("doubt", 4.0, 8.0))
+        elif self.phase is VisitPhase.DOUBTING and self._stays("come back", 0.5):
             near = self._dice("near").uniform(0.8, 1.2)
-            self._enter(Phase.STAYING, near, self._ticks("stay", 10.0, 25.0))
-        elif self.phase is Phase.GOING:
-            self._enter(Phase.AWAY, DOOR, self._ticks("away", 6.0, 15.0))
+            self._enter(VisitPhase.STAYING, near, self._ticks("stay", 10.0, 25.0))
+        elif self.phase is VisitPhase.GOING:
+            self._enter(VisitPhase.AWAY, DOOR, self._ticks("away", 6.0, 15.0))
         else:
-            self._enter(Phase.GOING, DOOR + 0.2, _whole(10.0))
+            self._enter(VisitPhase.GOING, DOOR + 0.2, _whole(10.0))
             self.looking = False
             self._talk_begins = _NEVER
 
@@ -246,7 +253,7 @@ class Visitor:
     def _arrive(self) -> None:
         self._visit += 1
         self._drawn.clear()
-        self._enter(Phase.COMING, self._dice("near").uniform(0.85, 1.15), _whole(12.0))
+        self._enter(VisitPhase.COMING, self._dice("near").uniform(0.85, 1.15), _whole(12.0))
         self.distance = DOOR
         self.side = self._dice("side").uniform(-25.0, 25.0)
         self.person = self._dice("person").choice(PEOPLE + STRANGERS)
@@ -255,20 +262,20 @@ class Visitor:
         self._look_ends = self._tick + self._ticks("first look", 0.5, 2.5)
         self._talk_begins, self._talk_ends, self._talk_again = _NEVER, 0, _NEVER
 
-    def _enter(self, phase: Phase, goal: float, ticks: int) -> None:
+    def _enter(self, phase: VisitPhase, goal: float, ticks: int) -> None:
         self.phase = phase
         self._goal = goal
         self._phase_ends = self._tick + ticks
 
     def _walk(self) -> None:
-        if self.phase is Phase.AWAY:
+        if self.phase is VisitPhase.AWAY:
             return
-        pace = 0.65 if self.phase in (Phase.COMING, Phase.GOING) else 0.35
+        pace = 0.65 if self.phase in (VisitPhase.COMING, VisitPhase.GOING) else 0.35
         self.distance += min(max(self._goal - self.distance, -pace * TICK), pace * TICK)
         arrived = abs(self._goal - self.distance) < 1e-6
-        if arrived and self.phase in (Phase.COMING, Phase.GOING):
+        if arrived and self.phase in (VisitPhase.COMING, VisitPhase.GOING):
             self._phase_ends = min(self._phase_ends, self._tick)
-        if self.phase is Phase.COMING and self._tick >= self._look_ends:
+        if self.phase is VisitPhase.COMING and self._tick >= self._look_ends:
             self.looking = True
 
     def _attend(self) -> None:
@@ -293,7 +300,7 @@ class Visitor:
         recognised = self._tick - self._near_since > _RECOGNISED_AFTER / TICK
         samples = self._senses.sensed(
             self._tick,
-            Seen(
+            VisitorView(
                 distance=self.distance if self.present else None,
                 looking=self.looking,
                 talking=self.talking,

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 from woz_drivers.simulated import SimulatedRobot
-from woz_drivers.simulated.pace import Pace
+from woz_drivers.simulated.pace import RobotTime
 
 from tests.drivers.body.rig import SteppedBody, within
 from tests.fakes.virtual_time import LoopClock, run_virtual
@@ -30,7 +30,7 @@ KEY = RequestOrigin("key", "h", "con1")
 PROGRAM = RequestOrigin("program", "", "bridge1")
 
 
-class LoopPace(Pace):
+class LoopPace(RobotTime):
     """The loop's time."""
 
     def now(self) -> float:

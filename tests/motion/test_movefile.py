@@ -154,7 +154,7 @@ def test_sounds_are_cues(tmp_path: Path) -> None:
         ("frames: [{seconds: 1, easing: sooth}]", "easing: 'sooth' is not known; did you mean 'sm"),
         ("frames: [{seconds: 1, emotion: hapy}]", "'hapy' is not known; did you mean 'happy'?"),
         ("frames: [{seconds: 1, intensity: 2}]", "frames[0].intensity: 2 is out of range"),
-        ("frames: [{seconds: 1, eyes: {z: 1}}]", "frames[0].eyes.z: unknown; settings here are: x, y"),
+        ("frames: [{seconds: 1, eyes: {z: 1}}]", "eyes.z: unknown; settings here are: x, y"),
         ("frames: [{seconds: 1, sound: a.wav}]", "warning: frames[0].sound: there is no file 'a.w"),
         ("frames: [{seconds: 1, volume: 0.5}]", "warning: frames[0].volume: there is no sound"),
         ("layers: [{frames: [{seconds: 1}]}]", "layers[0].name: is missing"),

@@ -216,10 +216,10 @@ def test_the_file_says_what_a_profile_allows(tmp_path: Path) -> None:
         ("{verbs: [sya]}", "no driver offers 'sya'; did you mean 'say'?"),
         ("{controls: [eye-z]}", "no body has a control 'eye-z'"),
         ("{pannels: []}", "unknown; did you mean 'panels'?"),
-        ("{panels: Speech}", "expected a list of names, not"),
+        ("{panels: Speech}", "expected a list, not"),
         ("{panels: [Speech], hide: perhaps}", "expected true or false"),
         ("{hide: true}", "allows nothing; name some of panels, actions, controls, verbs"),
-        ("[]", "expected a mapping, such as {panels: [Speech]}"),
+        ("[]", "expected a profile, such as {panels: [Speech]}"),
     ],
 )
 def test_what_is_wrong_with_a_profile_is_told_with_its_place(

@@ -20,6 +20,11 @@ CODE = (
     r"`(?P<name>[A-Za-z_][\w.]*)` in \[[^]]*\]\((?P<path>[^)]*\.py)\)",
     r"\[`(?P<name>(?![\w.]+\.py`)[A-Za-z_][\w.]*)`\]\((?P<path>[^)]*\.py)\)",
 )
+MODULE = re.compile(r"`([\w/]+\.py)`")
+#: Files that tell of their own time.
+DATED = re.compile(r"/decisions/|^CHANGELOG")
+#: Modules of others.
+FOREIGN = {"random.py"}
 PROGRAM = re.compile(r"-m (tools\.\w+)")
 
 
@@ -105,6 +110,22 @@ def test_every_page_and_program_that_is_mentioned_exists() -> None:
         ]
         missing += [f"{name}: {each}" for each in (*pages, *programs)]
     assert missing == []
+
+
+def test_every_module_that_is_mentioned_exists() -> None:
+    """By as much of its path as stands there; decisions keep the names of their time."""
+    names = [name for name in tracked() if name.endswith(".py")]
+    ends = {
+        "/".join(name.split("/")[place:]) for name in names for place in range(name.count("/") + 1)
+    }
+    readers = [name for name in tracked() if name.endswith((".py", ".md"))]
+    assert [
+        (name, module)
+        for name in readers
+        if not DATED.search(name)
+        for module in MODULE.findall(text(name))
+        if module not in ends and module not in FOREIGN
+    ] == []
 
 
 def test_every_page_is_in_the_index() -> None:

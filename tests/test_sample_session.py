@@ -13,6 +13,7 @@ from tools.sample_session import DEMO, SAMPLE
 from woz_tui import cli
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
+from woz_tui.export.export_run import FORMATS
 from woz_tui.log.log_reader import Damage, read
 from woz_tui.log.verify import verify
 from woz_tui.protocol import messages as m
@@ -57,7 +58,7 @@ def test_what_the_readme_does_with_it(
     assert said in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("form", ["csv", "eaf", "bids", "textgrid", "jsonl"])
+@pytest.mark.parametrize("form", FORMATS)
 def test_it_can_be_exported(form: str, tmp_path: Path) -> None:
     out = tmp_path / form
     assert cli.main(["export", str(SAMPLE), "--to", form, "--out", str(out)]) == 0

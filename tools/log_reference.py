@@ -217,15 +217,16 @@ def tables() -> str:
 
 
 def _section(each: type[Message]) -> str:
-    rows = [
-        f"| `{field.encode_name}` | {_type(field)} | {FIELDS[field.encode_name][0]} "
-        f"| {'yes' if _always(field) else ''} | {FIELDS[field.encode_name][1]} |"
-        for field in msgspec.structs.fields(each)
-        if field.name not in COMMON
-    ]
+    rows = [_row(field) for field in msgspec.structs.fields(each) if field.name not in COMMON]
     text = " ".join(inspect.cleandoc(each.__doc__ or "").split())
     head = ["| field | type | unit | always | meaning |", "|---|---|---|---|---|"]
     return "\n".join([f"### `{each.__struct_config__.tag}`", "", text, "", *head, *rows])
+
+
+def _row(field: msgspec.structs.FieldInfo) -> str:
+    name = field.encode_name
+    unit, meaning = FIELDS.get(name, ("", "**to be explained**, in `FIELDS` of this program"))
+    return f"| `{name}` | {_type(field)} | {unit} | {'yes' if _always(field) else ''} | {meaning} |"
 
 
 def _always(field: msgspec.structs.FieldInfo) -> bool:

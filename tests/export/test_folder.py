@@ -114,7 +114,7 @@ def test_a_disk_that_takes_no_more_is_told(tmp_path: Path, to: str) -> None:
         text=True,
         timeout=60,
         check=False,
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (600, 600)),
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (200, 200)),
     )
     assert ran.returncode == 1
     assert "nothing was exported" in ran.stderr

@@ -14,8 +14,8 @@ from typing import TypeVar
 from woz_tui.analysis import event_rows
 from woz_tui.analysis.cue_responses import WAITING, WINDOW_US, cues_of, trained_cues, training_of
 from woz_tui.analysis.durations import Durations
-from woz_tui.analysis.event_rows import CueRow, PanelRow, TrialRow, WizardAct, acts_of, of_robot
-from woz_tui.analysis.figure_sums import PartSums, Tally, part_figures, sum_tallies
+from woz_tui.analysis.event_rows import CueRow, PanelRow, TrialRow
+from woz_tui.analysis.figure_sums import Tally, part_figures, sum_tallies
 from woz_tui.analysis.figures import (
     OUTSIDE,
     SESSION,
@@ -24,6 +24,7 @@ from woz_tui.analysis.figures import (
     PartFigures,
     SessionFigures,
 )
+from woz_tui.analysis.manual_actions import WizardAct, acts_of, of_robot
 from woz_tui.analysis.participants import counts_in_means, taking_part
 from woz_tui.protocol import messages as m
 from woz_tui.timeline import episodes as e
@@ -143,14 +144,8 @@ class _Counting:
         found = self._of.get(id(context))
         if found is None:
             inside = self._timeline.inside(context)
-            tally = Tally(
-                participant=context.participant,
-                condition=context.condition,
-                run=context.run,
-                counted=self._timeline.counts(context),
-                inside=inside,
-            )
             key = (context.participant, context.condition, context.run, inside)
+            tally = Tally(*key[:3], counted=self._timeline.counts(context), inside=inside)
             found = self._of[id(context)] = self._tallies.setdefault(key, tally)
         return found
 
@@ -158,7 +153,7 @@ class _Counting:
     def tallies(self) -> list[Tally]:
         """All in the order in which they came; those in which nothing was are left out."""
         found = [tally for tally in self._tallies.values() if not tally.empty]
-        return found or [*self._tallies.values()][:1] or [Tally(participant="", condition="")]
+        return found or [*self._tallies.values()][:1] or [Tally("", "")]
 
     def count(self, acts: Sequence[WizardAct]) -> None:
         """Everything but cues."""
@@ -208,13 +203,13 @@ class _Counting:
         for command in self._timeline.of(e.CommandEpisode):
             if not of_robot(command):
                 continue
-            tally, verb = self.at(command.context), command.request.verb
-            tally.ends[verb, command.outcome] += 1
+            verb = self.at(command.context).verb(command.request.verb)
+            verb.ends[command.outcome] += 1
             latency, duration = command.latency_us, command.duration_us
             if latency is not None:
-                tally.dispatched[verb].add(latency)
+                verb.dispatched.add(latency)
             if duration is not None:
-                tally.done[verb].add(duration)
+                verb.done.add(duration)
 
     def _moments(self) -> None:
         for moment in self._timeline.of(e.MomentEpisode):
@@ -276,7 +271,7 @@ class _Counting:
             for tally, us in self._pieces(off, self.at):
                 tally.off_us += us
 
-    def whole(self, *, every: bool) -> PartSums:
+    def whole(self, *, every: bool) -> Tally:
         """All together, but for what does not count unless `every`; nothing is clipped to the
         trials of which it consists.
         """

@@ -118,7 +118,7 @@ class PendingCommand:
 
 
 class LaneJob:
-    """What the driver sees of a command (`core.driver.Job`)."""
+    """What the driver sees of a command (`drivers.contract.Job`)."""
 
     def __init__(
         self, ticket: PendingCommand, args: Mapping[str, Json], extend: Callable[[float], None]

@@ -7,17 +7,9 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 from woz_tui.cli.error_sentences import with_error_sentences
-from woz_tui.export.export_run import export
+from woz_tui.export.export_run import FORMATS, export
 from woz_tui.export.exporter import ExportOptions
 from woz_tui.export.log_sources import ExportError
-
-_MEANINGS = {
-    "csv": "tidy tables with a data dictionary",
-    "eaf": "ELAN",
-    "bids": "a dataset in the Brain Imaging Data Structure",
-    "textgrid": "Praat",
-    "jsonl": "one log, with its segments joined",
-}
 
 
 def add(parser: ArgumentParser) -> None:
@@ -28,8 +20,8 @@ def add(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--to",
         required=True,
-        choices=list(_MEANINGS),
-        help="; ".join(f"{name}: {meaning}" for name, meaning in _MEANINGS.items()),
+        choices=list(FORMATS),
+        help="; ".join(f"{name}: {each.meaning}" for name, each in FORMATS.items()),
     )
     parser.add_argument(
         "--out", required=True, type=Path, metavar="FOLDER", help="a new or empty folder"
@@ -68,7 +60,7 @@ def run(arguments: Namespace) -> int:
 
 
 def _run(arguments: Namespace) -> int:
-    if arguments.samples and arguments.to in ("eaf", "textgrid"):
+    if arguments.samples and not FORMATS[arguments.to].takes_samples:
         raise ExportError(
             f"--to {arguments.to} cannot include --samples", "use --to csv or bids for them"
         )

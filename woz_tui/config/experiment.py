@@ -1,7 +1,7 @@
 """What an experiment is, once its file has been read and found right.
 
 Everything here is frozen and complete: names are resolved, defaults filled in, paths absolute,
-keys in their normal form (see `keys.py`).
+keys in their normal form (see `config/keys/`).
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Annotated, Any
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.study import Study
 from woz_tui.drivers.contract import Verb
-from woz_tui.drivers.fields import Doc, Entry, NotBlank, OneOrMore, Range, Seconds, Unique
+from woz_tui.drivers.fields import Doc, Range, Seconds
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.welcome import QuestionnaireWords
 
@@ -171,32 +171,27 @@ class Panel:
     covers: tuple[str, ...] = ()
 
 
+#: How long a phase may be planned to last.
+PLANNED = Seconds(1.0, 86_400.0)
+
+
 @dataclass(frozen=True, slots=True)
-class Phase(Entry):
+class Phase:
     """A part of a session or of a trial: what is in front in it, and what Space plays.
 
     A panel that other phases name and this one does not is folded away; without `panels` all are
     in front. Without a script of its own the experiment's goes on.
     """
 
-    what = "a phase"
-    example = "{name: opening, panels: [...]}"
-    either = ("name", "title")
-    name: Annotated[str, NotBlank(), Doc("what logs and tables call it (default: the title)")] = ""
-    title: Annotated[str, NotBlank(), Doc("what the screen shows (default: the name)")] = ""
-    panels: Annotated[tuple[str, ...], Unique(), Doc("titles of the panels in front")] = ()
+    name: Annotated[str, Doc("what logs and tables call it (default: the title)")]
+    title: Annotated[str, Doc("what the screen shows (default: the name)")] = ""
+    panels: Annotated[tuple[str, ...], Doc("titles of the panels in front")] = ()
     script: Annotated[tuple[str, ...], Doc("names of actions; space plays the next one")] = ()
-    on_enter: Annotated[
-        tuple[str, ...],
-        OneOrMore("the name of an action"),
-        Doc("names of actions played when it begins"),
-    ] = ()
+    on_enter: Annotated[tuple[str, ...], Doc("names of actions played when it begins")] = ()
     after: Annotated[
-        tuple[str, ...],
-        OneOrMore("the name of a phase"),
-        Doc("phases, one of which must have begun in the trial before this one"),
+        tuple[str, ...], Doc("phases, one of which must have begun in the trial before this one")
     ] = ()
-    planned: Annotated[float, Seconds(1.0, 86_400.0), Doc("planned duration")] = 0.0
+    planned: Annotated[float, PLANNED, Doc("planned duration")] = 0.0
     lock_others: Annotated[bool, Doc("panels of other phases are locked, not only folded")] = False
 
     @property
@@ -206,27 +201,19 @@ class Phase(Entry):
 
 
 @dataclass(frozen=True, slots=True)
-class ProfileEntry(Entry):
+class Profile:
     """What a wizard may use: actions of these panels and these actions; by themselves (from keys of
     the console, the palette, a control panel, a program) these verbs and controls.
 
     `hide`: what may not be used is not even shown.
     """
 
-    what = "a profile"
-    example = "{panels: [Speech]}"
-    panels: Annotated[frozenset[str], Doc("panels that can be used")] = frozenset()
-    actions: Annotated[frozenset[str], Doc("actions that can be used")] = frozenset()
-    controls: Annotated[frozenset[str], Doc("controls that can be used")] = frozenset()
-    verbs: Annotated[frozenset[str], Doc("verbs that can be used")] = frozenset()
-    hide: Annotated[bool, Doc("hide what cannot be used")] = False
-
-
-@dataclass(frozen=True, slots=True)
-class Profile(ProfileEntry):
-    """A profile with its name."""
-
-    name: str = ""
+    name: str
+    panels: frozenset[str] = frozenset()
+    actions: frozenset[str] = frozenset()
+    controls: frozenset[str] = frozenset()
+    verbs: frozenset[str] = frozenset()
+    hide: bool = False
 
     def plays(self, action: Action) -> bool:
         """Whether the action may be played."""

@@ -37,7 +37,7 @@ _NAME_RULE = "a name has letters, digits, _ and -, and begins with a letter"
 @dataclass(frozen=True, slots=True)
 class VerbOffer:
     """A verb of one driver; `joints` with their ranges in degrees if the driver tells, and `look`,
-    what it says of a command that is only written (`experiment.remarks`).
+    what it says of a command that is only written (`config.command_remarks`).
     """
 
     driver: str

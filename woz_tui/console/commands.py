@@ -1,7 +1,8 @@
 """What the wizard can do beside playing actions: a row for each command of the console.
 
-Its keys stand in `experiment/builtins.py`, because experiments may not take them. Help, palette,
-lowest line and keyboard read these rows; `replay/replay_commands.py` has those of a replay.
+Its keys stand in `config/keys/console_keys.py`, because experiments may not take them. Help,
+palette, lowest line and keyboard read these rows; `replay/replay_commands.py` has those of a
+replay.
 
 Dialogs are imported when they are first opened: the first painting does not wait for them.
 """

@@ -302,7 +302,7 @@ class Driver(Performer):
     event loop of the robot process, which all drivers share: they must not block it.
     """
 
-    #: A frozen dataclass; its annotations (`core.fields`) are decoded from the robot file.
+    #: A frozen dataclass; its annotations (`drivers.fields`) are decoded from the robot file.
     Settings: ClassVar[type]
     #: What it is, in one line.
     summary: ClassVar[str]

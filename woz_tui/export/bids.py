@@ -53,7 +53,9 @@ class _Run:
 class BidsExporter(Exporter):
     """One dataset for all sessions."""
 
+    meaning = "a dataset in the Brain Imaging Data Structure"
     about = _ABOUT
+    takes_samples = True
 
     def __init__(self, folder: OutputFolder, options: ExportOptions) -> None:
         super().__init__(folder, options)

@@ -36,7 +36,9 @@ the end of a row. An empty cell: there is no such value. {GUARDED}"""
 class CsvExporter(Exporter):
     """All sessions in the same tables."""
 
+    meaning = "tidy tables with a data dictionary"
     about = _ABOUT
+    takes_samples = True
 
     def __init__(self, folder: OutputFolder, options: ExportOptions) -> None:
         super().__init__(folder, options)

@@ -57,6 +57,7 @@ that."""
 class EafExporter(Exporter):
     """One file a session."""
 
+    meaning = "ELAN"
     about = _ABOUT
 
     def add(self, session: ExportSession, source: LogSource) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -20,10 +20,11 @@ from woz_tui.export.log_sources import (
     find_sources,
     read_session,
 )
-from woz_tui.export.output_folder import OutputFolder, new_folder
+from woz_tui.export.output_folder import new_folder
 from woz_tui.export.textgrid import TextGridExporter
 
-FORMATS: dict[str, Callable[[OutputFolder, ExportOptions], Exporter]] = {
+#: Name after `--to` -> what writes it.
+FORMATS: Mapping[str, type[Exporter]] = {
     "csv": CsvExporter,
     "eaf": EafExporter,
     "bids": BidsExporter,

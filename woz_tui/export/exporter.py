@@ -59,8 +59,12 @@ class SessionSummary:
 class Exporter(abc.ABC):
     """Writes sessions in one format into a folder."""
 
+    #: What it is, for the help of `woz export`.
+    meaning: ClassVar[str]
     #: What the README says of the format's own files, in Markdown.
     about: ClassVar[str]
+    #: Whether it can hold the values of the sensors.
+    takes_samples: ClassVar[bool] = False
 
     def __init__(self, folder: OutputFolder, options: ExportOptions) -> None:
         self._folder = folder

@@ -27,7 +27,9 @@ anew: they say that this copy is whole, and nothing of the log from which it was
 class JsonlExporter(Exporter):
     """Two files a session."""
 
+    meaning = "one log, with its segments joined"
     about = _ABOUT
+    takes_samples = True
 
     def add(self, session: ExportSession, source: LogSource) -> list[str]:
         """One session. It is read again: what is no event is copied too."""

@@ -34,6 +34,7 @@ that. Line ends and tabs in texts are shown as ␊ and ␉."""
 class TextGridExporter(Exporter):
     """One file a session."""
 
+    meaning = "Praat"
     about = _ABOUT
 
     def add(self, session: ExportSession, source: LogSource) -> list[str]:

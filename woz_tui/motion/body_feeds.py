@@ -1,4 +1,4 @@
-"""What bodies hand to servos, faces and back, through feeds (`core.feeds`)."""
+"""What bodies hand to servos, faces and back, through feeds (`drivers.feeds`)."""
 
 from __future__ import annotations
 

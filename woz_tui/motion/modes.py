@@ -47,7 +47,7 @@ _PROGRAMS = frozenset({"program", "engagement"})
 
 
 def operator_of(source: str) -> Operator:
-    """Whose hand a command came from that names this source (`core.driver.Job.source`)."""
+    """Whose hand a command came from that names this source (`drivers.contract.Job.source`)."""
     return Operator.PROGRAM if source in _PROGRAMS else Operator.WIZARD
 
 

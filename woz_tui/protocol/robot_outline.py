@@ -45,7 +45,7 @@ class Tag(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
 class RobotOutline(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """A whole robot. `robots`: addresses that the verb `connect` takes. `moves`: names that its
     verb `play` is known to take, for completion (it may take others). `tags`: what may stand in
-    `say`. `camera`: it has pictures (`core.pictures`).
+    `say`. `camera`: it has pictures (`protocol.camera_pictures`).
     """
 
     kind: Literal["robot"] = "robot"

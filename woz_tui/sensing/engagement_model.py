@@ -1,8 +1,8 @@
 """The engagement model: samples and events in, states of the conversation out.
 
 A pure object. Time comes in as stamps `t` in whole microseconds, in any order; what passes is the
-model's own time, which never goes back (`passing.py`). `docs/explanation/engagement.md` tells the
-policies.
+model's own time, which never goes back (`model_time.py`). `docs/explanation/engagement.md` tells
+the policies.
 """
 
 from __future__ import annotations
@@ -105,7 +105,8 @@ class EngagementModel:
     def sample(self, sign: str, value: object, name: str = "") -> bool:
         """A value of presence, gaze, distance, identity or loudness, whatever it is, at present.
 
-        Returns whether it says anything; `samples.py` knows what. ValueError for another sign.
+        Returns whether it says anything; `sample_values.py` knows what. `ValueError`: another
+        sign.
         """
         now = self._time.now
         if sign == "loudness":

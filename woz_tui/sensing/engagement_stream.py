@@ -14,7 +14,7 @@ How messages are read:
   answer in RobotThinks; its end, whatever kind of end, also by the stop, is the end of both. One
   that takes the place of another goes on with it. An answer that the wizard has begun before the
   machine heard the end of the question (the hang-over) is the answer still.
-* Verbs of the performer `engagement` are obeyed when they are done (`sensing/orders.py`).
+* Verbs of the performer `engagement` are obeyed when they are done (`engagement_commands.py`).
 * A recogniser that finds a name during a handshake ends it.
 * Another participant begins anew: overrides are given back, the name is forgotten, Wait.
 * `engagement.settings` are the settings from there on.

@@ -128,7 +128,7 @@ log = logging.getLogger(__name__)
 
 
 class SessionDriverContext:
-    """`core.driver.DriverContext` for one driver; repeats of a state are swallowed here.
+    """`drivers.contract.DriverContext` for one driver; repeats of a state are swallowed here.
 
     `names` are the names under which its sensors are published, where they differ from its own;
     `feeds` are those of the whole session; `asked` carries out what the driver asks for. `media`

@@ -1,4 +1,4 @@
-"""Does a driver keep the contract of `core.driver`?
+"""Does a driver keep the contract of `drivers.contract`?
 
 What holds for every driver: verbs that an experiment file can name, an `open` that does not wait,
 refusals of the right kind, a stop in time, a `close` that leaves no task and no thread behind and
@@ -425,9 +425,8 @@ class _Life:
             how = repr(running.exception()) if running.exception() else "nothing"
             self.wrong(what, f"raised {how}", "raise CancelledError again")
 
-    async def quiet(self, what: str, call: Awaitable[object], limit: float | None = None) -> None:
-        """A call that raises nothing and takes no longer than `limit`, or PROMPT, in seconds."""
-        limit = PROMPT if limit is None else limit
+    async def quiet(self, what: str, call: Awaitable[object], limit: float = PROMPT) -> None:
+        """A call that raises nothing and does not take long."""
         try:
             await asyncio.wait_for(call, limit)
         except TimeoutError:

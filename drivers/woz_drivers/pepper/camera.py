@@ -45,7 +45,7 @@ _NO_PICTURE = "is the robot awake? else restart it"
 
 
 class CameraPart(PepperPart):
-    """Asks for pictures only while `core.pictures.WATCHED` holds, each after the last has come."""
+    """Asks for pictures only while `camera_pictures.WATCHED` holds, each after the last came."""
 
     name = "camera"
 
@@ -224,7 +224,7 @@ def resolution(width: int) -> int:
 
 @dataclass(frozen=True, slots=True)
 class CameraFrame:
-    """`rgb` as in `core.pictures`; `robot_s`: when the robot took it, by its own clock (Unix)."""
+    """`rgb` as in `camera_pictures`; `robot_s`: when the robot took it, by its own clock (Unix)."""
 
     width: int
     height: int

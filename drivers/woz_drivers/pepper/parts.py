@@ -31,7 +31,7 @@ class ServiceAbsentError(DriverError):
 class RobotCalls(Protocol):
     """The robot as its parts see it: `connection.Connection` implements it.
 
-    All raise `core.driver` errors: `DeviceLostError` when the robot is not connected or silent
+    All raise `drivers.contract` errors: `DeviceLostError` when the robot is not connected or silent
     (nothing is sent while it is silent), `DriverError` with the robot's own words when it says no,
     `ServiceAbsentError` where it has no such service.
     """

@@ -86,7 +86,7 @@ def problems(text: str) -> list[str]:
 def placed(text: str) -> list[tuple[int, str]]:
     """The same, each sentence behind the place of its tag: characters from the beginning.
 
-    Where `core.driver.UNKNOWN` stands in a tag or right behind it, nobody knows how it will read.
+    Where `contract.UNKNOWN` stands in a tag or right behind it, nobody knows how it will read.
     """
     return [*_voice_problems(text), *_move_problems(text)]
 

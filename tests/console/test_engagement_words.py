@@ -21,7 +21,7 @@ from woz_tui.console.engagement.engagement_text import (
     short_state,
     state_sentence,
 )
-from woz_tui.console.engagement.override_sentences import is_override, override_text
+from woz_tui.console.engagement.wizard_overrides import is_override, override_text
 from woz_tui.console.event_list import event_row
 from woz_tui.console.event_sentences import EventLine
 from woz_tui.console.glyphs import ASCII, UNICODE, PaintFrame

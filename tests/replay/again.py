@@ -16,9 +16,8 @@ from woz_tui.config.experiment import Call, FilePosition
 from woz_tui.log.log_reader import read
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
-from woz_tui.replay.rerun_plan import REPLAY, RerunPlan, plan_of
+from woz_tui.replay.rerun_plan import REPLAY, RerunPlan, fitted, plan_of
 from woz_tui.replay.rerun_player import RerunPlayer
-from woz_tui.replay.robot_compatibility import fitted
 from woz_tui.session.action_runner import RequestOrigin
 
 KEY = RequestOrigin("key", "h", "con1")

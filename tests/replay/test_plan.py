@@ -14,8 +14,7 @@ from tests.replay.again import recorded, written
 from tests.replay.test_rerun import tour
 from tests.session.rig import Puppet, experiment
 from woz_tui.protocol import messages as m
-from woz_tui.replay.rerun_plan import RerunPlan, plan_of
-from woz_tui.replay.robot_compatibility import UNFIT, fitted, unfit_steps
+from woz_tui.replay.rerun_plan import UNFIT, RerunPlan, fitted, plan_of, unfit_steps
 
 START = m.SessionStart(
     session="S07",

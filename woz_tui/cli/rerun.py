@@ -90,8 +90,7 @@ def _prepare(arguments: argparse.Namespace) -> _Prepared | None:
     """Everything that has to be known before; None after saying why it cannot be."""
     from woz_tui.replay import experiment_origin  # noqa: PLC0415
     from woz_tui.replay.opened_log import LogError, log_in  # noqa: PLC0415
-    from woz_tui.replay.rerun_plan import plan_of  # noqa: PLC0415
-    from woz_tui.replay.robot_compatibility import fitted  # noqa: PLC0415
+    from woz_tui.replay.rerun_plan import fitted, plan_of  # noqa: PLC0415
 
     try:
         log = log_in(arguments.file)
@@ -132,7 +131,7 @@ def _bundled(log: Path, name: str) -> Path | None:
 
 def _dry_run(prepared: _Prepared, arguments: argparse.Namespace) -> int:
     """Moves nothing, needs no robot. 1 if something of it could not be sent."""
-    from woz_tui.replay.robot_compatibility import unfit_steps  # noqa: PLC0415
+    from woz_tui.replay.rerun_plan import unfit_steps  # noqa: PLC0415
 
     shown = table.summary(prepared.shown, prepared.experiment, headless=arguments.headless)
     print(*shown, *table.table(prepared.shown), *prepared.changed, sep="\n")

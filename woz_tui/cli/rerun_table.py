@@ -9,8 +9,7 @@ from dataclasses import replace
 
 from woz_tui.config.experiment import Experiment
 from woz_tui.protocol import messages as m
-from woz_tui.replay.rerun_plan import RerunPlan, RerunStep
-from woz_tui.replay.robot_compatibility import unfit_steps
+from woz_tui.replay.rerun_plan import RerunPlan, RerunStep, unfit_steps
 from woz_tui.session.redactor import Redactor
 from woz_tui.system.text_cleaning import clean
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from woz_tui.config.session_verbs import PERFORMERS
-from woz_tui.console.engagement.override_sentences import is_override, override_text
+from woz_tui.console.engagement.wizard_overrides import is_override, override_text
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 

@@ -15,15 +15,14 @@ from dataclasses import dataclass, field, replace
 
 import msgspec
 
-from woz_tui.console.bodies.driver_outlines import Outline, outlines_of
+from woz_tui.console.bodies.driver_outlines import Outline, outlines_of, robots_of
 from woz_tui.console.command_text import spoken_text
 from woz_tui.console.engagement.engagement_view import EngagementView
-from woz_tui.console.engagement.override_sentences import toggled_text
+from woz_tui.console.engagement.wizard_overrides import toggled_text
 from woz_tui.console.event_sentences import EventLine, event_line, explained
 from woz_tui.console.message_feed import Incoming
 from woz_tui.console.profile_view import ProfileList
 from woz_tui.console.replay.replay_state import ReplayState, updated
-from woz_tui.console.robot_settings.robot_outlines import robots_of
 from woz_tui.console.running_actions import ActiveRun, Failure, RunningActions, RunOutcome
 from woz_tui.console.study.study_view import StudyView
 from woz_tui.console.view_models import STALE_US, ButtonState, ButtonView, DriverView, SensorView

@@ -17,7 +17,6 @@ from woz_tui.config.study_sections import BLIND
 from woz_tui.drivers.contract import Driver
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings
-from woz_tui.replay.study_snapshot import last_blind
 from woz_tui.session.session_start import name_beside, without_home
 
 #: The folder in which a project keeps its experiments, beside the one of its logs.
@@ -76,7 +75,8 @@ def origin_of(lines: Iterable[object]) -> ExperimentOrigin:
             case m.ExperimentFiles():
                 files = line
             case m.SessionPlan():
-                study = last_blind(study, line)
+                told = line.settings.study
+                study = told if told.blind else study or StudySettings()
     return ExperimentOrigin(name, tuple(hashes), files, study)
 
 

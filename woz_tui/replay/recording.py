@@ -19,7 +19,7 @@ from woz_tui.log.log_reader import LogLine
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.envelope import Message
 from woz_tui.protocol.messages import SCHEMA
-from woz_tui.protocol.welcome import StudySettings
+from woz_tui.protocol.welcome import PerceptionView, StudySettings
 from woz_tui.replay.bookmarks import (
     Bookmark,
     IdleCuts,
@@ -29,7 +29,6 @@ from woz_tui.replay.bookmarks import (
     monotonic,
 )
 from woz_tui.replay.legacy_plan import plan_from
-from woz_tui.replay.study_snapshot import revealed
 from woz_tui.session.recent_messages import MOST, RecentMessages
 from woz_tui.session.redactor import CoderRedactor, PerceptionLimits, Redactor, mark_legacy
 from woz_tui.session.session_plan import study_snapshot
@@ -138,7 +137,7 @@ class Recording:
             for index, line in enumerate(self.lines)
             if isinstance(line, m.SessionPlan)
         ]
-        self._plan = plan and (revealed(plan) if reveal else redactor.plan(plan))
+        self._plan = plan and (_revealed_plan(plan) if reveal else redactor.plan(plan))
         #: What the viewer has set while watching.
         self.codes: list[Bookmark] = []
         recent = RecentMessages()
@@ -320,9 +319,16 @@ def _told(line: m.AnyMessage | LogLine) -> tuple[RecordedLine, int]:
     return (message if message is not None else line.fields), line.t
 
 
+def _revealed_plan(plan: m.SessionPlan) -> m.SessionPlan:
+    """The plan with nothing kept from whoever sees it."""
+    study = msgspec.structs.replace(plan.settings.study, blind={}, perception=PerceptionView())
+    settings = msgspec.structs.replace(plan.settings, study=study)
+    return msgspec.structs.replace(plan, settings=settings)
+
+
 def _revealed(line: RecordedLine) -> RecordedLine:
     if isinstance(line, m.SessionPlan):
-        return revealed(line)
+        return _revealed_plan(line)
     if isinstance(line, m.PerceptionChanged):
         return msgspec.structs.replace(line, hidden=[], blurred=[])
     return line

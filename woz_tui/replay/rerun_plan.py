@@ -1,7 +1,8 @@
 """What a session's log says that its robot did, as a plan for doing it again.
 
 A command is repeated if it was dispatched then: at the moment at which it began, with the arguments
-as they were asked for, and it is cut short at the moment at which it was cut short. Nothing is
+as they were asked for, and it is cut short at the moment at which it was cut short. `fitted` skips
+what the present robot cannot do, before anything moves. Nothing is
 decided anew: who waited for whom, and what took whose place, is in the log (see decision 021).
 """
 
@@ -18,13 +19,17 @@ from typing import TypeGuard
 import msgspec
 
 from woz_tui.analysis.played_actions import ASKED
+from woz_tui.config.experiment import Experiment
 from woz_tui.config.session_verbs import ENGAGEMENT, SESSION
+from woz_tui.drivers.argument_check import ArgumentError, checked
+from woz_tui.drivers.contract import Verb
 from woz_tui.log.log_reader import Damage, files_of, read
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import SCHEMA
 from woz_tui.replay.bookmarks import monotonic
 from woz_tui.replay.experiment_origin import ExperimentOrigin, origin_of
 from woz_tui.session.redactor import mark_legacy
+from woz_tui.session.session_driver import VERBS
 from woz_tui.timeline.episodes import CommandEpisode, MomentEpisode
 from woz_tui.timeline.timeline import Timeline
 
@@ -259,3 +264,37 @@ def _senseless(command: m.Command) -> str:
     if command.source not in ASKED:
         return f"{command.source} requests it by itself, also in the re-run"
     return ""
+
+
+#: Begins every reason that lies in the present robot, and not in what happened then.
+UNFIT = "not possible now: "
+
+
+def fitted(plan: RerunPlan, experiment: Experiment) -> RerunPlan:
+    """The plan for this experiment: what its robot does not offer is skipped, with the reason."""
+    offered = {spec.name: {verb.name: verb for verb in spec.verbs} for spec in experiment.drivers}
+    offered[SESSION] = {verb.name: verb for verb in VERBS}
+    return replace(plan, steps=tuple(_fitted(step, offered) for step in plan.steps))
+
+
+def unfit_steps(plan: RerunPlan) -> tuple[RerunStep, ...]:
+    """What a fitted plan does not send because the present robot cannot do it."""
+    return tuple(step for step in plan.steps if step.skip.startswith(UNFIT))
+
+
+def _fitted(step: RerunStep, offered: dict[str, dict[str, Verb]]) -> RerunStep:
+    if step.skip:
+        return step
+    driver, name = step.command.driver, step.command.verb
+    verbs = offered.get(driver)
+    if verbs is None:
+        there = ", ".join(one for one in offered if one != SESSION) or "none"
+        return replace(step, skip=f"{UNFIT}there is no driver {driver!r} (there is {there})")
+    verb = verbs.get(name)
+    if verb is None:
+        return replace(step, skip=f"{UNFIT}{driver} does not offer {name!r}")
+    try:
+        checked(verb, step.command.args)
+    except ArgumentError as error:
+        return replace(step, skip=f"{UNFIT}{error}")
+    return replace(step, drives=verb.drives)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.console.camera.filmed import Pixels, noisy, room
-from woz_tui.console.camera import terminal_colours as c
+from woz_tui.console.camera import half_blocks as c
 from woz_tui.console.camera.half_blocks import COSTS, NOISE, HalfBlockCanvas
 from woz_tui.console.camera.picture_sizes import (
     CellArea,

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.console.camera import kitty
-from woz_tui.console.camera.byte_rate import BUDGET, FILLS_S, MOST, RATE, PictureBudget
+from woz_tui.console.camera.picture_requests import BUDGET, FILLS_S, MOST, RATE, PictureBudget
 
 SECOND = 1_000_000
 

@@ -11,8 +11,7 @@ from tests.console import scenes
 from tests.console.driving import sitting
 from tests.console.robot import pepper
 from tests.console.robot.screen import dialog, type_in, verbs
-from woz_tui.console.robot_settings.driver_verbs import OFFERED_CALLS
-from woz_tui.console.screens.find import FindDialog
+from woz_tui.console.screens.find import OFFERED_CALLS, FindDialog
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 

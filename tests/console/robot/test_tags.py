@@ -7,11 +7,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.console.robot import pepper
-from woz_tui.console.robot_settings.name_completion import names_beginning, names_containing
-from woz_tui.console.robot_settings.tag_completion import (
+from woz_tui.console.robot_settings.completion import (
     NumberEntry,
     PartialTag,
     completed,
+    names_beginning,
+    names_containing,
     partial_tag,
     tag_offers,
 )

@@ -1,4 +1,4 @@
-"""Bodies on the main screen: face, links from two sides, what they do. Everything has its place.
+"""Draws bodies, small on the main screen or one alone: face, links from two sides, what they do.
 
 How much of that is drawn follows from the room and from the bodies' outlines alone, so nothing
 moves about while the robot does.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from rich.cells import cell_len
 
-from woz_tui.console.bodies.body_text import short_rows, word_rows
+from woz_tui.console.bodies.body_text import FORMATS, short_rows, table_rows, word_rows
 from woz_tui.console.bodies.body_view import BodyView, body_views
 from woz_tui.console.bodies.face_lights import brightness_look, frame_of, light_rows
 from woz_tui.console.bodies.face_lights import size as face_size
@@ -169,3 +169,35 @@ class BodyPane(Cells):
         """Show what they look like now."""
         if self.display:
             self.show(pane_rows(picture, frame))
+
+
+#: Cells of one column of the table, and lines of the picture at the least.
+COLUMN, PICTURE = 24, 9
+
+
+def full_rows(seen: BodyView, frame: PaintFrame) -> list[Row]:
+    """As large as the frame."""
+    columns = max(1, frame.width // COLUMN)
+    table = min(-(-len(FORMATS) // columns), max(0, frame.height - PICTURE - 2))
+    picture = frame.height - table - 2
+    title: Row = ((clean(seen.outline.driver), "title"), (f"  {seen.old}", "stale"))
+    rows = [title, *_picture(seen, frame, picture), ()]
+    rows += table_rows(seen, frame.glyphs, frame.width, table)
+    return [cut(row, frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
+
+
+def _picture(seen: BodyView, frame: PaintFrame, lines: int) -> list[Row]:
+    """Face and views beside each other, the face compact where it would take all the room."""
+    lights = seen.outline.face
+    if lights is None:
+        return view_rows(seen, frame.glyphs, frame.width, lines)
+    compact = True
+    columns, high = face_size(*lights, compact=False)
+    if columns + GAP + 2 * VIEW[0] <= frame.width and high <= lines:
+        compact = False
+    else:
+        columns, _ = face_size(*lights, compact=True)
+    face = face_rows(seen, frame.glyphs, compact=compact)
+    room = frame.width - columns - GAP
+    views = view_rows(seen, frame.glyphs, room, lines) if room >= 2 * VIEW[0] + GAP else []
+    return side_by_side([(face, columns), (views, max(0, room))], lines, frame.glyphs, GAP)

@@ -1,4 +1,4 @@
-"""What drivers look like, as the welcome tells it (`outlines` of its settings).
+"""What drivers look like, from the `outlines` of the welcome: bodies, panels, whole robots.
 
 Written by other hands, perhaps by another version: what cannot be read is left out.
 """
@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.robot_outline import RobotOutline
 
 if TYPE_CHECKING:
     from woz_tui.motion.kinematics import KinematicChain
@@ -42,7 +43,7 @@ class BodyOutline:
 
 
 @dataclass(frozen=True, slots=True)
-class PanelControl:
+class ControlOutline:
     """A control of a panel; `column` and `row` count from the upper left. `label`: what it does."""
 
     name: str
@@ -58,7 +59,7 @@ class PanelOutline:
 
     driver: str
     name: str
-    controls: tuple[PanelControl, ...]
+    controls: tuple[ControlOutline, ...]
 
 
 Outline = BodyOutline | PanelOutline
@@ -112,11 +113,11 @@ def _panel(driver: str, told: Mapping[str, Json]) -> PanelOutline | None:
     return PanelOutline(driver, str(told.get("name", driver)), found) if found else None
 
 
-def _control(told: Mapping[str, Json]) -> PanelControl | None:
+def _control(told: Mapping[str, Json]) -> ControlOutline | None:
     match told:
         case {"name": str() as name, "kind": str() as kind, "column": int() as column,
               "row": int() as row}:  # fmt: skip
-            return PanelControl(name, kind, column, row, str(told.get("label") or ""))
+            return ControlOutline(name, kind, column, row, str(told.get("label") or ""))
     return None
 
 
@@ -137,3 +138,9 @@ def body_outlines(outlines: Mapping[str, Outline]) -> list[BodyOutline]:
 def panel_outlines(outlines: Mapping[str, Outline]) -> list[PanelOutline]:
     """The panels among them."""
     return [outline for outline in outlines.values() if isinstance(outline, PanelOutline)]
+
+
+def robots_of(told: Mapping[str, Json]) -> dict[str, RobotOutline]:
+    """Outlines of whole robots by driver; what cannot be read is left out."""
+    read = {driver: RobotOutline.read(outline) for driver, outline in told.items()}
+    return {driver: outline for driver, outline in read.items() if outline is not None}

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from woz_tui.console.bodies.dot_canvas import ACROSS, DOWN, DotCanvas, DotLayer
-from woz_tui.console.bodies.driver_outlines import PanelControl, PanelOutline
+from woz_tui.console.bodies.driver_outlines import ControlOutline, PanelOutline
 from woz_tui.console.cells import Piece, Row, clean, cut, fit
 from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.meter_rows import side_by_side
@@ -45,11 +45,11 @@ class PanelState:
     knobs: ControlsMoved
     old: str = ""
 
-    def value(self, control: PanelControl) -> int | None:
+    def value(self, control: ControlOutline) -> int | None:
         """0..127; None before anybody touched it."""
         return self.knobs.values.get(control.name)
 
-    def waits(self, control: PanelControl) -> bool:
+    def waits(self, control: ControlOutline) -> bool:
         """Whether it does nothing until it has come to the robot's value."""
         return control.name in self.knobs.waiting
 
@@ -68,8 +68,8 @@ def panel_rows(board: PanelState, frame: PaintFrame) -> list[Row]:
 
 
 def _split(
-    controls: Sequence[PanelControl], width: int
-) -> tuple[list[PanelControl], list[PanelControl]]:
+    controls: Sequence[ControlOutline], width: int
+) -> tuple[list[ControlOutline], list[ControlOutline]]:
     """Controls told as text, and those that are drawn: all of them where there is room."""
     columns = {control.column for control in controls}
     if width // max(1, len(columns)) >= GOOD_COLUMN:
@@ -81,7 +81,7 @@ def _split(
     )
 
 
-def _grid(board: PanelState, controls: Sequence[PanelControl], frame: PaintFrame) -> list[Row]:
+def _grid(board: PanelState, controls: Sequence[ControlOutline], frame: PaintFrame) -> list[Row]:
     columns = sorted({control.column for control in controls})
     if not columns:
         return []
@@ -99,7 +99,7 @@ def _grid(board: PanelState, controls: Sequence[PanelControl], frame: PaintFrame
     return rows
 
 
-def _control(board: PanelState, control: PanelControl, width: int, glyphs: Glyphs) -> list[Row]:
+def _control(board: PanelState, control: ControlOutline, width: int, glyphs: Glyphs) -> list[Row]:
     if control.kind == "button":
         return [_button(board, control, width, glyphs)]
     draw = _knob if control.kind == "knob" else _slider
@@ -115,7 +115,7 @@ def _look(board: PanelState, look: str) -> str:
     return "stale" if board.old else look
 
 
-def _button(board: PanelState, control: PanelControl, width: int, glyphs: Glyphs) -> Row:
+def _button(board: PanelState, control: ControlOutline, width: int, glyphs: Glyphs) -> Row:
     pressed = (board.value(control) or 0) > 0
     lit = control.name in board.knobs.lit
     sign = glyphs.yes if lit or pressed else glyphs.no
@@ -134,7 +134,7 @@ def _short_label(label: str, width: int, ellipsis: str) -> str:
     return fit(label, width, ellipsis)
 
 
-def _figures(board: PanelState, control: PanelControl, glyphs: Glyphs) -> tuple[Piece, Piece]:
+def _figures(board: PanelState, control: ControlOutline, glyphs: Glyphs) -> tuple[Piece, Piece]:
     """The value, and where it has to go."""
     value = board.value(control)
     shown = glyphs.dash if value is None else str(value)
@@ -142,7 +142,7 @@ def _figures(board: PanelState, control: PanelControl, glyphs: Glyphs) -> tuple[
     return (f"{shown:>3}", look), (_takeover_arrow(board, control, glyphs), "warn")
 
 
-def _takeover_arrow(board: PanelState, control: PanelControl, glyphs: Glyphs) -> str:
+def _takeover_arrow(board: PanelState, control: ControlOutline, glyphs: Glyphs) -> str:
     """`↑90`: turn it up to 90."""
     if not board.waits(control):
         return ""
@@ -152,7 +152,7 @@ def _takeover_arrow(board: PanelState, control: PanelControl, glyphs: Glyphs) ->
     return f"{glyphs.up if target > value else glyphs.down}{target}"
 
 
-def _knob(board: PanelState, control: PanelControl, glyphs: Glyphs) -> list[Row]:
+def _knob(board: PanelState, control: ControlOutline, glyphs: Glyphs) -> list[Row]:
     value = board.value(control)
     if glyphs.ascii:
         dial = _bar_across(value, DIAL[0])
@@ -188,7 +188,7 @@ def _bar_across(value: int | None, width: int) -> list[Row]:
     return [(("#" * filled, "run"), ("." * (width - filled), "faint")), ((" " * width, "plain"),)]
 
 
-def _slider(board: PanelState, control: PanelControl, glyphs: Glyphs) -> list[Row]:
+def _slider(board: PanelState, control: ControlOutline, glyphs: Glyphs) -> list[Row]:
     """A bar as high as the slider stands, in half lines."""
     width, height = BAR
     value = board.value(control)
@@ -213,7 +213,7 @@ def _slider(board: PanelState, control: PanelControl, glyphs: Glyphs) -> list[Ro
 
 
 def _button_text(
-    board: PanelState, controls: Sequence[PanelControl], frame: PaintFrame
+    board: PanelState, controls: Sequence[ControlOutline], frame: PaintFrame
 ) -> list[Row]:
     """Buttons that had no room in the picture: those that do something."""
     glyphs = frame.glyphs
@@ -251,7 +251,7 @@ def _last_moved(board: PanelState, glyphs: Glyphs) -> Row:
     return row
 
 
-def _takeover_text(board: PanelState, control: PanelControl) -> str:
+def _takeover_text(board: PanelState, control: ControlOutline) -> str:
     target, value = board.knobs.targets.get(control.name), board.value(control)
     if target is None or value is None:
         return "waits until it has passed the robot's value"

@@ -1,1 +1,1 @@
-"""A robot's camera in the wizard's terminal: asked for, paced by the line, drawn in three ways."""
+"""A robot's camera in the wizard's terminal: requests at the pace of the line, three ways of drawing."""

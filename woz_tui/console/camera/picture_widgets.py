@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import ClassVar
 
 from rich.color import Color
@@ -15,8 +16,8 @@ from textual.geometry import Region
 from textual.strip import Strip
 from textual.widget import Widget
 
-from woz_tui.console.camera import kitty, terminal_colours
-from woz_tui.console.camera.half_blocks import HalfBlockCanvas
+from woz_tui.console.camera import kitty
+from woz_tui.console.camera.half_blocks import HalfBlockCanvas, style
 from woz_tui.console.camera.picture_sizes import CellArea, resized, shrunk_size, unpacked
 from woz_tui.console.camera.picture_terminal import PictureTerminal
 from woz_tui.protocol.camera_pictures import PictureFormat, PictureShown
@@ -147,7 +148,7 @@ class HalfBlockView(PictureView):
             if x < canvas.columns and canvas.cell(x, y) == (upper, lower):
                 continue
             sign = " " if upper == lower else _HALF
-            painted = terminal_colours.style(upper, lower, canvas.colours)
+            painted = style(upper, lower, canvas.colours)
             segments.append(Segment(sign * (x - begin), painted))
             begin = x
         return Strip(segments, canvas.columns)
@@ -272,3 +273,41 @@ def _touches(update: RenderableType | None, region: Region) -> bool:
             for y, begin, end in update.spans
         )
     return update is not None
+
+
+#: What `--pictures` takes.
+METHODS = ("auto", "blocks", "kitty", "sixel", "off")
+#: Colours of Rich's colour systems.
+_DEPTHS = {"truecolor": 1 << 24, "256": 256, "standard": 16, "windows": 16}
+
+
+@dataclass(frozen=True, slots=True)
+class TerminalAbilities:
+    """What a terminal has: `depth` colours (0: only signs of ASCII), `side` (None: no terminal),
+    and `tmux`, `screen` or nothing in between.
+    """
+
+    depth: int
+    side: PictureTerminal | None = None
+    multiplexer: str = ""
+
+
+def depth_of(system: str | None, *, plain: bool) -> int:
+    """Colours of Rich's colour system; none where only ASCII or no colour may be drawn."""
+    return 0 if plain else _DEPTHS.get(system or "", 0)
+
+
+def view_for(wanted: str, means: TerminalAbilities) -> PictureView:
+    """A widget that draws in the way that is `wanted`; `auto`: what the terminal said it can do.
+
+    Half blocks are always right. tmux answers in its terminal's place without being one that
+    draws, so behind it pictures come only to who asks for them.
+    """
+    side = means.side
+    if side is not None and means.depth >= 256:
+        direct = wanted == "auto" and not means.multiplexer
+        if wanted == "kitty" or (direct and side.kitty):
+            return KittyView(side, tmux=means.multiplexer == "tmux")
+        if wanted == "sixel" or (direct and side.sixel and side.cell is not None):
+            return SixelView(side)
+    return HalfBlockView(means.depth)

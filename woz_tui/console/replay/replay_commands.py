@@ -77,16 +77,16 @@ COMMANDS = (
     _goes(BuiltinKey("end", "end", "to the end"), what="go", to="end"),
     _row(
         BuiltinKey("go", "g", "go to a time, or to a marker, stop, trial ..."),
-        run=opens("replay.seek_dialogs:GoDialog"),
+        run=opens("replay.replay_dialogs:GoDialog"),
         hint=KeyHint(7, "go to"),
     ),
     _row(
         BuiltinKey("code", "m", "set a code at this moment (with --coder)"),
-        run=opens("replay.coding_dialogs:CodeDialog"),
+        run=opens("replay.replay_dialogs:CodeDialog"),
     ),
     _row(
         BuiltinKey("code_note", "n", "write a note about this moment (with --coder)"),
-        run=opens("replay.coding_dialogs:CodeNoteDialog"),
+        run=opens("replay.replay_dialogs:CodeNoteDialog"),
     ),
     ConsoleCommand(
         (BuiltinKey("code_back", "x", "take your last code or note back (with --coder)"),),
@@ -95,7 +95,7 @@ COMMANDS = (
     ),
     _row(
         BuiltinKey("about", "i", "what this log is, and what is missing in it"),
-        run=opens("replay.replay_info:AboutDialog"),
+        run=opens("replay.replay_dialogs:AboutDialog"),
     ),
     *(replace(command, hint=None) for command in session.COMMANDS if command.serves("replay")),
     _row(
@@ -107,7 +107,7 @@ COMMANDS = (
     _row(BuiltinKey("suspend", "ctrl+z", "leave the console for a moment")),
     _row(
         BuiltinKey("help", "?", "these keys"),
-        run=opens("replay.replay_info:ReplayHelp"),
+        run=opens("replay.replay_dialogs:ReplayHelp"),
         hint=KeyHint(8, "keys"),
     ),
     _row(

@@ -10,8 +10,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from rich.cells import cell_len, chop_cells
+from rich.color import Color
+from rich.segment import Segment
+from rich.style import Style
+from textual.strip import Strip
 
-from woz_tui.console.cells import Piece, Row, clean, cut, fit, length, spread
+from woz_tui.console.cells import Cells, Piece, Row, clean, cut, fit, length, spread
 from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.robot_settings.setting_view import LineView, RobotView
 
@@ -182,3 +186,20 @@ def _cut_off(rows: Iterable[Row], room: int, frame: PaintFrame) -> list[Row]:
         last: Piece = (f"{text}{frame.glyphs.ellipsis}", look)
         kept[-1] = cut((*kept[-1][:-1], last), frame.width, frame.glyphs.ellipsis)
     return [*kept, *[()] * (room - len(kept))]
+
+
+class Swatches(Cells):
+    """Rows whose pieces may have the look `swatch #rrggbb`: blanks on that colour."""
+
+    def render_line(self, y: int) -> Strip:
+        """One row, swatches in their colour."""
+        base = self.get_component_rich_style("cells--plain")
+        if y >= len(self.rows):
+            return Strip.blank(self.size.width, base)
+        segments = [Segment(text, self._style(look)) for text, look in self.rows[y] if text]
+        return Strip(segments).adjust_cell_length(self.size.width, base)
+
+    def _style(self, look: str) -> Style:
+        if look.startswith(SWATCH):
+            return Style(bgcolor=Color.parse(look.removeprefix(SWATCH)))
+        return self.get_component_rich_style(f"cells--{look}")

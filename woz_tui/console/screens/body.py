@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from woz_tui.console.bodies.bodies_pane import full_rows
 from woz_tui.console.bodies.body_view import body_views
 from woz_tui.console.bodies.driver_outlines import body_outlines
-from woz_tui.console.bodies.full_body import full_rows
 from woz_tui.console.cells import Row
 from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.screens.drawing import DrawingDialog

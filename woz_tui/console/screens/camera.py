@@ -10,10 +10,14 @@ from textual.app import ComposeResult
 from textual.containers import Vertical
 from textual.widget import Widget
 
-from woz_tui.console.camera.drawing_methods import TerminalAbilities, depth_of, view_for
 from woz_tui.console.camera.picture_requests import STALE_S, PictureRequester
 from woz_tui.console.camera.picture_sizes import CELL, CellArea, area_for
-from woz_tui.console.camera.picture_widgets import PictureView
+from woz_tui.console.camera.picture_widgets import (
+    PictureView,
+    TerminalAbilities,
+    depth_of,
+    view_for,
+)
 from woz_tui.console.cells import Cells, Row, clean, cut
 from woz_tui.console.screens.dialog import Dialog
 from woz_tui.protocol.camera_pictures import PictureShown

@@ -14,8 +14,7 @@ from woz_tui.config.keys.textual_names import from_textual
 from woz_tui.config.session_verbs import ENGAGEMENT
 from woz_tui.console.cells import Row
 from woz_tui.console.engagement.full_engagement import full_rows
-from woz_tui.console.engagement.key_legend import legend_rows
-from woz_tui.console.engagement.wizard_overrides import BY_KEY, KEYS
+from woz_tui.console.engagement.wizard_overrides import BY_KEY, KEYS, legend_rows
 from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.screens.drawing import DrawingDialog
 from woz_tui.console.screens.engagement_questions import steer

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -13,13 +13,44 @@ from textual.content import Content
 from textual.fuzzy import Matcher
 
 from woz_tui.console.cells import clean, fit
+from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.engagement.wizard_overrides import OVERRIDES, is_offered
 from woz_tui.console.key_caps import KeyCap, caption, key_name
-from woz_tui.console.robot_settings.driver_verbs import offered_calls
 from woz_tui.console.screens.choice import SearchDialog
 from woz_tui.console.screens.engagement_questions import steer
 from woz_tui.console.sentence_rows import quoted
+from woz_tui.protocol.messages import Json
 from woz_tui.protocol.requests import AskLock, AskPhase, AskVerb
+
+
+@dataclass(frozen=True, slots=True)
+class OfferedCall:
+    """A verb with its arguments, and what it does in the wizard's words."""
+
+    verb: str
+    text: str
+    args: Mapping[str, Json]
+
+
+OFFERED_CALLS = (
+    OfferedCall("picture", "picture of its camera, as a file", {}),
+    OfferedCall("record_sound", "record its microphones, on the robot", {"on": True}),
+    OfferedCall("record_sound", "end the recording on the robot", {"on": False}),
+    OfferedCall("listen", "record its microphones, beside the log", {"on": True}),
+    OfferedCall("listen", "end the recording beside the log", {"on": False}),
+    OfferedCall("tablet", "tablet: the default again", {"what": "default"}),
+    OfferedCall("tablet", "tablet: show nothing", {"what": "hide"}),
+    OfferedCall("tablet", "tablet: switch its wifi on", {"what": "wifi"}),
+)
+
+
+def offered_calls(picture: ConsoleState) -> Iterator[tuple[str, OfferedCall]]:
+    """Driver and order, of the drivers that tell of a whole robot and offer the verb."""
+    for driver in picture.robot_outlines:
+        for order in OFFERED_CALLS:
+            if order.verb in picture.verbs.get(driver, ()):
+                yield driver, order
+
 
 #: Cells for a key and for a name at the most.
 KEY, LABEL = 7, 38

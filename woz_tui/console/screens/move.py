@@ -12,7 +12,7 @@ from textual.widgets import Input, Static
 
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.robot_settings.name_completion import (
+from woz_tui.console.robot_settings.completion import (
     best_match,
     names_beginning,
     names_containing,

@@ -16,11 +16,11 @@ from textual.widgets import Input, Static
 from woz_tui.config.keys.textual_names import from_textual
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.glyphs import PaintFrame
-from woz_tui.console.robot_settings.colour_swatch import Swatches
 from woz_tui.console.robot_settings.setting_lines import CONNECTION, LineKind, SettingLine
 from woz_tui.console.robot_settings.setting_requests import SettingRequests
 from woz_tui.console.robot_settings.setting_rows import (
     ListPosition,
+    Swatches,
     list_room,
     scrolled,
     settings_rows,

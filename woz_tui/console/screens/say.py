@@ -13,7 +13,7 @@ from textual.widgets import Input, Static
 
 from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.console_state import ConsoleState
-from woz_tui.console.robot_settings.tag_completion import (
+from woz_tui.console.robot_settings.completion import (
     NumberEntry,
     PartialTag,
     TagOffer,

@@ -12,7 +12,7 @@ from woz_tui.console.engagement.engagement_text import change_reason, state_sent
 from woz_tui.console.engagement.engagement_view import texts
 from woz_tui.console.running_actions import RunOutcome, shown_outcome
 from woz_tui.console.stop_confirmation import missing_words
-from woz_tui.console.study.study_sentences import TELLERS, event_text
+from woz_tui.console.study.study_sentences import event_text
 from woz_tui.console.study.study_view import StudyView
 from woz_tui.console.view_models import DriverView
 from woz_tui.protocol import messages as m
@@ -149,8 +149,7 @@ class EventLine:
 
 def event_line(message: m.Message, shown: Shown) -> EventLine | None:
     """The line for `message`, or None if it is not worth one."""
-    tell = _TELLERS.get(type(message))
-    event = tell(message, shown) if tell is not None else None
+    event = _TELLERS.get(type(message), _of_study)(message, shown)
     if event is not None:
         event.machine = type(message) in _OF_MACHINES or _by_robot(message)
     return event
@@ -446,7 +445,6 @@ _TELLERS: dict[type[m.Message], Callable[[Any, Shown], EventLine | None]] = {
     m.ExperimentReloaded: _reloaded,
     m.ConsoleAttached: _attached,
     m.ConsoleLost: _console_lost,
-    **dict.fromkeys(TELLERS, _of_study),
 }
 #: What machines tell of themselves, in events that are no faults.
 _OF_MACHINES = frozenset(

@@ -2,8 +2,8 @@
 
 A command is repeated if it was dispatched then: at the moment at which it began, with the arguments
 as they were asked for, and it is cut short at the moment at which it was cut short. `fitted` skips
-what the present robot cannot do, before anything moves. Nothing is
-decided anew: who waited for whom, and what took whose place, is in the log (see decision 021).
+what the present robot cannot do, before anything moves. Nothing is decided anew: who waited for
+whom, and what took whose place, is in the log (see decision 021).
 """
 
 from __future__ import annotations

@@ -10,7 +10,8 @@ import asyncio
 import statistics
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass
+from functools import partial
+from operator import itemgetter
 
 from woz_tui.bus.hub import Hub
 from woz_tui.protocol import messages as m
@@ -30,14 +31,6 @@ STOPPED = "stopped"
 Send = Callable[[m.Command, Callable[[m.End], None]], m.Command]
 #: Cuts a command short that was sent: its id here, and why.
 Cut = Callable[[str, str], object]
-
-
-@dataclass(frozen=True, slots=True)
-class _DueAct:
-    """Something that is due: `offset` microseconds after the first command."""
-
-    offset: int
-    act: Callable[[int], None]
 
 
 class RerunPlayer:
@@ -71,7 +64,7 @@ class RerunPlayer:
         self._ended = ended
         self._lead_us = lead_us
         self._stale_us = stale_us
-        self._moments = self._all_moments()
+        self._acts = self._all_acts()
         self._next = 0
         self._zero = 0
         self._timer: asyncio.TimerHandle | None = None
@@ -133,30 +126,26 @@ class RerunPlayer:
 
     # -- in time -----------------------------------------------------------------------------
 
-    def _all_moments(self) -> list[_DueAct]:
-        start = self._plan.start
-        found: list[tuple[int, int, int, Callable[[int], None]]] = []
-
-        def add(t: int, rank: int, act: Callable[[int], None]) -> None:
-            found.append((t - start, rank, len(found), act))
-
+    def _all_acts(self) -> list[tuple[int, Callable[[int], None]]]:
+        """What is to be done, each so many microseconds after the first command."""
+        acts: list[tuple[int, int, Callable[[int], None]]] = []
         for step in self._plan.steps:
             if step.skip:
-                add(step.at, 1, self._skipping(step, step.skip))
+                acts.append((step.at, 1, partial(self._skip, step, step.skip)))
                 continue
-            add(step.at, 1, self._sending(step))
+            acts.append((step.at, 1, partial(self._send_again, step)))
             if step.cut >= 0:  # what makes way goes before what comes
-                add(max(step.cut, step.at), 0 if step.cut > step.at else 2, self._cutting(step))
-        for mark in self._plan.marks:
-            add(mark.t, 1, self._marking(mark))
-        return [_DueAct(offset, act) for offset, _, _, act in sorted(found, key=lambda f: f[:3])]
+                rank = 0 if step.cut > step.at else 2
+                acts.append((max(step.cut, step.at), rank, partial(self._cut_short, step)))
+        acts += [(mark.t, 1, partial(self._mark, mark)) for mark in self._plan.marks]
+        return [(t - self._plan.start, act) for t, _, act in sorted(acts, key=itemgetter(0, 1))]
 
     def _go_on(self) -> None:
         """Do all that is due, then sleep until the next moment, counted from the beginning."""
         self._timer = None
-        while self.under_way and self._next < len(self._moments):
-            moment = self._moments[self._next]
-            due = self._zero + moment.offset
+        while self.under_way and self._next < len(self._acts):
+            offset, act = self._acts[self._next]
+            due = self._zero + offset
             wait = due - self._hub.now()
             if wait > 0:
                 loop = asyncio.get_running_loop()
@@ -165,7 +154,7 @@ class RerunPlayer:
             self._next += 1
             self._acting = True
             try:
-                moment.act(due)
+                act(due)
             except Exception as error:
                 # What does not go on must not seem to: a headless one would wait for its end.
                 self.end(f"it failed: {type(error).__name__}: {error}")
@@ -176,54 +165,42 @@ class RerunPlayer:
 
     def _finish(self) -> None:
         """It is done when the last command has ended, not when it has been sent."""
-        over = self._next >= len(self._moments) and not self._open
+        over = self._next >= len(self._acts) and not self._open
         # A command may be refused, and so have ended, while it is being sent.
         if self.under_way and over and not self._acting:
             self.end(DONE)
 
     # -- what is due -------------------------------------------------------------------------
 
-    def _sending(self, step: RerunStep) -> Callable[[int], None]:
-        def act(due: int) -> None:
-            late = max(0, self._hub.now() - due)
-            if late > self._stale_us:
-                self._skip(step, f"it would have been {late / 1_000_000:.1f} s late")
-                return
-            original = step.command.command
-            self._open.add(original)
-            self._lates.append(late)
-            again = self._send(step.command, lambda end: self._end_of(original, end))
-            self._ids[original] = again.command
-            self._hub.publish(
-                m.RerunSent(command=again.command, original_command=original, due=due, late_us=late)
-            )
-
-        return act
+    def _send_again(self, step: RerunStep, due: int) -> None:
+        late = max(0, self._hub.now() - due)
+        if late > self._stale_us:
+            self._skip(step, f"it would have been {late / 1_000_000:.1f} s late", due)
+            return
+        original = step.command.command
+        self._open.add(original)
+        self._lates.append(late)
+        again = self._send(step.command, partial(self._end_of, original))
+        self._ids[original] = again.command
+        self._hub.publish(
+            m.RerunSent(command=again.command, original_command=original, due=due, late_us=late)
+        )
 
     def _end_of(self, original: str, end: m.End) -> None:
         self.ends[OUTCOMES[type(end)]] += 1
         self._open.discard(original)
         self._finish()
 
-    def _cutting(self, step: RerunStep) -> Callable[[int], None]:
-        def act(due: int) -> None:
-            original = step.command.command
-            if original in self._open:
-                why = f"cut short as in the log: {step.why_cut}".removesuffix(": ")
-                self._cut(self._ids[original], why)
+    def _cut_short(self, step: RerunStep, due: int) -> None:
+        original = step.command.command
+        if original in self._open:
+            why = f"cut short as in the log: {step.why_cut}".removesuffix(": ")
+            self._cut(self._ids[original], why)
 
-        return act
+    def _mark(self, mark: m.Marker, due: int) -> None:
+        self._hub.publish(m.Marker(text=mark.text, source=REPLAY, tells=mark.tells))
 
-    def _marking(self, mark: m.Marker) -> Callable[[int], None]:
-        def act(due: int) -> None:
-            self._hub.publish(m.Marker(text=mark.text, source=REPLAY, tells=mark.tells))
-
-        return act
-
-    def _skipping(self, step: RerunStep, reason: str) -> Callable[[int], None]:
-        return lambda due: self._skip(step, reason)
-
-    def _skip(self, step: RerunStep, reason: str) -> None:
+    def _skip(self, step: RerunStep, reason: str, due: int) -> None:
         self._skipped += 1
         command = step.command
         self._hub.publish(

@@ -37,7 +37,7 @@ def colours_of(canvas: HalfBlockCanvas) -> Pixels:
 
 def painted(canvas: HalfBlockCanvas, picture: Pixels, allowance: int = ALL) -> int:
     """Show a picture of the canvas's size; how many cells are painted."""
-    return sum(one.end - one.begin for one in canvas.take(picture.tobytes(), allowance))
+    return sum(one.width for one in canvas.take(picture.tobytes(), allowance))
 
 
 @pytest.mark.parametrize(("depth", "mean", "most"), [(1 << 24, 4, 8), (256, 17, 60), (16, 45, 140)])
@@ -63,7 +63,7 @@ def test_what_moves_is_painted_and_nothing_else() -> None:
     painted(canvas, picture)
     picture[10:14, 20:23] = (0, 255, 0)
     (stretches) = canvas.take(picture.tobytes(), ALL)
-    assert {(one.row, one.begin, one.end) for one in stretches} == {(5, 20, 23), (6, 20, 23)}
+    assert {(one.y, one.x, one.right) for one in stretches} == {(5, 20, 23), (6, 20, 23)}
 
 
 @given(st.integers(0, 3000), st.integers(0, 99))
@@ -86,7 +86,7 @@ def test_a_slow_line_gets_first_what_has_changed_most() -> None:
     picture[2, 3] = (150, 150, 150)
     picture[6, 7] = (255, 255, 255)
     (one,) = canvas.take(picture.tobytes(), COSTS[1 << 24])
-    assert (one.row, one.begin, one.end) == (3, 7, 8)
+    assert (one.y, one.x, one.right) == (3, 7, 8)
 
 
 @given(*[st.integers(0, 255)] * 3)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 
 from woz_tui.console.bodies.body_view import BodyView
 from woz_tui.console.cells import Row, clean, cut, fit
@@ -117,60 +117,33 @@ def _blinking(seen: BodyView, glyphs: Glyphs) -> str:
 # -- the whole table ------------------------------------------------------------------------------
 
 
-def _plain(value: float, _: Glyphs) -> str:
-    return f"{value:.2f}"
-
-
-def _share(value: float, _: Glyphs) -> str:
-    return percent(value)
-
-
-def _signed(value: float, _: Glyphs) -> str:
-    return f"{value:+.2f}"
-
-
-def _degrees(value: float, glyphs: Glyphs) -> str:
-    return f"{value:.1f}{glyphs.degrees}"
-
-
-def _hertz(value: float, _: Glyphs) -> str:
-    return f"{value:.2f} Hz"
-
-
-def _seconds(value: float, _: Glyphs) -> str:
-    return f"{value:.2f} s"
-
-
-def _a_minute(value: float, _: Glyphs) -> str:
-    return f"{value:.0f}/min"
-
-
-Writer = Callable[[float, Glyphs], str]
-#: Values with their place in the table, and how numbers are written.
-FORMATS: Mapping[str, Writer] = {
-    "mode": _plain,
-    "move": _plain,
-    "emotion": _plain,
-    "intensity": _share,
-    "valence": _signed,
-    "arousal": _signed,
-    "eye_x": _signed,
-    "eye_y": _signed,
-    "brightness": _share,
-    "personality": _plain,
-    "breathing_on": _plain,
-    "blinking": _plain,
-    "stopped": _plain,
-    "tempo": _hertz,
-    "breathing": _degrees,
-    "breathing_rate": _hertz,
-    "blink_rate": _a_minute,
-    "blink_time": _seconds,
-    "blink_irregularity": _plain,
-    "smoothing": _seconds,
-    "compression": _share,
-    "speed": _plain,
-    "amplitude": _plain,
+_PLAIN, _SHARE, _SIGNED = "{:.2f}", "{:.0%}", "{:+.2f}"
+_HERTZ, _SECONDS = "{:.2f} Hz", "{:.2f} s"
+#: Values in the order of the table, and how their numbers are written.
+FORMATS: Mapping[str, str] = {
+    "mode": _PLAIN,
+    "move": _PLAIN,
+    "emotion": _PLAIN,
+    "intensity": _SHARE,
+    "valence": _SIGNED,
+    "arousal": _SIGNED,
+    "eye_x": _SIGNED,
+    "eye_y": _SIGNED,
+    "brightness": _SHARE,
+    "personality": _PLAIN,
+    "breathing_on": _PLAIN,
+    "blinking": _PLAIN,
+    "stopped": _PLAIN,
+    "tempo": _HERTZ,
+    "breathing": "{:.1f}°",
+    "breathing_rate": _HERTZ,
+    "blink_rate": "{:.0f}/min",
+    "blink_time": _SECONDS,
+    "blink_irregularity": _PLAIN,
+    "smoothing": _SECONDS,
+    "compression": _SHARE,
+    "speed": _PLAIN,
+    "amplitude": _PLAIN,
 }
 
 
@@ -181,7 +154,7 @@ def value_text(name: str, value: Json, glyphs: Glyphs) -> str:
     if isinstance(value, bool):
         return "on" if value else "off"
     if isinstance(value, int | float):
-        return FORMATS.get(name, _plain)(value, glyphs)
+        return glyphs.plain(FORMATS.get(name, _PLAIN).format(value).replace("%", " %"))
     if isinstance(value, list):
         return ", ".join(value_text(name, one, glyphs) for one in value)
     return clean(str(value))

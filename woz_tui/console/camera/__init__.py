@@ -1,1 +1,1 @@
-"""A robot's camera in the wizard's terminal: requests at the pace of the line, three ways of drawing."""
+"""A robot's camera in the wizard's terminal: paced by the line, drawn in one of three ways."""

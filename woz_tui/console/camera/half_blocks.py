@@ -8,11 +8,11 @@ have changed most come first, and the others with the next picture.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import lru_cache
 
 from rich.color import Color
 from rich.style import Style
+from textual.geometry import Region
 
 #: Signs by their brightness on a dark ground, the darkest first.
 RAMP = " .:-=+*#%@"
@@ -37,6 +37,12 @@ _SIXTEEN = (
 )
 #: Steps of a channel in the cube of the 256 colours.
 _CUBE = (0, 95, 135, 175, 215, 255)
+#: All 256: the sixteen, the cube, steps of grey.
+_PALETTE: tuple[tuple[int, int, int], ...] = (
+    *_SIXTEEN,
+    *((red, green, blue) for red in _CUBE for green in _CUBE for blue in _CUBE),
+    *((grey, grey, grey) for grey in range(8, 248, 10)),
+)
 
 #: Red, green, blue -> the number by which a cell's colour is known, and whether it has changed.
 Number = Callable[[int, int, int], int]
@@ -67,16 +73,14 @@ def _nearest_256(red: int, green: int, blue: int) -> int:
     wanted = (red * 17, green * 17, blue * 17)
     steps = [min(range(6), key=lambda n, c=c: abs(_CUBE[n] - c)) for c in wanted]  # type: ignore[misc]
     cube = 16 + 36 * steps[0] + 6 * steps[1] + steps[2]
-    step = min(23, max(0, round((sum(wanted) / 3 - 8) / 10)))
-    grey = 8 + 10 * step
-    in_cube = _distance(wanted, (_CUBE[steps[0]], _CUBE[steps[1]], _CUBE[steps[2]]))
-    return cube if in_cube <= _distance(wanted, (grey, grey, grey)) else 232 + step
+    grey = 232 + min(23, max(0, round((sum(wanted) / 3 - 8) / 10)))
+    return min(cube, grey, key=lambda number: _distance(wanted, _PALETTE[number]))
 
 
 @lru_cache(4096)
 def _nearest_16(red: int, green: int, blue: int) -> int:
     wanted = (red * 17, green * 17, blue * 17)
-    return min(range(16), key=lambda number: _distance(wanted, _SIXTEEN[number]))
+    return min(range(16), key=lambda number: _distance(wanted, _PALETTE[number]))
 
 
 def _distance(one: tuple[int, int, int], other: tuple[int, int, int]) -> int:
@@ -89,13 +93,7 @@ def rgb_of(number: int, colours: int) -> tuple[int, int, int]:
     """Red, green and blue of a number, for terminals of so many colours."""
     if colours > 256:
         return number >> 16 & 255, number >> 8 & 255, number & 255
-    if number < 16:
-        return _SIXTEEN[number]
-    if number >= 232:
-        grey = 8 + 10 * (number - 232)
-        return grey, grey, grey
-    number -= 16
-    return _CUBE[number // 36], _CUBE[number // 6 % 6], _CUBE[number % 6]
+    return _PALETTE[number]
 
 
 @lru_cache(4_096)
@@ -115,15 +113,6 @@ def _colour(number: int, colours: int) -> Color:
 NOISE = 24
 #: About so many bytes a cell costs by itself: both colours, its sign, a share of a move.
 COSTS = {1 << 24: 60, 256: 42, 16: 30, 0: 14}
-
-
-@dataclass(frozen=True, slots=True)
-class CellRun:
-    """Cells from `begin` up to `end` of line `row`."""
-
-    row: int
-    begin: int
-    end: int
 
 
 class HalfBlockCanvas:
@@ -152,11 +141,10 @@ class HalfBlockCanvas:
             return " "
         return RAMP[(upper + lower) * len(RAMP) // 512]
 
-    def take(self, rgb: bytes, allowance: int) -> list[CellRun]:
+    def take(self, rgb: bytes, allowance: int) -> list[Region]:
         """Show a picture of `size`, as far as `allowance` bytes reach; returns what to paint."""
         changed = self._worst(self._differences(rgb), max(1, allowance // COSTS[self.colours]))
-        shown = self._shown if self._shown is not None else bytearray(len(rgb))
-        self._shown = shown
+        shown = self._shown = self._shown or bytearray(len(rgb))
         painted = []
         stride, number = 3 * self.columns, self._number
         for place in changed:
@@ -169,7 +157,7 @@ class HalfBlockCanvas:
             if cell != self._cells[place]:
                 self._cells[place] = cell
                 painted.append(place)
-        return self._stretches(painted)
+        return self._regions(painted)
 
     def _differences(self, rgb: bytes) -> list[int]:
         """For each cell how far its worse pixel is from what is shown; of the first picture all
@@ -196,14 +184,13 @@ class HalfBlockCanvas:
             changed = sorted(changed[:most])
         return changed
 
-    def _stretches(self, places: list[int]) -> list[CellRun]:
+    def _regions(self, places: list[int]) -> list[Region]:
         """Cells in their order as stretches within lines."""
-        found: list[CellRun] = []
+        found: list[Region] = []
         for place in places:
             row, column = divmod(place, self.columns)
-            last = found[-1] if found else None
-            if last is not None and last.row == row and last.end == column:
-                found[-1] = CellRun(row, last.begin, column + 1)
+            if found and (found[-1].y, found[-1].right) == (row, column):
+                found[-1] = found[-1].grow((0, 1, 0, 0))
             else:
-                found.append(CellRun(row, column, column + 1))
+                found.append(Region(column, row, 1, 1))
         return found

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import ClassVar
 
 from rich.color import Color
@@ -25,7 +24,7 @@ from woz_tui.protocol.camera_pictures import PictureFormat, PictureShown
 #: Upper half of a cell in its foreground's colour, lower half in that of its background.
 _HALF = "▀"
 #: Bytes that a pixel costs before the first picture has told.
-_PNG_BYTES, _SIXEL_BYTES = 1.2, 1.2
+_PIXEL_BYTES = 1.2
 
 
 class PictureView(Widget):
@@ -116,10 +115,10 @@ class HalfBlockView(PictureView):
         canvas = self._canvas
         pixels = resized(unpacked(shown), shown.width, shown.height, *canvas.size)
         painted = canvas.take(pixels, allowance)
-        for stretch in painted:
-            self._strips.pop(stretch.row, None)
+        for region in painted:
+            self._strips.pop(region.y, None)
         if painted:
-            self.refresh(*(Region(one.begin, one.row, one.end - one.begin, 1) for one in painted))
+            self.refresh(*painted)
         return bool(painted)
 
     def clear(self) -> None:
@@ -154,28 +153,50 @@ class HalfBlockView(PictureView):
         return Strip(segments, canvas.columns)
 
 
-class KittyView(PictureView):
-    """Placeholders, and beneath them the picture: two names take turns, so that nothing flickers.
+class SentView(PictureView):
+    """A picture that the terminal draws itself, sent past Textual as a file.
 
     Args:
-        side: The terminal.
-        wrap: What every sequence is put into on its way, such as tmux's envelope.
+        terminal: The terminal.
+    """
+
+    def __init__(self, terminal: PictureTerminal) -> None:
+        super().__init__()
+        self._terminal = terminal
+        self._bytes = _PIXEL_BYTES
+
+    def wanted(self, allowance: int) -> tuple[int, int]:
+        """All pixels of the cells; a slow line gets fewer."""
+        return shrunk_size(*self.room.pixels, allowance / self._bytes)
+
+    def learn_size(self, shown: PictureShown) -> None:
+        """Take note what a pixel costs."""
+        self._bytes = max(0.02, len(shown.data) / max(1, shown.width * shown.height))
+
+
+class KittyView(SentView):
+    """Placeholders, and beneath them the picture: two names take turns, so that nothing flickers.
+
+    The terminal enlarges what has fewer pixels than its cells.
+
+    Args:
+        terminal: The terminal.
+        tmux: Whether every sequence goes in tmux's envelope.
     """
 
     format: ClassVar[PictureFormat] = "png"
     word = "kitty"
 
-    def __init__(self, side: PictureTerminal, tmux: bool = False) -> None:
-        super().__init__()
-        self._side, self._tmux = side, tmux
-        self._bytes = _PNG_BYTES
+    def __init__(self, terminal: PictureTerminal, tmux: bool = False) -> None:
+        super().__init__(terminal)
+        self._tmux = tmux
         self._turn = 0
         self._drawn = 0  # 0: nothing is shown
 
     def wanted(self, allowance: int) -> tuple[int, int]:
-        """As many pixels as the cells have; a slow line gets fewer, and the terminal enlarges."""
+        """The placeholders cost something, too."""
         cells = 4 * self.room.columns * self.room.rows
-        return shrunk_size(*self.room.pixels, max(1_000, allowance - cells) / self._bytes)
+        return super().wanted(max(1_000, allowance - cells))
 
     def show(self, shown: PictureShown, allowance: int) -> bool:
         """Send the picture under the name that is not shown, then change the names."""
@@ -183,7 +204,7 @@ class KittyView(PictureView):
         name = kitty.NAMES[self._turn]
         if not self._put(kitty.transmission(name, self.room.columns, self.room.rows, shown.data)):
             return False
-        self._bytes = max(0.02, len(shown.data) / max(1, shown.width * shown.height))
+        self.learn_size(shown)
         self._drawn = name
         self.refresh()
         return True
@@ -201,7 +222,7 @@ class KittyView(PictureView):
         self.refresh()
 
     def _put(self, text: str) -> bool:
-        return self._side.put(kitty.tmux_passthrough(text) if self._tmux else text)
+        return self._terminal.put(kitty.tmux_passthrough(text) if self._tmux else text)
 
     def line(self, y: int) -> Strip:
         """A line of placeholders in the colour that is the picture's name."""
@@ -213,22 +234,18 @@ class KittyView(PictureView):
         return Strip([Segment(text, named)], self.room.columns)
 
 
-class SixelView(PictureView):
-    """Blank cells to Textual, and the picture drawn over them when it has painted."""
+class SixelView(SentView):
+    """Blank cells to Textual, and the picture drawn over them when it has painted; a smaller one
+    in their middle.
+    """
 
     format: ClassVar[PictureFormat] = "sixel"
     word = "sixel"
 
-    def __init__(self, side: PictureTerminal) -> None:
-        super().__init__()
-        self._side = side
-        self._bytes = _SIXEL_BYTES
+    def __init__(self, terminal: PictureTerminal) -> None:
+        super().__init__(terminal)
         self._data = ""
         self._due = False
-
-    def wanted(self, allowance: int) -> tuple[int, int]:
-        """All pixels of the cells, or a smaller picture in their middle."""
-        return shrunk_size(*self.room.pixels, allowance / self._bytes)
 
     def show(self, shown: PictureShown, allowance: int) -> bool:
         """Draw over the last one, once Textual has painted."""
@@ -237,7 +254,7 @@ class SixelView(PictureView):
         top = (self.room.rows - shown.height / high) / 2
         region = self.content_region
         column, row = region.x + max(0, int(left)) + 1, region.y + max(0, int(top)) + 1
-        self._bytes = max(0.02, len(shown.data) / max(1, shown.width * shown.height))
+        self.learn_size(shown)
         # Saved and restored: Textual goes on where the cursor was.
         self._data = f"\x1b7\x1b[{row};{column}H{shown.data}\x1b8"
         self._due = True
@@ -246,7 +263,7 @@ class SixelView(PictureView):
     def settled(self) -> None:
         """Draw what is due."""
         if self._due and self._data:
-            self._due = not self._side.put(self._data)
+            self._due = not self._terminal.put(self._data)
 
     def clear(self) -> None:
         """Have the cells painted again: blanks erase what is drawn over them."""
@@ -275,21 +292,8 @@ def _touches(update: RenderableType | None, region: Region) -> bool:
     return update is not None
 
 
-#: What `--pictures` takes.
-METHODS = ("auto", "blocks", "kitty", "sixel", "off")
 #: Colours of Rich's colour systems.
 _DEPTHS = {"truecolor": 1 << 24, "256": 256, "standard": 16, "windows": 16}
-
-
-@dataclass(frozen=True, slots=True)
-class TerminalAbilities:
-    """What a terminal has: `depth` colours (0: only signs of ASCII), `side` (None: no terminal),
-    and `tmux`, `screen` or nothing in between.
-    """
-
-    depth: int
-    side: PictureTerminal | None = None
-    multiplexer: str = ""
 
 
 def depth_of(system: str | None, *, plain: bool) -> int:
@@ -297,17 +301,20 @@ def depth_of(system: str | None, *, plain: bool) -> int:
     return 0 if plain else _DEPTHS.get(system or "", 0)
 
 
-def view_for(wanted: str, means: TerminalAbilities) -> PictureView:
-    """A widget that draws in the way that is `wanted`; `auto`: what the terminal said it can do.
+def view_for(
+    method: str, depth: int, terminal: PictureTerminal | None, multiplexer: str
+) -> PictureView:
+    """A widget that draws by `method`; `auto`: what the terminal said it can do.
 
-    Half blocks are always right. tmux answers in its terminal's place without being one that
-    draws, so behind it pictures come only to who asks for them.
+    `depth`: the terminal's colours (0: only signs of ASCII). `terminal`: None if there is none.
+    `multiplexer`: `tmux`, `screen` or nothing in between. Half blocks are always right. tmux
+    answers in its terminal's place without being one that draws, so behind it pictures come only
+    to who asks for them.
     """
-    side = means.side
-    if side is not None and means.depth >= 256:
-        direct = wanted == "auto" and not means.multiplexer
-        if wanted == "kitty" or (direct and side.kitty):
-            return KittyView(side, tmux=means.multiplexer == "tmux")
-        if wanted == "sixel" or (direct and side.sixel and side.cell is not None):
-            return SixelView(side)
-    return HalfBlockView(means.depth)
+    if terminal is not None and depth >= 256:
+        direct = method == "auto" and not multiplexer
+        if method == "kitty" or (direct and terminal.kitty):
+            return KittyView(terminal, tmux=multiplexer == "tmux")
+        if method == "sixel" or (direct and terminal.sixel and terminal.cell is not None):
+            return SixelView(terminal)
+    return HalfBlockView(depth)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from woz_tui.config.engagement import STATES
-from woz_tui.config.session_verbs import ENGAGEMENT
+from woz_tui.config.session_verbs import ENGAGEMENT, ENGAGEMENT_VERBS
 from woz_tui.console.cells import Row, clean, cut, length
 from woz_tui.console.engagement.engagement_view import HOLD, OFF, EngagementView
 from woz_tui.console.glyphs import Glyphs
@@ -15,38 +16,45 @@ from woz_tui.protocol.messages import EngagementShown, Json
 from woz_tui.protocol.requests import AskVerb
 from woz_tui.sensing.state_machine import State, named_from
 
-RUN, STEP, SENSOR = "run", "step", "sensor"
-
 
 @dataclass(frozen=True, slots=True)
 class Override:
-    """One thing that the hand does: its id and key, one or two words for the legend, a sentence
-    for the lists. `asks`: a dialog must be filled in first.
+    """One thing that the wizard can do to the model: its id and key, one or two words for the
+    legend, a sentence for the lists, the request. Without a verb a dialog must be filled in first.
     """
 
     id: str
     key: str
     word: str
     text: str
-    asks: bool = False
+    verb: str = ""
+    args: Mapping[str, Json] = field(default_factory=dict)
 
 
 OVERRIDES = (
-    Override("presence", "p", "person", "engagement: somebody is there, or nobody (by hand)"),
-    Override("gaze", "g", "looks", "engagement: looks at the robot, or away (by hand)"),
-    Override("near", "d", "near", "engagement: near enough, or too far (by hand)"),
-    Override("sensors", "s", "sensors", "engagement: all signs back to their sensors"),
-    Override("identity", "i", "identity", "engagement: who it is (by hand)", asks=True),
-    Override("hold", "h", "hold/run", "engagement: hold the machine, or let it run"),
-    Override("step", "n", "step", "engagement: take the edge that is held back"),
-    Override("force", "f", "force", "engagement: force a state or an outcome", asks=True),
-    Override("off", "o", "off/run", "engagement: switch the machine off, or on"),
-    Override("visitor", "v", "visitor", "engagement: name the visitor who stands there", asks=True),
-    Override("greeted", "k", "known", "engagement: the handshake worked"),
-    Override("unknown", "x", "unknown", "engagement: the handshake failed"),
-)
+    Override("presence", "p", "person", "engagement: somebody is there, or nobody (by hand)",
+             "toggle", {"sign": "presence"}),
+    Override("gaze", "g", "looks", "engagement: looks at the robot, or away (by hand)",
+             "toggle", {"sign": "gaze"}),
+    Override("near", "d", "near", "engagement: near enough, or too far (by hand)",
+             "toggle", {"sign": "distance"}),
+    Override("sensors", "s", "sensors", "engagement: all signs back to their sensors",
+             "sense", {"sign": "all", "value": "sensor"}),
+    Override("identity", "i", "identity", "engagement: who it is (by hand)"),
+    Override("hold", "h", "hold/run", "engagement: hold the machine, or let it run",
+             "engagement", {"run": HOLD}),
+    Override("step", "n", "step", "engagement: take the edge that is held back",
+             "engagement", {"run": "step"}),
+    Override("force", "f", "force", "engagement: force a state or an outcome"),
+    Override("off", "o", "off/run", "engagement: switch the machine off, or on",
+             "engagement", {"run": OFF}),
+    Override("visitor", "v", "visitor", "engagement: name the visitor who stands there"),
+    Override("greeted", "k", "known", "engagement: the handshake worked",
+             "handshake", {"what": "ok"}),
+    Override("unknown", "x", "unknown", "engagement: the handshake failed",
+             "handshake", {"what": "fail"}),
+)  # fmt: skip
 BY_KEY = {order.key: order for order in OVERRIDES}
-BY_ID = {order.id: order for order in OVERRIDES}
 KEYS = frozenset(BY_KEY)
 
 
@@ -63,8 +71,10 @@ def verb_request(name: str, args: dict[str, Json], key: str = "") -> AskVerb:
 
 def override_request(order: Override, engaged: EngagementView, key: str = "") -> AskVerb:
     """What `order` asks for as things stand; only for those that need no dialog."""
-    name, args = _REQUESTS[order.id](engaged)
-    return verb_request(name, args, key)
+    args = dict(order.args)
+    if engaged.shown is not None and engaged.shown.run == args.get("run"):
+        args["run"] = "run"  # pressed again it lets the machine run
+    return verb_request(order.verb, args, key)
 
 
 def needs_name(engaged: EngagementView) -> bool:
@@ -89,93 +99,69 @@ def forceable(shown: EngagementShown | None) -> list[tuple[str, str]]:
     return [*found, *((state, "") for state in rest)]
 
 
-_Made = tuple[str, dict[str, Json]]
-
-
-def _toggle(sign: str) -> Callable[[EngagementView], _Made]:
-    return lambda engaged: ("toggle", {"sign": sign})
-
-
-def _run(to: str) -> Callable[[EngagementView], _Made]:
-    def made(engaged: EngagementView) -> _Made:
-        there = engaged.shown is not None and engaged.shown.run == to
-        return "engagement", {"run": RUN if there else to}
-
-    return made
-
-
-_REQUESTS: dict[str, Callable[[EngagementView], _Made]] = {
-    "presence": _toggle("presence"),
-    "gaze": _toggle("gaze"),
-    "near": _toggle("distance"),
-    "sensors": lambda engaged: ("sense", {"sign": "all", "value": SENSOR}),
-    "hold": _run(HOLD),
-    "off": _run(OFF),
-    "step": lambda engaged: ("engagement", {"run": STEP}),
-    "greeted": lambda engaged: ("handshake", {"what": "ok"}),
-    "unknown": lambda engaged: ("handshake", {"what": "fail"}),
-}
-
-
 _RUNS = {"run": "runs", "hold": "held", "off": "off", "step": "one step"}
 _FLAGS = {"on": "yes", "off": "no", "sensor": "back to its sensor"}
+#: Verbs of the model in words, with their arguments.
+_SENTENCES = {
+    "toggle": "{sign} the other way, by hand",
+    "force": "force {to}",
+    "social_distance": "near: up to {metres} m",
+    "attend": "attention {mode}",
+    "handshake": "handshake {what} {code}",
+}
 Args = Mapping[str, Json]
 
 
 def override_text(verb: str, args: Args) -> str:
     """`gaze the other way, by hand`; any arguments do, the log of another version may hold any."""
-    tell = _SENTENCES.get(verb)
-    if tell is not None:
-        return tell(args)
+    texts = _texts(args)
+    match verb:
+        case "sense":
+            return _sense(texts)
+        case "filter":
+            parts = [
+                "filter of",
+                *(texts[each] for each in ("sign", "kind", "samples", "threshold")),
+            ]
+            return " ".join(filter(None, parts))
+        case "visitor":
+            parts = [f"visitor {texts['code']}", texts["age_group"], texts["address"]]
+            return ", ".join(filter(None, parts))
+        case "engagement":
+            return f"engagement {_RUNS.get(texts['run'], texts['run'])}"
+    if verb in _SENTENCES:
+        return _SENTENCES[verb].format_map(texts).rstrip()
     return " ".join(str(part) for part in (verb, *args.values()) if part not in ("", None))
 
 
 def toggled_text(message: m.Message) -> str:
     """How a sign is after the wizard has turned it the other way; else nothing."""
     if isinstance(message, m.Done) and message.driver == ENGAGEMENT and "value" in message.sent:
-        return _sense(message.sent)
+        return _sense(_texts(message.sent))
     return ""
 
 
-def _text(args: Args, name: str) -> str:
-    value = args.get(name, "")
-    return f"{value:g}" if isinstance(value, float) else "" if value is None else str(value)
+def _texts(args: Args) -> defaultdict[str, str]:
+    return defaultdict(
+        str,
+        {
+            name: f"{value:g}" if isinstance(value, float) else "" if value is None else str(value)
+            for name, value in args.items()
+        },
+    )
 
 
-def _sense(args: Args) -> str:
-    sign, value = _text(args, "sign"), _text(args, "value")
+def _sense(texts: Mapping[str, str]) -> str:
+    sign, value = texts["sign"], texts["value"]
     if sign == "all" and value == "sensor":
         return "all signs back to their sensors"
-    said = _FLAGS.get(value, f"{value} m" if sign == "distance" else value)
-    return f"{sign} {said}" if value == "sensor" else f"{sign} {said}, by hand"
-
-
-def _filter(args: Args) -> str:
-    told = [_text(args, name) for name in ("kind", "samples", "threshold")]
-    return " ".join(["filter of", _text(args, "sign"), *(part for part in told if part)])
-
-
-def _visitor(args: Args) -> str:
-    about = [_text(args, name) for name in ("age_group", "address")]
-    return ", ".join([f"visitor {_text(args, 'code')}", *(part for part in about if part)])
-
-
-_SENTENCES: Mapping[str, Callable[[Args], str]] = {
-    "toggle": lambda args: f"{_text(args, 'sign')} the other way, by hand",
-    "sense": _sense,
-    "force": lambda args: f"force {_text(args, 'to')}",
-    "engagement": lambda args: f"engagement {_RUNS.get(_text(args, 'run'), _text(args, 'run'))}",
-    "filter": _filter,
-    "social_distance": lambda args: f"near: up to {_text(args, 'metres')} m",
-    "attend": lambda args: f"attention {_text(args, 'mode')}",
-    "handshake": lambda args: f"handshake {_text(args, 'what')} {_text(args, 'code')}".rstrip(),
-    "visitor": _visitor,
-}
+    shown = _FLAGS.get(value, f"{value} m" if sign == "distance" else value)
+    return f"{sign} {shown}" if value == "sensor" else f"{sign} {shown}, by hand"
 
 
 def is_override(command: m.Command | m.FilledCall) -> bool:
     """Whether it is for the model, as far as it says for whom it is."""
-    return command.driver == ENGAGEMENT or (not command.driver and command.verb in _SENTENCES)
+    return command.driver == ENGAGEMENT or (not command.driver and command.verb in ENGAGEMENT_VERBS)
 
 
 #: Lines of the legend at the most.

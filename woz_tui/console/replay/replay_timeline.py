@@ -11,6 +11,7 @@ from woz_tui.console.bottom_rows import BarInfo, StopBar, hint_row
 from woz_tui.console.cells import Piece, Row, clean, cut, fit, length, spread
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Glyphs, PaintFrame
+from woz_tui.console.meter_rows import merge_pieces
 from woz_tui.console.number_text import elapsed
 from woz_tui.console.replay.replay_state import ReplayState, TimelinePlace, wall_time
 from woz_tui.console.script_row import script_row, upcoming
@@ -120,7 +121,7 @@ def _right(
     return tuple(row)
 
 
-def line_pieces(replay: ReplayState, now: int, width: int, glyphs: Glyphs) -> Iterable[Piece]:
+def line_pieces(replay: ReplayState, now: int, width: int, glyphs: Glyphs) -> Row:
     """The line in `width` cells: what has been played, the rest, the places, where it is."""
     played = "=" if glyphs.ascii else glyphs.bar
     here = _cell(now, replay.length_us, width)
@@ -130,7 +131,7 @@ def line_pieces(replay: ReplayState, now: int, width: int, glyphs: Glyphs) -> It
     for x, sort in _signs(replay.places, replay.length_us, width).items():
         cells[x] = sign_of(sort, glyphs)
     cells[here] = (glyphs.spot, "strong")
-    return _joined(cells)
+    return merge_pieces(cells)
 
 
 def _signs(places: Iterable[TimelinePlace], length_us: int, width: int) -> dict[int, str]:
@@ -147,17 +148,6 @@ def _cell(t: int, length_us: int, width: int) -> int:
     if length_us <= 0:
         return 0
     return min(width - 1, max(0, t * (width - 1) // length_us))
-
-
-def _joined(cells: Iterable[Piece]) -> list[Piece]:
-    """Neighbours of one look as one piece."""
-    pieces: list[Piece] = []
-    for text, look in cells:
-        if pieces and pieces[-1][1] == look:
-            pieces[-1] = (pieces[-1][0] + text, look)
-        else:
-            pieces.append((text, look))
-    return pieces
 
 
 class TimeBar(StopBar):

@@ -1,4 +1,4 @@
-r"""Completes what is typed: names of moves, and tags in utterances like `\rspd=80\`, `^run(NAME)`."""
+r"""Completes names of moves, and tags in utterances like `\rspd=80\`, `^run(NAME)`."""
 
 from __future__ import annotations
 

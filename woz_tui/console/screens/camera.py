@@ -12,12 +12,7 @@ from textual.widget import Widget
 
 from woz_tui.console.camera.picture_requests import STALE_S, PictureRequester
 from woz_tui.console.camera.picture_sizes import CELL, CellArea, area_for
-from woz_tui.console.camera.picture_widgets import (
-    PictureView,
-    TerminalAbilities,
-    depth_of,
-    view_for,
-)
+from woz_tui.console.camera.picture_widgets import PictureView, depth_of, view_for
 from woz_tui.console.cells import Cells, Row, clean, cut
 from woz_tui.console.screens.dialog import Dialog
 from woz_tui.protocol.camera_pictures import PictureShown
@@ -79,8 +74,7 @@ class CameraDialog(Dialog):
             return
         plain = self.glyphs.ascii or self.app.no_color
         depth = depth_of(self.app.console.color_system, plain=plain)
-        means = TerminalAbilities(depth, app.side, app.terminal.multiplexer)
-        self._view = view_for(app.pictures, means)
+        self._view = view_for(app.pictures, depth, app.side, app.terminal.multiplexer)
         self._watching = PictureRequester(
             self.requests.ask_picture, app.clock, app.side, self._draw
         )

@@ -5,8 +5,7 @@ Answers of a participant have no line: they are for the log, not for whoever pla
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from woz_tui.console.number_text import millis, seconds
 from woz_tui.protocol import messages as m
@@ -30,121 +29,68 @@ _JUDGED = {
 }
 
 
-def event_text(message: m.Message) -> EventText | None:
+def event_text(message: m.Message) -> EventText | None:  # noqa: PLR0911, PLR0912 - a table
     """The line for `message`, or None if it is not worth one."""
-    tell = TELLERS.get(type(message))
-    return tell(message) if tell is not None else None
-
-
-def _assigned(told: m.ConditionsAssigned) -> EventText:
-    how = "chosen by hand" if told.method == "hand" else told.method
-    why = ", ".join(part for part in (how, told.why) if part)
-    return EventText("info", f"{told.participant}: {', '.join(told.order)}", why)
-
-
-def _trial(told: m.TrialStarted) -> EventText:
-    of = f" of {told.planned}" if told.planned else ""
-    return EventText("info", f"Trial {told.trial}{of} begins", told.condition)
-
-
-def _trial_over(told: m.TrialEnded) -> EventText:
-    return EventText(
-        _OUTCOMES.get(told.outcome, "info"), f"Trial {told.trial} {told.outcome}", told.text
-    )
-
-
-def _break(told: m.BreakStarted) -> EventText:
-    return EventText("info", "Break", told.text)
-
-
-def _break_over(told: m.BreakEnded) -> EventText:
-    return EventText("info", "Break over", told.text)
-
-
-def _checked(told: m.PreflightChecked) -> EventText | None:
-    """What a program found out stands in the preflight."""
-    if told.source == "robot":
-        return None
-    if told.level == "ok":
-        return EventText("done", f"Ticked: {told.check}", told.detail)
-    return EventText("warning", f"Not ticked: {told.check}", told.detail)
-
-
-def _asks(told: m.QuestionnaireStarted) -> EventText:
-    about = f"after trial {told.trial}" if told.trial >= 0 else ""
-    return EventText("info", f"Asked: {told.title or told.questionnaire}", about)
-
-
-def _asked(told: m.QuestionnaireEnded) -> EventText:
-    mark = "done" if told.reason == "done" else "info"
-    reason = {"done": "answered", "left": "not finished"}.get(told.reason, told.reason)
-    return EventText(mark, f"Questionnaire {reason}", f"{told.answered} answered")
-
-
-def _shaping(told: m.ShapingChanged) -> EventText:
-    if not told.floor_us and not told.jitter_us:
-        return EventText("info", "Answers come at once")
-    jitter = f" and up to {seconds(told.jitter_us)} more" if told.jitter_us else ""
-    soonest = f"Answers come {seconds(told.floor_us)}{jitter} after a cue"
-    return EventText("info", soonest, ", ".join(told.cues))
-
-
-def _perception(told: m.PerceptionChanged) -> EventText:
-    if not told.hidden and not told.blurred:
-        return EventText("info", "Nothing is kept from you")
-    blurred = f"blurred: {', '.join(told.blurred)}" if told.blurred else ""
-    if not told.hidden:
-        return EventText("info", f"Kept from you, {blurred}")
-    return EventText("info", f"Kept from you: {', '.join(told.hidden)}", blurred)
-
-
-def _training(told: m.TrainingChanged) -> EventText:
-    cues = f"{told.planned} cue{'' if told.planned == 1 else 's'}"
-    if told.state == "over":
-        return EventText("done", f"Training over: {told.right} of {cues} right")
-    state = "waits for you" if told.state == "waits" else "begins"
-    return EventText("info", f"Training {state}: {cues}", "nothing moves")
-
-
-def _cue(told: m.CueGiven) -> EventText:
-    return EventText("heard", f"Cue: {told.sort}", told.text)
-
-
-def _answered(told: m.CueAnswered) -> EventText:
-    took = seconds(told.reaction_us) if told.reaction_us >= 0 else ""
-    mark, text = _JUDGED.get(told.judged, ("info", f"Cue {told.judged}"))
-    return EventText(mark, text, took)
-
-
-def _rerun(told: m.RerunStarted) -> EventText:
-    return EventText("info", f"Run again: {told.original}", f"{told.commands} commands")
-
-
-def _skipped(told: m.RerunSkipped) -> EventText:
-    return EventText("warning", f"Left out: {told.original_command}", told.reason)
-
-
-def _rerun_over(told: m.RerunEnded) -> EventText:
-    late = f"late by {millis(told.late_p50_us)}, {millis(told.late_max_us)} at the most"
-    counts = f"{told.sent_again} sent, {told.skipped_commands} left out, {late}"
-    return EventText("info", f"Re-run over: {told.reason}", counts)
-
-
-TELLERS: Mapping[type[m.Message], Callable[[Any], EventText | None]] = {
-    m.ConditionsAssigned: _assigned,
-    m.TrialStarted: _trial,
-    m.TrialEnded: _trial_over,
-    m.BreakStarted: _break,
-    m.BreakEnded: _break_over,
-    m.PreflightChecked: _checked,
-    m.QuestionnaireStarted: _asks,
-    m.QuestionnaireEnded: _asked,
-    m.ShapingChanged: _shaping,
-    m.PerceptionChanged: _perception,
-    m.TrainingChanged: _training,
-    m.CueGiven: _cue,
-    m.CueAnswered: _answered,
-    m.RerunStarted: _rerun,
-    m.RerunSkipped: _skipped,
-    m.RerunEnded: _rerun_over,
-}
+    match message:
+        case m.ConditionsAssigned():
+            how = "chosen by hand" if message.method == "hand" else message.method
+            order = f"{message.participant}: {', '.join(message.order)}"
+            return EventText("info", order, ", ".join(filter(None, (how, message.why))))
+        case m.TrialStarted():
+            of = f" of {message.planned}" if message.planned else ""
+            return EventText("info", f"Trial {message.trial}{of} begins", message.condition)
+        case m.TrialEnded(outcome=outcome):
+            mark = _OUTCOMES.get(outcome, "info")
+            return EventText(mark, f"Trial {message.trial} {outcome}", message.text)
+        case m.BreakStarted():
+            return EventText("info", "Break", message.text)
+        case m.BreakEnded():
+            return EventText("info", "Break over", message.text)
+        case m.PreflightChecked(source="robot"):
+            return None  # what a program found out stands in the preflight
+        case m.PreflightChecked(level="ok"):
+            return EventText("done", f"Ticked: {message.check}", message.detail)
+        case m.PreflightChecked():
+            return EventText("warning", f"Not ticked: {message.check}", message.detail)
+        case m.QuestionnaireStarted():
+            about = f"after trial {message.trial}" if message.trial >= 0 else ""
+            return EventText("info", f"Asked: {message.title or message.questionnaire}", about)
+        case m.QuestionnaireEnded(reason=reason):
+            ended = {"done": "answered", "left": "not finished"}.get(reason, reason)
+            mark = "done" if reason == "done" else "info"
+            return EventText(mark, f"Questionnaire {ended}", f"{message.answered} answered")
+        case m.ShapingChanged(floor_us=0, jitter_us=0):
+            return EventText("info", "Answers come at once")
+        case m.ShapingChanged(jitter_us=jitter):
+            more = f" and up to {seconds(jitter)} more" if jitter else ""
+            soonest = f"Answers come {seconds(message.floor_us)}{more} after a cue"
+            return EventText("info", soonest, ", ".join(message.cues))
+        case m.PerceptionChanged(hidden=hidden, blurred=blurred):
+            if not hidden and not blurred:
+                return EventText("info", "Nothing is kept from you")
+            less = f"blurred: {', '.join(blurred)}" if blurred else ""
+            if not hidden:
+                return EventText("info", f"Kept from you, {less}")
+            return EventText("info", f"Kept from you: {', '.join(hidden)}", less)
+        case m.TrainingChanged(state=state):
+            cues = f"{message.planned} cue{'' if message.planned == 1 else 's'}"
+            if state == "over":
+                return EventText("done", f"Training over: {message.right} of {cues} right")
+            begins = "waits for you" if state == "waits" else "begins"
+            return EventText("info", f"Training {begins}: {cues}", "nothing moves")
+        case m.CueGiven():
+            return EventText("heard", f"Cue: {message.sort}", message.text)
+        case m.CueAnswered(judged=judged, reaction_us=reaction):
+            mark, text = _JUDGED.get(judged, ("info", f"Cue {judged}"))
+            return EventText(mark, text, seconds(reaction) if reaction >= 0 else "")
+        case m.RerunStarted():
+            commands = f"{message.commands} commands"
+            return EventText("info", f"Run again: {message.original}", commands)
+        case m.RerunSkipped():
+            return EventText("warning", f"Left out: {message.original_command}", message.reason)
+        case m.RerunEnded():
+            most = millis(message.late_max_us)
+            late = f"late by {millis(message.late_p50_us)}, {most} at the most"
+            counts = f"{message.sent_again} sent, {message.skipped_commands} left out, {late}"
+            return EventText("info", f"Re-run over: {message.reason}", counts)
+    return None

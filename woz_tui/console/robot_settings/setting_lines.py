@@ -26,25 +26,25 @@ class LineKind(enum.Enum):
 
 
 #: How ids of lines of the connection begin.
-CONNECTING = tuple(what.value for what in (LineKind.ROBOT, LineKind.ADDRESS, LineKind.DISCONNECT))
+CONNECTING = tuple(kind.value for kind in (LineKind.ROBOT, LineKind.ADDRESS, LineKind.DISCONNECT))
 
 
 @dataclass(frozen=True, slots=True)
 class SettingLine:
     """One line. `setting` says how it is called and what may be set, whatever it is about."""
 
-    what: LineKind
+    kind: LineKind
     setting: Setting
 
     @property
     def id(self) -> str:
         """Its name among the lines of its robot."""
-        return f"{self.what.value} {self.setting.name}"
+        return f"{self.kind.value} {self.setting.name}"
 
     @property
     def is_set(self) -> bool:
         """Whether it has a value that can be changed, here or at the robot."""
-        return self.what is LineKind.STEP or (self.what is LineKind.SETTING and self._by_hand)
+        return self.kind is LineKind.STEP or (self.kind is LineKind.SETTING and self._by_hand)
 
     @property
     def _by_hand(self) -> bool:
@@ -55,7 +55,7 @@ class SettingLine:
     def is_typed(self) -> bool:
         """Whether enter opens a field for it."""
         kinds = ("number", "color", "text")
-        return self.what is LineKind.ADDRESS or (self.is_set and self.setting.kind in kinds)
+        return self.kind is LineKind.ADDRESS or (self.is_set and self.setting.kind in kinds)
 
 
 def lines_of(outline: RobotOutline, verbs: Collection[str]) -> list[SettingLine]:

@@ -68,12 +68,12 @@ class SettingRequests:
         """Ask the robot for a value, now or as soon as it has taken the one before."""
         key = (driver, line.id)
         self._forget(driver, line)
-        under_way = self._asked.get(key)
-        if under_way is not None and under_way.over is None:
-            under_way.value = value
-            return
-        self._asked[key] = PendingSetting(line, value)
-        self._send(key)
+        pending = self._asked.get(key)
+        if pending is not None and pending.over is None:
+            pending.value = value
+        else:
+            self._asked[key] = PendingSetting(line, value)
+            self._send(key)
 
     def _forget(self, driver: str, line: SettingLine) -> None:
         """What was refused here; of a connection, whatever was refused of any."""
@@ -99,32 +99,23 @@ class SettingRequests:
     def settle(self, now: int) -> None:
         """Look what became of everything; `now` is session time. Call it at each painting."""
         for key, asked in list(self._asked.items()):
-            self._settle(key, asked, now)
-
-    def _settle(self, key: Key, asked: PendingSetting, now: int) -> None:
-        if asked.over is None:
-            end = self._picture.ends.get(asked.run) if asked.run else None
+            end = self._picture.ends.get(asked.run) if asked.over is None and asked.run else None
             if end is not None:
                 self._ended(key, asked, end, now)
-        if asked.over is None:
-            return
-        if self._shows(key[0], asked) or now - asked.over > READ_BACK_US:
-            self._drop(key, asked)
+            if asked.over is not None and (
+                self._shows(key[0], asked) or now - asked.over > READ_BACK_US
+            ):
+                self._drop(key, asked)
 
     def _ended(self, key: Key, asked: PendingSetting, end: m.End, now: int) -> None:
-        if isinstance(end, m.Failed | m.TimedOut | m.Refused):
-            self._refusals[key] = _sentence(end.reason, end.remedy)
+        if not isinstance(end, m.Done):  # of those without a reason another command took its place
+            if isinstance(end, m.Failed | m.TimedOut | m.Refused):
+                self._refusals[key] = _sentence(end.reason, end.remedy)
             self._drop(key, asked)
-        elif isinstance(end, m.Done):
-            self._taken(key, asked, now)
-        else:  # stopped, or another command took its place
-            self._drop(key, asked)
-
-    def _taken(self, key: Key, asked: PendingSetting, now: int) -> None:
-        if asked.value != asked.sent:
+        elif asked.value != asked.sent:
             self._send(key)
-            return
-        asked.over, asked.then = now, self._picture.session.robots.shown.get(key[0])
+        else:
+            asked.over, asked.then = now, self._picture.session.robots.shown.get(key[0])
 
     def _shows(self, driver: str, asked: PendingSetting) -> bool:
         robot, name = self._picture.session.robots.shown.get(driver), asked.line.setting.name
@@ -144,15 +135,13 @@ class SettingRequests:
     def _answered(self, key: Key, asked: PendingSetting, reply: Reply) -> None:
         if self._asked.get(key) is not asked:
             return
-        if not reply.ok:
+        asked.run = reply.run if reply.ok else ""
+        if not asked.run:
             self._drop(key, asked)
+        if not reply.ok:
             self._refusals[key] = _sentence(reply.reason, reply.hint)
             if not self._watched():
                 self._refused(reply)
-        elif reply.run:
-            asked.run = reply.run
-        else:
-            self._drop(key, asked)
 
     def _drop(self, key: Key, asked: PendingSetting) -> None:
         if self._asked.get(key) is asked:

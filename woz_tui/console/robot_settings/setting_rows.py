@@ -125,9 +125,9 @@ def _line(line: LineView, chosen: bool, colours: bool, frame: PaintFrame) -> Row
     label, value = (26, 24) if frame.width >= WIDE else (20, 18)
     mark = f" {glyphs.here} " if chosen else "   "
     name = fit(glyphs.plain(line.label), label, glyphs.ellipsis)
-    front: Row = ((mark, "fill" if chosen else "plain"), (name, "fill" if chosen else "plain"))
-    row = (*front, *_value(line, value, colours, frame), *_signs(line, frame))
-    return cut(row, frame.width, glyphs.ellipsis)
+    signs = ((f" {glyphs.plain(clean(text))} ", look) for text, look in line.signs)
+    front: Piece = (mark + name, "fill" if chosen else "plain")
+    return cut((front, *_value(line, value, colours, frame), *signs), frame.width, glyphs.ellipsis)
 
 
 def _value(line: LineView, width: int, colours: bool, frame: PaintFrame) -> Row:
@@ -139,18 +139,10 @@ def _value(line: LineView, width: int, colours: bool, frame: PaintFrame) -> Row:
     return ((" ", "plain"), *swatch, (fit(line.value, room, frame.glyphs.ellipsis), look))
 
 
-def _signs(line: LineView, frame: PaintFrame) -> Row:
-    return tuple((f" {frame.glyphs.plain(clean(text))} ", look) for text, look in line.signs)
-
-
 def _rule(top: int, count: int, room: int, frame: PaintFrame) -> Row:
     """A line over the whole width that says what is above and below."""
-    above, below = top, max(0, count - top - room)
-    told = ", ".join(
-        part
-        for part in (f"{above} above" if above else "", f"{below} below" if below else "")
-        if part
-    )
+    sides = {"above": top, "below": count - top - room}
+    told = ", ".join(f"{lines} {side}" for side, lines in sides.items() if lines > 0)
     words = f" {told} " if told else ""
     rule = frame.glyphs.rule * max(0, frame.width - len(words) - 1)
     return ((rule, "faint"), (words, "muted"), (frame.glyphs.rule, "faint"))

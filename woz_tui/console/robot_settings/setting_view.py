@@ -53,32 +53,32 @@ class RobotView:
 
 
 class SettingViewer:
-    """Sees one robot of the picture; `arrows` and `hand` tell what the picture does not know."""
+    """Describes robots of the picture; `arrows` and `requests` tell what it does not know."""
 
     def __init__(
-        self, picture: ConsoleState, glyphs: Glyphs, arrows: ArrowSteps, hand: SettingRequests
+        self, picture: ConsoleState, glyphs: Glyphs, arrows: ArrowSteps, requests: SettingRequests
     ) -> None:
         self._picture, self._glyphs = picture, glyphs
-        self._arrows, self._hand = arrows, hand
+        self._arrows, self._requests = arrows, requests
 
     def lines(self, driver: str, outline: RobotOutline) -> list[SettingLine]:
         """All lines; in a replay those of the robot's own settings."""
         found = lines_of(outline, self._picture.verbs.get(driver, ()))
         if self._picture.replay is None:
             return found
-        return [line for line in found if line.what is LineKind.SETTING]
+        return [line for line in found if line.kind is LineKind.SETTING]
 
     def value(self, driver: str, line: SettingLine) -> Json:
         """The value from which an arrow key goes on: the one asked for, else the robot's."""
-        if line.what is LineKind.STEP:
+        if line.kind is LineKind.STEP:
             return self._arrows.value(line.setting.name)
-        awaited = self._hand.awaited(driver, line)
-        name = "robot" if line.what is LineKind.ADDRESS else line.setting.name
+        awaited = self._requests.awaited(driver, line)
+        name = "robot" if line.kind is LineKind.ADDRESS else line.setting.name
         return self._robot(driver).values.get(name) if awaited is None else awaited
 
     def locked(self, line: SettingLine) -> str:
         """The panel whose lock covers the line's verb, or nothing."""
-        if line.what is LineKind.STEP or not line.setting.verb:
+        if line.kind is LineKind.STEP or not line.setting.verb:
             return ""
         return locked_by(self._picture, line.setting.verb)
 
@@ -118,76 +118,70 @@ class SettingViewer:
 
     def _line(self, driver: str, line: SettingLine, stale: bool) -> LineView:
         setting, glyphs = line.setting, self._glyphs
-        if line.what is LineKind.STEP:
-            value: Json = self._arrows.value(setting.name)
-            text = value_text(setting, value, glyphs)
-            return LineView(setting.section, _label(line), text, about=self._about(line))
-        stands = self._robot(driver).values.get(setting.name) if _has_value(line) else None
-        text = value_text(setting, stands, glyphs) if _has_value(line) else ""
-        if line.what is LineKind.ROBOT:
-            text = self._here(driver, setting.name)
-        if stale and text not in ("", glyphs.dash):
-            text = f"{glyphs.stale} {text}"
+        robot = self._robot(driver)
+        read = line.kind is LineKind.SETTING
+        value = robot.values.get(setting.name) if read else None
+        if line.kind is LineKind.STEP:
+            value = self._arrows.value(setting.name)
+        text = value_text(setting, value, glyphs) if read or line.kind is LineKind.STEP else ""
+        if line.kind is LineKind.ROBOT and self._is_connected(robot, setting.name):
+            text = f"{glyphs.yes} this one"
+        wanted = ""
+        if read and not stale and setting.name in robot.wanted:
+            wanted = value_text(setting, robot.wanted[setting.name], glyphs)
+        old = stale and line.kind is not LineKind.STEP
+        signs, sentences = self._trouble(driver, line, text, wanted)
         return LineView(
             setting.section,
             _label(line),
-            text,
-            color="" if stale or setting.kind != "color" else color_of(stands),
-            stale=stale and _has_value(line),
-            fixed=line.what is LineKind.SETTING and not line.is_set,
-            signs=tuple(self._signs(driver, line, stale)),
-            about=(*self._differs(driver, line, stale), *self._about(line)),
+            f"{glyphs.stale} {text}" if old and text not in ("", glyphs.dash) else text,
+            color="" if old or setting.kind != "color" else color_of(value),
+            stale=stale and read,
+            fixed=read and not line.is_set,
+            signs=tuple(signs),
+            about=(*sentences, *self._about(line)),
         )
 
-    def _here(self, driver: str, address: str) -> str:
-        told = self._robot(driver).values.get("robot")
-        here = isinstance(told, str) and bare_address(told) == bare_address(address)
-        return f"{self._glyphs.yes} this one" if here else ""
+    def _is_connected(self, robot: SettingsShown, address: str) -> bool:
+        here = robot.values.get("robot")
+        return isinstance(here, str) and bare_address(here) == bare_address(address)
 
-    def _signs(self, driver: str, line: SettingLine, stale: bool) -> list[Piece]:
-        """Locked; else: asked for, otherwise than wanted, refused."""
-        glyphs, setting = self._glyphs, line.setting
+    def _trouble(
+        self, driver: str, line: SettingLine, text: str, wanted: str
+    ) -> tuple[list[Piece], list[Piece]]:
+        """Signs behind a line: locked; else: asked for, otherwise than wanted, refused. And what
+        is wrong in sentences.
+        """
+        glyphs, refusal = self._glyphs, self._requests.refusal(driver, line)
+        signs: list[Piece] = []
+        sentences: list[Piece] = []
+        if refusal:
+            sentences.append((f"{glyphs.refused} Not done: {refusal}", "bad"))
         if panel := self.locked(line):
-            return [(f"{glyphs.locked} locked with {panel}", "warn")]
-        found: list[Piece] = []
-        if (awaited := self._hand.awaited(driver, line)) is not None:
-            text = value_text(setting, awaited, glyphs) if line.is_set else "asked"
-            found.append((f"{glyphs.next} {text}", "run"))
-        elif wanted := self._wanted(driver, line, stale):
-            found.append((f"{glyphs.warning} wanted {wanted}", "warn"))
-        if self._hand.refusal(driver, line):
-            found.append((f"{glyphs.refused} {self._hand.refusal(driver, line)}", "bad"))
-        return found
-
-    def _wanted(self, driver: str, line: SettingLine, stale: bool) -> str:
-        """What was asked for where the robot has something else, or nothing."""
-        wanted, name = self._robot(driver).wanted, line.setting.name
-        if stale or not _has_value(line) or name not in wanted:
-            return ""
-        return value_text(line.setting, wanted[name], self._glyphs)
-
-    def _differs(self, driver: str, line: SettingLine, stale: bool) -> list[Piece]:
-        """Sentences about what is wrong at a line."""
-        found: list[Piece] = []
-        robot, name = self._robot(driver), line.setting.name
-        if refusal := self._hand.refusal(driver, line):
-            found.append((f"{self._glyphs.refused} Not done: {refusal}", "bad"))
-        if panel := self.locked(line):
-            found.append((f"{self._glyphs.locked} Unlock {panel} to change it.", "warn"))
-        if wanted := self._wanted(driver, line, stale):
-            has = value_text(line.setting, robot.values.get(name), self._glyphs)
-            sentence = f"{self._glyphs.warning} Wanted: {wanted}; the robot has {has}."
-            found.append((sentence, "warn"))
-        return found
+            signs = [(f"{glyphs.locked} locked with {panel}", "warn")]
+            sentences.append((f"{glyphs.locked} Unlock {panel} to change it.", "warn"))
+        if wanted:
+            sentence = f"{glyphs.warning} Wanted: {wanted}; the robot has {text}."
+            sentences.append((sentence, "warn"))
+        if panel:
+            return signs, sentences
+        if (awaited := self._requests.awaited(driver, line)) is not None:
+            asked = value_text(line.setting, awaited, glyphs) if line.is_set else "asked"
+            signs.append((f"{glyphs.next} {asked}", "run"))
+        elif wanted:
+            signs.append((f"{glyphs.warning} wanted {wanted}", "warn"))
+        if refusal:
+            signs.append((f"{glyphs.refused} {refusal}", "bad"))
+        return signs, sentences
 
     def _about(self, line: SettingLine) -> tuple[Piece, ...]:
         words = [line.setting.help, allowed_values(line.setting) if line.is_set else ""]
-        if line.what is LineKind.SETTING and not line.is_set:
+        if line.kind is LineKind.SETTING and not line.is_set:
             connects = line.setting.verb == "connect"
             words.append(f"chosen under {CONNECTION}" if connects else "only shown")
         if line.setting.section == CONNECTION:
-            words.append(_CONNECTION[line.what])
-        told = "; ".join(word for word in words if word)
+            words.append(_CONNECTION[line.kind])
+        told = "; ".join(filter(None, words))
         return ((self._glyphs.plain(told), "muted"),) if told else ()
 
 
@@ -201,11 +195,7 @@ _CONNECTION = {
 def _label(line: SettingLine) -> str:
     """An address stays as it is; everything else begins with a capital letter."""
     label = line.setting.label
-    return label if line.what is LineKind.ROBOT else label[:1].upper() + label[1:]
-
-
-def _has_value(line: SettingLine) -> bool:
-    return line.what is LineKind.SETTING
+    return label if line.kind is LineKind.ROBOT else label[:1].upper() + label[1:]
 
 
 def locked_by(picture: ConsoleState, verb: str) -> str:

@@ -94,7 +94,7 @@ class RobotDialog(DrawingDialog):
         shown = self.picture.session.robots.shown.get(driver)
         wanted = shown.wanted if shown is not None else {}
         if is_stale(self.picture, driver):
-            found = [number for number, line in enumerate(lines) if line.what is LineKind.ROBOT]
+            found = [number for number, line in enumerate(lines) if line.kind is LineKind.ROBOT]
         else:
             found = [number for number, line in enumerate(lines) if line.setting.name in wanted]
         last = self.requests.drafts.get(_LAST)
@@ -206,9 +206,9 @@ class RobotDialog(DrawingDialog):
         line = self._chosen_line()
         if line is None:
             return
-        if line.what is LineKind.ROBOT:
+        if line.kind is LineKind.ROBOT:
             self._change(line, line.setting.name)
-        elif line.what is LineKind.DISCONNECT:
+        elif line.kind is LineKind.DISCONNECT:
             self._change(line, True)
         elif line.is_typed and (typed or line.setting.kind != "number"):
             self._type(line)
@@ -228,7 +228,7 @@ class RobotDialog(DrawingDialog):
         self.refreshed()
 
     def _change(self, line: SettingLine, value: Json, driver: str = "") -> None:
-        if line.what is not LineKind.STEP:
+        if line.kind is not LineKind.STEP:
             self._hand.change(driver or self._driver, line, value)
         elif isinstance(value, int | float):
             self.requests.arrows.change(line.setting.name, value)

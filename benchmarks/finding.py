@@ -36,9 +36,9 @@ from woz_tui.config.loading import load
 from woz_tui.console.action_panels import ActionPanels
 from woz_tui.console.glyphs import PaintFrame
 from woz_tui.console.screens.find import FindDialog
+from woz_tui.protocol.messages import PhaseChanged
 from woz_tui.protocol.panels import ActionView
 from woz_tui.protocol.requests import AskAction, Welcome
-from woz_tui.protocol.wizard_messages import PhaseChanged
 from woz_tui.session.participant_identity import SessionIdentity
 
 #: Seconds: to press a key, to know what to press.

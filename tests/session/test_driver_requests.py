@@ -15,7 +15,7 @@ from tests.session.rig import Puppet, Stage
 from woz_tui.drivers.contract import Ask
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.body_messages import FaceShown
+from woz_tui.protocol.messages import FaceShown
 
 
 class Breather(Puppet):

@@ -37,8 +37,7 @@ from woz_tui.config.session_verbs import engagement_verbs, session_verbs
 from woz_tui.console.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import SPEECH, Argument, Driver, Verb
-from woz_tui.protocol.messages import Json
-from woz_tui.protocol.visitor_messages import SignShown
+from woz_tui.protocol.messages import Json, SignShown
 from woz_tui.sensing.engagement_model import EngagementModel as Model
 
 #: Columns of a page that goes into a file or a pipe.

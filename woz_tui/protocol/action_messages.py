@@ -1,6 +1,6 @@
 """The part of the messages that makes the robot act: actions, commands, acknowledgements, the stop.
 
-Everybody imports these from `woz_tui.protocol.messages`, where all messages are together.
+All others import them from `woz_tui.protocol.messages`.
 """
 
 from __future__ import annotations
@@ -16,9 +16,7 @@ SIGNALS = frozenset({"eyes", "screen", "sound"})
 HANDS = frozenset({"key", "script", "palette", "midi", "program", "phase"})
 
 
-class ActionRequested(
-    Message, frozen=True, kw_only=True, omit_defaults=True, tag="action.requested"
-):
+class ActionRequested(Message, frozen=True, kw_only=True, tag="action.requested"):
     """Somebody asked for an action by name: one press, from which one or more commands follow.
 
     `source` is key, script, palette, midi, program, phase, engagement or replay; `console` names
@@ -33,7 +31,7 @@ class ActionRequested(
     console: str = ""
 
 
-class ActionEnd(RestrictedMessage, frozen=True, kw_only=True, omit_defaults=True):
+class ActionEnd(RestrictedMessage, frozen=True, kw_only=True):
     """How the run of an action ended; each `action.requested` has exactly one such line."""
 
     run: str
@@ -41,33 +39,29 @@ class ActionEnd(RestrictedMessage, frozen=True, kw_only=True, omit_defaults=True
     reason: str = ""
 
 
-class ActionDone(ActionEnd, frozen=True, kw_only=True, omit_defaults=True, tag="action.done"):
+class ActionDone(ActionEnd, frozen=True, kw_only=True, tag="action.done"):
     """Every command of the action was done."""
 
 
-class ActionFailed(ActionEnd, frozen=True, kw_only=True, omit_defaults=True, tag="action.failed"):
+class ActionFailed(ActionEnd, frozen=True, kw_only=True, tag="action.failed"):
     """A command failed, timed out or was refused; `reason` says which."""
 
 
-class ActionStopped(ActionEnd, frozen=True, kw_only=True, omit_defaults=True, tag="action.stopped"):
+class ActionStopped(ActionEnd, frozen=True, kw_only=True, tag="action.stopped"):
     """The stop, the wizard or the end of what it belonged to cut the action short."""
 
 
-class ActionSuperseded(
-    ActionEnd, frozen=True, kw_only=True, omit_defaults=True, tag="action.superseded"
-):
+class ActionSuperseded(ActionEnd, frozen=True, kw_only=True, tag="action.superseded"):
     """A newer act of the wizard took the place of what was still to be done; `by` names it."""
 
     by: str
 
 
-class ActionRefused(ActionEnd, frozen=True, kw_only=True, omit_defaults=True, tag="action.refused"):
+class ActionRefused(ActionEnd, frozen=True, kw_only=True, tag="action.refused"):
     """Nothing of the action was tried: unknown, locked, stale, stopped, or a value missing."""
 
 
-class Command(
-    RestrictedMessage, frozen=True, kw_only=True, omit_defaults=True, tag="command.requested"
-):
+class Command(RestrictedMessage, frozen=True, kw_only=True, tag="command.requested"):
     """One verb with its arguments, for one driver, on its way to the bus.
 
     `deadline_us`, on the session's `t` axis, is the moment after which it may no longer begin
@@ -88,7 +82,7 @@ class Command(
     deadline_us: int = 0
     limit_s: float = 30.0
     when_busy: str = "queue"
-    unfilled: dict[str, Json] = msgspec.field(default_factory=dict)
+    unfilled: dict[str, Json] = {}
 
     @property
     def passing(self) -> bool:
@@ -110,7 +104,7 @@ class FilledCall(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     unfilled: dict[str, Json] = {}
 
 
-class ActionsFilled(Message, frozen=True, kw_only=True, omit_defaults=True, tag="actions.filled"):
+class ActionsFilled(Message, frozen=True, kw_only=True, tag="actions.filled"):
     """What actions would do if they were played now: texts chosen, variables filled in.
 
     `actions`: name -> its steps, one after the other: a pause in seconds, or verbs that begin
@@ -126,33 +120,33 @@ class ActionsFilled(Message, frozen=True, kw_only=True, omit_defaults=True, tag=
         return msgspec.structs.replace(self, actions={**known, **self.actions})
 
 
-class Ack(RestrictedMessage, frozen=True, kw_only=True, omit_defaults=True):
+class Ack(RestrictedMessage, frozen=True, kw_only=True):
     """What became of a command. Only the subclasses are sent."""
 
     command: str
     driver: str = ""
 
 
-class Dispatched(Ack, frozen=True, kw_only=True, omit_defaults=True, tag="command.dispatched"):
+class Dispatched(Ack, frozen=True, kw_only=True, tag="command.dispatched"):
     """The driver's `perform` was called. `latency_us` counts from the request."""
 
     latency_us: int
 
 
-class Progress(Ack, frozen=True, kw_only=True, omit_defaults=True, tag="command.progress"):
+class Progress(Ack, frozen=True, kw_only=True, tag="command.progress"):
     """The driver now knows how long it will take: `expected_us` more from this line's `t`."""
 
     expected_us: int
 
 
-class End(Ack, frozen=True, kw_only=True, omit_defaults=True):
+class End(Ack, frozen=True, kw_only=True):
     """How a command ended; each `command.requested` has exactly one such line."""
 
     reason: str = ""
     remedy: str = ""
 
 
-class Done(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.done"):
+class Done(End, frozen=True, kw_only=True, tag="command.done"):
     """It was carried out. `sent` is what really went to the hardware, after clamping."""
 
     sent: dict[str, Json]
@@ -160,15 +154,15 @@ class Done(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.done
     duration_us: int
 
 
-class Failed(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.failed"):
+class Failed(End, frozen=True, kw_only=True, tag="command.failed"):
     """The driver raised; `reason` says what, `remedy` what to do."""
 
 
-class TimedOut(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.timed_out"):
+class TimedOut(End, frozen=True, kw_only=True, tag="command.timed_out"):
     """It ran longer than `limit_s`; its lane is faulted until the job really ends."""
 
 
-class Refused(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.refused"):
+class Refused(End, frozen=True, kw_only=True, tag="command.refused"):
     """It never began: `code` is stopped, late, stale, profile, full, busy, faulted, unknown,
     unwatched or args.
     """
@@ -176,24 +170,24 @@ class Refused(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.r
     code: str
 
 
-class Stopped(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.stopped"):
+class Stopped(End, frozen=True, kw_only=True, tag="command.stopped"):
     """The stop, or the loss of the wizard while driving, ended it."""
 
 
-class Superseded(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.superseded"):
+class Superseded(End, frozen=True, kw_only=True, tag="command.superseded"):
     """A newer setpoint or a replacing command replaced it; `by` names that one."""
 
     by: str
 
 
-class StopPressed(Message, frozen=True, kw_only=True, omit_defaults=True, tag="stop.pressed"):
+class StopPressed(Message, frozen=True, kw_only=True, tag="stop.pressed"):
     """The stop latched. `source` is key, program, console-lost ...; `scope` all or drive."""
 
     source: str
     scope: str = msgspec.field(default_factory=lambda: "all")
 
 
-class StopConfirmed(Message, frozen=True, kw_only=True, omit_defaults=True, tag="stop.confirmed"):
+class StopConfirmed(Message, frozen=True, kw_only=True, tag="stop.confirmed"):
     """Which drivers confirmed within 0.5 s and which did not, by name.
 
     `unreached`: those of `missing` whose hardware was not connected, so that no stop came to it.
@@ -203,12 +197,12 @@ class StopConfirmed(Message, frozen=True, kw_only=True, omit_defaults=True, tag=
     confirmed: list[str]
     missing: list[str]
     elapsed_us: int
-    parts: dict[str, list[str]] = msgspec.field(default_factory=dict)
-    missing_parts: dict[str, list[str]] = msgspec.field(default_factory=dict)
-    unreached: list[str] = msgspec.field(default_factory=list)
+    parts: dict[str, list[str]] = {}
+    missing_parts: dict[str, list[str]] = {}
+    unreached: list[str] = []
 
 
-class StopReleased(Message, frozen=True, kw_only=True, omit_defaults=True, tag="stop.released"):
+class StopReleased(Message, frozen=True, kw_only=True, tag="stop.released"):
     """A wizard released the stop on purpose."""
 
     source: str

@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-import msgspec
+from woz_tui.protocol.envelope import Answer
 
 #: Names of the feeds, both of the driver that has the camera.
 PICTURE, WATCHED = "picture", "picture.watched"
@@ -46,9 +46,7 @@ class CameraWatched:
     rate: float
 
 
-class PictureShown(
-    msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="picture"
-):
+class PictureShown(Answer, frozen=True, kw_only=True, tag="picture"):
     """The answer to an `AskPicture`; not part of the session's stream and never logged.
 
     `data` holds `width` x `height` pixels in `format`, taken at `t` (microseconds on the messages'

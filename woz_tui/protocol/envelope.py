@@ -18,7 +18,7 @@ class Message(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag
     ts: str = ""
 
 
-class RestrictedMessage(Message, frozen=True, kw_only=True, omit_defaults=True):
+class RestrictedMessage(Message, frozen=True, kw_only=True):
     """A message whose words may tell something that is kept from some.
 
     `tells`: what that is: `condition`, `request` (the words quote what was asked for), or what a
@@ -26,3 +26,7 @@ class RestrictedMessage(Message, frozen=True, kw_only=True, omit_defaults=True):
     """
 
     tells: tuple[str, ...] = ()
+
+
+class Answer(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind"):
+    """A line from the host that is no message of the session. Only the subclasses are sent."""

@@ -37,22 +37,6 @@ from woz_tui.protocol.action_messages import (
     Superseded,
     TimedOut,
 )
-from woz_tui.protocol.body_messages import (
-    BodyChanged,
-    ControlsMoved,
-    FaceShown,
-    SettingsShown,
-    Shown,
-)
-from woz_tui.protocol.driver_health import (
-    DriverConnected,
-    DriverConnecting,
-    DriverFaulted,
-    DriverHealth,
-    DriverLost,
-    LaneFaulted,
-    LaneRecovered,
-)
 from woz_tui.protocol.envelope import Json, Message, RestrictedMessage
 from woz_tui.protocol.study_messages import (
     ActionHeld,
@@ -78,29 +62,6 @@ from woz_tui.protocol.study_messages import (
     TrialEnded,
     TrialStarted,
 )
-from woz_tui.protocol.visitor_messages import (
-    EngagementAdopted,
-    EngagementChanged,
-    EngagementShown,
-    SignShown,
-    Speech,
-    SpeechEnded,
-    SpeechStarted,
-    SpeechText,
-    VisitorChanged,
-)
-from woz_tui.protocol.wizard_messages import (
-    ConsoleAttached,
-    ConsoleLost,
-    ExperimentReloaded,
-    Marker,
-    Mistake,
-    Note,
-    PanelLocked,
-    PhaseChanged,
-    ProfileChanged,
-    ScriptMoved,
-)
 
 #: Names that are defined next door and belong to this module's readers.
 __all__ = [
@@ -114,44 +75,22 @@ __all__ = [
     "ActionStopped",
     "ActionSuperseded",
     "ActionsFilled",
-    "BodyChanged",
     "BreakEnded",
     "BreakStarted",
     "Command",
     "ConditionsAssigned",
-    "ConsoleAttached",
-    "ConsoleLost",
-    "ControlsMoved",
     "CueAnswered",
     "CueGiven",
     "Dispatched",
     "Done",
-    "DriverConnected",
-    "DriverConnecting",
-    "DriverFaulted",
-    "DriverHealth",
-    "DriverLost",
     "End",
-    "EngagementAdopted",
-    "EngagementChanged",
-    "EngagementShown",
     "ExperimentFiles",
-    "ExperimentReloaded",
-    "FaceShown",
     "Failed",
     "FilledCall",
     "Json",
-    "LaneFaulted",
-    "LaneRecovered",
-    "Marker",
     "Message",
-    "Mistake",
-    "Note",
-    "PanelLocked",
     "PerceptionChanged",
-    "PhaseChanged",
     "PreflightChecked",
-    "ProfileChanged",
     "Progress",
     "QuestionnaireAnswered",
     "QuestionnaireEnded",
@@ -162,16 +101,9 @@ __all__ = [
     "RerunSkipped",
     "RerunStarted",
     "RestrictedMessage",
-    "ScriptMoved",
     "SessionPlan",
-    "SettingsShown",
     "ShapingChanged",
-    "Shown",
-    "SignShown",
     "Speech",
-    "SpeechEnded",
-    "SpeechStarted",
-    "SpeechText",
     "StopConfirmed",
     "StopPressed",
     "StopReleased",
@@ -181,7 +113,6 @@ __all__ = [
     "TrainingChanged",
     "TrialEnded",
     "TrialStarted",
-    "VisitorChanged",
 ]
 
 FORMAT = "woz-session"
@@ -191,7 +122,7 @@ SCHEMA = 3
 # -- the session ----------------------------------------------------------------------------
 
 
-class SessionStart(Message, frozen=True, kw_only=True, omit_defaults=True, tag="session.start"):
+class SessionStart(Message, frozen=True, kw_only=True, tag="session.start"):
     """First line of a log: who, what, with which software, and how clock and calendar meet.
 
     `spill`: folders in which the log goes on if its own fails, best first; each as it is on that
@@ -209,10 +140,10 @@ class SessionStart(Message, frozen=True, kw_only=True, omit_defaults=True, tag="
     experiment_sha256: str
     seed: int
     clock: dict[str, str]
-    spill: list[str] = msgspec.field(default_factory=list)
+    spill: list[str] = []
 
 
-class SessionChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag="session.changed"):
+class SessionChanged(Message, frozen=True, kw_only=True, tag="session.changed"):
     """Participant, condition or trial was set during the session; only what changed is there."""
 
     participant: str | None = None
@@ -220,9 +151,7 @@ class SessionChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag
     trial: int | None = None
 
 
-class SessionEnd(
-    RestrictedMessage, frozen=True, kw_only=True, omit_defaults=True, tag="session.end"
-):
+class SessionEnd(RestrictedMessage, frozen=True, kw_only=True, tag="session.end"):
     """Last line of a log. `sha256` covers every line of actions before it, each once and in the
     order of `seq`: in a session of one segment, every byte of the file.
     """
@@ -231,20 +160,20 @@ class SessionEnd(
     sha256: str = ""
 
 
-class ClockTie(Message, frozen=True, kw_only=True, omit_defaults=True, tag="clock"):
+class ClockTie(Message, frozen=True, kw_only=True, tag="clock"):
     """Ties `t` to the wall clock; one every 30 s, so a step of the wall clock can be seen."""
 
     wall: str
 
 
-class Checkpoint(Message, frozen=True, kw_only=True, omit_defaults=True, tag="checkpoint"):
+class Checkpoint(Message, frozen=True, kw_only=True, tag="checkpoint"):
     """Running SHA-256, as in `session.end`, every 10 s while there is something new."""
 
     sha256: str
     lines: int
 
 
-class Segment(Message, frozen=True, kw_only=True, omit_defaults=True, tag="segment"):
+class Segment(Message, frozen=True, kw_only=True, tag="segment"):
     """First line of a file in which the log goes on, and last line of one that was left; written by
     the recorder itself. It has no `seq`, because it belongs to the file and not to the session's
     course.
@@ -266,7 +195,7 @@ class Segment(Message, frozen=True, kw_only=True, omit_defaults=True, tag="segme
     dropped_samples: int = 0
 
 
-class RecorderState(Message, frozen=True, kw_only=True, omit_defaults=True, tag="recorder.state"):
+class RecorderState(Message, frozen=True, kw_only=True, tag="recorder.state"):
     """How well the log keeps up. `level` is ok, warn (lag >= 250 ms), alarm (>= 1 s) or failed."""
 
     level: str
@@ -276,7 +205,7 @@ class RecorderState(Message, frozen=True, kw_only=True, omit_defaults=True, tag=
     remedy: str = ""
 
 
-class Notice(RestrictedMessage, frozen=True, kw_only=True, omit_defaults=True, tag="notice"):
+class Notice(RestrictedMessage, frozen=True, kw_only=True, tag="notice"):
     """A sentence for the wizard. `level`: info, warning or error; `driver`: whose it is."""
 
     level: str
@@ -288,7 +217,7 @@ class Notice(RestrictedMessage, frozen=True, kw_only=True, omit_defaults=True, t
 # -- sensors ----------------------------------------------------------------------------------
 
 
-class Reading(Message, frozen=True, kw_only=True, omit_defaults=True, tag="sample"):
+class Reading(Message, frozen=True, kw_only=True, tag="sample"):
     """One value of one sensor.
 
     `sensor` names the quantity: distance (m), loudness (RMS, 0..1 of full scale), presence (0/1),
@@ -303,10 +232,10 @@ class Reading(Message, frozen=True, kw_only=True, omit_defaults=True, tag="sampl
     driver: str = ""
     unit: str = ""
     raw: float | None = None
-    bad: list[str] = msgspec.field(default_factory=list)
+    bad: list[str] = []
 
 
-class SensorChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag="sensor.changed"):
+class SensorChanged(Message, frozen=True, kw_only=True, tag="sensor.changed"):
     """A sensor's state, not its value, moved: ok, stale, silent, speaking, quiet ..."""
 
     sensor: str
@@ -315,13 +244,333 @@ class SensorChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag=
     why: str = ""
 
 
-class ModeChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag="mode.changed"):
+class ModeChanged(Message, frozen=True, kw_only=True, tag="mode.changed"):
     """The robot's mode (normal, demo ...) changed."""
 
     driver: str
     was: str
     now: str
     why: str = ""
+
+
+# -- drivers --------------------------------------------------------------------------------------
+
+
+class DriverHealth(Message, frozen=True, kw_only=True):
+    """How a driver is. Only the subclasses are sent."""
+
+    driver: str
+    detail: str = ""
+    remedy: str = ""
+
+
+class DriverConnecting(DriverHealth, frozen=True, kw_only=True, tag="driver.connecting"):
+    """It is looking for its hardware."""
+
+
+class DriverConnected(DriverHealth, frozen=True, kw_only=True, tag="driver.connected"):
+    """It is ready; `detail` says with what (port, models found)."""
+
+
+class DriverLost(DriverHealth, frozen=True, kw_only=True, tag="driver.lost"):
+    """Its hardware went away; it looks for it by itself."""
+
+
+class DriverFaulted(DriverHealth, frozen=True, kw_only=True, tag="driver.faulted"):
+    """A part of it does not answer or reports an alarm; `detail` names the part."""
+
+
+class LaneFaulted(Message, frozen=True, kw_only=True, tag="lane.faulted"):
+    """A job outlived its limit and its cancelling; its lane takes nothing until it has ended."""
+
+    driver: str
+    lane: str
+    command: str
+
+
+class LaneRecovered(Message, frozen=True, kw_only=True, tag="lane.recovered"):
+    """The job of a faulted lane has ended at last."""
+
+    driver: str
+    lane: str
+
+
+# -- what a body or a panel shows -----------------------------------------------------------------
+
+
+class Shown(Message, frozen=True, kw_only=True):
+    """Something to be seen at `driver`. Only the subclasses are sent."""
+
+    driver: str = ""
+
+
+class FaceShown(Shown, frozen=True, kw_only=True, tag="face.shown"):
+    """The face changed: exactly the picture that the device gets.
+
+    `rows` are the matrix's rows from the top, blank between them, each in hexadecimal with the
+    leftmost light as its highest bit; `width` lights a row. `brightness` is 0..1.
+    """
+
+    width: int
+    rows: str
+    emotion: str
+    intensity: float
+    brightness: float = 1.0
+
+
+class BodyChanged(Shown, frozen=True, kw_only=True, tag="body.changed"):
+    """What a body is doing and how it does it; `values` has all of its settings and states."""
+
+    values: dict[str, Json]
+
+
+class ControlsMoved(Shown, frozen=True, kw_only=True, tag="controls.moved"):
+    """Knobs, sliders and buttons of a panel: name -> 0..127, only those that moved.
+
+    `waiting` names all controls that do not count yet, because the robot's value is another than
+    the hand's (soft take-over); `targets` tells where some of them begin to count, 0..127. `lit`
+    names all buttons whose light is on.
+    """
+
+    values: dict[str, int]
+    waiting: list[str] = []
+    targets: dict[str, int] = {}
+    lit: list[str] = []
+
+
+class SettingsShown(Shown, frozen=True, kw_only=True, tag="settings.shown"):
+    """A robot's settings as it has them now, read back from it; said on a change.
+
+    `values` has all of them by name; `wanted` what was asked for, of those that are otherwise (the
+    robot changed them by itself, or has not done so yet); `conflicts` sentences about settings that
+    work against each other.
+    """
+
+    values: dict[str, Json]
+    wanted: dict[str, Json] = {}
+    conflicts: list[str] = []
+
+
+# -- the visitor ----------------------------------------------------------------------------------
+
+
+class EngagementChanged(Message, frozen=True, kw_only=True, tag="engagement.changed"):
+    """The engagement machine moved; `why` gives the reason in words.
+
+    `verdicts`: presence, gaze, distance (near) as 0, 1 or null, identity as text. `visitor` is the
+    code of whoever is known. `forced`: the wizard did it, or a verdict it rests on is the wizard's.
+    """
+
+    was: str
+    now: str
+    outcome: str
+    why: str
+    verdicts: dict[str, Json]
+    visitor: str = ""
+    forced: bool = False
+
+
+class EngagementAdopted(Message, frozen=True, kw_only=True, tag="engagement.settings"):
+    """The model goes by these settings from here on: all that the experiment's section says, with
+    the defaults, but without the path `visitors`. Told when the session begins and when a reload
+    changes them; an empty object: the section is gone, and the model with it.
+    """
+
+    settings: dict[str, Json]
+
+
+class SignShown(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """A sign of the visitor: what was sensed last, and what the filter makes of it.
+
+    `raw` is the last sample (0/1, metres), `raw_name` an identity. `verdict` is 0, 1 or null (no
+    verdict yet), `name` that of an identity. `count` of `places` samples speak for it, `needed` of
+    them suffice; a joint filter has places 100 and counts per cent. `forced`: it is the wizard's.
+    """
+
+    raw: float | None = None
+    raw_name: str = ""
+    verdict: int | None = None
+    name: str = ""
+    count: int = 0
+    needed: int = 0
+    places: int = 0
+    filter: str = ""
+    stale: bool = False
+    forced: bool = False
+
+
+class EngagementShown(Message, frozen=True, kw_only=True, tag="engagement.shown"):
+    """The model as it stands; told when something of it changes, at most some times a second.
+
+    `since` and `waits_since` are times `t` in microseconds: when the state was entered, and since
+    when the visitor waits for an answer (-1: nobody does). `trail` has the last states, oldest
+    first, the present one at its end. `run` is run, hold or off; `next` is where a held machine
+    would go.
+    `uses` names the signs of the condition. `attempt` counts a handshake's questions.
+    """
+
+    state: str
+    since: int
+    trail: list[str]
+    signs: dict[str, SignShown]
+    run: str
+    uses: list[str]
+    social_distance: float
+    engaged: bool
+    next: str = ""
+    waits_since: int = -1
+    visitor: str = ""
+    attempt: int = 0
+    attention: str = ""
+
+
+class SpeechStarted(Message, frozen=True, kw_only=True, tag="speech.started"):
+    """Somebody speaks. `segment` counts from 1; `began` is where it begins, pre-roll included, in
+    microseconds on the axis of `t`.
+    """
+
+    driver: str
+    segment: int
+    began: int
+
+
+class SpeechEnded(Message, frozen=True, kw_only=True, tag="speech.ended"):
+    """They have stopped. `began` and `ended` in microseconds on the axis of `t`, pre-roll and
+    trailing silence included; `file` is relative to the log's folder (empty: nothing was kept, and
+    `detail` says why where that was not wanted). `loudest` is an RMS, 0..1 of full scale.
+    """
+
+    driver: str
+    segment: int
+    began: int
+    ended: int
+    file: str = ""
+    loudest: float | None = None
+    detail: str = ""
+
+
+class SpeechText(Message, frozen=True, kw_only=True, tag="speech.text"):
+    """What a segment says, as a program understood it. An empty text means that nothing
+    was understood, or that it failed: then `detail` says why. `took_us`: from the end of speech.
+    """
+
+    driver: str
+    segment: int
+    text: str
+    took_us: int = 0
+    detail: str = ""
+
+
+#: What a driver that cuts speech into segments tells of them.
+Speech = SpeechStarted | SpeechEnded | SpeechText
+
+
+class VisitorChanged(Message, frozen=True, kw_only=True, tag="visitor.changed"):
+    """The store of visitors changed. `what`: met, learnt, profile, renamed (then `was` is the old
+    code) or forgotten. `about` has what is known of them (age_group, address), nothing else.
+    """
+
+    visitor: str
+    what: str
+    was: str = ""
+    about: dict[str, str] = {}
+
+
+# -- the wizard and their consoles ----------------------------------------------------------------
+
+
+class Marker(RestrictedMessage, frozen=True, kw_only=True, tag="marker"):
+    """A moment worth finding again."""
+
+    text: str = ""
+    source: str = msgspec.field(default_factory=lambda: "key")
+
+
+class Note(RestrictedMessage, frozen=True, kw_only=True, tag="note"):
+    """A sentence the wizard typed."""
+
+    text: str
+
+
+class Mistake(RestrictedMessage, frozen=True, kw_only=True, tag="mistake"):
+    """The wizard says that the run `run` of `action` was a mistake."""
+
+    run: str
+    action: str = ""
+    text: str = ""
+
+
+class ScriptMoved(Message, frozen=True, kw_only=True, tag="script.moved"):
+    """The script's next line: `position` counts from 0; equal to the length at the end.
+
+    `phase`: whose script; empty: that of the file. `played`: lines that were played, also those
+    that are being played; older logs do not say it, there it is all before `position`. `halted`:
+    the script stands still at this line, because it ended so (failed, refused, stopped).
+    """
+
+    position: int
+    phase: str = msgspec.field(default_factory=str)
+    played: list[int] | None = None
+    halted: str = msgspec.field(default_factory=str)
+
+
+class PhaseChanged(Message, frozen=True, kw_only=True, tag="phase.changed"):
+    """A phase of the experiment begins; an empty `phase`: none holds from here on.
+
+    `source`: key, palette, program; trial, session (a participant or a trial was set, or the
+    session begins) or reload where it began with that. `planned_us`: how long it is to last (0:
+    nobody said).
+    """
+
+    phase: str = msgspec.field(default_factory=str)
+    source: str = msgspec.field(default_factory=lambda: "key")
+    planned_us: int = 0
+
+
+class PanelLocked(Message, frozen=True, kw_only=True, tag="panel.locked"):
+    """A panel was locked or unlocked while running; `source` is phase where that did it."""
+
+    panel: str
+    locked: bool
+    source: str = msgspec.field(default_factory=str)
+
+
+class ProfileChanged(Message, frozen=True, kw_only=True, tag="profile.changed"):
+    """What the wizard may use changed: only what `profile` of the experiment names; an empty one is
+    everything.
+    """
+
+    profile: str = msgspec.field(default_factory=str)
+    source: str = msgspec.field(default_factory=lambda: "key")
+
+
+class ExperimentReloaded(Message, frozen=True, kw_only=True, tag="experiment.reloaded"):
+    """The experiment file was read again; `changes` lists the differences in words, `telling` those
+    of them that may tell which condition is which.
+    """
+
+    experiment_sha256: str
+    changes: list[str]
+    telling: list[str] = []
+
+
+class ConsoleAttached(Message, frozen=True, kw_only=True, tag="console.attached"):
+    """A console or program connected. `role`: wizard, watcher, program or participant; `name`: how
+    it calls itself. `sees` is `all` for a program that gets what is kept from the wizard.
+    """
+
+    console: str
+    role: str
+    name: str = ""
+    sees: str = ""
+
+
+class ConsoleLost(Message, frozen=True, kw_only=True, tag="console.lost"):
+    """It left (`why`: left) or died (closed, silent)."""
+
+    console: str
+    role: str
+    why: str
 
 
 #: Every message that may stand in a log or on the stream.

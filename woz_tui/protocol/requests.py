@@ -11,7 +11,7 @@ from typing import Literal
 import msgspec
 
 from woz_tui.protocol.camera_pictures import PictureFormat, PictureShown
-from woz_tui.protocol.envelope import Json
+from woz_tui.protocol.envelope import Answer, Json
 from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
 from woz_tui.protocol.welcome import Allowance, ModelLimits, StudySettings, WelcomeSettings
 
@@ -40,7 +40,7 @@ class Request(
     sent_us: int = 0
 
 
-class Hello(Request, frozen=True, kw_only=True, omit_defaults=True, tag="hello"):
+class Hello(Request, frozen=True, kw_only=True, tag="hello"):
     """First line of a client. `role`: wizard (one at a time), watcher, program, or participant, who
     may do nothing but answer questionnaires (and stop).
 
@@ -58,7 +58,7 @@ class Hello(Request, frozen=True, kw_only=True, omit_defaults=True, tag="hello")
     sees: Literal["", "all", "wizard"] = ""
 
 
-class AskAction(Request, frozen=True, kw_only=True, omit_defaults=True, tag="action"):
+class AskAction(Request, frozen=True, kw_only=True, tag="action"):
     """Play an action of the experiment by name.
 
     `key` is the chord that was pressed, if one was. `age_us`: how old the press already is.
@@ -73,7 +73,7 @@ class AskAction(Request, frozen=True, kw_only=True, omit_defaults=True, tag="act
     when_busy: WhenBusy = ""
 
 
-class AskVerb(Request, frozen=True, kw_only=True, omit_defaults=True, tag="verb"):
+class AskVerb(Request, frozen=True, kw_only=True, tag="verb"):
     """Send one verb with its arguments; `on` names the driver where several offer it.
 
     Variables in braces (`{participant}`) are filled in, in arguments that are texts.
@@ -91,19 +91,19 @@ class AskVerb(Request, frozen=True, kw_only=True, omit_defaults=True, tag="verb"
     when_busy: WhenBusy = ""
 
 
-class AskStop(Request, frozen=True, kw_only=True, omit_defaults=True, tag="stop"):
+class AskStop(Request, frozen=True, kw_only=True, tag="stop"):
     """Stop everything, now."""
 
     source: str = "program"
 
 
-class AskRelease(Request, frozen=True, kw_only=True, omit_defaults=True, tag="release"):
+class AskRelease(Request, frozen=True, kw_only=True, tag="release"):
     """Release the stop."""
 
     source: str = "program"
 
 
-class AskScript(Request, frozen=True, kw_only=True, omit_defaults=True, tag="script"):
+class AskScript(Request, frozen=True, kw_only=True, tag="script"):
     """Play the script's next line (`play`), or move its position to `to` without playing.
 
     `key`, `age_us` and `stale` as for an action.
@@ -116,21 +116,21 @@ class AskScript(Request, frozen=True, kw_only=True, omit_defaults=True, tag="scr
     stale: bool = False
 
 
-class AskCancel(Request, frozen=True, kw_only=True, omit_defaults=True, tag="cancel"):
+class AskCancel(Request, frozen=True, kw_only=True, tag="cancel"):
     """Cut one running or queued action short."""
 
     run: str
 
 
-class AskEmptyQueue(Request, frozen=True, kw_only=True, omit_defaults=True, tag="empty-queue"):
+class AskEmptyQueue(Request, frozen=True, kw_only=True, tag="empty-queue"):
     """End everything that waits in a queue; what runs goes on, and nothing is stopped."""
 
 
-class AskTakeOver(Request, frozen=True, kw_only=True, omit_defaults=True, tag="take-over"):
+class AskTakeOver(Request, frozen=True, kw_only=True, tag="take-over"):
     """A console that watches plays from now on; refused while another one plays and responds."""
 
 
-class AskSet(Request, frozen=True, kw_only=True, omit_defaults=True, tag="set"):
+class AskSet(Request, frozen=True, kw_only=True, tag="set"):
     """Set the participant, the condition or the trial."""
 
     participant: str | None = None
@@ -138,33 +138,33 @@ class AskSet(Request, frozen=True, kw_only=True, omit_defaults=True, tag="set"):
     trial: int | None = None
 
 
-class AskMarker(Request, frozen=True, kw_only=True, omit_defaults=True, tag="marker"):
+class AskMarker(Request, frozen=True, kw_only=True, tag="marker"):
     """Put a marker into the log."""
 
     text: str = ""
 
 
-class AskNote(Request, frozen=True, kw_only=True, omit_defaults=True, tag="note"):
+class AskNote(Request, frozen=True, kw_only=True, tag="note"):
     """Put a note into the log."""
 
     text: str
 
 
-class AskMistake(Request, frozen=True, kw_only=True, omit_defaults=True, tag="mistake"):
+class AskMistake(Request, frozen=True, kw_only=True, tag="mistake"):
     """Label a run as a mistake; an empty `run` means the last action."""
 
     run: str = ""
     text: str = ""
 
 
-class AskLock(Request, frozen=True, kw_only=True, omit_defaults=True, tag="lock"):
+class AskLock(Request, frozen=True, kw_only=True, tag="lock"):
     """Lock or unlock a panel."""
 
     panel: str
     locked: bool
 
 
-class AskPhase(Request, frozen=True, kw_only=True, omit_defaults=True, tag="phase"):
+class AskPhase(Request, frozen=True, kw_only=True, tag="phase"):
     """Go on to the phase `phase` of the experiment; an empty one: to the next.
 
     `key`, `age_us` and `stale` as for an action.
@@ -177,20 +177,20 @@ class AskPhase(Request, frozen=True, kw_only=True, omit_defaults=True, tag="phas
     stale: bool = False
 
 
-class AskProfile(Request, frozen=True, kw_only=True, omit_defaults=True, tag="profile"):
+class AskProfile(Request, frozen=True, kw_only=True, tag="profile"):
     """Play with what a profile of the experiment allows; an empty one allows everything."""
 
     profile: str = ""
     source: str = "program"
 
 
-class AskReload(Request, frozen=True, kw_only=True, omit_defaults=True, tag="reload"):
+class AskReload(Request, frozen=True, kw_only=True, tag="reload"):
     """Read the experiment file again. `dry_run` only tells the differences or errors."""
 
     dry_run: bool = False
 
 
-class AskKeepTyped(Request, frozen=True, kw_only=True, omit_defaults=True, tag="keep-typed"):
+class AskKeepTyped(Request, frozen=True, kw_only=True, tag="keep-typed"):
     """Write the sentences that were typed into a copy of the experiment file, as the panel `Typed`.
 
     `dry_run` only shows it. The reply's `data` has `sentences`: how many, `file`: the copy, `diff`:
@@ -200,23 +200,23 @@ class AskKeepTyped(Request, frozen=True, kw_only=True, omit_defaults=True, tag="
     dry_run: bool = False
 
 
-class AskPreflight(Request, frozen=True, kw_only=True, omit_defaults=True, tag="preflight"):
+class AskPreflight(Request, frozen=True, kw_only=True, tag="preflight"):
     """Run the robot side's checks; the reply's `data` lists them."""
 
 
-class AskEnd(Request, frozen=True, kw_only=True, omit_defaults=True, tag="end"):
+class AskEnd(Request, frozen=True, kw_only=True, tag="end"):
     """End the session: rest pose, drivers closed, log finished, process gone."""
 
     reason: str = "wizard"
 
 
-class Beat(Request, frozen=True, kw_only=True, omit_defaults=True, tag="beat"):
+class Beat(Request, frozen=True, kw_only=True, tag="beat"):
     """The wizard's console lives, and so does the line to its terminal if `line_ok`."""
 
     line_ok: bool = True
 
 
-class AskProposal(Request, frozen=True, kw_only=True, omit_defaults=True, tag="proposal"):
+class AskProposal(Request, frozen=True, kw_only=True, tag="proposal"):
     """Which conditions should this participant get? The reply's `data` has `order`, `method`,
     `row`, `why`, and `condition` and `trial`: where this session would go on, of `planned` trials.
     """
@@ -224,21 +224,21 @@ class AskProposal(Request, frozen=True, kw_only=True, omit_defaults=True, tag="p
     participant: str
 
 
-class AskAssign(Request, frozen=True, kw_only=True, omit_defaults=True, tag="assign"):
+class AskAssign(Request, frozen=True, kw_only=True, tag="assign"):
     """This participant gets the conditions in this order: as proposed, or otherwise."""
 
     participant: str
     order: list[str]
 
 
-class AskTrial(Request, frozen=True, kw_only=True, omit_defaults=True, tag="trial"):
+class AskTrial(Request, frozen=True, kw_only=True, tag="trial"):
     """Begin the next trial, end the present one (done, aborted, excluded), begin or end a break."""
 
     what: Literal["begin", "done", "aborted", "excluded", "break", "resume"]
     text: str = ""
 
 
-class AskQuestionnaire(Request, frozen=True, kw_only=True, omit_defaults=True, tag="questionnaire"):
+class AskQuestionnaire(Request, frozen=True, kw_only=True, tag="questionnaire"):
     """Begin a questionnaire of the experiment file, or end the one that is under way."""
 
     questionnaire: str
@@ -246,7 +246,7 @@ class AskQuestionnaire(Request, frozen=True, kw_only=True, omit_defaults=True, t
     source: str = "wizard"
 
 
-class AskAnswer(Request, frozen=True, kw_only=True, omit_defaults=True, tag="answer"):
+class AskAnswer(Request, frozen=True, kw_only=True, tag="answer"):
     """Answer one item of the questionnaire that is under way, or leave it out."""
 
     questionnaire: str
@@ -257,7 +257,7 @@ class AskAnswer(Request, frozen=True, kw_only=True, omit_defaults=True, tag="ans
     skipped: bool = False
 
 
-class AskCheck(Request, frozen=True, kw_only=True, omit_defaults=True, tag="check"):
+class AskCheck(Request, frozen=True, kw_only=True, tag="check"):
     """Tick an item of the preflight list that only a human can see to, or take the tick away."""
 
     check: str
@@ -265,11 +265,11 @@ class AskCheck(Request, frozen=True, kw_only=True, omit_defaults=True, tag="chec
     text: str = ""
 
 
-class AskTraining(Request, frozen=True, kw_only=True, omit_defaults=True, tag="training"):
+class AskTraining(Request, frozen=True, kw_only=True, tag="training"):
     """Begin the training that waits for it."""
 
 
-class AskReplay(Request, frozen=True, kw_only=True, omit_defaults=True, tag="replay"):
+class AskReplay(Request, frozen=True, kw_only=True, tag="replay"):
     """Move through a log that is being replayed; a robot process refuses it.
 
     `seek` goes `by_s` seconds on or back, `go` to a time (`12:34`, `754.2`) or to the marker with
@@ -281,7 +281,7 @@ class AskReplay(Request, frozen=True, kw_only=True, omit_defaults=True, tag="rep
     to: str = ""
 
 
-class AskPicture(Request, frozen=True, kw_only=True, omit_defaults=True, tag="picture"):
+class AskPicture(Request, frozen=True, kw_only=True, tag="picture"):
     """The newest picture of the camera of `driver` (empty: of the first one) that is not number
     `after`, in at most `width` x `height` pixels; the answer is a `pictures.PictureShown`.
     """
@@ -328,9 +328,7 @@ AnyRequest = (
 )
 
 
-class Reply(
-    msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="reply"
-):
+class Reply(Answer, frozen=True, kw_only=True, tag="reply"):
     """The answer to one request; not part of the session's stream and never logged.
 
     `run` names what was started. `reason` says why not, `hint` what would help, and
@@ -346,9 +344,7 @@ class Reply(
     data: Json = None
 
 
-class Welcome(
-    msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="welcome"
-):
+class Welcome(Answer, frozen=True, kw_only=True, tag="welcome"):
     """First line to a client that said hello: the whole picture, so any console can begin here.
 
     `state` are messages of the stream that still hold (session start and changes, health of each
@@ -390,9 +386,7 @@ class Welcome(
     boot_id: str = ""
 
 
-class Pulse(
-    msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="pulse"
-):
+class Pulse(Answer, frozen=True, kw_only=True, tag="pulse"):
     """Once a second from the host to every client: it lives; `dropped` readings were left out.
 
     `rate`: how fast `t` goes on from here; a replay stands still (0) or hurries.
@@ -403,9 +397,7 @@ class Pulse(
     rate: float = 1.0
 
 
-class Replaying(
-    msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="replaying"
-):
+class Replaying(Answer, frozen=True, kw_only=True, tag="replaying"):
     """How a replay stands: at `t` of `length_us`, at `rate` times its real speed, or still.
 
     `marks` are times of markers and what they say, oldest first, for the time line; only in the
@@ -424,9 +416,7 @@ class Replaying(
     sorts: list[str] = []
 
 
-class PanelsChanged(
-    msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="panels"
-):
+class PanelsChanged(Answer, frozen=True, kw_only=True, tag="panels"):
     """After a reload or a change of profile: the panels and the script as they are now, and the
     variables' present values. A field of `WelcomeSettings` (`PANEL_SETTINGS`) replaces what the
     welcome had there; null: as before.

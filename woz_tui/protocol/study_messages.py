@@ -1,7 +1,7 @@
 """The experiment around the robot: who gets which condition, trials, questionnaires, training.
 
 And what makes a log readable by itself: the experiment's files and what consoles were shown.
-Everybody imports these from `woz_tui.protocol.messages`, where all messages are together.
+All others import them from `woz_tui.protocol.messages`.
 """
 
 from __future__ import annotations
@@ -17,9 +17,7 @@ from woz_tui.protocol.welcome import WelcomeSettings
 # -- a log that needs nothing beside it -----------------------------------------------------------
 
 
-class ExperimentFiles(
-    Message, frozen=True, kw_only=True, omit_defaults=True, tag="experiment.files"
-):
+class ExperimentFiles(Message, frozen=True, kw_only=True, tag="experiment.files"):
     """The experiment as it was read: name of each file, relative to the experiment's folder, and
     its text, the experiment itself first. At the beginning and after each reload. `left_out` names
     files that are too large to be kept here.
@@ -27,10 +25,10 @@ class ExperimentFiles(
 
     experiment_sha256: str
     files: dict[str, str]
-    left_out: list[str] = msgspec.field(default_factory=list)
+    left_out: list[str] = []
 
 
-class SessionPlan(Message, frozen=True, kw_only=True, omit_defaults=True, tag="session.plan"):
+class SessionPlan(Message, frozen=True, kw_only=True, tag="session.plan"):
     """What consoles are shown, as in a `welcome` (docs/reference/protocol.md), so that a replay can
     show the same: when the session begins and whenever it changes.
     """
@@ -49,9 +47,7 @@ class SessionPlan(Message, frozen=True, kw_only=True, omit_defaults=True, tag="s
 # -- conditions and trials ------------------------------------------------------------------------
 
 
-class ConditionsAssigned(
-    Message, frozen=True, kw_only=True, omit_defaults=True, tag="condition.assigned"
-):
+class ConditionsAssigned(Message, frozen=True, kw_only=True, tag="condition.assigned"):
     """The order in which the participant gets the conditions; with one condition for each
     participant, that one. `method` is latin-square, blocks or fixed, or `hand` where the wizard
     chose otherwise; `row` counts the rows of the square, or the places of all blocks, from 0 (-1:
@@ -65,7 +61,7 @@ class ConditionsAssigned(
     why: str = ""
 
 
-class TrialStarted(Message, frozen=True, kw_only=True, omit_defaults=True, tag="trial.started"):
+class TrialStarted(Message, frozen=True, kw_only=True, tag="trial.started"):
     """A trial begins. `planned`: how many there are to be (0: nobody said)."""
 
     trial: int
@@ -73,9 +69,7 @@ class TrialStarted(Message, frozen=True, kw_only=True, omit_defaults=True, tag="
     planned: int = 0
 
 
-class TrialEnded(
-    RestrictedMessage, frozen=True, kw_only=True, omit_defaults=True, tag="trial.ended"
-):
+class TrialEnded(RestrictedMessage, frozen=True, kw_only=True, tag="trial.ended"):
     """It is over. `outcome`: done, aborted (to be run again) or excluded (not to be analysed)."""
 
     trial: int
@@ -83,17 +77,13 @@ class TrialEnded(
     text: str = ""
 
 
-class BreakStarted(
-    RestrictedMessage, frozen=True, kw_only=True, omit_defaults=True, tag="break.started"
-):
+class BreakStarted(RestrictedMessage, frozen=True, kw_only=True, tag="break.started"):
     """A break: what happens now belongs to no trial."""
 
     text: str = ""
 
 
-class BreakEnded(
-    RestrictedMessage, frozen=True, kw_only=True, omit_defaults=True, tag="break.ended"
-):
+class BreakEnded(RestrictedMessage, frozen=True, kw_only=True, tag="break.ended"):
     """The break is over."""
 
     text: str = ""
@@ -102,9 +92,7 @@ class BreakEnded(
 # -- asked of people ------------------------------------------------------------------------------
 
 
-class PreflightChecked(
-    Message, frozen=True, kw_only=True, omit_defaults=True, tag="preflight.checked"
-):
+class PreflightChecked(Message, frozen=True, kw_only=True, tag="preflight.checked"):
     """One line of the preflight list: `level` is ok, warning or error; `source` is robot for what a
     program found out, and else who ticked it.
     """
@@ -115,9 +103,7 @@ class PreflightChecked(
     source: str
 
 
-class QuestionnaireStarted(
-    Message, frozen=True, kw_only=True, omit_defaults=True, tag="questionnaire.started"
-):
+class QuestionnaireStarted(Message, frozen=True, kw_only=True, tag="questionnaire.started"):
     """A questionnaire is put to the participant. `items` are as in the experiment file: `name`,
     `question`, and for a scale `low`, `high` and what its ends are called.
     """
@@ -129,9 +115,7 @@ class QuestionnaireStarted(
     source: str = msgspec.field(default_factory=lambda: "wizard")
 
 
-class QuestionnaireAnswered(
-    Message, frozen=True, kw_only=True, omit_defaults=True, tag="questionnaire.answered"
-):
+class QuestionnaireAnswered(Message, frozen=True, kw_only=True, tag="questionnaire.answered"):
     """One answer: a number on the item's scale, or a text. A later answer to the same item of the
     same round replaces it. `answered_us`: from the item's being shown. `skipped`: left out on
     purpose.
@@ -146,9 +130,7 @@ class QuestionnaireAnswered(
     skipped: bool = False
 
 
-class QuestionnaireEnded(
-    Message, frozen=True, kw_only=True, omit_defaults=True, tag="questionnaire.ended"
-):
+class QuestionnaireEnded(Message, frozen=True, kw_only=True, tag="questionnaire.ended"):
     """It is over: `reason` is done, declined (the participant did not want to) or left."""
 
     questionnaire: str
@@ -159,7 +141,7 @@ class QuestionnaireEnded(
 # -- what shapes a wizard's answers ---------------------------------------------------------------
 
 
-class ShapingChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag="shaping.changed"):
+class ShapingChanged(Message, frozen=True, kw_only=True, tag="shaping.changed"):
     """From here on the robot answers a cue no sooner than `floor_us` and a random 0 to `jitter_us`
     after it; both 0: at once. `cues`: which (see `action.held`).
     """
@@ -169,7 +151,7 @@ class ShapingChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag
     cues: list[str]
 
 
-class ActionHeld(Message, frozen=True, kw_only=True, omit_defaults=True, tag="action.held"):
+class ActionHeld(Message, frozen=True, kw_only=True, tag="action.held"):
     """An action was asked for sooner after a cue than the robot answers: it begins at `until`. The
     cue's `sort` is speech (the visitor's speech ended), engagement or marker; `cued` is its moment,
     `until` that of the beginning, on the axis of `t`.
@@ -182,9 +164,7 @@ class ActionHeld(Message, frozen=True, kw_only=True, omit_defaults=True, tag="ac
     until: int
 
 
-class PerceptionChanged(
-    Message, frozen=True, kw_only=True, omit_defaults=True, tag="perception.changed"
-):
+class PerceptionChanged(Message, frozen=True, kw_only=True, tag="perception.changed"):
     """What the wizard can see from here on: not what is `hidden`, and of what is `blurred` only
     that it is there.
     """
@@ -196,9 +176,7 @@ class PerceptionChanged(
 # -- training -----------------------------------------------------------------------------------
 
 
-class TrainingChanged(
-    Message, frozen=True, kw_only=True, omit_defaults=True, tag="training.changed"
-):
+class TrainingChanged(Message, frozen=True, kw_only=True, tag="training.changed"):
     """How far a training of the wizard is: `state` is waits (for the key that begins it), runs or
     over. `planned`: how many cues there are. When it is over, the counts are as in `cue.answered`,
     and `median_us` is the median reaction time to all that was answered (-1: nothing was).
@@ -213,7 +191,7 @@ class TrainingChanged(
     median_us: int = -1
 
 
-class CueGiven(Message, frozen=True, kw_only=True, omit_defaults=True, tag="cue.given"):
+class CueGiven(Message, frozen=True, kw_only=True, tag="cue.given"):
     """Training: the simulated visitor did something that wants an answer: one of the actions that
     `expects` names, within `window_us`. `sort`: approach, question, silence, turn-away, leave ...
     """
@@ -225,7 +203,7 @@ class CueGiven(Message, frozen=True, kw_only=True, omit_defaults=True, tag="cue.
     window_us: int
 
 
-class CueAnswered(Message, frozen=True, kw_only=True, omit_defaults=True, tag="cue.answered"):
+class CueAnswered(Message, frozen=True, kw_only=True, tag="cue.answered"):
     """What the wizard made of it. `judged`: right, wrong (another action), missed (nothing in time)
     uncalled (an action without a cue, then `cue` is empty) or void (the stop was pressed, or the
     training ended meanwhile). `reaction_us`: from the cue to the request (-1: none).
@@ -241,7 +219,7 @@ class CueAnswered(Message, frozen=True, kw_only=True, omit_defaults=True, tag="c
 # -- run again ----------------------------------------------------------------------------------
 
 
-class RerunStarted(Message, frozen=True, kw_only=True, omit_defaults=True, tag="rerun.started"):
+class RerunStarted(Message, frozen=True, kw_only=True, tag="rerun.started"):
     """This session runs the commands of another one again: `original` is the name of its log,
     `original_session` its code, `original_sha256` of the bytes of its action log's lines.
     `commands`: how many are to come.
@@ -253,7 +231,7 @@ class RerunStarted(Message, frozen=True, kw_only=True, omit_defaults=True, tag="
     commands: int = 0
 
 
-class RerunSent(Message, frozen=True, kw_only=True, omit_defaults=True, tag="rerun.sent"):
+class RerunSent(Message, frozen=True, kw_only=True, tag="rerun.sent"):
     """A command was sent again: `command` is its id here, `original_command` there. `due` is when
     it should have been, on this session's axis of `t`; `late_us` how much later it was.
     """
@@ -264,16 +242,14 @@ class RerunSent(Message, frozen=True, kw_only=True, omit_defaults=True, tag="rer
     late_us: int
 
 
-class RerunSkipped(
-    RestrictedMessage, frozen=True, kw_only=True, omit_defaults=True, tag="rerun.skipped"
-):
+class RerunSkipped(RestrictedMessage, frozen=True, kw_only=True, tag="rerun.skipped"):
     """A command of the original that is not sent again, and why."""
 
     original_command: str
     reason: str
 
 
-class RerunEnded(Message, frozen=True, kw_only=True, omit_defaults=True, tag="rerun.ended"):
+class RerunEnded(Message, frozen=True, kw_only=True, tag="rerun.ended"):
     """The re-run is over: how many were sent and skipped, and the lateness of those sent."""
 
     reason: str

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from woz_tui.config.engagement import RUNS, EngagementSettings
 from woz_tui.protocol.envelope import Json
-from woz_tui.protocol.visitor_messages import EngagementShown
+from woz_tui.protocol.messages import EngagementShown
 from woz_tui.sensing.loudness_speech import LoudnessSpeechDetector
 from woz_tui.sensing.model_time import SECOND, ModelClock, microseconds, periods
 from woz_tui.sensing.signs import Signs

@@ -8,7 +8,7 @@ from typing import Any, Generic, TypeVar
 
 from woz_tui.config.engagement import CONDITION, FILTERS, SIGNS, EngagementSettings
 from woz_tui.protocol.envelope import Json
-from woz_tui.protocol.visitor_messages import SignShown
+from woz_tui.protocol.messages import SignShown
 from woz_tui.sensing import sample_values
 from woz_tui.sensing.filters import Fifo, IdentityFifo, Median
 from woz_tui.sensing.joint_filter import JointFilter, JointSign

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from woz_tui.config.session_verbs import PERFORMERS
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.driver_health import DriverHealth
+from woz_tui.protocol.messages import DriverHealth
 from woz_tui.timeline.engagement_history import ModelStatus
 from woz_tui.timeline.episodes import (
     MOST_KEPT,

@@ -13,6 +13,9 @@ import re
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
 
 from woz_tui.config.keys.keyboard_layouts import KeyboardLayout, layout_of
 from woz_tui.config.problems import hint, quoted
@@ -30,24 +33,16 @@ NAMED = (
     *PEDALS,
 )
 
-_MODIFIERS = {
-    **dict.fromkeys(("ctrl", "control", "ctl", "strg"), "ctrl"),
-    **dict.fromkeys(("alt", "meta", "option", "opt"), "alt"),
-    **dict.fromkeys(("shift", "umschalt"), "shift"),
-    **dict.fromkeys(("super", "win", "windows", "cmd", "command", "altgr", "fn", "hyper"), ""),
-}
+_WORDS: dict[str, dict[str, list[str]]] = msgspec.json.decode(
+    Path(__file__).with_name("key_names.json").read_bytes()
+)
+#: Modifiers by the words for them; empty: one that no terminal sends.
+_MODIFIERS = {word: name for name, words in _WORDS["modifiers"].items() for word in words}
 #: The short ones of Emacs and readline, with a dash only: `C-a`.
 _SHORT = {"c": "ctrl", "m": "alt", "s": "shift"}
-
 _NAMES = {
     **{name: name for name in NAMED},
-    **{"esc": "escape", "return": "enter", "cr": "enter", "newline": "enter", "spc": "space"},
-    **{"spacebar": "space", "blank": "space", "bksp": "backspace", "bs": "backspace"},
-    **{"del": "delete", "ins": "insert", "pgup": "pageup", "pgdn": "pagedown"},
-    **{"pgdown": "pagedown", "page_up": "pageup", "page_down": "pagedown", "backtab": "shift+tab"},
-    **{"page-up": "pageup", "page-down": "pagedown", "plus": "+", "minus": "-", "hyphen": "-"},
-    **{"comma": ",", "dot": ".", "period": ".", "colon": ":", "semicolon": ";", "slash": "/"},
-    **{"backslash": "\\", "quote": "'", "underscore": "_", "at": "@", "hash": "#", "caret": "^"},
+    **{word: name for name, words in _WORDS["keys"].items() for word in words},
     **{f"{arrow}arrow": arrow for arrow in ARROWS},
     **{f"arrow{arrow}": arrow for arrow in ARROWS},
 }
@@ -209,7 +204,7 @@ def _typed(chord: Chord, layout: KeyboardLayout) -> Chord:
     if chord.named:
         return chord
     base = chord.base
-    key = layout.unshifted.get(base)
+    key = layout.without_shift(base)
     if not (chord.ctrl or chord.alt):
         if chord.shift and key is None:
             base = layout.with_shift(base)

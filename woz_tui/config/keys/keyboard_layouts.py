@@ -10,86 +10,46 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
+from pathlib import Path
+
+import msgspec
 
 
 @dataclass(frozen=True, slots=True)
 class KeyboardLayout:
-    """One keyboard. `shifted` maps a key's character to the one it gives with shift."""
+    """One keyboard: the characters of its keys without (`plain`) and with shift, key by key, those
+    that need AltGr, and accent keys (`dead`), which send nothing until the next key is pressed.
+    """
 
     name: str
-    shifted: Mapping[str, str]
-    unshifted: Mapping[str, str]
-    #: Characters that need AltGr.
-    altgr: frozenset[str]
-    #: Accent keys that send nothing until the next key is pressed.
-    dead: frozenset[str]
+    plain: str
+    shifted: str
+    altgr: str = ""
+    dead: str = ""
 
     def gives(self, character: str) -> bool:
         """Whether some key gives this character, with shift or AltGr if need be."""
-        return (
-            character == " "
-            or character in self.shifted
-            or character in self.unshifted
-            or character in self.altgr
-        )
+        return character in f" {self.plain}{self.shifted}{self.altgr}"
 
     def with_shift(self, character: str) -> str:
         """What shift makes of a key's character."""
+        key = self.plain.find(character)
         upper = character.upper()
-        return self.shifted.get(character, upper if len(upper) == 1 else character)
+        return self.shifted[key] if key >= 0 else upper if len(upper) == 1 else character
+
+    def without_shift(self, character: str) -> str | None:
+        """The key that gives this character with shift; None: there is none."""
+        key = self.shifted.find(character)
+        return self.plain[key] if key >= 0 else None
 
 
-def _layout(name: str, plain: str, shifted: str, altgr: str = "", dead: str = "") -> KeyboardLayout:
-    keys = dict(zip("".join(plain.split()), "".join(shifted.split()), strict=True))
-    return KeyboardLayout(
-        name,
-        MappingProxyType(keys),
-        MappingProxyType({upper: lower for lower, upper in keys.items()}),
-        frozenset(altgr),
-        frozenset(dead),
+LAYOUTS: Mapping[str, KeyboardLayout] = {
+    layout.name: layout
+    for layout in msgspec.json.decode(
+        Path(__file__).with_name("keyboard_layouts.json").read_bytes(),
+        type=tuple[KeyboardLayout, ...],
     )
-
-
-LAYOUTS: Mapping[str, KeyboardLayout] = MappingProxyType(
-    {
-        layout.name: layout
-        for layout in (
-            _layout(
-                "us",
-                r"`1234567890-= qwertyuiop[]\ asdfghjkl;' zxcvbnm,./",
-                r'~!@#$%^&*()_+ QWERTYUIOP{}| ASDFGHJKL:" ZXCVBNM<>?',
-            ),
-            _layout(
-                "gb",
-                r"`1234567890-= qwertyuiop[] asdfghjkl;'# \zxcvbnm,./",
-                r'¬!"£$%^&*()_+ QWERTYUIOP{} ASDFGHJKL:@~ |ZXCVBNM<>?',
-                altgr="€¦",
-            ),
-            _layout(
-                "de",
-                "^1234567890ß´ qwertzuiopü+ asdfghjklöä# <yxcvbnm,.-",  # noqa: RUF001
-                "°!\"§$%&/()=?` QWERTZUIOPÜ* ASDFGHJKLÖÄ' >YXCVBNM;:_",
-                altgr="@€²³{[]}\\~|µ",
-                dead="^´`",  # noqa: RUF001
-            ),
-            _layout(
-                "es",
-                "º1234567890'¡ qwertyuiop`+ asdfghjklñ´ç <zxcvbnm,.-",  # noqa: RUF001
-                'ª!"·$%&/()=?¿ QWERTYUIOP^* ASDFGHJKLÑ¨Ç >ZXCVBNM;:_',
-                altgr="\\|@#~€¬[]{}",
-                dead="`^´¨",  # noqa: RUF001
-            ),
-            _layout(
-                "fr",
-                "²&é\"'(-è_çà)= azertyuiop^$ qsdfghjklmù* <wxcvbn,;:!",
-                "~1234567890°+ AZERTYUIOP¨£ QSDFGHJKLM%µ >WXCVBN?./§",
-                altgr="#{[|`\\@]}€¤",
-                dead="^¨",
-            ),
-        )
-    }
-)
+}
 
 
 def layout_of(name: str) -> KeyboardLayout:

@@ -52,6 +52,23 @@ class StreamListener:
     ended: Callable[[DriverError], None]
 
 
+class ChunkCutter:
+    """Cuts a stream of bytes, however it is split, into chunks of `size` bytes."""
+
+    def __init__(self, size: int, on_chunk: Callable[[bytes], None]) -> None:
+        self._size = size
+        self._on_chunk = on_chunk
+        self._rest = bytearray()
+
+    def feed(self, data: bytes) -> None:
+        """Call `on_chunk` for every chunk that `data` completes."""
+        self._rest += data
+        end = len(self._rest) // self._size * self._size
+        for start in range(0, end, self._size):
+            self._on_chunk(bytes(self._rest[start : start + self._size]))
+        del self._rest[:end]
+
+
 class ByteStream:
     """Keeps one command running between `start` and `close`."""
 
@@ -124,8 +141,7 @@ class ByteStream:
         if stuck:
             return DriverError(f"{program} ran, but delivered {command.nothing}", command.remedy)
         status = await running.wait()
-        reason = running.last_line or f"exit status {status}"
-        return DriverError(f"{program} ended: {reason}", command.remedy)
+        return DriverError(f"{program} ended: {running.reason(status)}", command.remedy)
 
     async def _until_end(self, running: Child) -> bool:
         """Whether it had to be given up because nothing came."""

@@ -90,6 +90,8 @@ guard = Guard()
 
 #: How long the last words of a dead child may take to arrive, in seconds.
 _LAST_WORDS_S = 0.2
+#: How long a listing of sound cards may take, in seconds.
+_LIST_S = 8.0
 #: How much of what a child says on stderr is kept, in bytes.
 _KEPT = 4096
 
@@ -167,10 +169,21 @@ class Child(asyncio.SubprocessProtocol):
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(_LAST_WORDS_S):
                 await self._stderr_closed.wait()
-        assert self._transport is not None
-        status = self._transport.get_returncode()
-        assert status is not None
-        return status
+        return self._status()
+
+    async def wait_or(self, event: asyncio.Event, seconds: float) -> int | None:
+        """Its exit status if it ends before `event` is set and `seconds` have passed, else None."""
+        tasks = [asyncio.ensure_future(self.wait()), asyncio.ensure_future(event.wait())]
+        try:
+            await asyncio.wait(tasks, timeout=seconds, return_when=asyncio.FIRST_COMPLETED)
+            return self._status() if tasks[0].done() and not event.is_set() else None
+        finally:
+            for task in tasks:
+                task.cancel()
+
+    def reason(self, status: int) -> str:
+        """Why it ended with this exit status: the last thing it said, or the status itself."""
+        return self.last_line or f"exit status {status}"
 
     async def said_all(self) -> bool:
         """Whether everything that it wrote to stdout has come; waits a moment for the rest. It has
@@ -196,6 +209,12 @@ class Child(asyncio.SubprocessProtocol):
             guard.release(self._transport.get_pid())
         finally:
             self._transport.close()
+
+    def _status(self) -> int:
+        assert self._transport is not None
+        status = self._transport.get_returncode()
+        assert status is not None
+        return status
 
     def _pipe(self, fd: int) -> asyncio.BaseTransport | None:
         assert self._transport is not None
@@ -253,3 +272,18 @@ def _humbly() -> tuple[str, ...]:
     """What gives a child the lowest priority, as a prefix."""
     nice = shutil.which("nice")
     return (nice, "-n", "19") if nice is not None else ()
+
+
+async def sound_cards(program: str, folder: Path) -> list[str]:
+    """The sound cards that `aplay` or `arecord` lists. Raises `DriverError`."""
+    listed = bytearray()
+    running = await start((program, "-l"), folder, on_output=listed.extend)
+    try:
+        async with asyncio.timeout(_LIST_S):
+            await running.wait()
+    except TimeoutError:
+        raise DriverError(f"{program} -l does not answer", "check the sound driver") from None
+    finally:
+        await running.gone()
+    lines = listed.decode("utf-8", "replace").splitlines()
+    return [line for line in lines if line.startswith("card")]

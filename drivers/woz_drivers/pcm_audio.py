@@ -6,7 +6,7 @@ Samples are float32 arrays of shape (frames, channels), full scale -1 to 1.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -110,20 +110,3 @@ def _packed_24(data: bytes) -> npt.NDArray[np.int32]:
     wide[:, 1:] = np.frombuffer(data, dtype=np.uint8).reshape(-1, 3)
     shifted: npt.NDArray[np.int32] = wide.view("<i4").reshape(-1) >> 8
     return shifted
-
-
-class Blocks:
-    """Cuts a stream of PCM bytes, however it is split, into blocks of `size` bytes."""
-
-    def __init__(self, size: int, on_block: Callable[[bytes], None]) -> None:
-        self._size = size
-        self._on_block = on_block
-        self._rest = b""
-
-    def feed(self, data: bytes) -> None:
-        """Call `on_block` for every block that `data` completes."""
-        data = self._rest + data
-        end = len(data) // self._size * self._size
-        for start in range(0, end, self._size):
-            self._on_block(data[start : start + self._size])
-        self._rest = data[end:]

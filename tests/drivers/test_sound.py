@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from woz_drivers import pcm_audio
+from woz_drivers.byte_stream import ChunkCutter
 from woz_drivers.microphone.speech_detection import BLOCK_S, SpeechCriteria, SpeechDetector
 from woz_drivers.pcm_audio import FORMATS, Samples
 from woz_drivers.room_threshold import room_noise
@@ -80,7 +81,7 @@ def test_blocks_do_not_depend_on_how_the_stream_is_split(
     data: bytes, size: int, cuts: list[int]
 ) -> None:
     got: list[bytes] = []
-    blocks = pcm_audio.Blocks(size, got.append)
+    blocks = ChunkCutter(size, got.append)
     edges = [0, *sorted(min(cut, len(data)) for cut in cuts), len(data)]
     for start, end in zip(edges, edges[1:], strict=False):  # noqa: RUF007 - reads better here
         blocks.feed(data[start:end])

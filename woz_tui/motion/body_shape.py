@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Annotated, Protocol
 
 from woz_tui.drivers.fields import Doc, OneOf, Range, Seconds, Section
+from woz_tui.motion.easing import PEAK_SPEEDS
 
 Vector = tuple[float, float, float]
 
@@ -31,7 +32,7 @@ AXES: Mapping[str, Vector] = {
 ROLES = ("pan", "nod", "lean", "roll")
 
 #: How a gaze or a pose gets from here to there.
-EASINGS = ("linear", "smooth", "minimum-jerk")
+GAZE_EASINGS = tuple(PEAK_SPEEDS)
 
 #: Settings that every `Settings` of a body is checked for, beside the joints' own.
 _DEGREES = Range(-3600, 3600, "deg")
@@ -197,7 +198,7 @@ class BodyShape(Section):
     ] = (0.0, 0.0, 0.0)
     view: Annotated[str, OneOf(tuple(AXES)), Doc("where the eyes look with all joints at 0")] = "x"
     face: Annotated[FaceShape | None, Doc("the matrix of lights; empty: it has no face")] = None
-    easing: Annotated[str, OneOf(EASINGS), Doc("how gaze, pose and home get there")] = "linear"
+    easing: Annotated[str, OneOf(GAZE_EASINGS), Doc("how gaze, pose and home get there")] = "linear"
     crossfade: Annotated[
         float, Range(0, 2, "s"), Doc("time in which one behaviour gives way to another")
     ] = 0.3

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 
 from woz_tui.drivers.contract import Argument, Verb
 from woz_tui.drivers.fields import Range
-from woz_tui.motion.body_shape import EASINGS, BodyShape
+from woz_tui.motion.body_shape import GAZE_EASINGS, BodyShape
 from woz_tui.motion.control_scales import TRAITS
 from woz_tui.motion.modes import InputKind, Mode
 from woz_tui.motion.personality import RANGES, SUMMARIES
@@ -60,7 +60,7 @@ _ANGLE = Range(-180, 180, "deg")
 #: No movement takes longer than a day.
 _DAY = Range(0, 86_400, "s")
 _SECONDS = Argument("seconds", "seconds", "in how long; empty: as fast as it may", range=_DAY)
-_EASING = Argument("easing", "choice", "how it gets there", choices=EASINGS)
+_EASING = Argument("easing", "choice", "how it gets there", choices=GAZE_EASINGS)
 
 
 def body_verbs(shape: BodyShape, moves: Iterable[str]) -> tuple[Verb, ...]:

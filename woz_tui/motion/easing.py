@@ -85,7 +85,7 @@ def hold(share: float) -> float:
     return 1.0 if share >= 1.0 else 0.0
 
 
-#: Every easing by its name in files; the first three are those of gaze and pose.
+#: Every easing by its name in files.
 EASINGS: Mapping[str, Easing] = {
     "linear": linear,
     "smooth": smooth,
@@ -93,12 +93,8 @@ EASINGS: Mapping[str, Easing] = {
     "hold": hold,
 }
 
-#: Those of gaze and pose, each with its highest speed as a multiple of the mean speed.
-EASE: Mapping[str, tuple[Easing, float]] = {
-    "linear": (linear, 1.0),
-    "smooth": (smooth, 1.5),
-    "minimum-jerk": (minimum_jerk, 1.875),
-}
+#: Those of gaze and pose, and the highest speed of each as a multiple of the mean speed.
+PEAK_SPEEDS: Mapping[str, float] = {"linear": 1.0, "smooth": 1.5, "minimum-jerk": 1.875}
 
 
 def ease(name: str, share: float) -> float:

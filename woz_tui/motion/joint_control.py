@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from woz_tui.motion.body_shape import BodyShape
-from woz_tui.motion.easing import EASE
+from woz_tui.motion.easing import PEAK_SPEEDS
 from woz_tui.motion.engine_io import EndedInput
 from woz_tui.motion.modes import Mode
 from woz_tui.motion.move import Move, SoundCue
@@ -221,7 +221,7 @@ class JointController:
         easing: str = "",
     ) -> LinearMotion:
         """Go through poses, each in its seconds (0: the soonest), from where the body is."""
-        easing = easing if easing in EASE else self.easing
+        easing = easing if easing in PEAK_SPEEDS else self.easing
         line = LinearMotion(name, legs_of(self._start(), goals, self._shape, easing), easing, token)
         self._take(line, f"replaced by {name}")
         for goal, _ in goals:

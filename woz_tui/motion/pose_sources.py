@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from woz_tui.motion.body_feeds import Sighting
 from woz_tui.motion.body_shape import BodyShape, Vector
-from woz_tui.motion.easing import EASE, low_pass
+from woz_tui.motion.easing import EASINGS, PEAK_SPEEDS, low_pass
 from woz_tui.motion.kinematics import KinematicChain, cross
 from woz_tui.motion.move import FaceChange, Move, SoundCue
 
@@ -246,7 +246,7 @@ def legs_of(
     easing: str,
 ) -> list[Leg]:
     """Legs through all goals, each with its seconds or, if they are too few, at full speed."""
-    _, peak = EASE[easing]
+    peak = PEAK_SPEEDS[easing]
     names = {name for goal, _ in goals for name in goal}
     start = {name: here[name] for name in names}
     legs = []
@@ -273,7 +273,7 @@ class LinearMotion(PoseSource):
         self.joints = set(legs[0].start)
         self.seconds = sum(leg.seconds for leg in legs)
         self._legs = legs
-        self._ease, _ = EASE[easing]
+        self._ease = EASINGS[easing]
         self._elapsed = 0.0
 
     def step(self, moment: SourceContext) -> Mapping[str, float]:

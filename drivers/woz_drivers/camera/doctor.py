@@ -53,19 +53,16 @@ class _Capture:
 async def _take(settings: CameraSettings, words: tuple[str, ...], probe: Probe) -> _Capture:
     taken = _Capture(settings.layout.size)
     running = await child_process.start(words, probe.folder, on_output=taken.take)
-    ended = asyncio.ensure_future(running.wait())
-    came = asyncio.ensure_future(taken.came.wait())
     try:
-        await asyncio.wait([ended, came], timeout=_PATIENCE_S, return_when=asyncio.FIRST_COMPLETED)
-        if came.done():
-            await asyncio.wait([ended], timeout=_LOOK_S)
-        taken.ended = ended.done()
-        if taken.ended and not taken.total:
-            reason = running.last_line or f"exit status {ended.result()}"
-            raise DriverError(f"{words[0]} ended: {reason}", "try the command in a terminal")
+        status = await running.wait_or(taken.came, _PATIENCE_S)
+        if taken.came.is_set():
+            status = await running.wait_or(asyncio.Event(), _LOOK_S)
+        taken.ended = status is not None
+        if status is not None and not taken.total:
+            raise DriverError(
+                f"{words[0]} ended: {running.reason(status)}", "try the command in a terminal"
+            )
     finally:
-        ended.cancel()
-        came.cancel()
         await running.gone()
     if not taken.total:
         raise DriverError(

@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from woz_drivers.byte_stream import ByteStream, StreamCommand, StreamListener
+from woz_drivers.byte_stream import ByteStream, ChunkCutter, StreamCommand, StreamListener
 from woz_drivers.camera import doctor
 from woz_drivers.camera.blob import BlobFinder
-from woz_drivers.camera.raw_pictures import Cutter
 from woz_drivers.camera.settings import CameraSettings
 from woz_tui.drivers.contract import (
     DriverContext,
@@ -49,7 +48,7 @@ class Camera(PassiveDriver):
         self._offer = PictureFeed(settings, context)
         self._finder = BlobFinder(settings.rule)
         self._layout = settings.layout
-        self._cutter = Cutter(self._layout.size, self._came)
+        self._cutter = ChunkCutter(self._layout.size, self._came)
         self._frame = 0
         self._published_us: int | None = None
         self._film: deque[bytes] = deque()
@@ -85,7 +84,7 @@ class Camera(PassiveDriver):
     # -- the command ---------------------------------------------------------------------------
 
     def _begun(self) -> None:
-        self._cutter = Cutter(self._layout.size, self._came)
+        self._cutter = ChunkCutter(self._layout.size, self._came)
 
     def _received(self, data: bytes) -> None:
         self._cutter.feed(data)

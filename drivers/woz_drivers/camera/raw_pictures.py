@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -107,20 +106,3 @@ def _colours(bright: Plane, u: Plane, v: Plane) -> Picture:
     planes = (y + 1.596 * red, y - 0.392 * blue - 0.813 * red, y + 2.017 * blue)
     picture: Picture = np.clip(np.rint(np.stack(planes, axis=-1)), 0, 255).astype(np.uint8)
     return picture
-
-
-class Cutter:
-    """Cuts a stream of bytes, however it is split, into pictures of `size` bytes."""
-
-    def __init__(self, size: int, on_picture: Callable[[bytes], None]) -> None:
-        self._size = size
-        self._on_picture = on_picture
-        self._pieces = bytearray()
-
-    def feed(self, data: bytes) -> None:
-        """Call `on_picture` for every picture that `data` completes."""
-        self._pieces += data
-        whole = len(self._pieces) // self._size * self._size
-        for start in range(0, whole, self._size):
-            self._on_picture(bytes(self._pieces[start : start + self._size]))
-        del self._pieces[:whole]

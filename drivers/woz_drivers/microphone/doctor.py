@@ -52,16 +52,13 @@ async def _record(settings: MicrophoneSettings, words: tuple[str, ...], probe: P
             enough.set()
 
     running = await child_process.start(words, probe.folder, on_output=received)
-    ended = asyncio.ensure_future(running.wait())
-    full = asyncio.ensure_future(enough.wait())
     try:
-        await asyncio.wait([ended, full], timeout=_PATIENCE_S, return_when=asyncio.FIRST_COMPLETED)
-        if ended.done() and not full.done():
-            reason = running.last_line or f"exit status {ended.result()}"
-            raise DriverError(f"{words[0]} ended: {reason}", await _devices(words[0], probe))
+        status = await running.wait_or(enough, _PATIENCE_S)
+        if status is not None:
+            raise DriverError(
+                f"{words[0]} ended: {running.reason(status)}", await _devices(words[0], probe)
+            )
     finally:
-        ended.cancel()
-        full.cancel()
         await running.gone()
     if not heard:
         raise DriverError(
@@ -80,23 +77,10 @@ async def _devices(program: str, probe: Probe) -> str:
     """What arecord can record from, as a remedy."""
     if program != "arecord":
         return "try the command in a terminal"
-    listed = bytearray()
     try:
-        listing = await child_process.start(
-            ("arecord", "-l"), probe.folder, on_output=listed.extend
-        )
+        cards = await child_process.sound_cards(program, probe.folder)
     except DriverError as error:
-        return error.remedy
-    try:
-        async with asyncio.timeout(_PATIENCE_S):
-            await listing.wait()
-    except TimeoutError:
-        return "arecord -l does not answer: check the sound driver"
-    finally:
-        await listing.gone()
-    cards = [
-        line for line in listed.decode("utf-8", "replace").splitlines() if line.startswith("card")
-    ]
+        return f"{error.what}: {error.remedy}"
     if not cards:
         return "this machine has no sound card that records; plug one in"
     return "choose one by device: plughw:CARD,DEVICE; there is " + "; ".join(cards)

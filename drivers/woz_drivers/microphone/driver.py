@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from woz_drivers import pcm_audio, room_threshold
-from woz_drivers.byte_stream import ByteStream, StreamCommand, StreamListener
+from woz_drivers.byte_stream import ByteStream, ChunkCutter, StreamCommand, StreamListener
 from woz_drivers.microphone import doctor
 from woz_drivers.microphone.settings import MicrophoneSettings
 from woz_drivers.microphone.speech_detection import BLOCK_S, SpeechDetector
@@ -162,8 +162,8 @@ class Microphone(PassiveDriver):
 
     # -- sound ---------------------------------------------------------------------------------
 
-    def _fresh_blocks(self) -> pcm_audio.Blocks:
-        return pcm_audio.Blocks(self.settings.block_bytes, self._take)
+    def _fresh_blocks(self) -> ChunkCutter:
+        return ChunkCutter(self.settings.block_bytes, self._take)
 
     def _received(self, data: bytes) -> None:
         self._blocks.feed(data)

@@ -148,7 +148,7 @@ class Transcriber:
         finally:
             await running.gone()
         if status:
-            raise DriverError(f"{program} ended: {running.last_line or f'exit status {status}'}")
+            raise DriverError(f"{program} ended: {running.reason(status)}")
         return one_line(said.decode("utf-8", "replace"))
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from pathlib import Path
 
 from woz_drivers import child_process, command_lines
@@ -10,7 +9,6 @@ from woz_drivers.speech.settings import SpeechSettings
 from woz_drivers.speech.synthesis import SpeechSynthesis, read_wav
 from woz_tui.drivers.contract import DriverError, Finding, Probe
 
-_PATIENCE_S = 5.0
 _TRIAL = "Hello"
 
 
@@ -51,18 +49,10 @@ async def _player(probe: Probe, settings: SpeechSettings) -> Finding:
     found = _found(probe, program)
     if found.level != "ok" or program != "aplay":
         return found
-    listed = bytearray()
-    listing = await child_process.start(("aplay", "-l"), probe.folder, on_output=listed.extend)
     try:
-        async with asyncio.timeout(_PATIENCE_S):
-            await listing.wait()
-    except TimeoutError:
-        return Finding("error", probe.name, "aplay -l does not answer", "check the sound driver")
-    finally:
-        await listing.gone()
-    cards = [
-        line for line in listed.decode("utf-8", "replace").splitlines() if line.startswith("card")
-    ]
+        cards = await child_process.sound_cards(program, probe.folder)
+    except DriverError as error:
+        return Finding("error", probe.name, error.what, error.remedy)
     if not cards:
         return Finding(
             "warning" if settings.device else "error",

@@ -141,9 +141,9 @@ async def finish(running: Child, seconds: float) -> None:
     finally:
         await running.gone()
     if status != 0:
-        reason = running.last_line or f"exit status {status}"
         raise DriverError(
-            f"{running.program} failed: {reason}", "try its command in a terminal; `woz doctor`"
+            f"{running.program} failed: {running.reason(status)}",
+            "try its command in a terminal; `woz doctor`",
         )
 
 

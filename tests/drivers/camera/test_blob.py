@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
+from woz_drivers.byte_stream import ChunkCutter
 from woz_drivers.camera.blob import Blob, BlobFinder, ColourRule
-from woz_drivers.camera.raw_pictures import HIGHEST, WIDEST, Cutter, PictureLayout
+from woz_drivers.camera.raw_pictures import HIGHEST, WIDEST, PictureLayout
 from woz_drivers.camera.settings import CameraSettings
 
 from tests.drivers.camera.pictures import GREEN, picture, planes, with_block
@@ -147,7 +148,7 @@ def test_pictures_are_cut_out_of_a_stream_however_it_is_split(
     size: int, pieces: list[bytes]
 ) -> None:
     cut: list[bytes] = []
-    cutter = Cutter(size, cut.append)
+    cutter = ChunkCutter(size, cut.append)
     for piece in pieces:
         cutter.feed(piece)
     whole = b"".join(pieces)

@@ -22,11 +22,10 @@ from woz_tui.drivers.contract import Driver, RejectedError
 from woz_tui.motion.body_shape import BodyShape
 from woz_tui.motion.input_script import InputLineError, read_inputs
 from woz_tui.motion.keyframes import KeyframeMove
-from woz_tui.motion.modes import Mode
 from woz_tui.motion.move_files import NAME, NAME_RULE, MoveFileError, read_move
 from woz_tui.motion.move_writer import WriteError, save
 from woz_tui.motion.puppeteer import Puppeteer, with_muted, with_share, without_layer
-from woz_tui.motion.rendering import BEYOND_VERBS, FREEZE, RESUME, STOP, Input
+from woz_tui.motion.rendering import Input, apply_input, refusal
 
 #: Seconds a script's take goes on after the last input.
 AFTER_S = 1.0
@@ -248,7 +247,13 @@ def performed(
             puppeteer.begin()
             began = True
         while waiting and waiting[0].t <= moment:
-            _apply(puppeteer, waiting.popleft(), tell)
+            one = waiting.popleft()
+            try:
+                apply_input(
+                    one, puppeteer.engine, lambda verb, args, _: puppeteer.apply(verb, args)
+                )
+            except RejectedError as refused:
+                tell(f"{one.place}: {one.verb} {refusal(refused)}")
 
 
 def _moments(inputs: Sequence[Input], start: float, end: float) -> list[float]:
@@ -256,18 +261,3 @@ def _moments(inputs: Sequence[Input], start: float, end: float) -> list[float]:
     ticks = {index / RATE for index in range(int(end * RATE) + 1)}
     exact = {one.t for one in inputs if one.t <= end}
     return sorted(ticks | exact | {start, end})
-
-
-def _apply(puppeteer: Puppeteer, one: Input, tell: Callable[[str], None]) -> None:
-    try:
-        if one.verb == FREEZE:
-            puppeteer.engine.freeze()
-        elif one.verb == RESUME:
-            puppeteer.engine.resume()
-        elif one.verb == STOP:
-            puppeteer.apply("mode", {"mode": Mode.NORMAL.value})
-        elif one.verb not in BEYOND_VERBS:
-            puppeteer.apply(one.verb, one.args)
-    except RejectedError as refused:
-        remedy = f" ({refused.remedy})" if refused.remedy else ""
-        tell(f"{one.place}: {one.verb} refused: {refused.what}{remedy}")

@@ -16,7 +16,8 @@ from woz_tui.cli import argument_types
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.render_target import RenderError, Stage, described, lines_of
 from woz_tui.cli.safe_streams import json_text
-from woz_tui.console.bodies.dot_canvas import bit
+from woz_tui.console.bodies.dot_canvas import DotCanvas, DotLayer
+from woz_tui.console.glyphs import UNICODE
 from woz_tui.console.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver
@@ -146,8 +147,6 @@ def _plot(ticks: Iterator[Tick], limits: Mapping[str, tuple[float, float]], name
     print(*time_axis(length, width), sep="\n")
 
 
-#: A cell of braille without a dot.
-_BLANK = 0x2800
 #: Cells left of a curve.
 _AXIS = 7
 
@@ -166,22 +165,20 @@ class Curve:
 def chart(curve: Curve, width: int, height: int) -> list[str]:
     """Lines of text, `width` cells wide, with the limits and the name beside the curve."""
     cells = max(8, width - _AXIS - 1)
-    grid = [[_BLANK] * cells for _ in range(height)]
-    span = curve.high - curve.low
-    rows = height * 4 - 1
-    if span > 0 and curve.values:
-        before: int | None = None
-        for column in range(cells * 2):
-            row = _row(_at(curve.values, column / (cells * 2 - 1)), curve, rows)
-            for each in _between(before, row):
-                grid[each // 4][column // 2] |= bit(column % 2, each % 4)
-            before = row
+    canvas = DotCanvas(cells, height, {"curve": DotLayer("plain", "*")})
+    values, span = curve.values, curve.high - curve.low
+    if span > 0 and values:
+        places = (round(dot * (len(values) - 1) / (cells * 2 - 1)) for dot in range(cells * 2))
+        shares = (min(1.0, max(0.0, (curve.high - values[place]) / span)) for place in places)
+        dots = [(dot, round(share * (height * 4 - 1))) for dot, share in enumerate(shares)]
+        for before, dot in itertools.pairwise(dots[:1] + dots):
+            canvas.line(before, dot, "curve")
     labels = [""] * height
     labels[-1] = f"{curve.low:g}{curve.unit}"
     labels[0] = f"{curve.high:g}{curve.unit}"
     lines = [
-        f"{label:>{_AXIS}}┤{''.join(map(chr, cells_))}"
-        for label, cells_ in zip(labels, grid, strict=True)
+        f"{label:>{_AXIS}}┤{''.join(sign for sign, _ in row)}"
+        for label, row in zip(labels, canvas.rows(UNICODE), strict=True)
     ]
     return [f"{'':{_AXIS}} {curve.name}", *lines]
 
@@ -212,19 +209,3 @@ def _round_times(seconds: float, most: int) -> list[float]:
         if seconds / (factor * 10.0**exponent) <= most
     )
     return [round(index * step, digits) for index in range(math.floor(seconds / step + 1e-9) + 1)]
-
-
-def _at(values: Sequence[float], share: float) -> float:
-    return values[min(len(values) - 1, round(share * (len(values) - 1)))]
-
-
-def _row(value: float, curve: Curve, rows: int) -> int:
-    share = (value - curve.low) / (curve.high - curve.low)
-    return rows - min(rows, max(0, math.floor(share * rows + 0.5)))
-
-
-def _between(before: int | None, row: int) -> range:
-    """Dots of one column, joined to those of the column before."""
-    if before is None or before == row:
-        return range(row, row + 1)
-    return range(row, before) if before > row else range(before + 1, row + 1)

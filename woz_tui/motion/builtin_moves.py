@@ -12,16 +12,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 
-from woz_tui.motion.easing import Path, along, swell
+import msgspec
+
+from woz_tui.motion.easing import TimedValues, along, swell
 from woz_tui.motion.move import FaceChange, Move, Posture, SoundCue
 
 # -- demo -----------------------------------------------------------------------------------------
 # The demo: in 66 seconds everything the robot can show, by itself.
 #
 # Scenes and their times are those of Oosterkamp's robot: it falls asleep, wakes, dances, is sad, is
-# angry, is amazed. Each scene is a row of the table at the end: a face, paths of the roles in
-# degrees, and swings over them, all relative to the pose held before. A negative lean brings the
+# angry, is amazed. `demo.json` has each scene: a face, paths of the roles in degrees (pairs of time
+# and angle), and swings over them, all relative to the pose held before. A negative lean brings the
 # head forward.
 
 
@@ -59,174 +62,17 @@ class DemoScene:
     start: float
     title: str
     emotion: str
-    intensity: Path = ((0, 1),)
+    intensity: TimedValues = ((0, 1),)
     #: Roles and parts of the face (`x`, `y`, `lid`) by name; times count from the demo's start.
-    roles: dict[str, Path] = field(default_factory=dict)
-    face: dict[str, Path] = field(default_factory=dict)
+    roles: dict[str, TimedValues] = field(default_factory=dict)
+    face: dict[str, TimedValues] = field(default_factory=dict)
     swings: tuple[Swing, ...] = ()
 
 
-#: Every role is at rest where one ends.
-DEMO_SCENES = (
-    # It nods off, starts up once more, and sinks down.
-    DemoScene(
-        0,
-        "falls asleep",
-        "sleepy",
-        intensity=((0, 0), (2, 0.7), (5, 1)),
-        roles={
-            "nod": ((0, 0), (1.8, 10), (2.3, 2), (5, 20)),
-            "lean": ((0, 0), (1.8, -10), (2.3, -6), (5, -34)),
-            "roll": ((2.3, 0), (5, 8)),
-        },
-        face={"lid": ((0, 1), (1.8, 0.3), (2.2, 0.9), (3, 0.7), (5, 0))},
-    ),
-    DemoScene(
-        5,
-        "sleeps",
-        "sleepy",
-        roles={"nod": ((5, 20),), "lean": ((5, -34),), "roll": ((5, 8),)},
-        face={"lid": ((5, 0),)},
-        swings=(
-            Swing("lean", 5, 10, (3, 3), (0.4, 0.4)),
-            Swing("nod", 5, 10, (-2, -2), (0.4, 0.4)),
-        ),
-    ),
-    DemoScene(
-        10,
-        "wakes",
-        "sleepy",
-        intensity=((10.5, 1), (13, 0)),
-        roles={
-            "nod": ((10, 20), (11.2, 12), (11.6, 14), (13, 0)),
-            "lean": ((10, -34), (11.2, -26), (11.6, -28), (13, 0)),
-            "roll": ((10, 8), (12.5, 0)),
-        },
-        face={"lid": ((10, 0), (11, 0.5), (11.3, 0.2), (12, 0.8), (12.3, 0.4), (13, 1))},
-    ),
-    DemoScene(
-        13,
-        "looks round",
-        "neutral",
-        intensity=((13, 0),),
-        roles={
-            "pan": ((13, 0), (14.2, 40), (15.2, 40), (17, -40), (18, -40), (19, 0)),
-            "nod": ((13, 0), (14.2, -6), (15.2, -6), (16.1, 2), (17, -6), (18, -6), (19, 0)),
-        },
-        face={
-            "x": (
-                (13, 0),
-                (13.4, 0.8),
-                (14.2, 0),
-                (15.2, 0),
-                (15.7, -0.8),
-                (17, 0),
-                (18, 0),
-                (18.3, 0.5),
-                (19, 0),
-            ),
-            "lid": ((16, 1), (16.15, 0), (16.3, 1)),
-        },
-    ),
-    # Tempo and size rise together; no role gets faster than 220 degrees a second.
-    DemoScene(
-        19,
-        "dances",
-        "happy",
-        intensity=((19, 0), (20, 0.6), (24, 1)),
-        swings=(
-            Swing("pan", 19, 26, (12, 36), (0.65, 1.05)),
-            Swing("lean", 19, 26, (4, 9.6), (1.3, 2.1)),
-            Swing("nod", 19, 26, (8, 19), (1.3, 2.1), turn=0.25),
-        ),
-    ),
-    DemoScene(26, "calms down", "happy", intensity=((26, 1), (27, 0))),
-    DemoScene(
-        27,
-        "shakes its head and drops it",
-        "sad",
-        intensity=((27, 0), (30, 0.8), (33, 1)),
-        roles={
-            "nod": ((27, 0), (30, 8), (33, 22)),
-            "lean": ((27, 0), (33, -12)),
-            "roll": ((30, 0), (33, 6)),
-        },
-        face={"y": ((27, 0), (33, -0.7)), "lid": ((27, 1), (33, 0.8))},
-        swings=(Swing("pan", 27, 32, (16, 9), (0.75, 0.45)),),
-    ),
-    DemoScene(
-        33,
-        "looks round sadly",
-        "sad",
-        roles={
-            "pan": ((33, 0), (36.5, 32), (38.5, 32), (43, -30), (45, -30), (47, 0)),
-            "nod": ((33, 22), (36.5, 14), (38.5, 14), (40.5, 22), (43, 16), (45, 16), (47, 22)),
-            "lean": ((33, -12),),
-            "roll": ((33, 6), (36.5, -4), (38.5, -4), (43, 8), (47, 6)),
-        },
-        face={
-            "x": ((33, 0), (34.5, 0.5), (36.5, 0), (38.5, 0), (40, -0.5), (43, 0), (45, 0)),
-            "y": ((33, -0.7), (37, -0.2), (40, -0.7), (43, -0.3), (46, -0.7)),
-            "lid": (
-                (33, 0.8),
-                (37.5, 0.8),
-                (37.75, 0),
-                (38, 0.8),
-                (44, 0.8),
-                (44.25, 0),
-                (44.5, 0.8),
-            ),
-        },
-    ),
-    # From sad to angry: it draws itself up first.
-    DemoScene(
-        47,
-        "gathers itself",
-        "sad",
-        intensity=((47, 1), (50.5, 0)),
-        roles={
-            "nod": ((47, 22), (49, 24), (51, 0)),
-            "lean": ((47, -12), (49, -14), (51, 4)),
-            "roll": ((47, 6), (50, 0)),
-        },
-        face={"y": ((47, -0.7), (50, 0)), "lid": ((47, 0.8), (48.2, 0.3), (49, 0.8), (50.5, 1))},
-    ),
-    DemoScene(
-        51,
-        "leans forward angrily",
-        "angry",
-        intensity=((51, 0), (52.5, 0.8), (54, 1)),
-        roles={"lean": ((51, 4), (54, -30)), "nod": ((51, 0), (54, -8))},
-    ),
-    DemoScene(
-        54,
-        "shakes its head angrily",
-        "angry",
-        roles={"lean": ((54, -30), (58, -36)), "nod": ((54, -8),)},
-        swings=(Swing("pan", 54, 58, (14, 20), (1.6, 2)),),
-    ),
-    DemoScene(
-        58,
-        "looks round angrily",
-        "angry",
-        intensity=((63, 1), (64, 0)),
-        roles={
-            "pan": ((58, 0), (58.8, 42), (59.8, 42), (60.9, -42), (61.9, -42), (63, 0)),
-            "nod": ((58, -8), (58.8, 2), (59.8, 2), (60.9, 2), (61.9, 2), (63, -8), (64, 0)),
-            "lean": ((58, -36), (62, -30), (64, 0)),
-        },
-        face={"x": ((58, 0), (58.3, 0.7), (58.8, 0), (59.8, 0), (60.2, -0.7), (60.9, 0))},
-    ),
-    DemoScene(
-        64,
-        "starts back, comes forward, amazed",
-        "amazed",
-        intensity=((64, 0), (64.3, 1), (65.4, 1), (66, 0)),
-        roles={
-            "lean": ((64, 0), (64.35, 10), (65, -20), (65.3, -20), (66, 0)),
-            "nod": ((64, 0), (64.35, -8), (65, -5), (65.3, -5), (66, 0)),
-        },
-    ),
+#: In order; every role is at rest where a scene ends. In the dance tempo and size rise together,
+#: and no role gets faster than 220 degrees a second.
+DEMO_SCENES = msgspec.json.decode(
+    Path(__file__).with_name("demo.json").read_bytes(), type=tuple[DemoScene, ...]
 )
 
 
@@ -318,7 +164,7 @@ def _point(name: str, summary: str, side: float) -> Formula:
     return Formula(name, summary, length, form)
 
 
-def _paths(name: str, summary: str, **roles: Path) -> Formula:
+def _paths(name: str, summary: str, **roles: TimedValues) -> Formula:
     length = max(path[-1][0] for path in roles.values())
 
     def form(place: float) -> Posture:

@@ -42,10 +42,10 @@ class GlidingValue:
 # Values that go from place to place, each time from rest to rest.
 
 #: Places (seconds or beats, rising) and the values there.
-Path = tuple[tuple[float, float], ...]
+TimedValues = tuple[tuple[float, float], ...]
 
 
-def along(path: Path, place: float) -> float:
+def along(path: TimedValues, place: float) -> float:
     """The value at `place`, by minimum jerk; outside the path that of its nearer end."""
     before_place, before = path[0]
     for after_place, after in path:

@@ -15,7 +15,7 @@ from typing import Any
 from woz_tui.drivers.contract import Driver, RejectedError
 from woz_tui.motion.body_feeds import Sighting
 from woz_tui.motion.engine import Engine
-from woz_tui.motion.engine_io import Tick
+from woz_tui.motion.engine_io import InputResult, Tick
 from woz_tui.motion.modes import Mode, Operator
 from woz_tui.motion.safety import finite_number
 from woz_tui.protocol.messages import Json
@@ -166,31 +166,20 @@ class Rendering:
 
     def _apply(self, one: Input, now: float) -> int:
         """Its token, if it takes time."""
-        engine = self._engine
         try:
             if one.verb == SEEN:
                 self._see(one, now)
-            elif one.verb == FREEZE:
-                engine.freeze()
-            elif one.verb == RESUME:
-                engine.resume()
-            else:
-                verb, args = (
-                    ("mode", {"mode": Mode.NORMAL.value})
-                    if one.verb == STOP
-                    else (one.verb, one.args)
-                )
-                answer = engine.apply(verb, args, one.hand)
-                self._blinks = self._blinks or verb == "blink"
-                for shortfall in _shortfalls(answer.sent):
-                    self._say(one, now, f": {shortfall}")
-                if answer.token:
-                    self._running.add(answer.token)
-                return answer.token
+                return 0
+            result = apply_input(one, self._engine, self._engine.apply)
         except RejectedError as refused:
-            remedy = f" ({refused.remedy})" if refused.remedy else ""
-            self._say(one, now, f" refused: {refused.what}{remedy}")
-        return 0
+            self._say(one, now, f" {refusal(refused)}")
+            return 0
+        self._blinks = self._blinks or one.verb == "blink"
+        for shortfall in _shortfalls(result.sent):
+            self._say(one, now, f": {shortfall}")
+        if result.token:
+            self._running.add(result.token)
+        return result.token
 
     def _say(self, one: Input, now: float, text: str) -> None:
         where = f"{one.place}: " if one.place else ""
@@ -238,6 +227,27 @@ class Rendering:
             return False
         there = all(abs(tick.joints[name] - tick.wanted[name]) <= HELD for name in tick.joints)
         return there or quiet > settle + PATIENCE_S
+
+
+def apply_input(one: Input, engine: Engine, apply: Callable[..., InputResult]) -> InputResult:
+    """Carry an input out, verbs by `apply`; what the camera sees is left out. Raises
+    `RejectedError`.
+    """
+    if one.verb == FREEZE:
+        engine.freeze()
+    elif one.verb == RESUME:
+        engine.resume()
+    elif one.verb == STOP:
+        return apply("mode", {"mode": Mode.NORMAL.value}, one.hand)
+    elif one.verb != SEEN:
+        return apply(one.verb, one.args, one.hand)
+    return InputResult()
+
+
+def refusal(refused: RejectedError) -> str:
+    """Why an input was refused and what to do, as the end of a sentence."""
+    remedy = f" ({refused.remedy})" if refused.remedy else ""
+    return f"refused: {refused.what}{remedy}"
 
 
 def _place(seen: Mapping[str, Json], name: str) -> float | None:

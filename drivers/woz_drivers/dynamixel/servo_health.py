@@ -27,25 +27,14 @@ POWER_REMEDY = (
 
 @dataclass(frozen=True, slots=True)
 class WarningLimit:
-    """A value worth a warning beyond `limit`; `above` says on which side."""
+    """A value worth a warning on one `side` of `limit`: above or below."""
 
-    kind: str
-    limit: float | None
-    unit: str
-    above: bool
+    limit: float
+    side: str
 
-    def crossed(self, value: float) -> bool:
-        """Beyond the limit."""
-        if self.limit is None:
-            return False
-        return value > self.limit if self.above else value < self.limit
-
-    def eased(self, value: float) -> bool:
-        """Back by a margin."""
-        if self.limit is None:
-            return True
-        margin = abs(self.limit) * EASING
-        return value < self.limit - margin if self.above else value > self.limit + margin
+    def beyond(self, value: float) -> float:
+        """How far the value is beyond the limit; negative: how far it is from it."""
+        return value - self.limit if self.side == "above" else self.limit - value
 
 
 class ServoUpkeep(abc.ABC):
@@ -58,17 +47,16 @@ class ServoUpkeep(abc.ABC):
         self._context = context
         self._chores: deque[Callable[[], None]] = deque()
         self._next_round = 0.0
-        self._warned: set[tuple[str, str]] = set()
-        self._bounds = {
-            "temperature": [
-                WarningLimit("temperature", settings.temperature_warning, "C", above=True)
-            ],
-            "load": [WarningLimit("load", settings.load_warning, "%", above=True)],
-            "voltage": [
-                WarningLimit("voltage", settings.voltage_low, "V", above=False),
-                WarningLimit("voltage", settings.voltage_high, "V", above=True),
-            ],
-        }
+        self._warned: set[tuple[str, str, str]] = set()
+        bounds = (
+            ("temperature", settings.temperature_warning, "above"),
+            ("load", settings.load_warning, "above"),
+            ("voltage", settings.voltage_low, "below"),
+            ("voltage", settings.voltage_high, "above"),
+        )
+        self._bounds = [
+            (kind, WarningLimit(limit, side)) for kind, limit, side in bounds if limit is not None
+        ]
 
     @abc.abstractmethod
     def let_go(self, servo: Servo, why: str) -> None:
@@ -172,17 +160,18 @@ class ServoUpkeep(abc.ABC):
 
     def _publish(self, servo: Servo, kind: str, value: float, unit: str, raw: int) -> None:
         self._context.reading(f"{kind}.{servo.name}", round(value, 2), unit=unit, raw=raw)
-        for bound in self._bounds[kind]:
-            key = (servo.name, f"{bound.kind} {'above' if bound.above else 'below'}")
-            if bound.crossed(value) and key not in self._warned:
+        for bound in (bound for name, bound in self._bounds if name == kind):
+            key = (servo.name, kind, bound.side)
+            beyond = bound.beyond(value)
+            if beyond > 0 and key not in self._warned:
                 self._warned.add(key)
-                side = "above" if bound.above else "below"
                 self._context.notice(
                     "warning",
-                    f"{servo.label}: {kind} {value:.4g} {unit}, {side} {bound.limit:g} {unit}",
+                    f"{servo.label}: {kind} {value:.4g} {unit},"
+                    f" {bound.side} {bound.limit:g} {unit}",
                     "let it rest, or take some load off",
                 )
-            elif bound.eased(value):
+            elif beyond < -EASING * abs(bound.limit):
                 self._warned.discard(key)
 
 

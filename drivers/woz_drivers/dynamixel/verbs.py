@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from woz_drivers.dynamixel.setpoint_planning import Keyframe
@@ -20,12 +21,24 @@ LONGEST = Range(0.0, 60.0, "s")
 
 def servo_verbs(settings: ServoSettings) -> tuple[Verb, ...]:
     """The verbs that make sense with these settings."""
-    verbs = _power(settings)
+    power = _power_verbs(settings)
     if settings.follows:
-        return tuple(verbs)
-    verbs = [*_moves(), *verbs]
-    if settings.moves or settings.poses:
-        verbs.append(_play(settings))
+        return power
+    pose = Argument("joints", "joints", "angles by joint, in degrees", required=True)
+    poses = Argument("poses", "poses", "angles by joint, each with seconds", required=True)
+    verbs = [
+        Verb("pose", "Move joints to angles in degrees, together", (pose, _seconds(1.0)), BODY),
+        Verb("poses", "Move through several poses, one after the other", (poses,), BODY),
+        Verb("home", "Move all joints to their home angles", (_seconds(2.0),), BODY),
+        *power,
+    ]
+    if names := (*settings.moves, *settings.poses):
+        move = Argument("move", "choice", "its name", required=True, choices=names)
+        speed = Argument("speed", "number", "1 is as written", False, 1.0, Range(0.1, 5.0))
+        share = "share of the way from home"
+        amplitude = Argument("amplitude", "number", share, False, 1.0, Range(0.0, 2.0))
+        summary = "Play a named move or take a named pose"
+        verbs.append(Verb("play", summary, (move, speed, amplitude), BODY))
     if settings.pan or settings.tilt:
         # Each step counts, so `nudge` is queued; of a stream of gazes only the last one counts.
         verbs += [
@@ -35,87 +48,20 @@ def servo_verbs(settings: ServoSettings) -> tuple[Verb, ...]:
     return tuple(verbs)
 
 
-def _moves() -> list[Verb]:
-    return [
-        Verb(
-            "pose",
-            "Move joints to angles in degrees, together",
-            (
-                Argument("joints", "joints", "angles by joint, in degrees", required=True),
-                Argument("seconds", "seconds", "time it takes; 0: fastest", False, 1.0, LONGEST),
-            ),
-            lane=BODY,
-        ),
-        Verb(
-            "poses",
-            "Move through several poses, one after the other",
-            (Argument("poses", "poses", "angles by joint, each with seconds", required=True),),
-            lane=BODY,
-        ),
-        Verb(
-            "home",
-            "Move all joints to their home angles",
-            (Argument("seconds", "seconds", "time it takes; 0: fastest", False, 2.0, LONGEST),),
-            lane=BODY,
-        ),
-    ]
+def _seconds(default: float) -> Argument:
+    return Argument("seconds", "seconds", "time it takes; 0: fastest", False, default, LONGEST)
 
 
-def _power(settings: ServoSettings) -> list[Verb]:
-    verbs = [
-        Verb(
-            "torque",
-            "Switch the joints on (they hold) or off (they go limp)",
-            (
-                Argument("on", "flag", "whether the joints hold", required=True),
-                Argument("joint", "choice", "only this one", choices=_joints(settings), default=""),
-            ),
-            lane=POWER,
-        ),
-    ]
-    if settings.protocol == 2:
-        verbs.append(
-            Verb(
-                "reboot",
-                "Restart servos that report an alarm; they are limp afterwards",
-                (
-                    Argument(
-                        "joint",
-                        "choice",
-                        "only this one; empty: all with an alarm",
-                        choices=_joints(settings),
-                        default="",
-                    ),
-                ),
-                lane=POWER,
-            )
-        )
-    return verbs
-
-
-def _joints(settings: ServoSettings) -> tuple[str, ...]:
-    return ("", *settings.joints)
-
-
-def _play(settings: ServoSettings) -> Verb:
-    return Verb(
-        "play",
-        "Play a named move or take a named pose",
-        (
-            Argument(
-                "move",
-                "choice",
-                "its name",
-                required=True,
-                choices=(*settings.moves, *settings.poses),
-            ),
-            Argument("speed", "number", "1 is as written", False, 1.0, Range(0.1, 5.0)),
-            Argument(
-                "amplitude", "number", "share of the way from home", False, 1.0, Range(0.0, 2.0)
-            ),
-        ),
-        lane=BODY,
-    )
+def _power_verbs(settings: ServoSettings) -> tuple[Verb, ...]:
+    joint = Argument("joint", "choice", "only this one", False, "", choices=("", *settings.joints))
+    on = Argument("on", "flag", "whether the joints hold", required=True)
+    summary = "Switch the joints on (they hold) or off (they go limp)"
+    torque = Verb("torque", summary, (on, joint), POWER)
+    if settings.protocol == 1:
+        return (torque,)
+    alarmed = replace(joint, summary="only this one; empty: all with an alarm")
+    summary = "Restart servos that report an alarm; they are limp afterwards"
+    return (torque, Verb("reboot", summary, (alarmed,), POWER))
 
 
 def _turn(name: str, summary: str, reach: float) -> Verb:

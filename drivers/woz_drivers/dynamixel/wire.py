@@ -7,8 +7,9 @@ None.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from dynamixel_sdk import GroupSyncRead, GroupSyncWrite, PacketHandler
 
@@ -17,6 +18,8 @@ from woz_drivers.dynamixel.port import AMPLE_MS, ServoPort, answer_timeout_ms
 
 #: `dynamixel_sdk.robotis_def.COMM_SUCCESS`.
 SUCCESS = 0
+#: Any other result: no answer that can be understood.
+GARBLED = -1
 #: Bit of a protocol 2 error byte: look at Hardware Error Status.
 ALERT = 0x80
 #: What a protocol 2 servo says to a write it refuses.
@@ -59,11 +62,7 @@ class ServoWire:
 
     def ping(self, servo: int) -> int | None:
         """The model number of servo `servo`, or None."""
-        try:
-            number, result, _ = self._packets.ping(self.port, servo)
-        except IndexError:
-            self._abandon()
-            return None
+        number, result, _ = self._call(self._packets.ping, servo, failed=(0, GARBLED, 0))
         return int(number) if result == SUCCESS else None
 
     def measure(self, servos: Iterable[int]) -> float | None:
@@ -98,22 +97,14 @@ class ServoWire:
             wanted = sorted({*USUAL_IDS, *also})
             answers = ((servo, self.ping(servo)) for servo in wanted)
             return {servo: number for servo, number in answers if number is not None}
-        try:
-            found, _ = self._packets.broadcastPing(self.port)
-        except IndexError:
-            self._abandon()
-            return {}
+        found, _ = self._call(self._packets.broadcastPing, failed=({}, GARBLED))
         return {int(servo): int(answer[0]) for servo, answer in found.items()}
 
     def read(self, servo: int, register: Register) -> ServoAnswer | None:
         """A register or a whole stretch of them."""
-        try:
-            data, result, error = self._packets.readTxRx(
-                self.port, servo, register.address, register.size
-            )
-        except IndexError:
-            self._abandon()
-            return None
+        data, result, error = self._call(
+            self._packets.readTxRx, servo, register.address, register.size, failed=(b"", GARBLED, 0)
+        )
         if result != SUCCESS or len(data) != register.size:
             return None
         return ServoAnswer(bytes(data), int(error))
@@ -150,7 +141,7 @@ class ServoWire:
         try:
             reader.txRxPacket()
         except IndexError:
-            self._abandon()
+            self.port.is_using = False
             return {}
         found = {}
         for servo in servos:
@@ -163,13 +154,12 @@ class ServoWire:
 
     def write(self, servo: int, register: Register, value: int) -> int | None:
         """Write and wait for the answer: its error byte (0 is well), None without an answer."""
-        try:
-            result, error = self._packets.writeTxRx(
-                self.port, servo, register.address, register.size, list(register.encode(value))
-            )
-        except IndexError:
-            self._abandon()
-            return None
+        data = list(register.encode(value))
+        result, error = self._call(
+            self._packets.writeTxRx,
+            *(servo, register.address, register.size, data),
+            failed=(GARBLED, 0),
+        )
         return int(error) if result == SUCCESS else None
 
     def write_group(self, register: Register, values: Mapping[int, int]) -> None:
@@ -183,16 +173,18 @@ class ServoWire:
 
     def reboot(self, servo: int) -> bool:
         """Restart a servo (protocol 2 only); says whether it acknowledged."""
-        try:
-            result, _ = self._packets.reboot(self.port, servo)
-        except IndexError:
-            self._abandon()
-            return False
+        result, _ = self._call(self._packets.reboot, servo, failed=(GARBLED, 0))
         return bool(result == SUCCESS)
 
-    def _abandon(self) -> None:
-        """Free the port that the SDK still believes to be in use after an IndexError."""
-        self.port.is_using = False
+    def _call(self, sdk: Callable[..., Any], *args: object, failed: Any) -> Any:
+        """What a function of the SDK answers; `failed` if a garbled packet makes it stumble, after
+        which it still believes the port to be in use.
+        """
+        try:
+            return sdk(self.port, *args)
+        except IndexError:
+            self.port.is_using = False
+            return failed
 
 
 def refusal(error: int) -> str:

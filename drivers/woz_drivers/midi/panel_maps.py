@@ -1,19 +1,21 @@
-"""What a panel's map says; two that need no file, for a panel like the Korg nanoKONTROL2.
+"""What a panel's map says; the folder `maps` has two for a panel like the Korg nanoKONTROL2.
 
-`nanokontrol2` is how the EyePi robot was played in its published program (UTRobotics, University
-of Twente). `thesis` is appendix A of J. Oosterkamp's thesis. Here buttons 1-8 are the upper row
-(S, control changes 32-39), 9-16 the middle one (M, 48-55), 17-24 the lower one (R, 64-71); the
-appendix counts its buttons from above to below, then from left to right, so its 7, 8 and 9 are
-S3, M3 and R3. It leaves out button 15; the mode without a button, saccade following, lies there.
-Neither source uses the transport keys: the session's own things are there.
+In these, buttons 1-8 are the upper row (S, control changes 32-39), 9-16 the middle one (M, 48-55),
+17-24 the lower one (R, 64-71); the appendix counts its buttons from above to below, then from left
+to right, so its 7, 8 and 9 are S3, M3 and R3. It leaves out button 15; the mode without a button,
+saccade following, lies there. Neither source uses the transport keys: the session's own things are
+there.
 """
 
 from __future__ import annotations
 
 import difflib
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Annotated, Any
+
+import msgspec
 
 from woz_drivers.midi.panel_layouts import BUTTON, KINDS, KNOB, LAYOUTS, MidiSignal, PanelLayout
 from woz_drivers.midi.wire import BEND, CC, NOTE, PROGRAM
@@ -229,77 +231,8 @@ class PanelMap(Section):
         ]
 
 
-def _mapped(**does: Mapping[str, Any]) -> dict[str, ControlMapping]:
-    """Controls by what they do: `play={"button-3": "nod"}` is a button that plays a move."""
-    return {
-        name: replace(ControlMapping(), **{what: value})
-        for what, controls in does.items()
-        for name, value in controls.items()
-    }
-
-
-#: What both maps agree on. In the appendix the buttons of columns 3 to 8 have other numbers: 7 is
-#: `button-3`, and so on down each column.
-_BOTH = {
-    "cycle": ControlMapping(release=True),
-    "play": ControlMapping(script=True),
-    **_mapped(
-        control={
-            "slider-1": "middle",
-            "slider-3": "zoom",
-            "slider-5": "arousal",
-            "slider-6": "valence",
-            "slider-7": "intensity",
-            "knob-1": "pitch",
-            "knob-2": "tempo",
-            "knob-3": "smoothing",
-            "knob-4": "compression",
-            "knob-8": "eye-x",
-        },
-        play={"button-3": "nod", "button-11": "shake", "button-19": "dance"},
-        stop={"stop": "all", "button-4": "normal"},
-        mark={"record": "panel"},
-        mode={"button-5": "demo", "button-21": "saccade"},
-        emotion={
-            "button-7": "neutral",
-            "button-8": "happy",
-            "button-15": "sleepy",
-            "button-16": "amazed",
-            "button-22": "crash",
-            "button-23": "sad",
-            "button-24": "angry",
-        },
-    ),
+#: The maps in the folder `maps`, by the names under which robot files know them.
+BUILT_IN: Mapping[str, PanelMap] = {
+    file.stem: msgspec.yaml.decode(file.read_bytes(), type=PanelMap)
+    for file in sorted((Path(__file__).parent / "maps").glob("*.yaml"))
 }
-NANOKONTROL2 = PanelMap(
-    title="EyePi on a Korg nanoKONTROL2",
-    layout="nanokontrol2",
-    controls={
-        **_BOTH,
-        "slider-2": ControlMapping(control="top", reversed=True),
-        **_mapped(
-            control={"slider-8": "eye-y", "knob-7": "brightness"},
-            play={
-                "button-12": "point-left",
-                "button-13": "point-right",
-                "button-20": "point-middle",
-            },
-            mode={"button-14": "tracking"},  # ours: that program had no key for it
-            emotion={"button-6": "friendly"},
-        ),
-    },
-)
-THESIS = PanelMap(
-    title="Oosterkamp's appendix A on a Korg nanoKONTROL2",
-    layout="nanokontrol2",
-    controls={
-        **_BOTH,  # the mode saccade lies on 15, which the appendix leaves out
-        **_mapped(
-            control={"slider-2": "top"},
-            stop={"button-12": "normal", "button-20": "normal"},
-            mode={"button-13": "tracking"},
-        ),
-    },
-)
-#: By the names under which robot files know them.
-BUILT_IN: Mapping[str, PanelMap] = {"nanokontrol2": NANOKONTROL2, "thesis": THESIS}

@@ -20,8 +20,7 @@ from tools import IMAGES
 from tools.sample_session import SAMPLE
 from woz_tui.analysis.html.report_page import write
 from woz_tui.analysis.html.timeline_items import rows
-from woz_tui.analysis.session_reading import ReportOptions, read_report
-from woz_tui.analysis.session_report import SessionReport
+from woz_tui.analysis.session_reading import ReportOptions, SessionReport, read_report
 
 FILE = IMAGES / "report.png"
 WIDTH, HEIGHT = 1280, 960

@@ -21,8 +21,12 @@ from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.html.report_page import render
 from woz_tui.analysis.methods_section import paragraphs
-from woz_tui.analysis.session_reading import NoSessionError, ReportOptions, read_report
-from woz_tui.analysis.session_report import SessionReport
+from woz_tui.analysis.session_reading import (
+    NoSessionError,
+    ReportOptions,
+    SessionReport,
+    read_report,
+)
 from woz_tui.analysis.study_figures import Studies
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m

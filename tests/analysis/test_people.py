@@ -18,7 +18,7 @@ from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.analysis.session_reading import ReportOptions, read_report
 from woz_tui.analysis.study_figures import Studies, StudyFacts
 from woz_tui.cli.report_layout import report_page
-from woz_tui.cli.report_sessions import show
+from woz_tui.cli.report_sessions import show_sessions
 from woz_tui.protocol import messages as m
 
 MARKER = m.Marker(text="x", source="key")
@@ -193,14 +193,14 @@ def test_tables_say_what_counts(tmp_path: Path) -> None:
 
 def test_the_terminal_names_what_is_in_no_total() -> None:
     stream = io.StringIO()
-    show(report_page(stream, 80), grouped(told(late())))
+    show_sessions(report_page(stream, 80), grouped(told(late())))
     found = " ".join(stream.getvalue().split())
     assert "1 session, 1 participant" in found
     assert "Excluded: time before a participant was set, P70 (less than 10 s" in found
     assert "warm (n = 1)" in found
     assert "none (n" not in found
     stream = io.StringIO()
-    show(report_page(stream, 80), grouped(told(Told(participant="P70").end(3))))
+    show_sessions(report_page(stream, 80), grouped(told(Told(participant="P70").end(3))))
     assert "By condition" not in stream.getvalue()
 
 

@@ -8,9 +8,8 @@ from pathlib import Path
 
 from tools.tables_reference import TABLES
 from woz_tui.analysis.cue_responses import ECHO_US, WAITING, WINDOW_US
-from woz_tui.analysis.event_rows import CUE_RESULTS, CUE_TYPES
+from woz_tui.analysis.event_rows import BY_MACHINE, CUE_RESULTS, CUE_TYPES
 from woz_tui.analysis.figures import PartFigures
-from woz_tui.analysis.manual_actions import BY_MACHINE
 from woz_tui.analysis.measures import MEASURES
 from woz_tui.analysis.tables import CONDITIONS
 from woz_tui.sensing.state_machine import ENGAGED

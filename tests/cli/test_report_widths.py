@@ -12,9 +12,8 @@ import pytest
 
 from tests.analysis.told import SECOND, Told, figures_of, in_time, study
 from woz_tui.analysis.participant_groups import GroupedSessions
-from woz_tui.analysis.session_reading import read_report
-from woz_tui.analysis.session_report import SessionReport
-from woz_tui.cli import report_session, report_sessions
+from woz_tui.analysis.session_reading import SessionReport, read_report
+from woz_tui.cli import report_sessions
 from woz_tui.cli.report_layout import report_page
 from woz_tui.protocol import messages as m
 
@@ -64,9 +63,9 @@ def printed(width: int, what: SessionReport | GroupedSessions) -> str:
     stream = io.StringIO()
     paper = report_page(stream, width)
     if isinstance(what, GroupedSessions):
-        report_sessions.show(paper, what)
+        report_sessions.show_sessions(paper, what)
     else:
-        report_session.show(paper, what, 99)
+        report_sessions.show_session(paper, what, 99)
     return stream.getvalue()
 
 

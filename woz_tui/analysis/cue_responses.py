@@ -10,9 +10,8 @@ from operator import itemgetter
 from typing import Any
 
 from woz_tui.analysis.durations import Durations
-from woz_tui.analysis.event_rows import PREFLIGHT, CueRow, context_fields, moments
+from woz_tui.analysis.event_rows import PREFLIGHT, CueRow, WizardAct, context_fields, id_of, moments
 from woz_tui.analysis.figures import TrainingFigures
-from woz_tui.analysis.manual_actions import WizardAct, id_of
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.engagement_stream import SPEECH
 from woz_tui.timeline import episodes as e

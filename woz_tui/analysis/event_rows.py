@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from operator import attrgetter
 from typing import Any, TypeVar
 
+from woz_tui.config.session_verbs import PERFORMERS
 from woz_tui.protocol import messages as m
 from woz_tui.timeline import episodes as e
 from woz_tui.timeline.episodes import NOT_COUNTED
@@ -19,6 +20,7 @@ from woz_tui.timeline.timeline import Timeline
 from woz_tui.timeline.trial_context import Context
 
 M = TypeVar("M", bound=m.Message)
+L = TypeVar("L", bound="LastingRow")
 #: Whether what happened in a context counts.
 Counted = Callable[[Context], bool]
 
@@ -32,8 +34,41 @@ ENGAGED_VISIT = "engaged"
 PREFLIGHT = "preflight"
 
 
-@dataclass(frozen=True, slots=True)
-class CueRow:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ContextRow:
+    """Something in a context. `trial` is the trial's number, -1 outside. `counted`: means over
+    participants include it.
+    """
+
+    participant: str = ""
+    condition: str = ""
+    trial: int = -1
+    phase: str = ""
+    counted: bool = True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LastingRow(ContextRow):
+    """Something that lasted, or the piece of it within one context.
+
+    Attributes:
+        changed: It began then; else it is a further piece of what went on.
+        cut: It was not over when the log, or the model, ended.
+    """
+
+    begin: int
+    end: int
+    changed: bool = True
+    cut: bool = False
+
+    @property
+    def duration(self) -> int:
+        """How long it was."""
+        return self.end - self.begin
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CueRow(ContextRow):
     """Something that wants an answer, and what the wizard made of it.
 
     Attributes:
@@ -47,7 +82,6 @@ class CueRow:
         echo: It followed within a second of another open cue and stands for the same event, so
             the figures over all types leave it out.
         judged: Of trained cues: right, wrong or missed.
-        trial: Number of the trial, -1 outside.
     """
 
     cue_type: str
@@ -59,11 +93,6 @@ class CueRow:
     run: str = ""
     echo: bool = False
     judged: str = ""
-    participant: str = ""
-    condition: str = ""
-    trial: int = -1
-    phase: str = ""
-    counted: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,29 +120,21 @@ class TrialRow:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PhaseRow:
+class PhaseRow(ContextRow):
     """A phase, breaks inside it included.
 
     Attributes:
-        trial: Number of the trial, -1 outside.
-        phase: Its name.
         end: None if its end is not in the log.
         planned: How long it was to last; None: nobody said.
         source: Who began it: key, palette, program; trial or session where it began with that.
         actions: How many actions were asked for in it.
-        counted: It was in no trial that was aborted or excluded.
     """
 
-    participant: str
-    condition: str
-    trial: int
-    phase: str
     begin: int
     end: int | None
     planned: int | None
     source: str
     actions: int
-    counted: bool
 
     @property
     def duration(self) -> int | None:
@@ -162,7 +183,7 @@ class MarkRow:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class VisitRow:
+class VisitRow(LastingRow):
     """A stay in a state of the engagement model, or (`state` is `engaged`) an unbroken engagement;
     or the piece of it within one context.
 
@@ -171,35 +192,18 @@ class VisitRow:
         visitor: Who was known as it began; of an engagement who was recognised last.
         forced: The wizard led to it, or decided a verdict on which it rests.
         why: Why it was entered, in words.
-        changed: It began then; else it is a further piece of what went on.
-        cut: It was not over when the log, or the model, ended.
-        trial: Number of the trial, -1 outside; as participant and condition, of its beginning.
     """
 
     state: str
-    begin: int
-    end: int
     entered_by: str = ""
     left_by: str = ""
     visitor: str = ""
     forced: bool = False
     why: str = ""
-    changed: bool = True
-    cut: bool = False
-    participant: str = ""
-    condition: str = ""
-    trial: int = -1
-    phase: str = ""
-    counted: bool = True
-
-    @property
-    def duration(self) -> int:
-        """How long it was."""
-        return self.end - self.begin
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SettingRow:
+class SettingRow(LastingRow):
     """A robot's setting had one value, within one trial, condition or break.
 
     Attributes:
@@ -210,9 +214,6 @@ class SettingRow:
             robot was lost or does not tell it any more.
         begin: When it was read so.
         end: When it was read otherwise, the robot was lost, or trial, condition or break changed.
-        changed: It began then; else it goes on from before such a change.
-        cut: It lasted when the log ended.
-        trial: Number of the trial, -1 outside.
     """
 
     seq: int
@@ -221,28 +222,14 @@ class SettingRow:
     value: m.Json
     wanted: m.Json
     differs: bool | None
-    begin: int
-    end: int
-    changed: bool = True
-    cut: bool = False
-    participant: str = ""
-    condition: str = ""
-    trial: int = -1
-    phase: str = ""
-    counted: bool = True
-
-    @property
-    def duration(self) -> int:
-        """How long it was so."""
-        return self.end - self.begin
 
 
-@dataclass(frozen=True, slots=True)
-class AnswerRow:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AnswerRow(ContextRow):
     """The last answer to an item in one round of a questionnaire; `t` is when it was given.
 
     `value` is None for texts and for what was left out; `low` and `high` are None unless the item
-    is a scale. `counted`: it was in no trial that was aborted or excluded.
+    is a scale.
     """
 
     questionnaire: str
@@ -256,11 +243,6 @@ class AnswerRow:
     answered_us: int | None
     low: float | None = None
     high: float | None = None
-    participant: str = ""
-    condition: str = ""
-    trial: int = -1
-    phase: str = ""
-    counted: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -405,21 +387,18 @@ def stops(timeline: Timeline) -> Iterator[StopRow]:
         for press in each.presses:
             pressed = press.pressed
             row = StopRow(
-                *(pressed.t, pressed.source, pressed.scope),
-                released=None if each.cut else each.end,
+                pressed.t, pressed.source, pressed.scope, released=None if each.cut else each.end
             )
-            yield _confirmed(row, press.confirmations[0]) if press.confirmations else row
-
-
-def _confirmed(row: StopRow, message: m.StopConfirmed) -> StopRow:
-    unreached = {name: ["not reached"] for name in message.unreached}
-    return replace(
-        row,
-        confirmed=_with_parts(message.confirmed, message.parts),
-        missing=_with_parts(message.missing, {**message.missing_parts, **unreached}),
-        unreached=tuple(message.unreached),
-        elapsed_us=message.elapsed_us,
-    )
+            for message in press.confirmations[:1]:
+                unreached = {name: ["not reached"] for name in message.unreached}
+                row = replace(
+                    row,
+                    confirmed=_with_parts(message.confirmed, message.parts),
+                    missing=_with_parts(message.missing, {**message.missing_parts, **unreached}),
+                    unreached=tuple(message.unreached),
+                    elapsed_us=message.elapsed_us,
+                )
+            yield row
 
 
 def _with_parts(names: list[str], parts: Mapping[str, list[str]]) -> tuple[str, ...]:
@@ -451,17 +430,22 @@ def visits(timeline: Timeline) -> list[VisitRow]:
 def stays(timeline: Timeline, counted: Counted) -> Iterator[VisitRow]:
     """Stays in states, clipped to contexts."""
     for each in timeline.of(e.ModelStateEpisode):
-        parts = timeline.parts(each)
-        for part in parts:
-            yield replace(
-                _visit(each, each.state),
-                **context_fields(part.context),
-                begin=part.begin,
-                end=part.end,
-                changed=part is parts[0],
-                cut=each.cut and part is parts[-1],
-                counted=counted(part.context),
-            )
+        yield from _pieces(_visit(each, each.state), each, timeline, counted)
+
+
+def _pieces(row: L, episode: e.Episode, timeline: Timeline, counted: Counted) -> Iterator[L]:
+    """The row of an episode, once for each context."""
+    parts = timeline.parts(episode)
+    for part in parts:
+        yield replace(
+            row,
+            **context_fields(part.context),
+            begin=part.begin,
+            end=part.end,
+            changed=part is parts[0],
+            cut=episode.cut and part is parts[-1],
+            counted=counted(part.context),
+        )
 
 
 def _visit(each: e.ModelStateEpisode | e.EngagementEpisode, state: str) -> VisitRow:
@@ -488,27 +472,25 @@ def settings(timeline: Timeline, counted: Counted) -> list[SettingRow]:
     def order(row: SettingRow) -> tuple[int, ...]:
         return row.begin, row.seq, row.end, places.get((row.driver, row.setting), len(places))
 
-    return sorted(_settings(timeline, counted), key=order)
+    rows = [
+        piece
+        for each in timeline.of(e.SettingEpisode)
+        for piece in _pieces(_setting(each), each, timeline, counted)
+    ]
+    return sorted(rows, key=order)
 
 
-def _settings(timeline: Timeline, counted: Counted) -> Iterator[SettingRow]:
-    for each in timeline.of(e.SettingEpisode):
-        parts = timeline.parts(each)
-        for part in parts:
-            yield SettingRow(
-                **context_fields(part.context),
-                seq=each.seq,
-                driver=each.driver,
-                setting=each.name,
-                value=each.value,
-                wanted=each.wanted,
-                differs=each.differs,
-                begin=part.begin,
-                end=part.end,
-                changed=part is parts[0],
-                cut=each.cut and part is parts[-1],
-                counted=counted(part.context),
-            )
+def _setting(each: e.SettingEpisode) -> SettingRow:
+    return SettingRow(
+        seq=each.seq,
+        driver=each.driver,
+        setting=each.name,
+        value=each.value,
+        wanted=each.wanted,
+        differs=each.differs,
+        begin=each.begin,
+        end=each.begin,
+    )
 
 
 def rounds(timeline: Timeline) -> Iterator[RoundRow]:
@@ -600,3 +582,35 @@ def consoles(timeline: Timeline) -> Iterator[ConsoleRow]:
                 yield ConsoleRow(each.begin, console, role, lost=False)
             case m.ConsoleLost(console=console, role=role, why=why):
                 yield ConsoleRow(each.begin, console, role, lost=True, why=why)
+
+
+# -- what a wizard did by hand: actions, and commands that belong to none ------------------------
+
+#: Sources that are no human at this session.
+BY_MACHINE = frozenset({"engagement", "program", "replay"})
+WizardAct = e.ActionEpisode | e.CommandEpisode
+
+
+def of_robot(command: e.CommandEpisode) -> bool:
+    """Whether it went to a robot, not to the session itself or the engagement model."""
+    return command.request.driver not in PERFORMERS
+
+
+def is_direct(command: e.CommandEpisode) -> bool:
+    """Whether it went to a robot and belonged to no action."""
+    return not command.request.run and of_robot(command)
+
+
+def acts_of(timeline: Timeline) -> list[WizardAct]:
+    """All wizard actions in the order in which they were asked for."""
+    return [
+        each
+        for each in timeline.episodes
+        if (type(each) is e.ActionEpisode or (type(each) is e.CommandEpisode and is_direct(each)))
+        and each.request.source not in BY_MACHINE
+    ]
+
+
+def id_of(act: WizardAct) -> str:
+    """The id of its run, or of the command."""
+    return act.request.run if isinstance(act, e.ActionEpisode) else act.request.command

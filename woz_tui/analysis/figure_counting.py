@@ -14,8 +14,8 @@ from typing import TypeVar
 from woz_tui.analysis import event_rows
 from woz_tui.analysis.cue_responses import WAITING, WINDOW_US, cues_of, trained_cues, training_of
 from woz_tui.analysis.durations import Durations
-from woz_tui.analysis.event_rows import CueRow, PanelRow, TrialRow
-from woz_tui.analysis.figure_sums import Tally, part_figures, sum_tallies
+from woz_tui.analysis.event_rows import CueRow, PanelRow, TrialRow, WizardAct, acts_of, of_robot
+from woz_tui.analysis.figure_sums import PartSums, Tally, part_figures, sum_tallies
 from woz_tui.analysis.figures import (
     OUTSIDE,
     SESSION,
@@ -24,7 +24,6 @@ from woz_tui.analysis.figures import (
     PartFigures,
     SessionFigures,
 )
-from woz_tui.analysis.manual_actions import WizardAct, acts_of, of_robot
 from woz_tui.analysis.participants import counts_in_means, taking_part
 from woz_tui.protocol import messages as m
 from woz_tui.timeline import episodes as e
@@ -144,8 +143,14 @@ class _Counting:
         found = self._of.get(id(context))
         if found is None:
             inside = self._timeline.inside(context)
+            tally = Tally(
+                participant=context.participant,
+                condition=context.condition,
+                run=context.run,
+                counted=self._timeline.counts(context),
+                inside=inside,
+            )
             key = (context.participant, context.condition, context.run, inside)
-            tally = Tally(*key[:3], counted=self._timeline.counts(context), inside=inside)
             found = self._of[id(context)] = self._tallies.setdefault(key, tally)
         return found
 
@@ -153,7 +158,7 @@ class _Counting:
     def tallies(self) -> list[Tally]:
         """All in the order in which they came; those in which nothing was are left out."""
         found = [tally for tally in self._tallies.values() if not tally.empty]
-        return found or [*self._tallies.values()][:1] or [Tally("", "")]
+        return found or [*self._tallies.values()][:1] or [Tally(participant="", condition="")]
 
     def count(self, acts: Sequence[WizardAct]) -> None:
         """Everything but cues."""
@@ -203,13 +208,13 @@ class _Counting:
         for command in self._timeline.of(e.CommandEpisode):
             if not of_robot(command):
                 continue
-            verb = self.at(command.context).verb(command.request.verb)
-            verb.ends[command.outcome] += 1
+            tally, verb = self.at(command.context), command.request.verb
+            tally.ends[verb, command.outcome] += 1
             latency, duration = command.latency_us, command.duration_us
             if latency is not None:
-                verb.dispatched.add(latency)
+                tally.dispatched[verb].add(latency)
             if duration is not None:
-                verb.done.add(duration)
+                tally.done[verb].add(duration)
 
     def _moments(self) -> None:
         for moment in self._timeline.of(e.MomentEpisode):
@@ -271,7 +276,7 @@ class _Counting:
             for tally, us in self._pieces(off, self.at):
                 tally.off_us += us
 
-    def whole(self, *, every: bool) -> Tally:
+    def whole(self, *, every: bool) -> PartSums:
         """All together, but for what does not count unless `every`; nothing is clipped to the
         trials of which it consists.
         """

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from woz_tui.analysis.figure_counting import DEFAULTS, FigureOptions, figures_of
+from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.log_integrity import LineCount, integrity_of, with_verification
-from woz_tui.analysis.session_report import SessionReport
-from woz_tui.analysis.timeline_lanes import SensorCurves, drawing_of
+from woz_tui.analysis.timeline_lanes import SensorCurves, TimelineDrawing, drawing_of
 from woz_tui.log.log_reader import Damage, LogLine, files_of, messages
 from woz_tui.protocol.codec import is_sample
 from woz_tui.timeline.timeline import Timeline
@@ -19,6 +19,14 @@ from woz_tui.timeline.timeline import Timeline
 
 class NoSessionError(ValueError):
     """The files hold no session of this program; the text says which and why."""
+
+
+@dataclass(frozen=True, slots=True)
+class SessionReport:
+    """The figures of a session; `timeline` is None unless it was asked for."""
+
+    figures: SessionFigures
+    timeline: TimelineDrawing | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,8 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from woz_tui.analysis.event_rows import PREFLIGHT, moments, value_text
-from woz_tui.analysis.manual_actions import is_direct, of_robot
+from woz_tui.analysis.event_rows import PREFLIGHT, is_direct, moments, of_robot, value_text
 from woz_tui.protocol import messages as m
 from woz_tui.timeline import episodes as e
 from woz_tui.timeline.session_state import LATEST_TIME

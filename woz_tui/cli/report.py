@@ -16,8 +16,7 @@ from woz_tui.cli.safe_streams import json_text
 if TYPE_CHECKING:
     from woz_tui.analysis.figure_counting import FigureOptions
     from woz_tui.analysis.participant_groups import GroupedSessions
-    from woz_tui.analysis.session_reading import ReportOptions
-    from woz_tui.analysis.session_report import SessionReport
+    from woz_tui.analysis.session_reading import ReportOptions, SessionReport
 
 #: Seconds in which an answer to a cue counts as one.
 _WINDOW = 10.0
@@ -211,15 +210,11 @@ def _print(
     kept: list[SessionReport],
     sessions: int,
 ) -> None:
+    from woz_tui.cli import report_sessions as terminal  # noqa: PLC0415
     from woz_tui.cli.report_layout import report_page  # noqa: PLC0415
 
-    paper = report_page()
+    page = report_page()
     if sessions == 1 and kept:
-        from woz_tui.cli import report_session  # noqa: PLC0415
-
-        top = sys.maxsize if arguments.all else report_session.TOP
-        report_session.show(paper, kept[0], top)
+        terminal.show_session(page, kept[0], sys.maxsize if arguments.all else terminal.TOP)
     else:
-        from woz_tui.cli import report_sessions  # noqa: PLC0415
-
-        report_sessions.show(paper, grouped)
+        terminal.show_sessions(page, grouped)

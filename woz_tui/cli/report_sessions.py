@@ -1,15 +1,201 @@
-"""Many sessions on the terminal: one table by participant and condition, one by condition."""
+"""Sessions on the terminal: one with its timeline and tables, or many side by side."""
 
 from __future__ import annotations
 
+from bisect import bisect_right
+from collections.abc import Sequence
+
+from rich.text import Text
+
 from woz_tui.analysis import report_tables as tables
-from woz_tui.analysis.participant_groups import GroupedSessions
+from woz_tui.analysis.durations import Durations
+from woz_tui.analysis.figure_sums import ALL_CUES
+from woz_tui.analysis.figures import PartFigures, Reactions, SessionFigures
+from woz_tui.analysis.participant_groups import GroupedSessions, experiment_of
 from woz_tui.analysis.participants import excluded_sentence
-from woz_tui.analysis.text_format import counted
-from woz_tui.cli.report_layout import ReportPage, fitted
+from woz_tui.analysis.session_reading import SessionReport
+from woz_tui.analysis.text_format import clock, counted
+from woz_tui.cli.report_layout import Block, ReportPage, TextSigns, fitted, text_table
+from woz_tui.cli.report_timeline import picture
+
+#: States that can have a letter.
+_LETTERS = 26
+#: Where classes of short times begin, in microseconds: 1, 2, 5 and so on.
+_EDGES = [int(digit * 10.0**power) for power in range(2, 8) for digit in (1, 2, 5)]
+_WINDOWS = 10
+#: Rows of a table unless all are wanted.
+TOP = 12
 
 
-def show(page: ReportPage, grouped: GroupedSessions) -> None:
+def show_session(page: ReportPage, report: SessionReport, top: int = TOP) -> None:
+    """Print all there is to say about one session."""
+    figures = report.figures
+    title(page, figures)
+    if report.timeline is not None and report.timeline.lanes:
+        page.head("Timeline")
+        for line in picture(report.timeline, page.width, page.signs):
+            page.console.print(line, no_wrap=True, overflow="crop")
+    whole = figures.whole
+    page.put(page.block(tables.figures_table(figures)), _actions(page, figures, top))
+    page.put(page.block(tables.commands(figures), top), page.block(tables.cues(figures)))
+    page.put(_reaction_bars(page, figures), _press_bars(page, whole))
+    page.put(_states(page, figures), _transitions(whole))
+    for table in (tables.trials, tables.phases):
+        page.put(page.block(table(figures)))
+    page.put(page.block(tables.settings(figures), top))
+    for table in (tables.stops, tables.answers):
+        page.put(page.block(table(figures)))
+    page.put(page.block(tables.marks(figures), top))
+    sentences = list(tables.circumstances(figures))
+    if sentences:
+        page.head("Circumstances")
+    for sentence in sentences:
+        page.say(sentence)
+
+
+def title(page: ReportPage, figures: SessionFigures) -> None:
+    """Who, what, when, with which software; and what is wrong with the log."""
+    who = [
+        figures.participant or "no participant",
+        figures.condition or "no condition",
+        f"session {figures.session}" if figures.session else figures.stem,
+        f"wizard {figures.wizard}" if figures.wizard else "wizard not recorded",
+    ]
+    page.say(f" {page.signs.dot} ".join(who), style="bold")
+    what = [
+        experiment_of(figures) or "experiment not recorded",
+        figures.title,
+        figures.started[:16].replace("T", " ") + " UTC" if figures.started else "",
+        clock(figures.duration_us),
+        figures.software,
+    ]
+    page.say(f" {page.signs.dot} ".join(filter(None, what)))
+    if figures.rerun_of:
+        page.trouble(f"a re-run of {figures.rerun_of}: its actions come from that log")
+    left_out = [trial for trial in figures.trials if not trial.counted]
+    if left_out and not figures.all_trials:
+        outcomes = ", ".join(f"{trial.trial} {trial.outcome}" for trial in left_out)
+        page.trouble(f"not counted: {counted(len(left_out), 'trial')} ({outcomes})")
+    left = excluded_sentence((part.participant, part.counted) for part in figures.parts)
+    if left:
+        page.trouble(left)
+    for sentence in figures.wholeness.sentences:
+        page.trouble(sentence)
+    if not figures.wholeness.sentences:
+        checked = "every line and checksum" if figures.wholeness.verified else "no line lost"
+        page.say(f"The log is complete ({checked}).", style="green")
+
+
+def _actions(page: ReportPage, figures: SessionFigures, top: int) -> Block:
+    block = page.block(tables.actions(figures), top)
+    for name in ("panel", "source") if block else ():
+        totals = figures.whole.by(name).items()
+        words = ", ".join(f"{key or 'none'} {outcomes.total}" for key, outcomes in totals)
+        block.append(Text(f"by {name}: {words}", "dim"))
+    return block
+
+
+def _reaction_bars(page: ReportPage, figures: SessionFigures) -> Block:
+    found = figures.whole.reactions
+    reactions = found.get(ALL_CUES) or found.get("training")
+    if reactions is None or not (reactions.times or reactions.missed):
+        return []
+    lines = reaction_bars(reactions, figures.window_us, page.half, page.signs)
+    return [Text("Reaction times", "bold"), *lines]
+
+
+def _press_bars(page: ReportPage, part: PartFigures) -> Block:
+    if not part.press:
+        return []
+    bars = latency_bars(part.press, page.half, page.signs)
+    return [Text("Key to robot, waits included", "bold"), *bars]
+
+
+def _states(page: ReportPage, figures: SessionFigures) -> Block:
+    block = page.block(tables.states(figures))
+    off_us = figures.whole.engagement.off_us
+    if block and off_us:
+        block.append(Text(f"The model was switched off for {clock(off_us)}."))
+    return block
+
+
+def _transitions(part: PartFigures) -> Block:
+    rows = part.engagement.transitions
+    targets = sorted({now for row in rows.values() for now in row})
+    if not 0 < len(targets) <= _LETTERS:
+        return []
+    letters = [chr(ord("a") + place) for place in range(len(targets))]
+    made = text_table("from", *letters)
+    for was, row in rows.items():
+        made.add_row(was, *(str(row.get(now, "")) for now in targets))
+    key = ", ".join(f"{letter} {now}" for letter, now in zip(letters, targets, strict=True))
+    return [Text("Transitions: from each state to", "bold"), Text(key, "dim"), made]
+
+
+# -- histograms: a row for each class, its bar, its count ------------------------------------------
+
+
+def reaction_bars(reactions: Reactions, window_us: int, width: int, signs: TextSigns) -> list[Text]:
+    """Reaction times in ten classes of the window, and what was missed."""
+    step = max(1, window_us // _WINDOWS)
+    counts = [0] * _WINDOWS
+    for value in reactions.times.values:
+        counts[min(_WINDOWS - 1, value // step)] += 1
+    labels = [
+        f"{place * step / 1e6:g}{signs.dash}{(place + 1) * step / 1e6:g} s"
+        for place in range(_WINDOWS)
+    ]
+    return bars([*labels, "missed"], [*counts, reactions.missed], width, signs)
+
+
+def latency_bars(times: Durations, width: int, signs: TextSigns) -> list[Text]:
+    """Short times in classes that grow by 1, 2, 5, ...; empty ones at both ends are left out."""
+    counts = [0] * (len(_EDGES) + 1)
+    for value in times.values:
+        counts[bisect_right(_EDGES, value)] += 1
+    labels = [f"< {_ms(_EDGES[0])}"]
+    labels += [
+        f"{_EDGES[place] / 1000:g}{signs.dash}{_ms(_EDGES[place + 1])}"
+        for place in range(len(_EDGES) - 1)
+    ]
+    labels.append(f"{signs.over} {_ms(_EDGES[-1])}")
+    some = [place for place, count in enumerate(counts) if count]
+    if not some:
+        return []
+    shown = slice(some[0], some[-1] + 1)
+    return bars(labels[shown], counts[shown], width, signs)
+
+
+def _ms(us: int) -> str:
+    return f"{us / 1000:g} ms"
+
+
+def bars(labels: Sequence[str], counts: Sequence[int], width: int, signs: TextSigns) -> list[Text]:
+    """The longest bar takes all the room that there is."""
+    left = max(map(len, labels), default=0)
+    most = max(counts, default=0)
+    digits = len(str(most))
+    room = max(5, width - left - digits - 2)
+    fine = len(signs.rows) - 1
+    lines = []
+    for label, count in zip(labels, counts, strict=True):
+        length = count * room * fine // most if most else 0
+        if count and not length:
+            length = fine  # what is there can be seen
+        full, rest = divmod(length, fine)
+        bar = signs.rows[-1] * full + (signs.rows[rest] if rest else "")
+        lines.append(
+            Text.assemble(
+                (f"{label:>{left}} ", "dim"), f"{count:>{digits}} ", (bar.rstrip(), "cyan")
+            )
+        )
+    return lines
+
+
+# -- many sessions --------------------------------------------------------------------------------
+
+
+def show_sessions(page: ReportPage, grouped: GroupedSessions) -> None:
     """Print the tables of all experiments."""
     for experiment in grouped.experiments:
         rows = grouped.of(experiment)

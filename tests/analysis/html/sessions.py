@@ -8,8 +8,7 @@ from pathlib import Path
 
 import msgspec
 
-from woz_tui.analysis.session_reading import ReportOptions, read_report
-from woz_tui.analysis.session_report import SessionReport
+from woz_tui.analysis.session_reading import ReportOptions, SessionReport, read_report
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 

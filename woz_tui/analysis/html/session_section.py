@@ -13,7 +13,7 @@ from woz_tui.analysis.html.markup import Child, Markup, isolated, json_block, ta
 from woz_tui.analysis.html.timeline_items import TimelineItem, TimelineRow, by_time, page_data, rows
 from woz_tui.analysis.html.timeline_picture import picture
 from woz_tui.analysis.html.timeline_styles import SORTS, swatch
-from woz_tui.analysis.session_report import SessionReport
+from woz_tui.analysis.session_reading import SessionReport
 from woz_tui.analysis.text_format import NONE, clock, counted, duration, percent
 from woz_tui.analysis.timeline_lanes import TimelineDrawing
 

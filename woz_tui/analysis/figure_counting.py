@@ -50,12 +50,19 @@ DEFAULTS = FigureOptions()
 K = TypeVar("K")
 
 
+#: In place of a first line that is lost.
+_NO_START = m.SessionStart(
+    schema=0, session="", participant="", condition="", wizard="", software={}, experiment="",
+    experiment_sha256="", seed=0, clock={},
+)  # fmt: skip
+
+
 def figures_of(
     timeline: Timeline, options: FigureOptions = DEFAULTS, path: str = "", stem: str = ""
 ) -> SessionFigures:
     """All figures of a session whose timeline is finished; of its log see `wholeness`."""
     state = timeline.state
-    start, assigned, ended = state.start, state.study.assigned, state.end
+    start, assigned, ended = state.start or _NO_START, state.study.assigned, state.end
     trials = tuple(event_rows.trials(timeline))
     answers = tuple(event_rows.answers(timeline))
     acts = acts_of(timeline)
@@ -78,20 +85,18 @@ def figures_of(
     return SessionFigures(
         path=path,
         stem=stem,
-        session=start.session if start else "",
+        session=start.session,
         participant=_named(tallies, people),
         participants=tuple(_each(_of(tallies, people))),
         condition=", ".join(conditions),
         conditions=conditions,
-        wizard=start.wizard if start else "",
-        software=" ".join(filter(None, map(start.software.get, ("name", "version"))))
-        if start
-        else "",
-        schema=start.schema if start else 0,
-        experiment=start.experiment if start else "",
-        experiment_sha256=start.experiment_sha256 if start else "",
+        wizard=start.wizard,
+        software=" ".join(filter(None, map(start.software.get, ("name", "version")))),
+        schema=start.schema,
+        experiment=start.experiment,
+        experiment_sha256=start.experiment_sha256,
         title=plan.title if plan else "",
-        started=_began(start),
+        started=start.clock.get("wall_at_t0", "") or start.ts,
         duration_us=timeline.end - timeline.begin,
         ended=(ended.reason or "ended") if ended else "",
         window_us=options.window_us,
@@ -122,7 +127,7 @@ def figures_of(
         rerun_of=next((each.label for each in reversed(timeline.of(e.RerunEpisode))), ""),
         order=tuple(assigned.order) if assigned else (),
         order_method=assigned.method if assigned else "",
-        seed=start.seed if start else None,
+        seed=start.seed if state.start else None,
         wholeness=LogIntegrity(ended=ended is not None),
     )
 
@@ -356,7 +361,9 @@ def _parts(
             condition = tally.condition if tally.inside else ""
             groups.setdefault((tally.participant, condition, tally.inside), []).append(tally)
     scope = TRIALS if timeline.has_trials else SESSION
-    for (participant, condition, inside), found in sorted(groups.items(), key=_outside):
+    for (participant, condition, inside), found in sorted(
+        groups.items(), key=lambda it: not it[0][2]
+    ):
         yield part_figures(
             sum_tallies(found),
             participant,
@@ -365,10 +372,6 @@ def _parts(
             counted=participant in people,
             scope=scope if inside else OUTSIDE,
         )
-
-
-def _outside(group: tuple[tuple[str, str, bool], object]) -> bool:
-    return not group[0][2]
 
 
 def _listed(
@@ -403,9 +406,3 @@ def _named(tallies: Sequence[Tally], people: set[str]) -> str:
     """Who took part; all codes that were given if nobody did."""
     found = _each(_of(tallies, people)) or _each(tally.participant for tally in tallies)
     return ", ".join(found)
-
-
-def _began(start: m.SessionStart | None) -> str:
-    if start is None:
-        return ""
-    return start.clock.get("wall_at_t0", "") or start.ts

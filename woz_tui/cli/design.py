@@ -11,8 +11,10 @@ from pathlib import Path
 from rich.table import Table
 from rich.text import Text
 
+from woz_tui.analysis.text_format import counted
 from woz_tui.cli.argument_types import number
 from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.report_layout import text_table
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.cli.study_summary import design_sentence, order_text
 from woz_tui.config.counterbalancing import block_size, planned, rows
@@ -138,8 +140,7 @@ def _print(plan: _Plan, recordings: Path, *, labels: bool) -> None:
     console.print(Text(design_sentence(plan.design, len(conditions))), soft_wrap=True)
     console.print(f"{planned(plan.design, conditions)} trials for each participant")
     console.print()
-    logs = plan.found.logs
-    heading = f"so far ({logs} log{'' if logs == 1 else 's'} in {recordings})"
+    heading = f"so far ({counted(plan.found.logs, 'log')} in {recordings})"
     console.print(Text(heading, style="bold"))
     console.print(_so_far(plan, labels) if plan.assigned else "nobody")
     console.print()
@@ -148,7 +149,7 @@ def _print(plan: _Plan, recordings: Path, *, labels: bool) -> None:
 
 
 def _so_far(plan: _Plan, labels: bool) -> Table:
-    table = _table("participant", "row", "trials", "order", "")
+    table = text_table("participant", "row", "trials", "order", "", left=5)
     for past in plan.assigned:
         table.add_row(
             past.participant,
@@ -169,16 +170,9 @@ def _remark(plan: _Plan, past: ParticipantHistory) -> str:
 
 
 def _coming(plan: _Plan, labels: bool) -> Table:
-    table = _table("", "row", "order")
+    table = text_table("", "row", "order", left=3)
     for place, proposal in enumerate(plan.coming, 1):
         table.add_row(str(place), _row(proposal.row), _order(plan, proposal.order, labels))
-    return table
-
-
-def _table(*columns: str) -> Table:
-    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
-    for column in columns:
-        table.add_column(column, header_style="dim", overflow="fold")
     return table
 
 

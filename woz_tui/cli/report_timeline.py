@@ -30,31 +30,31 @@ _STEPS = (1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14_400,
 #: The least room between two times on the axis.
 _APART = 9
 _NAMES_AT_MOST = 16
-#: What is shown where several marks fall into one cell: the first of these.
-_MARKS = ("mistake", "console lost", "marker", "questionnaire", "note")
+#: What is shown where several marks fall into one cell: the first of these. Its sign (or which of
+#: the page's) and its style.
+_MARKS = {
+    "mistake": ("failed", "bold red"),
+    "console lost": ("!", "yellow"),
+    "marker": ("marker", "yellow"),
+    "questionnaire": ("?", "cyan"),
+    "note": ("note", ""),
+}
+#: Marks that the legend names, in its order.
+_LEGEND = ("marker", "note", "questionnaire", "console lost")
+#: Lanes whose intervals are filled with a sign.
+_FILLED = {
+    "stop": ("stop", "bold red"),
+    "driver": ("lost", "red"),
+    "setting": ("lost", "yellow"),
+}
 
 
-@dataclass(slots=True)
-class _Cells:
-    """A row being drawn."""
-
-    signs: list[str]
-    styles: list[str]
-
-    @classmethod
-    def of(cls, width: int) -> _Cells:
-        return cls([" "] * width, [""] * width)
+class _Cells(list[tuple[str, str]]):
+    """A row being drawn: signs and their styles."""
 
     def put(self, at: int, sign: str, style: str = "") -> None:
-        if 0 <= at < len(self.signs):
-            self.signs[at], self.styles[at] = sign, style
-
-    def text(self) -> Text:
-        text = Text()
-        for sign, style in zip(self.signs, self.styles, strict=True):
-            text.append(sign, style)
-        text.rstrip()
-        return text
+        if 0 <= at < len(self):
+            self[at] = sign, style
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +99,7 @@ def _short(name: str, width: int, signs: TextSigns) -> str:
 
 
 def _row(lane: TimelineLane, scale: CellScale, signs: TextSigns) -> Text:
-    cells = _Cells.of(scale.width)
+    cells = _Cells([(" ", "")] * scale.width)
     match lane.sort:
         case "engagement":
             _states(lane, scale, signs, cells)
@@ -109,14 +109,23 @@ def _row(lane: TimelineLane, scale: CellScale, signs: TextSigns) -> Text:
             _covered(lane, scale, signs, cells)
         case "trial" | "phase":
             _trials(lane, scale, signs, cells)
-        case "stop":
-            _filled(lane, scale, cells, signs.stop, "bold red")
-        case "driver":
-            _filled(lane, scale, cells, signs.lost, "red")
-        case "setting":
-            _filled(lane, scale, cells, signs.lost, "yellow")
-    _marks(lane, scale, signs, cells)
-    return cells.text()
+        case "stop" | "driver" | "setting":
+            sign, style = _FILLED[lane.sort]
+            for interval in lane.intervals:
+                for cell, _ in scale.shares(interval):
+                    cells.put(cell, getattr(signs, sign), style)
+    for sort in reversed(_MARKS):
+        for instant in lane.instants:
+            if instant.sort == sort:
+                cells.put(scale.cell(instant.t), *_mark(sort, signs))
+    text = Text.assemble(*cells)
+    text.rstrip()
+    return text
+
+
+def _mark(sort: str, signs: TextSigns) -> tuple[str, str]:
+    sign, style = _MARKS[sort]
+    return getattr(signs, sign, sign), style
 
 
 def _states(lane: TimelineLane, scale: CellScale, signs: TextSigns, cells: _Cells) -> None:
@@ -178,26 +187,6 @@ def _trials(lane: TimelineLane, scale: CellScale, signs: TextSigns, cells: _Cell
                 cells.put(last, signs.failed if left_out else signs.closes, style)
 
 
-def _filled(lane: TimelineLane, scale: CellScale, cells: _Cells, sign: str, style: str) -> None:
-    for interval in lane.intervals:
-        for cell, _ in scale.shares(interval):
-            cells.put(cell, sign, style)
-
-
-def _marks(lane: TimelineLane, scale: CellScale, signs: TextSigns, cells: _Cells) -> None:
-    looks = {
-        "mistake": (signs.failed, "bold red"),
-        "console lost": ("!", "yellow"),
-        "marker": (signs.marker, "yellow"),
-        "questionnaire": ("?", "cyan"),
-        "note": (signs.note, ""),
-    }
-    for sort in reversed(_MARKS):
-        for instant in lane.instants:
-            if instant.sort == sort:
-                cells.put(scale.cell(instant.t), *looks[sort])
-
-
 def axis(scale: CellScale, left: int, signs: TextSigns) -> list[Text]:
     """A line of ticks at round times and a line of these times."""
     seconds = scale.duration_us / 1e6
@@ -227,14 +216,7 @@ def _legend(timeline: TimelineDrawing, width: int, signs: TextSigns) -> list[Tex
             (signs.failed, "bold red", "not done, or a mistake"),
             (signs.running, "dim", "going on"),
         ]
-    if "marker" in marks:
-        words.append((signs.marker, "yellow", "marker"))
-    if "note" in marks:
-        words.append((signs.note, "", "note"))
-    if "questionnaire" in marks:
-        words.append(("?", "cyan", "questionnaire"))
-    if "console lost" in marks:
-        words.append(("!", "yellow", "console lost"))
+    words += [(*_mark(sort, signs), sort) for sort in _LEGEND if sort in marks]
     return _flowing(words, width)
 
 

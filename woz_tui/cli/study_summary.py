@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 import msgspec
 
+from woz_tui.analysis.text_format import counted
 from woz_tui.config.counterbalancing import Order, block_size, planned, rows
 from woz_tui.config.experiment import Experiment, Phase
 from woz_tui.config.study import Design, Questionnaire, Training
@@ -63,7 +64,7 @@ def _phase(phase: Phase, experiment: Experiment) -> str:
         f"after {' or '.join(after)}" if after else "",
         f"{phase.planned / 60:g} min" if phase.planned else "",
         f"panels {', '.join(phase.panels)}" if phase.panels else "all panels",
-        _times(len(phase.script), "line") if phase.script else "",
+        counted(len(phase.script), "line") if phase.script else "",
     ]
     return f"{phase.heading}: {'; '.join(part for part in parts if part)}"
 
@@ -85,16 +86,16 @@ def as_json(experiment: Experiment) -> dict[str, Json]:
 
 def design_sentence(design: Design, conditions: int) -> str:
     """The design in one sentence."""
-    count = f"{conditions} conditions" if conditions != 1 else "1 condition"
+    count = counted(conditions, "condition")
     who = f"everybody gets all {count}" if design.within else f"everybody gets one of {count}"
-    trials = f"{_times(design.trials, 'trial')} in each"
+    trials = f"{counted(design.trials, 'trial')} in each"
     how = {
         "latin-square": "Latin square (Williams)",
         "blocks": f"shuffled blocks of {block_size(design, range(conditions))}, seed {design.seed}",
         "fixed": "in the order of the file" if design.within else "in turn",
     }[design.order]
     if not conditions:
-        return _times(design.trials, "trial")
+        return counted(design.trials, "trial")
     blind = "; the wizard sees labels" if design.blind else ""
     return f"{how}: {who}, {trials}{blind}"
 
@@ -107,7 +108,7 @@ def order_text(order: Order, blind: Mapping[str, str]) -> str:
 def _questionnaire(questionnaire: Questionnaire) -> str:
     scales = dict.fromkeys(f"{i.low} to {i.high}" for i in questionnaire.items if not i.text)
     texts = sum(item.text for item in questionnaire.items)
-    parts = [f"{_WHENS[questionnaire.when]}: {_times(len(questionnaire.items), 'item')}"]
+    parts = [f"{_WHENS[questionnaire.when]}: {counted(len(questionnaire.items), 'item')}"]
     parts += [f"scales {' and '.join(scales)}"] if scales else []
     parts += [f"{texts} in words"] if texts else []
     return ", ".join(parts)
@@ -115,10 +116,6 @@ def _questionnaire(questionnaire: Questionnaire) -> str:
 
 def _training(training: Training) -> str:
     cues = ", ".join(f"{cue.sort}: {' or '.join(cue.answers)}" for cue in training.cues)
-    count = _times(training.count, "cue")
+    count = counted(training.count, "cue")
     made = cues or "made from the actions"
     return f"{count}, answered within {training.window:g} s ({made})"
-
-
-def _times(count: int, what: str) -> str:
-    return f"{count} {what}{'' if count == 1 else 's'}"

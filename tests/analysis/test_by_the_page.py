@@ -11,8 +11,7 @@ import pytest
 from tests.analysis.told import SECOND, STEM, Told, figures_of, in_time, seconds
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.log_integrity import NO_BEGINNING
-from woz_tui.analysis.session_reading import read_report
+from woz_tui.analysis.session_reading import NO_BEGINNING, read_report
 from woz_tui.analysis.session_sources import sessions_in
 from woz_tui.protocol import messages as m
 

@@ -9,14 +9,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.analysis.alignment import align, rising
 from woz_tui.analysis.played_actions import PlayedAct, PlayedSession, played_session
 from woz_tui.analysis.session_comparison import (
     BY_COMMANDS,
     BY_NAMES,
     ActPair,
+    align,
     compare,
     facts,
+    rising,
     shifts_of,
 )
 from woz_tui.protocol import messages as m

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.export.logs import WORDS
-from woz_tui.export.safe_names import letters
+from woz_tui.export.event_model import letters
 from woz_tui.system.text_cleaning import guarded, one_line, seconds, visible
 
 _ANY = st.one_of(WORDS, st.text(st.characters(), max_size=10))

@@ -16,11 +16,10 @@ from typing import Any, get_args
 from woz_tui import __version__
 from woz_tui.analysis.event_rows import AnswerRow
 from woz_tui.analysis.tables import ANSWERS, EVENTS, Cell, Column, TableDefinition
-from woz_tui.export.event_model import ExportEvent, ExportSession
+from woz_tui.export.event_model import ExportEvent, ExportSession, letters
 from woz_tui.export.exporter import Exporter, ExportOptions, SessionSummary
 from woz_tui.export.log_sources import LogSource
 from woz_tui.export.output_folder import OutputFolder
-from woz_tui.export.safe_names import letters
 from woz_tui.log.log_reader import Damage
 from woz_tui.protocol.messages import AnyMessage, Reading
 from woz_tui.system.text_cleaning import cell, one_line

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
@@ -12,6 +13,12 @@ from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.tables import wall_time
 from woz_tui.protocol.messages import Json, SessionStart
 from woz_tui.timeline.timeline import timeline_of
+
+
+def letters(text: str, otherwise: str) -> str:
+    """The ASCII letters and digits of `text`; `otherwise` if there are none."""
+    return re.sub("[^A-Za-z0-9]", "", text) or otherwise
+
 
 #: Of a session of which nothing is known.
 NO_FIGURES = figures_of(timeline_of(()))

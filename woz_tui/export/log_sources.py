@@ -11,9 +11,8 @@ import msgspec
 
 from woz_tui.analysis.figures import LogIntegrity
 from woz_tui.export.event_extraction import EventExtractor
-from woz_tui.export.event_model import ExportSession
+from woz_tui.export.event_model import ExportSession, letters
 from woz_tui.export.redaction import redacted
-from woz_tui.export.safe_names import letters
 from woz_tui.log.coding_file import CodingError, Codings, coding_path, read_codings
 from woz_tui.log.file_names import FileName
 from woz_tui.log.log_reader import Damage, LogFiles, LogLine, batches, files_of, merge

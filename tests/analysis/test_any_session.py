@@ -89,7 +89,7 @@ def timed(course: list[tuple[m.AnyMessage, int]]) -> list[m.AnyMessage]:
 
 def used(figures: SessionFigures, report: SessionReport) -> None:
     """All that is made of figures."""
-    json.dumps(figures_json.session(figures), allow_nan=False)
+    json.dumps(figures_json.plain(figures), allow_nan=False)
     studies = Studies()
     studies.add(figures)
     for facts in studies.found.values():
@@ -164,7 +164,7 @@ def test_what_tells_nothing_changes_nothing(
         if rnd.random() < 0.3:
             more.append(m.ClockTie(seq=message.seq, t=message.t, wall="x"))
             more.append(m.FaceShown(t=message.t, width=1, rows="", emotion="", intensity=0.0))
-    assert figures_json.session(figures_of(more)) == figures_json.session(figures_of(messages))
+    assert figures_json.plain(figures_of(more)) == figures_json.plain(figures_of(messages))
 
 
 @given(COURSE, st.lists(WOUNDS, max_size=4))

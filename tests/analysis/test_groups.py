@@ -123,7 +123,7 @@ def test_scales_have_means_over_participants() -> None:
 
 def test_figures_can_be_said_in_json(tmp_path: Path) -> None:
     figures = sessions(tmp_path)[0]
-    told = json.loads(json.dumps(figures_json.session(figures), allow_nan=False))
+    told = json.loads(json.dumps(figures_json.plain(figures), allow_nan=False))
     assert told["whole"]["main"]["reaction_median_s"] == 2.0
     assert told["whole"]["press"]["n"] == 2
     assert told["cues"][0]["reaction_us"] == SECOND

@@ -72,7 +72,7 @@ def _run(arguments: argparse.Namespace) -> int:
 
 
 def _listed(found: Codings, *, as_json: bool) -> int:
-    from woz_tui.cli.report_layout import report_page, text_table  # noqa: PLC0415
+    from woz_tui.cli.report_layout import fitted, report_page, text_table  # noqa: PLC0415
     from woz_tui.log.coding_file import tiers_of  # noqa: PLC0415
 
     coders = {coder: found.of(coder) for coder in sorted(found.by_coder)}
@@ -83,7 +83,8 @@ def _listed(found: Codings, *, as_json: bool) -> int:
     for coder, mine in coders.items():
         notes = sum(code.note for code in mine)
         made.add_row(coder, ", ".join(tiers_of(mine)), str(len(mine) - notes), str(notes))
-    report_page().put([made])
+    page = report_page()
+    page.console.print(*fitted(made, page.width), sep="\n")
     return 0
 
 

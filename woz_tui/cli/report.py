@@ -75,6 +75,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _report(arguments: argparse.Namespace) -> int:
+    from woz_tui.analysis import figures_json  # noqa: PLC0415
     from woz_tui.analysis.csv_package import table_files  # noqa: PLC0415
     from woz_tui.analysis.participant_groups import GroupedSessions  # noqa: PLC0415
 
@@ -89,11 +90,13 @@ def _report(arguments: argparse.Namespace) -> int:
                 if files is not None:
                     files.add(report.figures)
                 if arguments.json:
-                    sessions.append(_plain(report))
+                    sessions.append(figures_json.plain(report.figures))
                 if arguments.html or len(reading.paths) == 1:
                     kept.append(report)
         if arguments.html and kept:
-            _write_page(kept, arguments.html)
+            from woz_tui.analysis.html.report_page import write  # noqa: PLC0415
+
+            write(kept, arguments.html)
     except OSError as error:
         print(f"woz report: {os_error_text(error)}", file=sys.stderr)
         return 1
@@ -180,28 +183,16 @@ def _wanted(arguments: argparse.Namespace, sessions: int) -> ReportOptions:
     return ReportOptions(timeline=page or alone, curves=page, verified=arguments.verify)
 
 
-def _plain(report: SessionReport) -> object:
-    from woz_tui.analysis import figures_json  # noqa: PLC0415
-
-    return figures_json.session(report.figures)
-
-
 def _print_json(sessions: list[object], grouped: GroupedSessions, problems: list[str]) -> None:
     from woz_tui.analysis import figures_json  # noqa: PLC0415
 
     told = {
         "sessions": sessions,
         "experiments": figures_json.grouped(grouped),
-        "trainings": figures_json.trainings(grouped),
+        "trainings": figures_json.plain(grouped.trainings),
         "problems": problems,
     }
     print(json_text(told, allow_nan=False))
-
-
-def _write_page(reports: list[SessionReport], path: Path) -> None:
-    from woz_tui.analysis.html.report_page import write  # noqa: PLC0415
-
-    write(reports, path)
 
 
 def _print(

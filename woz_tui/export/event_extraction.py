@@ -185,11 +185,11 @@ class EventExtractor:
         for event in session.events:
             self._belongs(event, timeline.contexts.at(event.begin, event.seq))
         for episode in timeline.episodes:
-            made = self._event(episode)
-            if made is None:
-                continue
-            self._belongs(made, episode.context)
-            session.events.append(made)
+            make = _EVENTS.get(type(episode))
+            made = make(self, episode) if make is not None else None
+            if made is not None:  # else its lines are events of their own
+                self._belongs(made, episode.context)
+                session.events.append(made)
         session.clips += self._clips()
         session.events += self._settings()
         session.events += self._codes(codings or Codings())
@@ -197,27 +197,24 @@ class EventExtractor:
 
     # -- events -----------------------------------------------------------------------------------
 
-    def _event(self, episode: Episode) -> ExportEvent | None:
-        """The episode as an event; None: its lines are events of their own, or nothing is."""
-        make = _EVENTS.get(type(episode))
-        return None if make is None else make(self, episode)
-
-    def _begun(self, episode: Episode, kind: str, *used: str) -> ExportEvent:
-        """An event with what the episode's first line says, without the fields `used` elsewhere."""
-        event = moment(episode.seq, episode.begin, kind, self._lines.get(episode.seq, {}))
+    def _begun(
+        self, episode: Episode, kind: str, first: m.Message | None, *used: str
+    ) -> ExportEvent:
+        """An event with what the `first` line says, without the fields `used` elsewhere."""
+        event = moment(episode.seq, episode.begin, kind, self._fields(first))
         event.label, event.end, event.outcome = episode.label, episode.end, str(episode.outcome)
         for name in used:
             event.details.pop(name, None)
         return event
 
     def _action(self, action: ActionEpisode) -> ExportEvent:
-        event = self._begun(action, "action")
+        event = self._begun(action, "action", action.request)
         event.reason = self._text(action.ended, "reason")
         event.latency, event.mistake = action.latency_us, action.mistake is not None
         return event
 
     def _command(self, command: CommandEpisode) -> ExportEvent:
-        event = self._begun(command, "command")
+        event = self._begun(command, "command", command.request)
         event.reason = self._text(command.ended, "reason")
         event.driver = command.driver
         event.latency, event.acted = command.latency_us, command.started
@@ -230,21 +227,21 @@ class EventExtractor:
         return event
 
     def _trial(self, trial: TrialEpisode) -> ExportEvent:
-        event = self._begun(trial, "trial")
+        event = self._begun(trial, "trial", trial.started)
         event.text = self._text(trial.ended, "text")
         return event
 
     def _phase(self, phase: PhaseEpisode) -> ExportEvent:
-        return self._begun(phase, "phase", "phase")
+        return self._begun(phase, "phase", phase.changed, "phase")
 
     def _break(self, pause: BreakEpisode) -> ExportEvent:
-        event = self._begun(pause, "break", "text")
+        event = self._begun(pause, "break", pause.started, "text")
         texts = self._text(pause.started, "text"), self._text(pause.ended, "text")
         event.text = "; ".join(text for text in texts if text)
         return event
 
     def _stop(self, stop: StopEpisode) -> ExportEvent:
-        event = self._begun(stop, "stop", "scope")
+        event = self._begun(stop, "stop", stop.presses[0].pressed, "scope")
         for press in stop.presses:
             for confirmation in press.confirmations:
                 event.details |= details(self._fields(confirmation), set())
@@ -253,30 +250,19 @@ class EventExtractor:
         return event
 
     def _questionnaire(self, asked: QuestionnaireEpisode) -> ExportEvent:
-        if asked.started is None:  # its first line is an answer
-            event = ExportEvent(
-                seq=asked.seq, begin=asked.begin, kind="questionnaire", label=asked.label
-            )
-        else:
-            event = self._begun(asked, "questionnaire", "questionnaire", "items")
-        event.end = asked.end
+        event = self._begun(asked, "questionnaire", asked.started, "questionnaire", "items")
         event.outcome = self._text(asked.ended, "reason") or str(asked.outcome)
         return event
 
     def _state(self, state: ModelStateEpisode) -> ExportEvent:
         """A state's outcome is the one that led to it."""
-        if state.entered is None:
-            event = ExportEvent(
-                seq=state.seq, begin=state.begin, kind="engagement", label=state.label
-            )
-        else:
-            event = self._begun(state, "engagement", "now", "why")
-            event.text, event.outcome = self._text(state.entered, "why"), state.entered.outcome
+        event = self._begun(state, "engagement", state.entered, "now", "why")
+        event.text = self._text(state.entered, "why")
+        event.outcome = state.entered.outcome if state.entered is not None else ""
         if state.left is not None:
             event.details["left_by"] = state.reason
         elif state.outcome == EpisodeOutcome.OPEN:
             event.outcome = event.outcome or OPEN
-        event.end = state.end
         return event
 
     def _speech(self, spoken: UtteranceEpisode) -> ExportEvent:

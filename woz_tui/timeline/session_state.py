@@ -453,16 +453,10 @@ class SessionState:
 
     # -- the visitor ------------------------------------------------------------------------------
 
-    def _adopted(self, message: m.EngagementAdopted) -> Iterable[Episode]:
-        return self.model.adopt(message, self.t)
-
     def _engagement(self, message: m.EngagementChanged) -> Iterable[Episode]:
         off = self.model.off is not None
         changes = self.model.change(message, self.t, self.begin or 0)
         return (*changes, *self._moment(message)) if off else changes
-
-    def _engagement_shown(self, message: m.EngagementShown) -> None:
-        self.model.shown = message
 
     def _speech_started(self, message: m.SpeechStarted) -> Iterator[Episode]:
         key = (message.driver, message.segment)
@@ -525,30 +519,33 @@ class SessionState:
 
     # -- what restricts the wizard ----------------------------------------------------------------
 
+    def _succeed(
+        self, name: str, following: Episode | None, message: m.Message, **end: Any
+    ) -> Iterator[Episode]:
+        """Of an attribute that holds one episode, another one begins, or none; neither ending nor
+        beginning one, the message is a moment.
+        """
+        before = getattr(self, name)
+        setattr(self, name, following)
+        if before is not None:
+            yield replace(before, end=self.t, **end)
+        if following is not None:
+            yield following
+        elif before is None:
+            yield from self._moment(message)
+
     def _profile(self, message: m.ProfileChanged) -> Iterator[Episode]:
         self.profile_changed = message
-        if self.profile is not None:
-            yield replace(self.profile, end=self.t, outcome=EpisodeOutcome.CHANGED, left=message)
-        elif not message.profile:
-            yield from self._moment(message)
-        self.profile = None
-        if message.profile:
-            self.profile = ProfileEpisode(begin=self.t, seq=message.seq, changed=message)
-            yield self.profile
+        profile = ProfileEpisode(begin=self.t, seq=message.seq, changed=message)
+        end = {"outcome": EpisodeOutcome.CHANGED, "left": message}
+        return self._succeed("profile", profile if message.profile else None, message, **end)
 
     def _perception(self, message: m.PerceptionChanged) -> Iterator[Episode]:
         self.perception = message
         restricted = bool(message.hidden or message.blurred)
-        if self.restriction is not None:
-            yield replace(
-                self.restriction, end=self.t, outcome=EpisodeOutcome.CHANGED, lifted=message
-            )
-        elif not restricted:
-            yield from self._moment(message)
-        self.restriction = None
-        if restricted:
-            self.restriction = RestrictionEpisode(begin=self.t, seq=message.seq, changed=message)
-            yield self.restriction
+        restriction = RestrictionEpisode(begin=self.t, seq=message.seq, changed=message)
+        end = {"outcome": EpisodeOutcome.CHANGED, "lifted": message}
+        return self._succeed("restriction", restriction if restricted else None, message, **end)
 
     def _detached(self, message: m.ConsoleLost) -> Iterable[Episode]:
         self.consoles.pop(message.console, None)
@@ -585,10 +582,8 @@ class SessionState:
         return self._moment(message)
 
     def _cue(self, message: m.CueGiven) -> Iterator[Episode]:
-        if self.cue is not None:
-            yield replace(self.cue, end=self.t, cut=True)
-        self.cue = CueEpisode(begin=self.t, seq=message.seq, given=message)
-        yield self.cue
+        cue = CueEpisode(begin=self.t, seq=message.seq, given=message)
+        return self._succeed("cue", cue, message, cut=True)
 
     def _judged(self, message: m.CueAnswered) -> Iterable[Episode]:
         cue = self.cue
@@ -598,16 +593,11 @@ class SessionState:
         return (replace(cue, end=self.t, outcome=message.judged, answered=message),)
 
     def _rerun_started(self, message: m.RerunStarted) -> Iterator[Episode]:
-        if self.rerun is not None:
-            yield replace(self.rerun, end=self.t, cut=True)
-        self.rerun = RerunEpisode(begin=self.t, seq=message.seq, started=message)
-        yield self.rerun
+        rerun = RerunEpisode(begin=self.t, seq=message.seq, started=message)
+        return self._succeed("rerun", rerun, message, cut=True)
 
-    def _rerun_ended(self, message: m.RerunEnded) -> Iterable[Episode]:
-        rerun, self.rerun = self.rerun, None
-        if rerun is None:
-            return self._moment(message)
-        return (replace(rerun, end=self.t, outcome=EpisodeOutcome.DONE, ended=message),)
+    def _rerun_ended(self, message: m.RerunEnded) -> Iterator[Episode]:
+        return self._succeed("rerun", None, message, outcome=EpisodeOutcome.DONE, ended=message)
 
 
 def _last(name: str) -> _Case:
@@ -669,7 +659,7 @@ CASES: dict[type[m.Message], _Case] = {
     m.SensorChanged: _as_moment(_last_of("sensors", "sensor")),
     m.EngagementAdopted: lambda state, message: state.model.adopt(message, state.t),
     m.EngagementChanged: S._engagement,
-    m.EngagementShown: S._engagement_shown,
+    m.EngagementShown: lambda state, message: setattr(state.model, "shown", message),
     m.SpeechStarted: S._speech_started,
     m.SpeechEnded: S._speech_ended,
     m.SpeechText: S._speech_text,

@@ -78,6 +78,11 @@ def test_a_drivers_module_is_imported_only_when_it_is_asked_for(package: Package
     ("point", "source", "complaint"),
     [
         ("toy = toys_module:Toy", "import no_such_library", "No module named 'no_such_library'"),
+        (
+            "toy = toys_module:Toy",
+            "from woz_tui.core.driver import Driver",
+            "import from woz_tui.drivers and woz_tui.protocol",
+        ),
         ("toy = toys_module:Toy", "raise OSError('no bus')", "cannot be loaded: OSError: no bus"),
         ("toy = toys_module:Toyy", WHOLE, "cannot be loaded: AttributeError"),
         ("toy = toys_module", WHOLE, "is no class but <module 'toys_module'"),

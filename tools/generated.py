@@ -28,7 +28,7 @@ from woz_tui.cli import modes
 from woz_tui.cli.render_target import described
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.config.json_schema import experiment_schema, included_schema, robot_schema
-from woz_tui.motion.move_files import move_schema
+from woz_tui.motion.move_schema import move_schema
 
 
 def _schema(make: Callable[[], Mapping[str, Any]], _: str) -> str:

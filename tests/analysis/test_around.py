@@ -7,7 +7,7 @@ from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
-from woz_tui.protocol.welcome import DesignView, QuestionnaireView, StudySettings, WelcomeSettings
+from woz_tui.protocol.welcome import DesignView, Questionnaire, StudySettings, WelcomeSettings
 
 
 def told(it: Told, *, all_trials: bool = False) -> SessionFigures:
@@ -171,7 +171,7 @@ def test_the_last_answer_of_a_round_counts() -> None:
 
 def test_questionnaires_that_were_due_and_not_answered_are_named() -> None:
     listed = [
-        QuestionnaireView(name, name.upper(), when=when)
+        Questionnaire(name, name.upper(), when=when)
         for name, when in (("each", "trial"), ("last", "end"))
     ]
     study = StudySettings(design=DesignView(trials=2), questionnaires=listed)

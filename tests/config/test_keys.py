@@ -27,7 +27,7 @@ from woz_tui.config.keys import (
 )
 from woz_tui.config.keys.chords import NAMED
 from woz_tui.console.byte_scanner import Scanner
-from woz_tui.console.input_tokens import Key
+from woz_tui.console.escape_sequences import Key
 
 
 @pytest.mark.parametrize(

@@ -11,11 +11,12 @@ from hypothesis import strategies as st
 
 from tests.config.catalogue import CATALOGUE
 from tests.config.golden import BROKEN
+from woz_tui.config.annotated_decoder import names_of
 from woz_tui.config.experiment import Experiment, ExperimentError
 from woz_tui.config.file_text import SourceFile, decode_utf8
 from woz_tui.config.loading import load
 from woz_tui.config.problems import ProblemReport
-from woz_tui.config.study_sections import SECTIONS
+from woz_tui.config.study import Study
 from woz_tui.config.yaml_nodes import parse_yaml
 
 GOOD, STUDY = (
@@ -115,7 +116,7 @@ studied = st.recursive(
 
 
 @_ONE_FOLDER
-@given(studied, st.sampled_from([*SECTIONS, "variables"]))
+@given(studied, st.sampled_from([*names_of(Study), "variables"]))
 def test_any_data_in_a_section_of_the_study(tmp_path: Path, value: object, section: str) -> None:
     head = f"title: T\nrobot: simulated\nconditions: [warm, cold]\n{section}: {flow(value)}\n"
     text = f"{head}panels: [{{title: P, actions: [{{label: A, say: Hi}}]}}]\n"

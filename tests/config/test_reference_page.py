@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tools.experiment_reference import page
-from woz_tui.config.loading import TOP_LEVEL
+from woz_tui.config.experiment_file import TOP_LEVEL
 
 ROWS = [
     line[2:-2].split(" | ")

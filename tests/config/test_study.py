@@ -13,14 +13,13 @@ from woz_tui.config.loading import load
 from woz_tui.config.study import (
     Design,
     PerceptionLimits,
-    Questionnaire,
-    QuestionnaireItem,
     ResponseShaping,
     Study,
     Training,
     TrainingCue,
 )
 from woz_tui.config.study_sections import NAME_PATTERN, name_from_text
+from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
 
 GOOD = Path(__file__).parent / "good"
 
@@ -56,14 +55,14 @@ def test_questionnaires_and_their_items(whole: Experiment) -> None:
     assert first == Questionnaire(
         "robot-ux",
         "How was the robot?",
-        (
+        items=(
             QuestionnaireItem("pleasant", "How pleasant was it?", 0, 4, ends),
             QuestionnaireItem("the-robot-understood-me", "The robot understood me.", 0, 4, ends),
             QuestionnaireItem("off-or-on", "Off or on?", -3, 3, ("No", "On"), optional=True),
             QuestionnaireItem("else", "Anything else?", 0, 4, ends, text=True, optional=True),
         ),
-        "condition",
-        "Please answer quickly.",
+        when="condition",
+        introduction="Please answer quickly.",
     )
     assert (again.name, again.when, again.items) == (
         "again",

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from textual._styles_cache import StylesCache
 from textual.css.model import RuleSet
 from textual.css.stylesheet import Stylesheet
 
@@ -24,3 +25,12 @@ def style_sheets_are_parsed_once() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Stylesheet, "_parse_rules", parsed)
         yield
+
+
+@pytest.fixture(autouse=True)
+def nothing_is_kept_of_widgets() -> Iterator[None]:
+    """Textual keeps the lines of a thousand widgets of earlier apps, to be looked through for
+    garbage again and again.
+    """
+    yield
+    StylesCache.get_inner_outer.cache_clear()

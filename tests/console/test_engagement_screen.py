@@ -382,8 +382,10 @@ async def test_the_time_in_the_state_goes_on_while_it_is_open() -> None:
         assert "RobotThinks  00:17" in seat.drawn()
 
 
-@pytest.mark.parametrize("size", [(60, 20), (80, 24), (100, 36), (160, 50)])
-@pytest.mark.parametrize("glyphs", [UNICODE, ASCII], ids=["unicode", "ascii"])
+@pytest.mark.parametrize(
+    ("size", "glyphs"),
+    [((60, 20), UNICODE), ((80, 24), ASCII), ((100, 36), UNICODE), ((160, 50), ASCII)],
+)
 async def test_it_fits_every_screen_with_hostile_names(
     size: tuple[int, int], glyphs: Glyphs, monkeypatch: pytest.MonkeyPatch
 ) -> None:

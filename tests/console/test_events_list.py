@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from tests.console import scenes
 from tests.console.driving import sitting
-from woz_tui.console.action_panels import PanelSelection, panel_rows
+from woz_tui.console.action_panels import PanelSelection, lay_out, panel_rows
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.event_list import (
     ACTS,
@@ -15,7 +15,6 @@ from woz_tui.console.event_list import (
     listed_events,
 )
 from woz_tui.console.glyphs import PaintFrame
-from woz_tui.console.panel_columns import lay_out
 from woz_tui.console.view_models import ButtonState
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from tests.console.driving import sitting
 from woz_tui.console.background_colour import QUESTION, Background, ask_background
 from woz_tui.console.byte_scanner import Scanner
-from woz_tui.console.input_tokens import Key, StopToken, TerminalReply, Token
+from woz_tui.console.escape_sequences import Key, StopToken, TerminalReply, Token
 from woz_tui.console.theme import choose_appearance, save_theme, saved_theme
 
 WHITE = b"\x1b]11;rgb:ffff/ffff/ffff\x1b\\"

@@ -6,9 +6,8 @@ import pytest
 from tests.console import scenes
 from tests.console.dialogs import opened
 from tests.console.driving import Sitting, sitting
-from woz_tui.console.console_state import ConsoleState
+from woz_tui.console.console_state import ConsoleState, ProfileList
 from woz_tui.console.glyphs import ASCII, UNICODE, Glyphs, PaintFrame
-from woz_tui.console.profile_view import ProfileList
 from woz_tui.console.status_rows import StatusInfo, status_rows
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r

@@ -13,7 +13,7 @@ from woz_tui.console.keyboard import HELD_US
 from woz_tui.console.study.questionnaire_run import SETTLING_US, QuestionnairePage, QuestionnaireRun
 from woz_tui.console.study.questionnaires import ItemAnswer, OpenQuestionnaire, items_of
 from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire
-from woz_tui.protocol.welcome import ENGLISH, QuestionnaireItemView, QuestionnaireView
+from woz_tui.protocol.welcome import ENGLISH, Questionnaire, QuestionnaireItem
 
 KEYS = ["enter", "tab", "up", "down", "left", "right", "backspace", "home", "end", "pageup"]
 KEYS += ["pagedown", "ctrl+d", "y", "n", "space", "x", "-", *"0123456789"]
@@ -23,14 +23,14 @@ KEYS += ["pagedown", "ctrl+d", "y", "n", "space", "x", "-", *"0123456789"]
 class Sitting:
     """A round with what it has sent, and a clock that a test turns."""
 
-    items: tuple[QuestionnaireItemView, ...] = items_of(studied.SCALES)
+    items: tuple[QuestionnaireItem, ...] = items_of(studied.SCALES)
     sent: list[AskAnswer | AskQuestionnaire] = field(default_factory=list)
     now: int = 0
     answers: dict[str, ItemAnswer] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.asked = OpenQuestionnaire(
-            QuestionnaireView("robot", "You", items=self.items), self.answers
+            Questionnaire("robot", "You", items=self.items), self.answers
         )
         self.taken = QuestionnaireRun(self.asked, self.sent.append, lambda: self.now)
 
@@ -59,8 +59,8 @@ class Sitting:
 def scale(low: int, high: int, *, optional: bool = False) -> Sitting:
     return Sitting(
         (
-            QuestionnaireItemView("one", "One?", low, high, optional=optional),
-            QuestionnaireItemView("two", "Two?", 1, 5),
+            QuestionnaireItem("one", "One?", low, high, optional=optional),
+            QuestionnaireItem("two", "Two?", 1, 5),
         )
     )
 
@@ -122,7 +122,7 @@ def test_numbers_are_typed_or_reached_with_arrows(
 
 def many(count: int = 10) -> Sitting:
     """On the first of so many items that a digit answers."""
-    seat = Sitting(tuple(QuestionnaireItemView(f"item-{n}", "How?", 1, 7) for n in range(count)))
+    seat = Sitting(tuple(QuestionnaireItem(f"item-{n}", "How?", 1, 7) for n in range(count)))
     seat.press("enter")
     return seat
 
@@ -151,9 +151,9 @@ def test_who_presses_the_same_key_too_soon_is_told_and_may_press_again() -> None
     assert (len(seat.sent), seat.taken.complaint) == (2, "")
 
 
-def texts(count: int) -> tuple[QuestionnaireItemView, ...]:
+def texts(count: int) -> tuple[QuestionnaireItem, ...]:
     return tuple(
-        QuestionnaireItemView(f"text-{n}", "Why?", text=True, optional=True) for n in range(count)
+        QuestionnaireItem(f"text-{n}", "Why?", text=True, optional=True) for n in range(count)
     )
 
 
@@ -165,11 +165,8 @@ def test_a_held_enter_does_not_leave_out_what_comes_behind_the_introduction() ->
 
 
 ITEMS = (
-    *(QuestionnaireItemView(f"scale-{n}", "How?", 1, 7, optional=n % 2 == 0) for n in range(3)),
-    *(
-        QuestionnaireItemView(f"number-{n}", "How much?", 0, 100, optional=n % 2 == 0)
-        for n in range(3)
-    ),
+    *(QuestionnaireItem(f"scale-{n}", "How?", 1, 7, optional=n % 2 == 0) for n in range(3)),
+    *(QuestionnaireItem(f"number-{n}", "How much?", 0, 100, optional=n % 2 == 0) for n in range(3)),
     *texts(3),
 )
 #: What is done with one finger: a key, for how many seconds it is held, and the pause behind it.
@@ -187,7 +184,7 @@ PRESSES = st.tuples(
     rate=st.floats(10, 40),
 )
 def test_no_press_ever_answers_two_items(
-    items: list[QuestionnaireItemView],
+    items: list[QuestionnaireItem],
     presses: list[tuple[str, float, float]],
     delay: float,
     rate: float,
@@ -308,8 +305,8 @@ def test_an_enter_too_many_leaves_nothing_out() -> None:
 def test_an_empty_text_is_left_out_only_where_it_may_be() -> None:
     seat = Sitting(
         (
-            QuestionnaireItemView("why", "Why?", text=True),
-            QuestionnaireItemView("else", "Else?", text=True, optional=True),
+            QuestionnaireItem("why", "Why?", text=True),
+            QuestionnaireItem("else", "Else?", text=True, optional=True),
         )
     )
     seat.press("enter")

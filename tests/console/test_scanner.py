@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from woz_tui.config.keys.terminals import PLAIN, TMUX, merged_chords
 from woz_tui.console.byte_scanner import LONE_ESC_S, PASTE_LIMIT, Scanner
-from woz_tui.console.input_tokens import Key, Paste, Raw, StopToken, TerminalReply, Token
+from woz_tui.console.escape_sequences import Key, Paste, Raw, StopToken, TerminalReply, Token
 
 PRESSES = {
     b"a": "a",

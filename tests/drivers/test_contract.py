@@ -26,7 +26,7 @@ from tests.fakes.led_face import PluggedFace
 from tests.fakes.rangefinder import PluggedSensor
 from tests.fakes.servos import ServoBus
 from woz_tui.drivers.plugins import installed
-from woz_tui.testing import Device, DriverTests, PlainJob, check
+from woz_tui.testing import Device, DriverTests, PlainJob, check, contract_checks
 
 NOWHERE = "/dev/no-such-port"
 SETTINGS: list[tuple[str, Any]] = [
@@ -44,6 +44,12 @@ SETTINGS: list[tuple[str, Any]] = [
     ("simulated", simulated.SimulatedSettings(moves={"hop": 1})),
     ("speech", SpeechSettings(synthesise=("no-such-program",))),
 ]
+
+
+@pytest.fixture(autouse=True)
+def busy_machine(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever takes long here waits for something; a busy machine alone may take half a second."""
+    monkeypatch.setattr(contract_checks, "PROMPT", 8 * contract_checks.PROMPT)
 
 
 @pytest.mark.parametrize(("driver", "settings"), SETTINGS, ids=[name for name, _ in SETTINGS])

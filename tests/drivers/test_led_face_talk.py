@@ -15,11 +15,11 @@ from woz_drivers.led_face.conversation import (
     SILENCE_US,
     FaceLink,
     LinkState,
-    Wanted,
 )
 from woz_drivers.led_face.wire import FRAME, HELLO, HERE, SHOWN, WRONG, Packet, PacketReader
 
 from tests.fakes.led_face import Board
+from woz_tui.motion.body_feeds import FacePicture
 from woz_tui.motion.light_frames import LightFrame, blank
 
 pytestmark = pytest.mark.cpp
@@ -27,8 +27,8 @@ pytestmark = pytest.mark.cpp
 INTERVAL_US = 33_000
 
 
-def wanted(number: int, brightness: float = 1.0) -> Wanted:
-    return Wanted(LightFrame(24, (number, *[0] * 15)), brightness)
+def wanted(number: int, brightness: float = 1.0) -> FacePicture:
+    return FacePicture(LightFrame(24, (number, *[0] * 15)), brightness)
 
 
 class Stand:
@@ -54,7 +54,7 @@ class Stand:
         if not self.deaf:
             self._answers += self.board.take(data)
 
-    def step(self, picture: Wanted, after_us: int = 0) -> None:
+    def step(self, picture: FacePicture, after_us: int = 0) -> None:
         """Some time passes, answers arrive, then it is the talk's turn."""
         self.now += after_us
         answers, self._answers = self._answers, b""
@@ -257,7 +257,7 @@ def test_in_the_end_the_face_shows_what_is_wanted(
 
 def test_nothing_wanted_is_dark(stand: Stand) -> None:
     stand.begin()
-    stand.step(Wanted(blank(24, 16), 0.0), INTERVAL_US)
+    stand.step(FacePicture(blank(24, 16), 0.0), INTERVAL_US)
     assert stand.board.brightness == 0
 
 

@@ -13,7 +13,6 @@ from pathlib import Path
 import pytest
 import serial
 from woz_drivers.serial_line import (
-    PortTrouble,
     SerialLine,
     explain_port_error,
     present_ports,
@@ -29,7 +28,7 @@ class Watched:
     """A line and what it told, as a list of words, bytes and troubles."""
 
     def __init__(self, port: Path) -> None:
-        self.told: asyncio.Queue[str | bytes | PortTrouble] = asyncio.Queue()
+        self.told: asyncio.Queue[str | bytes | DeviceLostError] = asyncio.Queue()
         self.line = SerialLine(
             str(port),
             115200,
@@ -39,12 +38,12 @@ class Watched:
             poll_s=0.01,
         )
 
-    async def next(self) -> str | bytes | PortTrouble:
+    async def next(self) -> str | bytes | DeviceLostError:
         return await asyncio.wait_for(self.told.get(), PATIENCE_S)
 
-    async def trouble(self) -> PortTrouble:
+    async def trouble(self) -> DeviceLostError:
         told = await self.next()
-        assert isinstance(told, PortTrouble)
+        assert isinstance(told, DeviceLostError)
         return told
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import csv
 import gzip
 import json
+import os
 import subprocess
 from importlib import resources
 from pathlib import Path
@@ -40,7 +41,7 @@ def validated(dataset: Path) -> list[dict[str, Any]]:
             *(dataset.name, "--format", "json", "--max-rows", "-1"),
         ],
         cwd=dataset.parent,
-        env={"DENO_DIR": str(dataset.parent / ".deno"), "DENO_NO_UPDATE_CHECK": "1"},
+        env={"DENO_DIR": os.environ["XDG_STATE_HOME"], "DENO_NO_UPDATE_CHECK": "1"},
         capture_output=True,
         text=True,
         timeout=60,

@@ -46,7 +46,9 @@ async def test_no_home_folder_is_in_it(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 async def test_it_is_said_again_when_panels_change(tmp_path: Path) -> None:
-    made = replace(experiment(tmp_path), profiles={"child": Profile("child", frozenset({"Base"}))})
+    made = replace(
+        experiment(tmp_path), profiles={"child": Profile(frozenset({"Base"}), name="child")}
+    )
     async with served(tmp_path, made=made) as host:
         peer = await host.connect()
         await peer.hello()

@@ -14,7 +14,7 @@ from tests.log.bench import STEM, Bench, bench, until
 from tests.log.disks import FAULTS
 from woz_tui.log import recorder
 from woz_tui.log.log_reader import Damage, files_of, read
-from woz_tui.log.recorder import CLOSE_WAIT_S, Recorder
+from woz_tui.log.recorder import Recorder
 from woz_tui.system.clock import ManualClock
 
 
@@ -330,10 +330,7 @@ def test_a_hung_disk_does_not_hang_the_exit(tmp_path: Path) -> None:
         it.synced()
         it.disk.gate.clear()
         number = it.note()
-        begun = time.monotonic()
-        assert it.recorder.close() is False
-        # Three times the bound: a loaded machine is slow, a hang is for ever.
-        assert time.monotonic() - begun < 3 * CLOSE_WAIT_S
+        assert it.recorder.close() is False  # it would wait for ever, and the test with it
         assert it.numbers() == [number]
 
 

@@ -15,11 +15,11 @@ from woz_tui.motion.move import SoundCue
 from woz_tui.motion.move_files import (
     MAIN,
     MoveFileError,
-    move_schema,
     read_folder,
     read_move,
     read_moves,
 )
+from woz_tui.motion.move_schema import move_schema
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "experiments" / "moves"
@@ -140,7 +140,7 @@ def test_sounds_are_cues(tmp_path: Path) -> None:
         ("frames: [{seconds: 130}]", "warning: frames: takes 130 s; play waits for 120 s at most"),
         ("frames: [{seconds: 1, nodd: 3}]", "frames[0].nodd: unknown; did you mean 'nod'?"),
         ("frames: [{seconds: 1, tpo: 3}]", "frames[0].tpo: unknown; did you mean 'top'?"),
-        ("frames: [{seconds: 1, xyz: 3}]", "frames[0].xyz: unknown; a frame may name: pan, nod"),
+        ("frames: [{seconds: 1, xyz: 3}]", "frames[0].xyz: unknown; settings here are: pan, nod"),
         ("frames: [{seconds: 1, joints: {nod: 3}}]", "frames[0].joints.nod: unknown"),
         ("frames: [{seconds: 1, roles: {top: 3}}]", "frames[0].roles.top: unknown"),
         ("frames: [{seconds: 1, nod: up}]", "frames[0].nod: expected a number"),
@@ -154,7 +154,7 @@ def test_sounds_are_cues(tmp_path: Path) -> None:
         ("frames: [{seconds: 1, easing: sooth}]", "easing: 'sooth' is not known; did you mean 'sm"),
         ("frames: [{seconds: 1, emotion: hapy}]", "'hapy' is not known; did you mean 'happy'?"),
         ("frames: [{seconds: 1, intensity: 2}]", "frames[0].intensity: 2 is out of range"),
-        ("frames: [{seconds: 1, eyes: {z: 1}}]", "frames[0].eyes.z: unknown; eyes have: x, y"),
+        ("frames: [{seconds: 1, eyes: {z: 1}}]", "eyes.z: unknown; settings here are: x, y"),
         ("frames: [{seconds: 1, sound: a.wav}]", "warning: frames[0].sound: there is no file 'a.w"),
         ("frames: [{seconds: 1, volume: 0.5}]", "warning: frames[0].volume: there is no sound"),
         ("layers: [{frames: [{seconds: 1}]}]", "layers[0].name: is missing"),

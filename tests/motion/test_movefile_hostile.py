@@ -12,9 +12,9 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from tests.motion.heads import EYEPI
-from woz_tui.motion.body_shape import ROLES
 from woz_tui.motion.body_verbs import EMOTIONS
-from woz_tui.motion.move_files import FRAME, LAYER, TOP_LEVEL, read_folder
+from woz_tui.motion.move_files import read_folder
+from woz_tui.motion.move_schema import move_schema
 
 scalars: st.SearchStrategy[Any] = st.one_of(
     st.none(),
@@ -23,7 +23,13 @@ scalars: st.SearchStrategy[Any] = st.one_of(
     st.floats(),
     st.sampled_from(["", "nod", "1 2 3", "250 ms", ".nan", "1e999", "smooth", "x\0y", *EMOTIONS]),
 )
-keys = st.sampled_from([*TOP_LEVEL, *LAYER, *FRAME, *ROLES, *EYEPI.joints, "", "y"])
+SCHEMA = move_schema()
+NAMES = {
+    *SCHEMA["properties"],
+    *SCHEMA["properties"]["layers"]["items"]["properties"],
+    *SCHEMA["$defs"]["frames"]["items"]["properties"],
+}
+keys = st.sampled_from([*sorted(NAMES), *EYEPI.joints, "", "y"])
 anything = st.recursive(
     scalars, lambda inner: st.lists(inner, max_size=3) | st.dictionaries(keys, inner, max_size=4)
 )

@@ -15,14 +15,12 @@ from woz_tui.config.experiment import Experiment
 from woz_tui.config.study import (
     Design,
     PerceptionLimits,
-    Questionnaire,
-    QuestionnaireItem,
     ResponseShaping,
     Study,
 )
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.welcome import WelcomeSettings
+from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem, WelcomeSettings
 from woz_tui.session.participant_identity import SessionIdentity
 
 ITEMS = (
@@ -33,11 +31,16 @@ STUDY = Study(
     design=Design(trials=2, blind={"warm": "A", "cold": "B"}),
     questionnaires=(
         Questionnaire(
-            "each", "Each trial", (QuestionnaireItem("hard", "How hard was it?"),), "trial"
+            "each",
+            "Each trial",
+            when="trial",
+            items=(QuestionnaireItem("hard", "How hard was it?"),),
         ),
-        Questionnaire("ux", "How was it?", ITEMS, "condition"),
-        Questionnaire("last", "At last", (QuestionnaireItem("why", "Why?", text=True),), "end"),
-        Questionnaire("whenever", "Whenever", (QuestionnaireItem("now", "Now?", 0, 100),), "hand"),
+        Questionnaire("ux", "How was it?", when="condition", items=ITEMS),
+        Questionnaire("last", "At last", items=(QuestionnaireItem("why", "Why?", text=True),)),
+        Questionnaire(
+            "whenever", "Whenever", when="hand", items=(QuestionnaireItem("now", "Now?", 0, 100),)
+        ),
     ),
     preflight=("the door is shut", "the camera sees the table"),
     shaping=ResponseShaping(0.8, 0.4, ("speech",)),

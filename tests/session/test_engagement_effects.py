@@ -299,7 +299,7 @@ def test_a_robot_that_shall_show_nothing_shows_nothing(
 def test_a_profile_of_the_wizard_does_not_bind_the_robot(tmp_path: Path) -> None:
     experiment = replace(
         guided(tmp_path, PLAIN, None, {"PersonDetected": ("Welcome",)}),
-        profiles={"little": Profile("little", verbs=frozenset({"force"}))},
+        profiles={"little": Profile(name="little", verbs=frozenset({"force"}))},
     )
 
     async def scenario(room: Room) -> None:

@@ -25,7 +25,7 @@ from woz_tui.session.participant_identity import RequestError
 pytestmark = pytest.mark.toolkit("U3")
 
 CHILD = Profile(
-    "child",
+    name="child",
     panels=frozenset({"Base"}),
     actions=frozenset({"Hello"}),
     controls=frozenset({"eye-x"}),
@@ -196,7 +196,9 @@ FILE = (
 def test_the_file_says_what_a_profile_allows(tmp_path: Path) -> None:
     found = read(tmp_path, f"{FILE}  child: {{panels: [Speech], verbs: [say], hide: yes}}\n")
     child = found.profiles["child"]
-    assert child == Profile("child", frozenset({"Speech"}), verbs=frozenset({"say"}), hide=True)
+    assert child == Profile(
+        frozenset({"Speech"}), name="child", verbs=frozenset({"say"}), hide=True
+    )
     assert child.plays(found.panels[0].actions[0])
     without = read(tmp_path, f"{FILE}  child: {{actions: [Hello]}}\n")
     assert compare(found, without).changes == ("profile 'child' changed",)
@@ -214,10 +216,10 @@ def test_the_file_says_what_a_profile_allows(tmp_path: Path) -> None:
         ("{verbs: [sya]}", "no driver offers 'sya'; did you mean 'say'?"),
         ("{controls: [eye-z]}", "no body has a control 'eye-z'"),
         ("{pannels: []}", "unknown; did you mean 'panels'?"),
-        ("{panels: Speech}", "expected a list of names, not"),
+        ("{panels: Speech}", "expected a list, not"),
         ("{panels: [Speech], hide: perhaps}", "expected true or false"),
         ("{hide: true}", "allows nothing; name some of panels, actions, controls, verbs"),
-        ("[]", "expected a mapping, such as {panels: [Speech]}"),
+        ("[]", "expected a profile, such as {panels: [Speech]}"),
     ],
 )
 def test_what_is_wrong_with_a_profile_is_told_with_its_place(

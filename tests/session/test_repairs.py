@@ -121,7 +121,7 @@ def test_profiles_do_not_lock_repairs(tmp_path: Path) -> None:
 
     async def with_profile(stage: Stage) -> None:
         stage.session.experiment = replace(
-            stage.session.experiment, profiles={"child": Profile("child")}
+            stage.session.experiment, profiles={"child": Profile(name="child")}
         )
         await play(stage)
 

@@ -11,8 +11,9 @@ from pathlib import Path, PurePosixPath
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.config import woz4u
 from woz_tui.config.experiment import ExperimentError
+from woz_tui.config.experiment_file import TOP_LEVEL
 from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
-from woz_tui.config.loading import TOP_LEVEL, load
+from woz_tui.config.loading import load
 from woz_tui.config.problems import ProblemReport
 from woz_tui.config.woz4u.woz4u_texts import one_line
 from woz_tui.config.woz4u.yaml_writer import yaml_text

@@ -12,7 +12,7 @@ from woz_tui.cli.safe_streams import json_text
 from woz_tui.config.json_schema import experiment_schema, included_schema, robot_schema
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver
-from woz_tui.motion.move_files import move_schema
+from woz_tui.motion.move_schema import move_schema
 
 
 def add(parser: ArgumentParser) -> None:

@@ -9,8 +9,9 @@ import msgspec
 from woz_tui.analysis.text_format import counted
 from woz_tui.config.counterbalancing import Order, block_size, planned, rows
 from woz_tui.config.experiment import Experiment, Phase
-from woz_tui.config.study import Design, Questionnaire, Training
+from woz_tui.config.study import Design, Training
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.welcome import Questionnaire
 from woz_tui.session.session_plan import study_settings
 
 #: So many orders are listed; the rest is counted.
@@ -115,7 +116,7 @@ def _questionnaire(questionnaire: Questionnaire) -> str:
 
 
 def _training(training: Training) -> str:
-    cues = ", ".join(f"{cue.sort}: {' or '.join(cue.answers)}" for cue in training.cues)
+    cues = ", ".join(f"{cue.cue}: {' or '.join(cue.answers)}" for cue in training.cues)
     count = counted(training.count, "cue")
     made = cues or "made from the actions"
     return f"{count}, answered within {training.window:g} s ({made})"

@@ -5,29 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from woz_tui.config.annotated_decoder import names_of, read_partly
 from woz_tui.config.experiment import Action, Panel, Step, Wait
+from woz_tui.config.experiment_file import ActionEntry, PanelEntry
 from woz_tui.config.keys.chords import KeyNameError, normal_key
 from woz_tui.config.session_verbs import WAIT
 from woz_tui.config.verb_calls import CallReader, Vocabulary
-from woz_tui.config.yaml_cursor import (
-    Cursor,
-    is_set,
-    missing,
-    one_or_more,
-    read_filled,
-    read_seconds,
-    read_text,
-    read_texts,
-    read_word,
-)
+from woz_tui.config.yaml_cursor import Cursor, read_seconds, read_text
 from woz_tui.config.yaml_nodes import ListNode, ScalarNode
 from woz_tui.drivers.fields import Range
 
 #: What an action may say beside verbs and their arguments.
-ACTION_FIELDS = ("key", "label", "name", "help", "locked", "when_busy", "on", "steps", "then")
-PANEL_FIELDS = ("title", "locked", "covers", "actions")
-_THEN = "the name of an action, or a list of them"
-WHEN_BUSY = ("queue", "replace", "refuse")
+ACTION_FIELDS = names_of(ActionEntry)
 
 #: Seconds. A longer pause inside an action is a slip of the decimal point.
 _LONGEST_WAIT = Range(0.0, 3600.0, "s")
@@ -78,19 +67,12 @@ class PanelReader:
         return [panel for entry in entries or () if (panel := self._panel(entry)) is not None]
 
     def _panel(self, cursor: Cursor) -> Panel | None:
-        example = "a panel, such as {title: Speech, actions: [...]}"
-        table = cursor.fields(PANEL_FIELDS, "a panel has", example)
-        if table is None:
+        panel = read_partly(cursor, PanelEntry)
+        if panel is None:
             return None
-        title_cursor = missing(table, "title", cursor)
-        title = read_text(title_cursor) if title_cursor is not None else None
-        locked = is_set(table.get("locked"))
-        listed = "a list of verbs, such as [drive, nudge]"
-        covers = tuple(verb for _, verb in read_texts(table.get("covers"), listed, "a verb"))
-        empty = bool(covers) and "actions" not in table
-        actions_cursor = None if empty else missing(table, "actions", cursor)
-        actions = self._actions(actions_cursor, title or "") if actions_cursor is not None else []
-        return Panel(title or "", tuple(actions), cursor.place, locked, covers)
+        listed = dict(cursor.entries()).get("actions")
+        actions = self._actions(listed, panel.title) if listed is not None else []
+        return Panel(panel.title, tuple(actions), cursor.place, panel.locked, panel.covers)
 
     def _actions(self, cursor: Cursor, panel: str) -> list[Action]:
         entries = cursor.list("a list of actions")
@@ -102,28 +84,24 @@ class PanelReader:
         return [draft.action for draft in found]
 
     def _action(self, cursor: Cursor, panel: str) -> ActionDraft | None:
-        table = cursor.table("an action, such as {key: h, label: Hello, say: Hello!}")
-        if table is None:
+        table = cursor.table(f"an action, such as {ActionEntry.example}")
+        entry = read_partly(cursor.only(ACTION_FIELDS), ActionEntry)
+        if table is None or entry is None:
             return None
         fields = {name: table.pop(name) for name in ACTION_FIELDS if name in table}
-        label = read_filled(fields.get("label"))
-        name = read_filled(fields.get("name"))
-        if label is None and name is None and not {"label", "name"} & fields.keys():
-            missing({}, "label", cursor, "text on the button")
-        when_busy = fields.get("when_busy")
         return ActionDraft(
             cursor.path,
             Action(
-                name=name or label or "",
-                label=label or name or "",
+                name=entry.name or entry.label,
+                label=entry.label or entry.name,
                 key=self._key(fields.get("key")),
                 panel=panel,
                 steps=tuple(self._steps(cursor, fields, table)),
                 place=cursor.place,
-                when_busy=(when_busy and read_word(when_busy, WHEN_BUSY)) or WHEN_BUSY[0],
-                help=read_filled(fields.get("help")) or "",
-                locked=is_set(fields.get("locked")),
-                then=tuple(text for _, text in one_or_more(fields.get("then"), _THEN)),
+                when_busy=entry.when_busy,
+                help=entry.help,
+                locked=entry.locked,
+                then=entry.then,
             ),
         )
 

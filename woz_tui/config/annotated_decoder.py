@@ -1,4 +1,4 @@
-"""Values for a driver's `Settings`, decoded through its annotations.
+"""Decodes settings of drivers and sections of files through the annotations of dataclasses.
 
 The types say everything: what may be left out (a default), what is allowed (`drivers.fields`), how
 things nest. Supported are text, numbers, booleans, `Path`, enums, `Literal`, optional and united
@@ -15,7 +15,7 @@ import pathlib
 import re
 import types
 import typing
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal, TypeVar
 
@@ -37,12 +37,19 @@ from woz_tui.config.yaml_cursor import (
 from woz_tui.config.yaml_nodes import ListNode, MappingNode, Node, ScalarNode, described
 from woz_tui.drivers import fields
 
-#: Stands for a value that could not be read; what is wrong has been reported.
-INVALID: Final = object()
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Invalid:
+    """A value that is wrong, which has been reported; `rest`: what of a list could be read."""
+
+    rest: Any
+
+
+INVALID: Final = Invalid(dataclasses.MISSING)
 
 N = TypeVar("N")
 
-_SEQUENCES = (tuple, list, Sequence)
+_SEQUENCES = (tuple, list, frozenset, Sequence)
 _MAPPINGS = (dict, Mapping)
 
 
@@ -62,7 +69,21 @@ class Field:
 def fields_of(shape: type) -> tuple[Field, ...]:
     """The settings of a dataclass, in order. An attribute `from_` is `from` in the file."""
     hints = typing.get_type_hints(shape, include_extras=True)
-    return tuple(_field(item, hints[item.name]) for item in dataclasses.fields(shape) if item.init)
+    optional = not issubclass(shape, fields.Entry)  # None means that an entry has been left out
+    return tuple(
+        _field(item, hints[item.name] if optional else _without_none(hints[item.name]))
+        for item in dataclasses.fields(shape)
+        if item.init
+    )
+
+
+def _without_none(annotation: Any) -> Any:
+    """`int` for `int | None`, notes kept."""
+    bare, notes = split_annotation(annotation)
+    if typing.get_origin(bare) in (typing.Union, types.UnionType):
+        kinds = tuple(kind for kind in typing.get_args(bare) if kind is not type(None))
+        bare = typing.Union[kinds]  # noqa: UP007 - as many as there are
+    return Annotated[bare, *notes] if notes else bare
 
 
 def _field(item: dataclasses.Field[Any], annotation: Any) -> Field:
@@ -71,14 +92,14 @@ def _field(item: dataclasses.Field[Any], annotation: Any) -> Field:
         default = item.default_factory()
     elif item.default is not dataclasses.MISSING:
         default = item.default
-    docs = [note.text for note in split_annotation(annotation)[1] if isinstance(note, fields.Doc)]
+    doc = find_note(split_annotation(annotation)[1], fields.Doc)
     return Field(
         name=item.name.rstrip("_"),
         attribute=item.name,
         annotation=annotation,
         required=default is dataclasses.MISSING,
         default=default,
-        doc=docs[0] if docs else "",
+        doc=doc.text if doc is not None else "",
     )
 
 
@@ -104,39 +125,92 @@ def values_with_note(settings: Any, kind: type) -> Iterator[tuple[str, str]]:
             yield item.name, value
 
 
+def names_of(shape: type) -> tuple[str, ...]:
+    """The names of the settings of a dataclass, as files spell them."""
+    return tuple(item.name for item in fields_of(shape))
+
+
 def read_settings(cursor: Cursor, shape: type, others: Sequence[str] = ()) -> Any:
     """An instance of the dataclass `shape`, or `INVALID`. Entries that it does not have are errors,
     except for `others`, which somebody else reads.
     """
-    table = cursor.table("a mapping of settings")
-    if table is None:
+    values = _values(cursor, shape, others)
+    if values is None or any(isinstance(value, Invalid) for value in values.values()):
         return INVALID
+    return _made(cursor, shape, values)
+
+
+def read_partly(cursor: Cursor, shape: type[N], **known: Any) -> N | None:
+    """An instance of `shape` also where some of it is wrong, which has been reported: a default
+    stands for that, or nothing. None if there is no mapping. What is `known` is not read.
+    """
+    made = _entry(cursor, shape, known)
+    found: N | None = made.rest if isinstance(made, Invalid) else made
+    return None if found is dataclasses.MISSING else found
+
+
+def _entry(cursor: Cursor, shape: type, known: Mapping[str, Any]) -> Any:
+    """An entry, or `Invalid` with what could be read of it."""
+    values = _values(cursor, shape, (), known)
+    if values is None:
+        return INVALID
+    made = {
+        item.attribute: "" if split_annotation(item.annotation)[0] is str else ()
+        for item in fields_of(shape)
+        if item.required
+    }
+    for name, value in values.items():
+        read = value.rest if isinstance(value, Invalid) else value
+        if read is not dataclasses.MISSING:
+            made[name] = read
+    entry = shape(**{**made, **known})
+    return Invalid(entry) if any(isinstance(v, Invalid) for v in values.values()) else entry
+
+
+def _values(
+    cursor: Cursor, shape: type, others: Sequence[str], known: Collection[str] = ()
+) -> dict[str, Any] | None:
+    """Settings by attribute; wrong ones, and wrong entries by their names, are `INVALID`."""
+    entry_of: Any = shape if issubclass(shape, fields.Entry) else None
+    example = f", such as {entry_of.example}" if entry_of and entry_of.example else ""
+    table = cursor.table(f"{entry_of.what}{example}" if entry_of else "a mapping of settings")
+    if table is None:
+        return None
+    items = [item for item in fields_of(shape) if item.attribute not in known]
     values: dict[str, Any] = {}
-    whole = True
-    for item in fields_of(shape):
-        if item.name in others:
-            continue
-        entry = table.pop(item.name, None)
-        if entry is None:
-            if item.required:
+    for item in items:
+        entry = table.get(item.name)
+        apart = find_note(split_annotation(item.annotation)[1], fields.ReadApart)
+        if item.name in others or apart is not None:
+            if entry is None and item.required:
                 missing({}, item.name, cursor, item.doc)
-                whole = False
-            continue
-        value = read_value(entry, item.annotation)
-        whole = whole and value is not INVALID
-        values[item.attribute] = value
+        elif entry is not None:
+            values[item.attribute] = read_value(entry, item.annotation)
+        elif item.required:
+            missing({}, item.name, cursor, item.doc)
+            values[item.attribute] = INVALID
+    allowed = [*dict.fromkeys([*(item.name for item in items), *others])]
     for name, entry in table.items():
-        if name not in others:
-            known = dict.fromkeys([*(item.name for item in fields_of(shape)), *others])
-            entry.unknown(known, "settings here are")
-            whole = False
-    return _made(cursor, shape, values) if whole else INVALID
+        if name not in allowed:
+            entry.unknown(allowed, f"{entry_of.what} has" if entry_of else "settings here are")
+            values[name] = INVALID
+    if entry_of and entry_of.either and not {*entry_of.either} & table.keys():
+        doc = next(item.doc for item in items if item.name == entry_of.either[0])
+        missing({}, entry_of.either[0], cursor, doc.partition(" (")[0])
+    return values
 
 
 def read_section(cursor: Cursor | None, shape: type[N], others: Sequence[str] = ()) -> N | None:
     """A section that is nothing but settings; None if it is not there or wrong."""
     made: Any = INVALID if cursor is None else read_settings(cursor, shape, others)
     return None if made is INVALID else made
+
+
+def read_entries(cursor: Cursor | None, expected: str, shape: type[N]) -> list[tuple[Cursor, N]]:
+    """The entries of a list, each as far as it can be read, with where it stands."""
+    entries = cursor.list(expected) if cursor is not None else None
+    found = [(entry, read_partly(entry, shape)) for entry in entries or ()]
+    return [(entry, made) for entry, made in found if made is not None]
 
 
 def _made(cursor: Cursor, shape: type, values: dict[str, Any]) -> Any:
@@ -205,7 +279,8 @@ def read_value(cursor: Cursor, annotation: Any, notes: tuple[Any, ...] = ()) -> 
     if origin in _MAPPINGS or bare in _MAPPINGS:
         return _mapping(cursor, bare, notes)
     if dataclasses.is_dataclass(bare) and isinstance(bare, type):
-        return read_settings(cursor, bare)
+        entry = issubclass(bare, fields.Entry)
+        return _entry(cursor, bare, {}) if entry else read_settings(cursor, bare)
     return _simple(cursor, bare, notes)
 
 
@@ -243,8 +318,13 @@ def _text(cursor: Cursor, notes: tuple[Any, ...], *, file: bool) -> str | None:
     if one_of is not None:
         return read_word(cursor, one_of.choices)
     pattern = find_note(notes, fields.Pattern)
-    text = read_text(cursor, pattern.meaning if pattern is not None else "text")
+    several = find_note(notes, fields.OneOrMore)
+    expected = f"{several.of}, or a list of them" if several is not None else "text"
+    text = read_text(cursor, pattern.meaning if pattern is not None else expected)
     if text is None:
+        return None
+    if not text.strip() and (several or find_note(notes, fields.NotBlank)):
+        cursor.error("is empty")
         return None
     if pattern is not None and not re.fullmatch(pattern.regex, text):
         cursor.error(f"expected {pattern.meaning}, not {text!r}")
@@ -284,8 +364,14 @@ def _enumerated(cursor: Cursor, kind: type[enum.Enum]) -> Any:
 
 
 def _sequence(cursor: Cursor, bare: Any, notes: tuple[Any, ...]) -> Any:
-    entries = cursor.list()
+    alone = isinstance(cursor.node, ScalarNode | MappingNode)
+    several = find_note(notes, fields.OneOrMore)
+    entries = [cursor] if several is not None and alone else cursor.list()
     if entries is None:
+        return INVALID
+    some = find_note(notes, fields.NotEmpty)
+    if some is not None and not entries:
+        cursor.error(some.message)
         return INVALID
     inner = typing.get_args(bare) or (Any,)
     fixed = typing.get_origin(bare) is tuple and inner[-1] is not Ellipsis
@@ -294,16 +380,20 @@ def _sequence(cursor: Cursor, bare: Any, notes: tuple[Any, ...]) -> Any:
         return INVALID
     kinds = inner if fixed else (inner[0],) * len(entries)
     values = [read_value(entry, kind, notes) for entry, kind in zip(entries, kinds, strict=True)]
-    if any(value is INVALID for value in values):
-        return INVALID
-    if find_note(notes, fields.Unique) is not None and not _different(entries, values):
-        return INVALID
-    return values if (typing.get_origin(bare) or bare) is list else tuple(values)
+    good = [value for value in values if not isinstance(value, Invalid)]
+    twice = find_note(notes, fields.Unique) is not None and not _different(entries, values)
+    origin = typing.get_origin(bare) or bare
+    made = origin(good) if origin in (list, frozenset) else tuple(good)
+    return Invalid(made) if twice or len(good) < len(values) else made
 
 
 def _different(entries: Sequence[Cursor], values: Sequence[Any]) -> bool:
     """Whether no value stands twice; what does is reported."""
-    twice = [entry for at, entry in enumerate(entries) if values[at] in values[:at]]
+    twice = [
+        entry
+        for at, entry in enumerate(entries)
+        if values[at] is not INVALID and values[at] in values[:at]
+    ]
     for entry in twice:
         entry.error(f"{described(entry.node)} appears twice")
     return not twice
@@ -315,7 +405,7 @@ def _mapping(cursor: Cursor, bare: Any, notes: tuple[Any, ...]) -> Any:
         return INVALID
     _, inner = typing.get_args(bare) or (str, Any)
     values = {name: read_value(entry, inner, notes) for name, entry in table.items()}
-    return INVALID if any(value is INVALID for value in values.values()) else values
+    return INVALID if any(isinstance(v, Invalid) for v in values.values()) else values
 
 
 def _united(cursor: Cursor, members: tuple[Any, ...], notes: tuple[Any, ...]) -> Any:
@@ -332,7 +422,7 @@ def _united(cursor: Cursor, members: tuple[Any, ...], notes: tuple[Any, ...]) ->
     for kind in fitting:
         attempt = ProblemReport()
         value = read_value(Cursor(cursor.node, cursor.path, cursor.place, attempt), kind, notes)
-        if value is not INVALID:
+        if not isinstance(value, Invalid):
             return read_value(cursor, kind, notes)
     kinds = " or ".join(_spoken(kind) for kind in members if kind is not type(None))
     cursor.error(f"expected {kinds}, not {described(cursor.node)}")

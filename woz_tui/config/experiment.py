@@ -14,7 +14,7 @@ from typing import Annotated, Any
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.study import Study
 from woz_tui.drivers.contract import Verb
-from woz_tui.drivers.fields import Doc, Range, Seconds
+from woz_tui.drivers.fields import Doc, Entry, NotBlank, OneOrMore, Range, Seconds, Unique
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.welcome import QuestionnaireWords
 
@@ -171,27 +171,32 @@ class Panel:
     covers: tuple[str, ...] = ()
 
 
-#: How long a phase may be planned to last.
-PLANNED = Seconds(1.0, 86_400.0)
-
-
 @dataclass(frozen=True, slots=True)
-class Phase:
+class Phase(Entry):
     """A part of a session or of a trial: what is in front in it, and what Space plays.
 
     A panel that other phases name and this one does not is folded away; without `panels` all are
     in front. Without a script of its own the experiment's goes on.
     """
 
-    name: Annotated[str, Doc("what logs and tables call it (default: the title)")]
-    title: Annotated[str, Doc("what the screen shows (default: the name)")] = ""
-    panels: Annotated[tuple[str, ...], Doc("titles of the panels in front")] = ()
+    what = "a phase"
+    example = "{name: opening, panels: [...]}"
+    either = ("name", "title")
+    name: Annotated[str, NotBlank(), Doc("what logs and tables call it (default: the title)")] = ""
+    title: Annotated[str, NotBlank(), Doc("what the screen shows (default: the name)")] = ""
+    panels: Annotated[tuple[str, ...], Unique(), Doc("titles of the panels in front")] = ()
     script: Annotated[tuple[str, ...], Doc("names of actions; space plays the next one")] = ()
-    on_enter: Annotated[tuple[str, ...], Doc("names of actions played when it begins")] = ()
-    after: Annotated[
-        tuple[str, ...], Doc("phases, one of which must have begun in the trial before this one")
+    on_enter: Annotated[
+        tuple[str, ...],
+        OneOrMore("the name of an action"),
+        Doc("names of actions played when it begins"),
     ] = ()
-    planned: Annotated[float, PLANNED, Doc("planned duration")] = 0.0
+    after: Annotated[
+        tuple[str, ...],
+        OneOrMore("the name of a phase"),
+        Doc("phases, one of which must have begun in the trial before this one"),
+    ] = ()
+    planned: Annotated[float, Seconds(1.0, 86_400.0), Doc("planned duration")] = 0.0
     lock_others: Annotated[bool, Doc("panels of other phases are locked, not only folded")] = False
 
     @property
@@ -201,19 +206,27 @@ class Phase:
 
 
 @dataclass(frozen=True, slots=True)
-class Profile:
+class ProfileEntry(Entry):
     """What a wizard may use: actions of these panels and these actions; by themselves (from keys of
     the console, the palette, a control panel, a program) these verbs and controls.
 
     `hide`: what may not be used is not even shown.
     """
 
-    name: str
-    panels: frozenset[str] = frozenset()
-    actions: frozenset[str] = frozenset()
-    controls: frozenset[str] = frozenset()
-    verbs: frozenset[str] = frozenset()
-    hide: bool = False
+    what = "a profile"
+    example = "{panels: [Speech]}"
+    panels: Annotated[frozenset[str], Doc("panels that can be used")] = frozenset()
+    actions: Annotated[frozenset[str], Doc("actions that can be used")] = frozenset()
+    controls: Annotated[frozenset[str], Doc("controls that can be used")] = frozenset()
+    verbs: Annotated[frozenset[str], Doc("verbs that can be used")] = frozenset()
+    hide: Annotated[bool, Doc("hide what cannot be used")] = False
+
+
+@dataclass(frozen=True, slots=True)
+class Profile(ProfileEntry):
+    """A profile with its name."""
+
+    name: str = ""
 
     def plays(self, action: Action) -> bool:
         """Whether the action may be played."""

@@ -14,28 +14,17 @@ import pathlib
 import types
 import typing
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, Literal
+from typing import Any
 
-from woz_tui.config.actions import WHEN_BUSY
 from woz_tui.config.annotated_decoder import fields_of, find_note, split_annotation
 from woz_tui.config.condition_texts import ANY
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_effects import ENTERED, ON_ENTER
-from woz_tui.config.experiment import ArrowKeySteps, Phase, SessionSettings
-from woz_tui.config.keys.keyboard_layouts import LAYOUTS
-from woz_tui.config.languages import DEFAULT, SPOKEN, Language
-from woz_tui.config.profiles import FIELDS as PROFILE_FIELDS
-from woz_tui.config.robots import SIMULATED
+from woz_tui.config.experiment_file import TOP_LEVEL, ActionEntry, ExperimentFile
+from woz_tui.config.languages import SPOKEN, Language
 from woz_tui.config.session_verbs import WAIT, engagement_verbs, session_verbs
-from woz_tui.config.study import (
-    CUES,
-    TRAINING_CUES,
-    Design,
-    PerceptionLimits,
-    ResponseShaping,
-    Training,
-)
-from woz_tui.config.study_sections import NAME_PATTERN, WHENS
+from woz_tui.config.study import CUES, Design
+from woz_tui.config.study_sections import NAME_PATTERN
 from woz_tui.drivers import fields
 from woz_tui.drivers.contract import Argument, Driver, Verb
 from woz_tui.protocol.messages import Json
@@ -93,7 +82,9 @@ def settings_schema(shape: type) -> Schema:
         if isinstance(default, str | int | float | bool) and default != "":
             schema = {**schema, "default": default}
         properties[item.name] = schema
-    return mapping(properties, required=required(shape))
+    schema = mapping(properties, required=required(shape))
+    either = shape.either if issubclass(shape, fields.Entry) else ()
+    return {**schema, "anyOf": [{"required": [name]} for name in either]} if either else schema
 
 
 def required(shape: type) -> tuple[str, ...]:
@@ -103,21 +94,38 @@ def required(shape: type) -> tuple[str, ...]:
 
 def _type(annotation: Any, notes: tuple[Any, ...] = ()) -> Schema:
     bare, own = split_annotation(annotation)
-    notes = (*own, *notes)
+    apart = find_note(own, fields.ReadApart)
+    if apart is not None and isinstance(apart.written, str):
+        return {"$ref": f"#/$defs/{apart.written}"}
+    if apart is not None and apart.written is not None:
+        bare, own = apart.written, tuple(note for note in own if note is not apart)
     origin = typing.get_origin(bare) or bare
+    notes = (*own, *notes)
     if origin in (typing.Union, types.UnionType):
         return either([_type(kind, notes) for kind in typing.get_args(bare)])
-    if origin is Literal:
-        return {"enum": [str(word) for word in typing.get_args(bare)]}
-    if origin in (tuple, list, Sequence):
-        inner = typing.get_args(bare) or (Any,)
-        return {"type": "array", "items": either([_type(k, notes) for k in inner if k is not ...])}
+    if origin in (tuple, list, frozenset, Sequence):
+        return _list(bare, own, notes)
     if origin in (dict, Mapping):
         inner = typing.get_args(bare) or (str, Any)
-        return {"type": "object", "additionalProperties": _type(inner[1], notes)}
+        schema: Schema = {"type": "object", "additionalProperties": _type(inner[1], notes)}
+        return schema | ({"minProperties": 1} if find_note(own, fields.NotEmpty) else {})
     if dataclasses.is_dataclass(origin) and isinstance(origin, type):
         return settings_schema(origin)
     return _simple(bare, notes)
+
+
+def _list(bare: Any, own: tuple[Any, ...], notes: tuple[Any, ...]) -> Schema:
+    inner = typing.get_args(bare) or (Any,)
+    items = either([_type(kind, notes) for kind in inner if kind is not ...])
+    schema: Schema = {"type": "array", "items": items}
+    if typing.get_origin(bare) is tuple and inner[-1] is not ...:
+        schema |= {"minItems": len(inner), "maxItems": len(inner)}
+    if find_note(own, fields.Unique) is not None:
+        schema["uniqueItems"] = True
+    several = find_note(own, fields.OneOrMore) is not None
+    if several or find_note(own, fields.NotEmpty) is not None:
+        schema["minItems"] = 1
+    return {"oneOf": [TEXT, schema]} if several else schema
 
 
 def _simple(bare: Any, notes: tuple[Any, ...]) -> Schema:
@@ -135,136 +143,8 @@ def _simple(bare: Any, notes: tuple[Any, ...]) -> Schema:
     return {bool: FLAG, str: TEXT, type(None): {"type": "null"}}.get(bare, {})
 
 
+#: What answers a cue.
 _ONE_OR_MORE: Schema = {"oneOf": [TEXT, {"type": "array", "items": TEXT, "minItems": 1}]}
-_NAME: Schema = {
-    "type": "string",
-    "pattern": f"^{NAME_PATTERN.pattern}$",
-    "description": "name in logs and tables (default: made from the words)",
-}
-#: A text for each condition, by its name.
-BY_CONDITION: Schema = {"type": "object", "additionalProperties": TEXT, "minProperties": 1}
-
-
-def study_properties() -> Schema:
-    """The sections by name."""
-    return {
-        "design": _design(),
-        "questionnaires": {
-            "type": "array",
-            "items": _questionnaire(),
-            "description": "what the participant is asked",
-        },
-        "preflight": {
-            "type": "array",
-            "items": TEXT,
-            "uniqueItems": True,
-            "description": "what a person checks before the first participant",
-        },
-        "shaping": {
-            **settings_schema(ResponseShaping),
-            "description": "delays before the robot answers a cue",
-        },
-        "answers": {
-            "oneOf": [
-                mapping(
-                    {
-                        cue: {**_ONE_OR_MORE, "description": f"what answers the cue {cue}"}
-                        for cue in CUES
-                    }
-                ),
-                _ONE_OR_MORE,
-            ],
-            "description": "verbs or panels that answer a cue in the figures (default: say)",
-        },
-        "perception": {
-            **settings_schema(PerceptionLimits),
-            "description": "sensor values that are hidden from the wizard",
-        },
-        "training": _training(),
-    }
-
-
-def _design() -> Schema:
-    schema = settings_schema(Design)
-    schema["description"] = "order of conditions for each participant"
-    # Who gets one condition gets it from a shuffled block, unless the file says otherwise.
-    schema["properties"]["order"].pop("default")
-    schema["properties"]["blind"] = {
-        "anyOf": [FLAG, BY_CONDITION],
-        "description": "labels that the wizard sees instead of the conditions; true: letters",
-    }
-    return schema
-
-
-def _scale() -> Schema:
-    ends = {"type": "array", "items": TEXT, "minItems": 2, "maxItems": 2}
-    return {
-        **mapping(
-            {
-                "low": {"type": "integer", "description": "the lowest number"},
-                "high": {"type": "integer", "description": "the highest number"},
-                "ends": {**ends, "description": "labels of the lowest and the highest number"},
-            }
-        ),
-        "description": "whole numbers from low to high, with labels for both ends",
-    }
-
-
-def _questionnaire() -> Schema:
-    item = mapping(
-        {
-            "name": _NAME,
-            "question": {**TEXT, "description": "as the participant reads it"},
-            "scale": _scale(),
-            "text": {**FLAG, "description": "a free text instead of a scale"},
-            "optional": {**FLAG, "description": "can be skipped"},
-        },
-        required=("question",),
-    )
-    schema = mapping(
-        {
-            "name": _NAME,
-            "title": {**TEXT, "description": "title"},
-            "when": {
-                "enum": list(WHENS),
-                "description": "at the end, after each trial or condition, or only when the wizard"
-                " starts it",
-            },
-            "introduction": {**TEXT, "description": "introduction before the first item"},
-            "scale": _scale(),
-            "items": {
-                "type": "array",
-                "items": {"oneOf": [TEXT, item]},
-                "minItems": 1,
-                "description": "questions, in this order",
-            },
-        },
-        required=("items",),
-    )
-    return {**schema, "anyOf": [{"required": ["title"]}, {"required": ["name"]}]}
-
-
-def _training() -> Schema:
-    cue = mapping(
-        {
-            "cue": {"enum": list(TRAINING_CUES), "description": "what the visitor does"},
-            "says": {**_ONE_OR_MORE, "description": "what the visitor says; one of several"},
-            "answers": {**_ONE_OR_MORE, "description": "names of the correct actions"},
-            "window": {**SECONDS, "description": "time limit for the answer, in seconds"},
-        },
-        required=("cue", "answers"),
-    )
-    schema = settings_schema(Training)
-    schema["description"] = "settings of `woz train`"
-    schema["properties"]["cues"] = {
-        "type": "array",
-        "items": cue,
-        "minItems": 1,
-        "description": "what the visitor does, and which actions answer it",
-    }
-    return schema
-
-
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _JOINTS: Schema = {"type": "object", "additionalProperties": NUMBER, "minProperties": 1}
 _POSES: Schema = {"type": "array", "items": {"type": "object", "minProperties": 1}, "minItems": 1}
@@ -283,8 +163,8 @@ _CHOSEN: Schema = {
         {"type": "object", "additionalProperties": {"anyOf": [TEXT, _ANY]}, "minProperties": 2},
     ],
 }
+_ROBOT_OR_FILE: Schema = {"oneOf": [{"type": "string"}, {"$ref": "#/$defs/robot"}]}
 _KEY: Schema = {
-    "description": "a, A, !, F1, ctrl+a; c r: first c, then r",
     "oneOf": [
         {"type": ["string", "integer", "boolean"]},
         {"type": "array", "items": {"type": ["string", "integer"]}, "minItems": 1},
@@ -304,101 +184,30 @@ def experiment_schema(
     `tell` hears of drivers whose verbs are left out because nobody knows them.
     """
     verbs = _verbs(catalogue, tell)
-    robot = {"oneOf": [{"type": "string"}, {"$ref": "#/$defs/robot"}]}
+    design: Schema = settings_schema(Design)
+    # Who gets one condition gets it from a shuffled block, unless the file says otherwise.
+    del design["properties"]["order"]["default"]
+    experiment = settings_schema(ExperimentFile)
+    properties = experiment["properties"]
+    properties["design"] |= design
+    experiment["properties"] = {name: properties[name] for name in TOP_LEVEL}
     return {
         "$schema": _DIALECT,
         "title": "woz-tui experiment",
-        **mapping(
-            {
-                "title": {**TEXT, "description": "name of the experiment"},
-                "robot": {
-                    **robot,
-                    "description": f"{SIMULATED}, a robot file, or drivers right here",
-                },
-                "robots": {
-                    "type": "object",
-                    "description": "several robots by name",
-                    "additionalProperties": robot,
-                    "minProperties": 1,
-                },
-                "participants": {
-                    **mapping(
-                        {
-                            "pattern": {
-                                "type": "string",
-                                "description": "regular expression of codes",
-                            }
-                        }
-                    ),
-                    "description": "what participants' codes look like",
-                },
-                "conditions": {
-                    "type": "array",
-                    "items": TEXT,
-                    "uniqueItems": True,
-                    "description": "what differs between participants or trials",
-                },
-                "variables": {
-                    "type": "object",
-                    "description": "values for {name} in utterances; a mapping gives one for each"
-                    " condition",
-                    "propertyNames": {"pattern": "^[A-Za-z_][A-Za-z0-9_]*$"},
-                    "additionalProperties": {"oneOf": [TEXT, BY_CONDITION]},
-                },
-                "language": {
-                    **TEXT,
-                    "description": "in which the console speaks to participants",
-                    "default": DEFAULT,
-                },
-                "keyboard": {"enum": list(LAYOUTS), "description": "the wizard's keyboard"},
-                "session": {
-                    **settings_schema(SessionSettings),
-                    "description": "time limits of the session",
-                },
-                "sensors": {
-                    "type": "array",
-                    "items": TEXT,
-                    "uniqueItems": True,
-                    "description": "what stands first among the sensors on the screen: their"
-                    " names, engagement, pose",
-                },
-                "steps": {
-                    **settings_schema(ArrowKeySteps),
-                    "description": "size of one step of an arrow key",
-                },
-                "engagement": _engagement(),
-                **study_properties(),
-                "panels": {
-                    "type": "array",
-                    "items": {"$ref": "#/$defs/panel"},
-                    "minItems": 1,
-                    "description": "groups of actions, in the order of the screen",
-                },
-                "profiles": {
-                    "type": "object",
-                    "description": "profiles: what a wizard may use, by name",
-                    "additionalProperties": _profile(),
-                },
-                "script": {
-                    "type": "array",
-                    "items": TEXT,
-                    "description": "names of actions; space plays the next one",
-                },
-                "repairs": _repairs(),
-                "phases": {
-                    "type": "array",
-                    "items": _phase(),
-                    "minItems": 1,
-                    "description": "parts of a trial: panels in front, and which phase may follow",
-                },
-            },
-            required=("title", "panels"),
-        ),
+        **experiment,
         "oneOf": [{"required": ["robot"]}, {"required": ["robots"]}],
         "$defs": {
             "robot": _robot(catalogue),
-            "panel": _panel(),
+            "robot_or_file": _ROBOT_OR_FILE,
+            "engagement": _engagement(),
+            "answers": _answers(),
+            "repairs": _repairs(),
+            "name": {"type": "string", "pattern": f"^{NAME_PATTERN.pattern}$"},
+            "key": _KEY,
+            "on": _ON,
+            "actions": {"type": "array", "items": {"$ref": "#/$defs/action"}},
             "action": _action(verbs),
+            "steps": {"type": "array", "items": {"$ref": "#/$defs/step"}, "minItems": 1},
             "step": _step(verbs),
             "chosen": _CHOSEN,
         },
@@ -474,9 +283,13 @@ def _repairs() -> Schema:
                     for name in SPOKEN
                 },
             }
-        ),
-        "description": "moves that save a dialogue; without this section: repeat and interrupt",
+        )
     }
+
+
+def _answers() -> Schema:
+    cues = {cue: {**_ONE_OR_MORE, "description": f"what answers the cue {cue}"} for cue in CUES}
+    return {"oneOf": [mapping(cues), _ONE_OR_MORE]}
 
 
 def _engagement() -> Schema:
@@ -490,7 +303,6 @@ def _engagement() -> Schema:
         }
     )
     schema = settings_schema(EngagementSettings)
-    schema["description"] = "engagement model: whether a visitor is engaged with the robot"
     schema["properties"][ON_ENTER] = {
         **on_enter,
         "description": "on entering a state: steps, or names of actions",
@@ -498,67 +310,9 @@ def _engagement() -> Schema:
     return schema
 
 
-def _profile() -> Schema:
-    names: Schema = {"type": "array", "items": TEXT}
-    allowed = {
-        name: {**names, "description": f"{name} that can be used"} for name in PROFILE_FIELDS
-    }
-    return mapping({**allowed, "hide": {**FLAG, "description": "hide what cannot be used"}})
-
-
-def _phase() -> Schema:
-    schema = settings_schema(Phase)
-    del schema["required"]
-    for field in ("on_enter", "after"):
-        described = schema["properties"][field]["description"]
-        schema["properties"][field] = {**_ONE_OR_MORE, "description": described}
-    return {**schema, "anyOf": [{"required": ["name"]}, {"required": ["title"]}]}
-
-
-def _panel() -> Schema:
-    panel = mapping(
-        {
-            "title": {**TEXT, "description": "unique in the file"},
-            "locked": {**FLAG, "description": "locked until the wizard unlocks it"},
-            "covers": {
-                "type": "array",
-                "items": TEXT,
-                "description": "verbs that cannot be sent by hand while the panel is locked",
-            },
-            "actions": {
-                "type": "array",
-                "items": {"$ref": "#/$defs/action"},
-                "description": "buttons, in this order",
-            },
-        },
-        required=("title",),
-    )
-    return {**panel, "anyOf": [{"required": ["actions"]}, {"required": ["covers"]}]}
-
-
 def _action(verbs: Sequence[Verb]) -> Schema:
-    properties = {
-        **_spoken(verbs),
-        "key": _KEY,
-        "label": {**TEXT, "description": "text on the button"},
-        "name": {**TEXT, "description": "name for scripts and programs (default: the label)"},
-        "help": {**TEXT, "description": "a sentence for the wizard"},
-        "locked": {**FLAG, "description": "shown, but cannot be played"},
-        "when_busy": {
-            "enum": list(WHEN_BUSY),
-            "description": "what the key does while the action is running",
-        },
-        "on": _ON,
-        "then": {**_ONE_OR_MORE, "description": "names of actions to be within reach behind it"},
-        "steps": {
-            "type": "array",
-            "items": {"$ref": "#/$defs/step"},
-            "minItems": 1,
-            "description": "steps run one after the other; verbs in one step run at the same time",
-        },
-    }
-    schema = mapping(properties)
-    schema["anyOf"] = [{"required": ["label"]}, {"required": ["name"]}]
+    schema = settings_schema(ActionEntry)
+    schema["properties"] = {**_spoken(verbs), **schema["properties"]}
     return schema
 
 

@@ -14,43 +14,32 @@ from pathlib import Path
 
 from woz_tui.config import cross_checks, participant_pattern, utterance_template, woz4u
 from woz_tui.config.actions import PanelReader, StepReader, panel_titles
-from woz_tui.config.annotated_decoder import read_section
+from woz_tui.config.annotated_decoder import read_partly
 from woz_tui.config.command_remarks import CommandChecker
 from woz_tui.config.condition_texts import read_variables
 from woz_tui.config.driver_request_check import check_asks
 from woz_tui.config.engagement_check import check_engagement
 from woz_tui.config.engagement_effects import EngagementReader
-from woz_tui.config.experiment import Action, ArrowKeySteps, Experiment, SessionSettings
+from woz_tui.config.experiment import Action, Experiment
+from woz_tui.config.experiment_file import TOP_LEVEL, ExperimentFile
 from woz_tui.config.file_text import SourceFile
-from woz_tui.config.keys.keyboard_layouts import LAYOUTS
 from woz_tui.config.languages import Language
 from woz_tui.config.phases import read_phases
 from woz_tui.config.problems import ProblemReport, quoted
 from woz_tui.config.profiles import ProfileTargets, read_profiles
 from woz_tui.config.repairs import SAY, RepairReader
 from woz_tui.config.robots import RobotReader, Robots, VerbOffer
-from woz_tui.config.sensor_names import published_names, read_shown
+from woz_tui.config.sensor_names import check_shown, published_names
 from woz_tui.config.session_verbs import ENGAGEMENT, SESSION, engagement_verbs, session_verbs
-from woz_tui.config.study_sections import SECTIONS, StudyReferences, read_study
+from woz_tui.config.study_sections import StudyReferences, read_study
 from woz_tui.config.verb_calls import Vocabulary
 from woz_tui.config.yaml_cursor import (
     Cursor,
     document,
-    missing,
-    read_text,
-    read_texts,
-    read_word,
     source_of,
 )
 from woz_tui.config.yaml_nodes import MappingNode
 from woz_tui.drivers.contract import Driver, Verb
-
-#: Everything that an experiment file may say at its top level.
-TOP_LEVEL = (
-    *("title", "robot", "robots", "participants", "conditions", "variables", "keyboard"),
-    *("language", "session", "sensors", "steps", "panels", "script", "phases", "profiles"),
-    *("engagement", "repairs", *SECTIONS),
-)
 
 
 def load(
@@ -97,10 +86,11 @@ class _ExperimentDecoder:
         self._robots = RobotReader(catalogue, path.parent, report, sources)
 
     def read(self, root: Cursor) -> Experiment:
-        table = root.fields(TOP_LEVEL, "an experiment has", "a mapping") or {}
-        title = missing(table, "title", root)
+        table = dict(root.entries())
+        file = read_partly(root, ExperimentFile)
+        assert file is not None  # whoever calls has seen that it is a mapping
         robots = self._robots.read(root, table)
-        conditions = tuple(name for _, name in read_texts(table.get("conditions"), once=True))
+        conditions = file.conditions
         section = table.get("engagement")
         filled = (
             *utterance_template.BUILT_IN,
@@ -109,9 +99,7 @@ class _ExperimentDecoder:
         variables = read_variables(table.get("variables"), filled, conditions)
         language = Language(table.get("language"), self._path.absolute().parent, self._sources)
         words = language.questionnaire()
-        keyboard = table.get("keyboard")
-        layout = (keyboard and read_word(keyboard, LAYOUTS)) or "us"
-        panels_cursor = missing(table, "panels", root)
+        panels_cursor = table.get("panels")
         vocabulary = Vocabulary(
             robots,
             _own(session_verbs(conditions, panel_titles(panels_cursor)), section),
@@ -120,7 +108,7 @@ class _ExperimentDecoder:
             conditions,
         )
         steps = StepReader(vocabulary)
-        panels = PanelReader(steps, layout)
+        panels = PanelReader(steps, file.keyboard)
         read = tuple(panels.read(panels_cursor)) if panels_cursor is not None else ()
         offered = [verb for spec in robots.drivers for verb in spec.verbs]
         known = ProfileTargets.of(
@@ -136,18 +124,18 @@ class _ExperimentDecoder:
             conditions, actions, _published(robots), playable, section is not None
         )
         experiment = Experiment(
-            title=(title and read_text(title)) or "",
+            title=file.title,
             path=self._path.absolute(),
             sha256=hashlib.sha256(b"".join(source.data for source in self._sources)).hexdigest(),
             drivers=tuple(robots.drivers),
             panels=read,
-            script=tuple(name for _, name in read_texts(table.get("script"))),
+            script=file.script,
             phases=read_phases(table.get("phases"), [panel.title for panel in read], actions),
-            participant_pattern=_pattern(table.get("participants")),
+            participant_pattern=_pattern(file.participants.pattern, table.get("participants")),
             conditions=conditions,
             variables=variables.always,
             by_condition=variables.by_condition,
-            keyboard=layout,
+            keyboard=file.keyboard,
             language=language.code,
             words=words,
             repairs=RepairReader(vocabulary, steps, language).read(
@@ -155,15 +143,16 @@ class _ExperimentDecoder:
                 root.place,
                 any(len(texts) > 1 for draft in panels.drafts for texts in _wordings(draft.action)),
             ),
-            session=read_section(table.get("session"), SessionSettings) or SessionSettings(),
-            sensors=read_shown(table.get("sensors"), _published(robots), section is not None),
-            steps=read_section(table.get("steps"), ArrowKeySteps) or ArrowKeySteps(),
+            session=file.session,
+            sensors=file.sensors,
+            steps=file.steps,
             profiles=read_profiles(table.get("profiles"), known),
             engagement=engagement,
-            study=read_study(table, around),
+            study=read_study(file, table, around),
             files=tuple(source.path.absolute() for source in self._sources),
             texts=tuple(source.text for source in self._sources),
         )
+        check_shown(table.get("sensors"), _published(robots), section is not None)
         check_asks(robots, vocabulary.own, actions, self._report)
         if engagement is not None:
             check_engagement(engagement, robots, panels.drafts, self._report)
@@ -194,25 +183,20 @@ def _published(robots: Robots) -> set[str] | None:
     return {name for own in published_names(robots.drivers).values() for name in own.values()}
 
 
-def _pattern(cursor: Cursor | None) -> str:
-    default = str(Experiment.__dataclass_fields__["participant_pattern"].default)
-    example = "a mapping, such as {pattern: 'P\\d\\d'}"
-    table = (
-        cursor.fields(("pattern",), "participants have", example) if cursor is not None else None
-    )
-    entry = (table or {}).get("pattern")
-    text = read_text(entry, "a regular expression") if entry is not None else None
-    if entry is None or not text:
-        return default
+def _pattern(pattern: str, section: Cursor | None) -> str:
+    """The pattern of participants' codes; one that cannot be used has been reported."""
+    if section is None or not pattern:
+        return str(Experiment.__dataclass_fields__["participant_pattern"].default)
+    entry = dict(section.entries())["pattern"]
     try:
-        re.compile(text)
+        re.compile(pattern)
     except (re.error, OverflowError, RecursionError) as error:
-        entry.error(f"{quoted(text)} is not a regular expression: {error}")
-        return default
-    if participant_pattern.is_slow(text):
+        entry.error(f"{quoted(pattern)} is not a regular expression: {error}")
+        return pattern
+    if participant_pattern.is_slow(pattern):
         entry.warning(
-            f"some codes cannot be compared with {quoted(text)} within"
+            f"some codes cannot be compared with {quoted(pattern)} within"
             f" {participant_pattern.LIMIT_S * 1000:.0f} ms, and are refused;"
             f" {participant_pattern.SIMPLER}"
         )
-    return text
+    return pattern

@@ -8,23 +8,14 @@ phases:
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 
-from woz_tui.config.annotated_decoder import INVALID, fields_of, read_value
-from woz_tui.config.experiment import PLANNED, Action, Phase
+from woz_tui.config.annotated_decoder import read_entries
+from woz_tui.config.experiment import Action, Phase
 from woz_tui.config.problems import quoted
-from woz_tui.config.yaml_cursor import (
-    Cursor,
-    is_set,
-    missing,
-    one_or_more,
-    read_filled,
-    read_texts,
-)
-
-#: What a phase may say.
-FIELDS = tuple(item.name for item in fields_of(Phase))
+from woz_tui.config.yaml_cursor import Cursor, texts_of
+from woz_tui.config.yaml_nodes import ListNode
 
 
 def read_phases(
@@ -34,10 +25,12 @@ def read_phases(
 
     `panels` are the titles of all panels, `actions` all actions by name.
     """
-    entries = cursor.list("a list of phases") if cursor is not None else None
-    if cursor is not None and entries == []:
+    if cursor is not None and isinstance(cursor.node, ListNode) and not cursor.node.nodes:
         cursor.error("the list has no phase; add one, or remove phases")
-    found = [(entry, phase) for entry in entries or () if (phase := _phase(entry)) is not None]
+    found = [
+        (entry, replace(phase, name=phase.name or phase.title))
+        for entry, phase in read_entries(cursor, "a list of phases", Phase)
+    ]
     names = [phase.name for _, phase in found]
     first: dict[str, int] = {}
     for entry, phase in found:
@@ -55,48 +48,15 @@ def read_phases(
     return tuple(phase for _, phase in found)
 
 
-def _phase(cursor: Cursor) -> Phase | None:
-    table = cursor.fields(FIELDS, "a phase has", "a phase, such as {name: opening, panels: [...]}")
-    if table is None:
-        return None
-    title, name = read_filled(table.get("title")), read_filled(table.get("name"))
-    if title is None and name is None and not {"title", "name"} & table.keys():
-        missing({}, "name", cursor, "name in logs and tables")
-
-    def texts(field: str, expected: str) -> tuple[str, ...]:
-        return tuple(text for _, text in one_or_more(table.get(field), expected))
-
-    planned: Any = read_value(table["planned"], float, (PLANNED,)) if "planned" in table else 0.0
-    return Phase(
-        name=name or title or "",
-        title=title or "",
-        panels=tuple(text for _, text in read_texts(table.get("panels"), once=True)),
-        script=tuple(text for _, text in read_texts(table.get("script"))),
-        on_enter=texts("on_enter", "the name of an action, or a list of them"),
-        after=texts("after", "the name of a phase, or a list of them"),
-        planned=0.0 if planned is INVALID else planned,
-        lock_others=is_set(table.get("lock_others")),
-    )
-
-
-def _listed(cursor: Cursor | None) -> Iterator[tuple[Cursor, str]]:
-    """What was read from a text or a list, without another report."""
-    if cursor is not None:
-        for entry in (*cursor.items(),) or (cursor,):
-            text = getattr(entry.node, "text", "")
-            if text.strip():
-                yield entry, text
-
-
 def _check_names(cursor: Cursor | None, known: Collection[str], what: str) -> None:
-    for entry, name in _listed(cursor):
+    for entry, name in texts_of(cursor):
         if name not in known:
             near = entry.report.hint(name, known, or_list=f"{what}s are")
             entry.error(f"there is no {what} {quoted(name)}{near}")
 
 
 def _check_actions(cursor: Cursor | None, actions: Mapping[str, Action], phase: Phase) -> None:
-    for entry, name in _listed(cursor):
+    for entry, name in texts_of(cursor):
         action = actions.get(name)
         if action is None:
             near = entry.report.hint(name, actions)

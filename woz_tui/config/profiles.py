@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from woz_tui.config.experiment import Panel, Profile
+from woz_tui.config.annotated_decoder import names_of, read_partly
+from woz_tui.config.experiment import Panel, Profile, ProfileEntry
 from woz_tui.config.problems import quoted
-from woz_tui.config.yaml_cursor import Cursor, is_set, read_texts
+from woz_tui.config.yaml_cursor import Cursor, texts_of
 from woz_tui.drivers.contract import Verb
 
 #: What a profile may say.
-FIELDS = ("panels", "actions", "controls", "verbs", "hide")
+FIELDS = names_of(ProfileEntry)
 #: The verb that turns a knob; its first argument's choices are all controls there are.
 CONTROL = "control"
 
@@ -62,35 +63,22 @@ def read_profiles(cursor: Cursor | None, known: ProfileTargets) -> dict[str, Pro
 
 
 def _profile(name: str, cursor: Cursor, known: ProfileTargets) -> Profile | None:
-    table = cursor.fields(FIELDS, "a profile has", "a mapping, such as {panels: [Speech]}")
-    if table is None:
+    profile = read_partly(cursor, Profile, name=name)
+    if profile is None:
         return None
     if not name.strip():
         cursor.error("a profile needs a name")
-
-    def names(field: str, there: Sequence[str], what: Callable[[str], str]) -> frozenset[str]:
-        surely = known.complete or field in ("panels", "actions")
-        return frozenset(_names(table.get(field), there, what if surely else None))
-
-    profile = Profile(
-        name=name,
-        panels=names("panels", known.panels, lambda n: f"there is no panel {n}"),
-        actions=names("actions", known.actions, lambda n: f"there is no action {n}"),
-        controls=names("controls", known.controls, lambda n: f"no body has a control {n}"),
-        verbs=names("verbs", known.verbs, lambda n: f"no driver offers {n}"),
-        hide=is_set(table.get("hide")),
-    )
+    table = dict(cursor.entries())
+    for field, there, what in (
+        ("panels", known.panels, "there is no panel"),
+        ("actions", known.actions, "there is no action"),
+        ("controls", known.controls, "no body has a control"),
+        ("verbs", known.verbs, "no driver offers"),
+    ):
+        for entry, word in texts_of(table.get(field)):
+            if word not in there and (known.complete or field in ("panels", "actions")):
+                near = entry.report.hint(word, there, or_list="there are")
+                entry.error(f"{what} {quoted(word)}{near}")
     if not any(field in table for field in FIELDS[:-1]):
         cursor.error(f"allows nothing; name some of {', '.join(FIELDS[:-1])}")
     return profile
-
-
-def _names(
-    cursor: Cursor | None, there: Sequence[str], unknown: Callable[[str], str] | None
-) -> Iterable[str]:
-    """A list of names; those that are not `there` are `unknown`, if that can be said."""
-    for entry, name in read_texts(cursor, "a list of names"):
-        if unknown is not None and name not in there:
-            near = entry.report.hint(name, there, or_list="there are")
-            entry.error(f"{unknown(quoted(name))}{near}")
-        yield name

@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 
 from woz_tui.config.experiment import DriverSpec
 from woz_tui.config.problems import quoted
-from woz_tui.config.yaml_cursor import Cursor, read_texts
+from woz_tui.config.yaml_cursor import Cursor, texts_of
 
 #: What may be named among the sensors though it is none: the model, and all joints.
 ENGAGEMENT, POSE = "engagement", "pose"
@@ -44,19 +44,16 @@ def _name(spec: DriverSpec, sensor: str, everywhere: int, in_robot: int) -> str:
     return f"{spec.name}.{sensor}"
 
 
-def read_shown(
-    cursor: Cursor | None, published: Collection[str] | None, has_model: bool
-) -> tuple[str, ...]:
-    """The section `sensors`: what stands first among the meters.
+def check_shown(cursor: Cursor | None, published: Collection[str] | None, has_model: bool) -> None:
+    """Check the section `sensors`: what stands first among the meters.
 
     `published`: names of all sensors; None where a driver is missing. What none of them is near to
     may be something that only the running robot knows.
     """
-    wanted = read_texts(cursor, "a list, such as [engagement, distance, loudness]", once=True)
     known = {ENGAGEMENT, POSE}
     for name in published or ():
         known |= {name, name.rpartition(".")[2], name.rpartition(".")[0]} - {""}
-    for entry, name in wanted:
+    for entry, name in texts_of(cursor):
         near = entry.report.nearest(name, known)
         if name == ENGAGEMENT and not has_model:
             entry.warning("nothing shows it: the file has no section engagement")
@@ -69,4 +66,3 @@ def read_shown(
                 f"no driver names a sensor {quoted(name)}; it is shown if the running robot gives"
                 " it (`woz check --all` lists them)"
             )
-    return tuple(name for _, name in wanted)

@@ -9,13 +9,27 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Annotated
+from typing import Annotated, Any
 
-from woz_tui.drivers.fields import Doc, OneOf, Range, Seconds, Unique
+from woz_tui.drivers.fields import (
+    Doc,
+    Entry,
+    NotBlank,
+    NotEmpty,
+    OneOf,
+    OneOrMore,
+    Range,
+    ReadApart,
+    Seconds,
+    Unique,
+)
+from woz_tui.protocol.welcome import Questionnaire
 
 ORDERS = ("latin-square", "blocks", "fixed")
 #: What a cue is, to which a robot's answer may come too soon.
 CUES = ("speech", "engagement", "marker")
+#: When a questionnaire is due.
+WHENS = ("end", "trial", "condition", "hand")
 #: What of the screen can be kept from the wizard; all but `transcript` can only be hidden.
 PERCEIVED = (
     *("transcript", "distance", "loudness", "presence", "gaze", "identity", "direction"),
@@ -43,38 +57,67 @@ class Design:
         int | None, Range(1, 1000), Doc("participants per block; default: the number of conditions")
     ] = None
     seed: Annotated[int, Range(0, 999_999), Doc("seed of the shuffling")] = 0
-    #: Condition -> what the wizard is told instead; empty: the wizard is told the condition.
-    blind: Mapping[str, str] = field(default_factory=dict)
+    #: Condition -> label; empty: the wizard sees the conditions themselves.
+    blind: Annotated[
+        Mapping[str, str],
+        ReadApart(bool | dict[str, str]),
+        Doc("labels that the wizard sees instead of the conditions; true: letters"),
+    ] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
-class QuestionnaireItem:
-    """One item of a questionnaire: a scale from `low` to `high` (whole numbers), or a free text.
+class ScaleEntry(Entry):
+    """A scale as a file gives it; what it leaves out is as in the questionnaire's scale."""
 
-    `ends` is what the scale's ends are called. `optional`: may be left out.
-    """
+    what = "a scale"
+    example = "{low: 1, high: 7}"
+    low: Annotated[int | None, Range(-1000, 1000), Doc("the lowest number")] = None
+    high: Annotated[int | None, Range(-1000, 1000), Doc("the highest number")] = None
+    ends: Annotated[tuple[str, str] | None, Doc("labels of the lowest and the highest number")] = (
+        None
+    )
 
-    name: str
-    question: str
-    low: int = 1
-    high: int = 7
-    ends: tuple[str, str] = ("", "")
-    #: A free text instead of a scale.
-    text: bool = False
-    optional: bool = False
+
+_Name = Annotated[
+    str, ReadApart("name"), Doc("name in logs and tables (default: made from the words)")
+]
+_Scale = Annotated[
+    ScaleEntry | None, Doc("whole numbers from low to high, with labels for both ends")
+]
 
 
 @dataclass(frozen=True, slots=True)
-class Questionnaire:
-    """Items asked together. `when`: end (of the session), trial (after each one), condition (after
-    the last trial of each) or hand (by key alone).
-    """
+class ItemEntry(Entry):
+    """An item of a questionnaire as a file gives it."""
 
-    name: str
-    title: str
-    items: tuple[QuestionnaireItem, ...]
-    when: str = "end"
-    introduction: str = ""
+    what = "an item"
+    example = "a question, or {name: ..., question: ...}"
+    question: Annotated[str, NotBlank(), Doc("as the participant reads it")]
+    name: _Name = ""
+    scale: _Scale = None
+    text: Annotated[bool, Doc("a free text instead of a scale")] = False
+    optional: Annotated[bool, Doc("can be skipped")] = False
+
+
+@dataclass(frozen=True, slots=True)
+class QuestionnaireEntry(Entry):
+    """A questionnaire as a file gives it."""
+
+    what = "a questionnaire"
+    example = "{title: ..., items: [...]}"
+    either = ("title", "name")
+    items: Annotated[
+        Any, ReadApart(tuple[ItemEntry | str, ...]), NotEmpty(), Doc("questions, in this order")
+    ]
+    name: _Name = ""
+    title: Annotated[str, NotBlank(), Doc("title")] = ""
+    when: Annotated[
+        str,
+        OneOf(WHENS),
+        Doc("at the end, after each trial or condition, or only when the wizard starts it"),
+    ] = "end"
+    introduction: Annotated[str, NotBlank(), Doc("introduction before the first item")] = ""
+    scale: _Scale = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,25 +147,44 @@ class PerceptionLimits:
     ] = ()
 
 
+_Window = Annotated[float, Seconds(0.5, 60), Doc("time limit for the answer, in seconds")]
+
+
 @dataclass(frozen=True, slots=True)
-class TrainingCue:
+class TrainingCue(Entry):
     """Something the simulated visitor does, and the actions that answer it rightly."""
 
-    sort: str
-    answers: tuple[str, ...]
-    #: What the visitor says with it; one of these at random.
-    says: tuple[str, ...] = ()
-    #: Seconds in which the answer must come; None: as the section says.
-    window: float | None = None
+    what = "a cue"
+    example = "{cue: question, answers: [...]}"
+    cue: Annotated[str, OneOf(TRAINING_CUES), Doc("what the visitor does")]
+    answers: Annotated[
+        tuple[str, ...],
+        OneOrMore("the name of an action"),
+        NotEmpty("an action is missing here"),
+        Doc("names of the correct actions"),
+    ]
+    says: Annotated[
+        tuple[str, ...],
+        OneOrMore("what the visitor says"),
+        Doc("what the visitor says; one of several"),
+    ] = ()
+    #: None: as the section says.
+    window: _Window | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Training:
     """What `woz train` does. Without cues it makes them from the experiment's actions."""
 
-    cues: tuple[TrainingCue, ...] = ()
+    cues: Annotated[
+        tuple[TrainingCue, ...],
+        NotEmpty(
+            "the list has no cue; add one, or remove cues: they are then made from the actions"
+        ),
+        Doc("what the visitor does, and which actions answer it"),
+    ] = ()
     count: Annotated[int, Range(1, 1000), Doc("cues in one training")] = 20
-    window: Annotated[float, Seconds(0.5, 60), Doc("time limit for an answer, in seconds")] = 4.0
+    window: _Window = 4.0
     pause: Annotated[float, Seconds(0.5, 60), Doc("seconds between two cues, on average")] = 3.0
 
 
@@ -130,13 +192,28 @@ class Training:
 class Study:
     """All of it; an experiment without these sections has the defaults."""
 
-    design: Design | None = None
-    questionnaires: tuple[Questionnaire, ...] = ()
-    #: What a human has to see to before the first participant, in words.
-    preflight: tuple[str, ...] = ()
-    shaping: ResponseShaping | None = None
-    #: Cue -> verbs and titles of panels that answer it, for the figures; others are answered by
-    #: speech.
-    answers: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    perception: PerceptionLimits = field(default_factory=PerceptionLimits)
-    training: Training = field(default_factory=Training)
+    design: Annotated[
+        Design | None, ReadApart(), Doc("order of conditions for each participant")
+    ] = None
+    questionnaires: Annotated[
+        tuple[Questionnaire, ...],
+        ReadApart(tuple[QuestionnaireEntry, ...]),
+        Doc("what the participant is asked"),
+    ] = ()
+    preflight: Annotated[
+        tuple[str, ...],
+        NotBlank(),
+        Unique(),
+        Doc("what a person checks before the first participant"),
+    ] = ()
+    shaping: Annotated[ResponseShaping | None, Doc("delays before the robot answers a cue")] = None
+    #: Cue -> verbs and titles of panels; cues that are not there are answered by speech.
+    answers: Annotated[
+        Mapping[str, tuple[str, ...]],
+        ReadApart("answers"),
+        Doc("verbs or panels that answer a cue in the figures (default: say)"),
+    ] = field(default_factory=dict)
+    perception: Annotated[
+        PerceptionLimits, Doc("sensor values that are hidden from the wizard")
+    ] = PerceptionLimits()
+    training: Annotated[Training, Doc("settings of `woz train`")] = Training()

@@ -20,66 +20,55 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from woz_tui.config.annotated_decoder import INVALID, read_section, read_settings, read_value
+from woz_tui.config.annotated_decoder import (
+    INVALID,
+    read_entries,
+    read_partly,
+    read_settings,
+)
 from woz_tui.config.condition_texts import texts
 from woz_tui.config.counterbalancing import letters
 from woz_tui.config.experiment import Action
 from woz_tui.config.problems import quoted
 from woz_tui.config.study import (
     CUES,
-    TRAINING_CUES,
     Design,
+    ItemEntry,
     PerceptionLimits,
-    Questionnaire,
-    QuestionnaireItem,
+    QuestionnaireEntry,
     ResponseShaping,
+    ScaleEntry,
     Study,
-    Training,
-    TrainingCue,
 )
 from woz_tui.config.yaml_cursor import (
     Cursor,
-    is_set,
     missing,
     one_or_more,
     read_filled,
     read_flag,
     read_text,
-    read_texts,
-    read_whole,
-    read_word,
+    texts_of,
 )
 from woz_tui.config.yaml_nodes import ListNode, MappingNode, ScalarNode
 from woz_tui.drivers.contract import SPEECH
-from woz_tui.drivers.fields import Range, Seconds
+from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
 
 # -- questionnaires --------------------------------------------------------------------------------
 
 
-#: When a questionnaire is due.
-WHENS = ("end", "trial", "condition", "hand")
-FIELDS = ("name", "title", "when", "introduction", "scale", "items")
-ITEM_FIELDS = ("name", "question", "scale", "text", "optional")
-SCALE_FIELDS = ("low", "high", "ends")
 #: What names in logs and tables look like.
 NAME_PATTERN = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,39}")
-_POINTS = Range(-1000, 1000)
 #: Points of the widest scale: a percentage has 101.
 MOST_POINTS = 1001
-
-
-@dataclass(frozen=True, slots=True)
-class _Scale:
-    low: int = 1
-    high: int = 7
-    ends: tuple[str, str] = ("", "")
+_DEFAULT_SCALE = ScaleEntry(1, 7, ("", ""))
 
 
 def read_questionnaires(cursor: Cursor | None) -> tuple[Questionnaire, ...]:
-    """All that are right; what is wrong with the others has been reported."""
-    entries = cursor.list("a list of questionnaires") if cursor is not None else None
-    read = [(entry, _questionnaire(entry)) for entry in entries or ()]
-    found = [(entry, each) for entry, each in read if each is not None]
+    """All questionnaires; what is wrong with them has been reported."""
+    found = [
+        (entry, _questionnaire(entry, read))
+        for entry, read in read_entries(cursor, "a list of questionnaires", QuestionnaireEntry)
+    ]
     _different([(entry, each.name) for entry, each in found], "a questionnaire", "title")
     return tuple(each for _, each in found)
 
@@ -97,111 +86,81 @@ def name_from_text(text: str) -> str:
     return code
 
 
-def _questionnaire(cursor: Cursor) -> Questionnaire | None:
-    example = "a questionnaire, such as {title: ..., items: [...]}"
-    table = cursor.fields(FIELDS, "a questionnaire has", example)
-    if table is None:
-        return None
-    title = read_filled(table.get("title"))
-    name = _name(table.get("name"), title)
-    if title is None and not name and not {"title", "name"} & table.keys():
-        missing({}, "title", cursor, "title")
-    elif not name and "name" not in table:
-        missing({}, "name", cursor, "no name can be made from the title")
-    when = table.get("when")
-    scale = _scale(table.get("scale"), _Scale())
-    items_cursor = missing(table, "items", cursor)
-    items = _items(items_cursor, scale) if items_cursor is not None else ()
+def _questionnaire(cursor: Cursor, entry: QuestionnaireEntry) -> Questionnaire:
+    table = dict(cursor.entries())
+    name = _name(cursor, "title", entry.title)
+    scale = _scale(table.get("scale"), entry.scale, _DEFAULT_SCALE)
     return Questionnaire(
         name=name,
-        title=title or name,
-        items=items,
-        when=(when and read_word(when, WHENS)) or WHENS[0],
-        introduction=read_filled(table.get("introduction")) or "",
+        title=entry.title or name,
+        introduction=entry.introduction,
+        when=entry.when,
+        items=_items(table.get("items"), scale),
     )
 
 
-def _items(cursor: Cursor, scale: _Scale) -> tuple[QuestionnaireItem, ...]:
-    entries = cursor.list("a list of items")
-    if entries is not None and not entries:
+def _items(cursor: Cursor | None, scale: ScaleEntry) -> tuple[QuestionnaireItem, ...]:
+    entries = cursor.list("a list of items") if cursor is not None else None
+    if cursor is not None and entries == []:
         cursor.error("an item is missing here")
     found = [(entry, _item(entry, scale)) for entry in entries or ()]
     _different([(entry, item.name) for entry, item in found], "an item", "question")
     return tuple(item for _, item in found)
 
 
-def _item(cursor: Cursor, scale: _Scale) -> QuestionnaireItem:
+def _item(cursor: Cursor, scale: ScaleEntry) -> QuestionnaireItem:
     if isinstance(cursor.node, ScalarNode):
-        question = read_filled(cursor) or ""
-        name = name_from_text(question)
-        if question and not name:
+        entry = ItemEntry(read_filled(cursor) or "")
+        name = name_from_text(entry.question)
+        if entry.question and not name:
             cursor.error("no name can be made from this; write {name: ..., question: ...}")
-        return QuestionnaireItem(name, question, scale.low, scale.high, scale.ends)
-    example = "a question, or {name: ..., question: ...}"
-    table = cursor.fields(ITEM_FIELDS, "an item has", example) or {}
-    asked = missing(table, "question", cursor) if table else None
-    question = read_filled(asked) or ""
-    name = _name(table.get("name"), question)
-    if question and not name and "name" not in table:
-        missing({}, "name", cursor, "no name can be made from the question")
-    text = is_set(table.get("text"))
-    own = table.get("scale")
-    if text and own is not None:
-        own.error("a free text has no scale")
-        own = None
-    scale = _scale(own, scale)
+    else:
+        entry = read_partly(cursor, ItemEntry) or ItemEntry("")
+        name = _name(cursor, "question", entry.question)
+        own = dict(cursor.entries()).get("scale")
+        if entry.text and own is not None:
+            own.error("a free text has no scale")
+        else:
+            scale = _scale(own, entry.scale, scale)
     return QuestionnaireItem(
         name=name,
-        question=question,
-        low=scale.low,
-        high=scale.high,
-        ends=scale.ends,
-        text=text,
-        optional=is_set(table.get("optional")),
+        question=entry.question,
+        low=scale.low or 0,
+        high=scale.high or 0,
+        ends=scale.ends or ("", ""),
+        text=entry.text,
+        optional=entry.optional,
     )
 
 
-def _scale(cursor: Cursor | None, outer: _Scale) -> _Scale:
+def _scale(cursor: Cursor | None, own: ScaleEntry | None, outer: ScaleEntry) -> ScaleEntry:
     """A scale; what it does not say is as in the `outer` one."""
-    example = "a mapping, such as {low: 1, high: 7}"
-    table = cursor.fields(SCALE_FIELDS, "a scale has", example) if cursor is not None else None
-    if cursor is None or table is None:
+    if cursor is None or own is None or outer.low is None or outer.high is None:
         return outer
-    given = {name: read_whole(table[name], _POINTS) for name in ("low", "high") if name in table}
-    ends = _ends(table.get("ends")) or outer.ends
-    low, high = given.get("low", outer.low), given.get("high", outer.high)
-    if low is None or high is None:
-        return outer
+    low = outer.low if own.low is None else own.low
+    high = outer.high if own.high is None else own.high
+    table = dict(cursor.entries())
     last = table.get("high", table.get("low", cursor))
     if low >= high:
         last.error(f"the scale goes from {low} to {high}; it needs at least two points")
-        return outer
-    if high - low >= MOST_POINTS:
+    elif high - low >= MOST_POINTS:
         last.error(f"a scale can have at most {MOST_POINTS} points")
-        return outer
-    return _Scale(low, high, ends)
+    else:
+        return ScaleEntry(low, high, own.ends or outer.ends)
+    return outer
 
 
-def _ends(cursor: Cursor | None) -> tuple[str, str] | None:
-    entries = cursor.list("labels of both ends: [not at all, very much]") if cursor else None
-    if cursor is None or entries is None:
-        return None
-    names = [read_text(entry) for entry in entries]
-    if len(names) != 2:
-        cursor.error(f"a scale has two labels, one for each end; this has {len(names)}")
-        return None
-    return (names[0] or "", names[1] or "")
-
-
-def _name(cursor: Cursor | None, sentence: str | None) -> str:
+def _name(entry: Cursor, made_of: str, sentence: str) -> str:
     """The name that is given, or else one made of the sentence; empty if it is wrong."""
+    cursor = dict(entry.entries()).get("name")
+    near = name_from_text(sentence)
     if cursor is None:
-        return name_from_text(sentence or "")
+        if sentence and not near:
+            missing({}, "name", entry, f"no name can be made from the {made_of}")
+        return near
     text = read_text(cursor, "a name")
-    if text is None:
-        return ""
-    if NAME_PATTERN.fullmatch(text):
-        return text
+    if text is None or NAME_PATTERN.fullmatch(text):
+        return text or ""
     near = name_from_text(text)
     hint = f", such as {near!r}" if near else ""
     cursor.error(f"a name in logs and tables has letters, digits, - and _, 40 at most{hint}")
@@ -224,9 +183,6 @@ def _different(named: Sequence[tuple[Cursor, str]], what: str, made_of: str) -> 
 # -- design ----------------------------------------------------------------------------------------
 
 
-BLIND = "blind"
-
-
 def read_design(cursor: Cursor | None, conditions: Sequence[str]) -> Design | None:
     """The section, or None if there is none or it is wrong, which has been reported then."""
     if cursor is None:
@@ -234,9 +190,9 @@ def read_design(cursor: Cursor | None, conditions: Sequence[str]) -> Design | No
     if cursor.table("a mapping, such as {order: latin-square, trials: 3}") is None:
         return None
     entries = dict(cursor.entries())
-    settings: Any = read_settings(cursor, Design, others=(BLIND,))
+    settings: Any = read_settings(cursor, Design)
     labels = _labels(
-        entries.get(BLIND), conditions, settings.seed if settings is not INVALID else 0
+        entries.get("blind"), conditions, settings.seed if settings is not INVALID else 0
     )
     if settings is INVALID:
         return None
@@ -299,13 +255,6 @@ def _labels(cursor: Cursor | None, conditions: Sequence[str], seed: int) -> dict
     return labels
 
 
-#: The names of these sections.
-SECTIONS = ("design", "questionnaires", "preflight", "shaping", "answers", "perception", "training")
-CUE_FIELDS = ("cue", "says", "answers", "window")
-#: How long an answer may take at most, in the section and in one cue.
-WINDOW = Seconds(0.5, 60)
-
-
 @dataclass(frozen=True, slots=True)
 class StudyReferences:
     """What the sections refer to. `sensors` and `playable` (verbs and titles of panels): None where
@@ -319,20 +268,25 @@ class StudyReferences:
     engaged: bool
 
 
-def read_study(table: Mapping[str, Cursor], around: StudyReferences) -> Study:
-    """All sections that `table`, the file's top level, has. What is wrong has been reported."""
+def read_study(file: Study, table: Mapping[str, Cursor], around: StudyReferences) -> Study:
+    """All sections that `table`, the file's top level, has; `file`: as they stand there. What is
+    wrong has been reported.
+    """
     design = read_design(table.get("design"), around.conditions)
     questionnaires = read_questionnaires(table.get("questionnaires"))
     if design is None and "design" not in table:
         _without_a_design(table.get("questionnaires"))
+    _check_shaping(file.shaping, table.get("shaping"), around)
+    _check_perception(file.perception, table.get("perception"))
+    _check_training(table.get("training"), around.actions)
     return Study(
         design=design,
         questionnaires=questionnaires,
-        preflight=_preflight(table.get("preflight")),
-        shaping=_shaping(table.get("shaping"), around),
+        preflight=file.preflight,
+        shaping=file.shaping,
         answers=_answering(table.get("answers"), around.playable),
-        perception=_perception(table.get("perception")),
-        training=_training(table.get("training"), around.actions),
+        perception=file.perception,
+        training=file.training,
     )
 
 
@@ -347,18 +301,11 @@ def _without_a_design(cursor: Cursor | None) -> None:
             )
 
 
-def _preflight(cursor: Cursor | None) -> tuple[str, ...]:
-    found = read_texts(cursor, "a list of sentences", "a sentence", once=True)
-    for entry, text in found:
-        if not text.strip():
-            entry.error("is empty")
-    return tuple(text for _, text in found)
-
-
-def _shaping(cursor: Cursor | None, around: StudyReferences) -> ResponseShaping | None:
-    shaping = read_section(cursor, ResponseShaping)
+def _check_shaping(
+    shaping: ResponseShaping | None, cursor: Cursor | None, around: StudyReferences
+) -> None:
     if cursor is None or shaping is None:
-        return None
+        return
     entries = dict(cursor.entries())
     cues = entries.get("cues", cursor)
     if not shaping.cues:
@@ -369,7 +316,6 @@ def _shaping(cursor: Cursor | None, around: StudyReferences) -> ResponseShaping 
         cues.warning("the cue engagement never occurs: the file has no section engagement")
     if "speech" in shaping.cues and around.sensors is not None and not _heard(around.sensors):
         cues.warning("the cue speech never occurs: no driver detects the end of speech")
-    return shaping
 
 
 def _answering(
@@ -401,63 +347,21 @@ def _heard(sensors: Collection[str]) -> bool:
     return SPEECH in {name.rpartition(".")[2] for name in sensors}
 
 
-def _perception(cursor: Cursor | None) -> PerceptionLimits:
-    perception = read_section(cursor, PerceptionLimits)
-    if cursor is None or perception is None:
-        return PerceptionLimits()
-    blur = dict(cursor.entries()).get("blur")
-    for each, word in zip(blur.items() if blur is not None else (), perception.blur, strict=True):
+def _check_perception(perception: PerceptionLimits, cursor: Cursor | None) -> None:
+    blur = dict(cursor.entries()).get("blur") if cursor is not None else None
+    for entry, word in texts_of(blur):
         if word in perception.hide:
-            each.warning("is hidden already and cannot be blurred as well")
-    return perception
+            entry.warning("is hidden already and cannot be blurred as well")
 
 
-# -- training -------------------------------------------------------------------------------
-
-
-def _training(cursor: Cursor | None, actions: Mapping[str, Action]) -> Training:
-    if cursor is None:
-        return Training()
-    settings = read_section(cursor, Training, others=("cues",)) or Training()
-    section = dict(cursor.entries()).get("cues")
-    entries = section.list("a list of cues") if section is not None else None
-    if section is not None and entries == []:
-        section.error(
-            "the list has no cue; add one, or remove cues: they are then made from the actions"
-        )
-    cues = tuple(cue for entry in entries or () if (cue := _cue(entry, actions)) is not None)
-    return Training(cues, settings.count, settings.window, settings.pause)
-
-
-def _cue(cursor: Cursor, actions: Mapping[str, Action]) -> TrainingCue | None:
-    example = "a cue, such as {cue: question, answers: [...]}"
-    table = cursor.fields(CUE_FIELDS, "a cue has", example)
-    if table is None:
-        return None
-    sort_cursor = missing(table, "cue", cursor, "what the visitor does")
-    sort = read_word(sort_cursor, TRAINING_CUES) if sort_cursor is not None else None
-    answers = missing(table, "answers", cursor, "names of actions")
-    window = read_value(table["window"], float, (WINDOW,)) if "window" in table else None
-    says = [text for _, text in one_or_more(table.get("says"), "what the visitor says")]
-    if sort is None or answers is None:
-        return None
-    return TrainingCue(
-        sort=sort,
-        answers=tuple(_answers(answers, actions)),
-        says=tuple(says),
-        window=None if window is INVALID else window,
-    )
-
-
-def _answers(cursor: Cursor, actions: Mapping[str, Action]) -> Iterator[str]:
-    given = [*one_or_more(cursor, "the name of an action, or a list of them")]
-    if not given and isinstance(cursor.node, ListNode) and not cursor.node.nodes:
-        cursor.error("an action is missing here")
-    for entry, name in given:
-        action = actions.get(name)
-        if action is None:
-            near = cursor.report.hint(name, actions, or_list="actions are")
-            entry.error(f"there is no action {quoted(name)}{near}")
-        elif action.locked:
-            entry.warning(f"{quoted(name)} is locked and cannot be an answer")
-        yield name
+def _check_training(cursor: Cursor | None, actions: Mapping[str, Action]) -> None:
+    """Names of actions that there are not, or that are locked."""
+    cues = dict(cursor.entries()).get("cues") if cursor is not None else None
+    for entry in cues.items() if cues is not None else ():
+        for answer, name in texts_of(dict(entry.entries()).get("answers")):
+            action = actions.get(name)
+            if action is None:
+                near = answer.report.hint(name, actions, or_list="actions are")
+                answer.error(f"there is no action {quoted(name)}{near}")
+            elif action.locked:
+                answer.warning(f"{quoted(name)} is locked and cannot be an answer")

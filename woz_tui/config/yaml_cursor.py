@@ -79,6 +79,14 @@ class Cursor:
                 entry.unknown(known, what)
         return table
 
+    def only(self, names: Collection[str]) -> Cursor:
+        """The same mapping with these entries alone."""
+        node = self.node
+        if not isinstance(node, MappingNode):
+            return self
+        kept = {name: entry for name, entry in node.entries.items() if name in names}
+        return Cursor(MappingNode(node.place, kept, node.keys), self.path, self.place, self.report)
+
     def list(self, expected: str = "a list") -> list[Cursor] | None:
         """The list's entries."""
         if not isinstance(self.node, ListNode):
@@ -150,6 +158,15 @@ def one_or_more(cursor: Cursor | None, expected: str) -> Iterator[tuple[Cursor, 
         text = read_filled(entry, expected)
         if text is not None and text.strip():
             yield entry, text
+
+
+def texts_of(cursor: Cursor | None) -> Iterator[tuple[Cursor, str]]:
+    """A text, or those of a list, with where they stand; whatever else stands there is left out."""
+    if cursor is not None:
+        for entry in (*cursor.items(),) or (cursor,):
+            text = entry.node.text if isinstance(entry.node, ScalarNode) else ""
+            if text.strip():
+                yield entry, text
 
 
 def read_word(cursor: Cursor, choices: Iterable[str], expected: str = "one of") -> str | None:

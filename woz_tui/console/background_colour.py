@@ -15,7 +15,7 @@ import time
 from dataclasses import dataclass
 
 from woz_tui.console.byte_scanner import Scanner
-from woz_tui.console.input_tokens import StopToken, TerminalReply
+from woz_tui.console.escape_sequences import StopToken, TerminalReply
 
 QUESTION = b"\x1b]11;?\x1b\\"
 #: How long the answer may take, in seconds.

@@ -1,21 +1,229 @@
-"""The lines at the bottom: script, its next sentence and hints as a rule, the stop when it is
-pressed.
-"""
+"""Lines at the bottom: repairs, the script with its next sentence, hints, news, the stop."""
 
 from __future__ import annotations
 
+import textwrap
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from rich.cells import cell_len
 
-from woz_tui.console.cells import Cells, Row, clean, cut, fit, length, spread, wrap_row
+from woz_tui.console.cells import (
+    Cells,
+    Piece,
+    Row,
+    clean,
+    cut,
+    fit,
+    heading,
+    length,
+    spread,
+    wrap_row,
+)
+from woz_tui.console.command_text import command_words
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.number_text import elapsed, millis
-from woz_tui.console.script_row import script_row, upcoming
-from woz_tui.console.sentence_rows import sentence_rows
 from woz_tui.console.stop_confirmation import confirmed_words, missing_row
+from woz_tui.protocol.messages import FilledCall
+from woz_tui.protocol.panels import ActionView
+from woz_tui.session.variables import HIDDEN_TEXT
 from woz_tui.timeline.episodes import StopEpisode
+
+
+def repair_row(picture: ConsoleState, frame: PaintFrame, keys: Mapping[str, str]) -> Row:
+    """Each repair with its key, in a replay alone; what is under way stands out."""
+    found = [_repair(picture, frame, action, keys) for action in picture.settings.repairs]
+    need = sum(map(length, found))
+    apart = 3 if need + 3 * len(found) <= frame.width else 1
+    row: Row = ((" ", "plain"),)
+    for each in found:
+        row += (*each, (" " * apart, "plain"))
+    return cut(row, frame.width, frame.glyphs.ellipsis)
+
+
+def _repair(
+    picture: ConsoleState, frame: PaintFrame, action: ActionView, keys: Mapping[str, str]
+) -> Row:
+    key = keys.get(action.name, "")
+    if picture.runs.of(action.name) is not None:
+        mark, look = frame.glyphs.running, "run"
+    elif picture.runs.failure_of(action.name) is not None:
+        mark, look = frame.glyphs.failed, "bad"
+    else:
+        mark, look = " ", "muted"
+    label: Piece = (f"{mark}{clean(action.label)}", look)
+    if picture.replay is not None:  # no key plays anything there
+        return (label,)
+    return (key, "key") if key else ("no key", "faint"), label
+
+
+class RepairRow(Cells):
+    """One row."""
+
+    #: Action -> its key, as a cap shows it; the app says so.
+    keys: Mapping[str, str] = {}
+
+    def paint(self, picture: ConsoleState, frame: PaintFrame) -> None:
+        """Show it."""
+        self.show([repair_row(picture, frame, self.keys)])
+
+
+#: What stands for a text that is kept from the wizard.
+KEPT = "what it says is kept from you"
+
+
+def step_words(step: Sequence[FilledCall] | float) -> str:
+    """`say “Hello” + play nod`, or `wait 0.5 s`."""
+    if isinstance(step, float | int):
+        return f"wait {step:g} s"
+    return " + ".join(map(_call_words, step))
+
+
+def _call_words(call: FilledCall) -> str:
+    text = command_words(call)
+    return f"{call.verb} {text}" if call.args.get("text") else text
+
+
+def steps_text(picture: ConsoleState, action: str) -> str:
+    """All of its steps in one line; empty where nobody has told."""
+    return ", ".join(map(step_words, picture.steps(action)))
+
+
+def quoted(picture: ConsoleState, action: str, glyphs: Glyphs) -> str:
+    """What it says, between quotation marks; empty if it says nothing, or it is kept."""
+    return quotation(picture.sentence(action), glyphs)
+
+
+def quotation(text: str, glyphs: Glyphs) -> str:
+    """A text between quotation marks; nothing of an empty one, or one that is kept."""
+    said = clean(text)
+    if not said or said == HIDDEN_TEXT:
+        return ""
+    return f"{glyphs.opening}{glyphs.plain(said)}{glyphs.closing}"
+
+
+def sentence_rows(picture: ConsoleState, frame: PaintFrame, action: str) -> list[Row]:
+    """What it says, or what it does if it says nothing, in as many rows as the frame has."""
+    if picture.sentence(action) == HIDDEN_TEXT:
+        text, look = KEPT, "muted"
+    elif said := quoted(picture, action, frame.glyphs):
+        text, look = said, "strong"
+    else:
+        text, look = frame.glyphs.plain(clean(steps_text(picture, action))), "muted"
+    rows = wrap_row(((f" {text}", look),), 2, frame.width) if text else []
+    if len(rows) > frame.height > 0:
+        rest = " ".join(
+            "".join(piece for piece, _ in row).strip() for row in rows[frame.height - 1 :]
+        )
+        rows[frame.height - 1 :] = [(("  " if frame.height > 1 else " ", "plain"), (rest, look))]
+    rows += [()] * (frame.height - len(rows))
+    return [cut(row, frame.width, frame.glyphs.ellipsis) for row in rows]
+
+
+def upcoming(picture: ConsoleState) -> str:
+    """The action that the script plays next; empty at its end."""
+    return picture.script[picture.position] if picture.position < len(picture.script) else ""
+
+
+def script_row(
+    picture: ConsoleState,
+    frame: PaintFrame,
+    key: str,
+    skip: str = "",
+    then: Sequence[tuple[str, str]] = (),
+) -> Row:
+    """The line that `key` plays next, those after it that were not played, and how many were;
+    `skip` is the key that leaves the line out. What is likely to follow the last act, `then`,
+    stands first: key and label of each.
+    """
+    glyphs = frame.glyphs
+    if then:
+        row: Row = ((" then ", "title"),)
+        for cap, label in then:
+            row += ((f" {cap or glyphs.dash} ", "key"), (f" {clean(label)}  ", "strong"))
+        room = frame.width - length(row)
+        if room >= THEN_ROOM:
+            return row + script_row(picture, replace(frame, width=room), key, skip)
+        return cut(row, frame.width, glyphs.ellipsis)
+    if not picture.script:
+        none = " no phase, no script" if picture.without_phase else " no script"
+        return ((fit(none, frame.width), "faint"),)
+    count = len(picture.script)
+    right = f" {len(picture.played)}/{count} "
+    front: Row = ((f" {key} ", "key"), (" ", "plain"))
+    room = frame.width - sum(cell_len(text) for text, _ in front) - len(right)
+    if picture.position >= count:
+        body: Row = (("Script has ended", "muted"),)
+    else:
+        first = picture.script[picture.position]
+        behind = [at for at in range(picture.position + 1, count) if at not in picture.played]
+        body = ((f"{glyphs.here} {clean(picture.label(first))}", "strong"),)
+        if picture.halted:
+            goes_on = f", {skip} goes on" if skip else ""
+            stands = f"{picture.halted}: {key} plays it{goes_on}"
+            body += ((f" {glyphs.warning} {stands} ", "warn"),)
+        for name in (picture.script[at] for at in behind[:AHEAD]):
+            body += ((f"  {glyphs.next} {clean(picture.label(name))}", "muted"),)
+    return (*front, *cut(body, max(1, room), glyphs.ellipsis), (right, "muted"))
+
+
+#: Lines of the script behind the next one, at the most, in its row.
+AHEAD = 11
+#: Cells that the script needs at least behind what is likely to follow.
+THEN_ROOM = 24
+#: Lines of the script that stay above the next one where not all have room.
+BEFORE = 1
+#: Lines an entry's words get at most.
+WORDS = 2
+#: Cells that words are indented by.
+INDENT = 5
+
+
+def script_rows(picture: ConsoleState, frame: PaintFrame) -> list[Row]:
+    """Every line of the script with what is said; what has been played is quiet.
+
+    Where not all of it has room it begins shortly before the next line.
+    """
+    entries = [_entry(picture, index, frame) for index in range(len(picture.script))]
+    first = 0
+    if sum(map(len, entries)) > frame.height:
+        last = len(entries)
+        while last and sum(map(len, entries[last - 1 :])) <= frame.height:
+            last -= 1
+        first = min(max(0, picture.position - BEFORE), last)
+    rows = [row for entry in entries[first:] for row in entry]
+    return rows[: frame.height]
+
+
+def _entry(picture: ConsoleState, index: int, frame: PaintFrame) -> list[Row]:
+    glyphs, name = frame.glyphs, picture.script[index]
+    played, following = index in picture.played, index == picture.position
+    mark = glyphs.here if following else glyphs.done if played else " "
+    look = "strong" if following else "muted" if played else "plain"
+    label = clean(picture.label(name))
+    rows: list[Row] = [((f" {mark} {label}", look),)]
+    rows += [
+        ((" " * INDENT, "plain"), (line, "faint" if played else "muted"))
+        for line in _wrapped(clean(picture.sentence(name)), frame)
+    ]
+    return [cut(row, frame.width, glyphs.ellipsis) for row in rows]
+
+
+def _wrapped(words: str, frame: PaintFrame) -> list[str]:
+    room = max(10, frame.width - INDENT - 1)
+    return textwrap.wrap(words, room, max_lines=WORDS, placeholder=f" {frame.glyphs.ellipsis}")
+
+
+class ScriptPane(Cells):
+    """The whole script."""
+
+    def paint(self, picture: ConsoleState, frame: PaintFrame) -> None:
+        """Show a heading and the lines."""
+        if not self.display:
+            return
+        inner = replace(frame, height=frame.height - 1)
+        self.show([heading("Script", frame), *script_rows(picture, inner)])
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,8 +18,16 @@ from __future__ import annotations
 from collections.abc import Collection
 from enum import Enum, auto
 
-from woz_tui.console.escape_sequences import application_sequence, control_sequence
-from woz_tui.console.input_tokens import Key, Paste, Raw, StopToken, TerminalReply, Token
+from woz_tui.console.escape_sequences import (
+    Key,
+    Paste,
+    Raw,
+    StopToken,
+    TerminalReply,
+    Token,
+    application_sequence,
+    control_sequence,
+)
 
 #: How long an ESC at the end of a read may be the beginning of a sequence, in seconds.
 LONE_ESC_S = 0.010

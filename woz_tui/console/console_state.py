@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import contextlib
 from collections import deque
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import msgspec
@@ -21,7 +21,6 @@ from woz_tui.console.engagement.engagement_view import EngagementView
 from woz_tui.console.engagement.wizard_overrides import toggled_text
 from woz_tui.console.event_sentences import EventLine, event_line, explained
 from woz_tui.console.message_feed import Incoming
-from woz_tui.console.profile_view import ProfileList
 from woz_tui.console.replay.replay_state import ReplayState, updated
 from woz_tui.console.running_actions import ActiveRun, Failure, RunningActions, RunOutcome
 from woz_tui.console.study.study_view import StudyView
@@ -32,10 +31,50 @@ from woz_tui.protocol.action_messages import HANDS
 from woz_tui.protocol.codec import WireError, decode_message
 from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
 from woz_tui.protocol.robot_outline import RobotOutline
-from woz_tui.protocol.welcome import WelcomeSettings
+from woz_tui.protocol.welcome import Allowance, WelcomeSettings
 from woz_tui.session.redactor import PerceptionLimits, Redactor
 from woz_tui.timeline.episodes import StopEpisode, keep_latest
 from woz_tui.timeline.session_state import SessionState
+
+#: What may be used where no profile is in use.
+EVERYTHING = "everything"
+#: What a profile names -> before the names; in this order.
+_KINDS = {"panels": "panels", "actions": "actions", "controls": "knobs", "verbs": "by themselves"}
+
+
+@dataclass(frozen=True, slots=True)
+class ProfileList:
+    """Names in the file's order; `current` is empty where everything may be used. `allows` has
+    what each profile names, as far as the robot process tells.
+    """
+
+    current: str = ""
+    names: tuple[str, ...] = ()
+    allows: Mapping[str, Allowance] = field(default_factory=dict)
+
+    @property
+    def offered(self) -> tuple[str, ...]:
+        """What can be chosen: everything (an empty name), the file's profiles, and the one in use
+        if it has gone from the file.
+        """
+        return tuple(dict.fromkeys(("", *self.names, self.current)))
+
+    def words(self, name: str) -> str:
+        """What the profile allows; empty where nobody has told."""
+        if not name:
+            return "no profile: every panel, knob and verb"
+        if name not in self.names:
+            return "not in the file any more"
+        told = self.allows.get(name)
+        if told is None:
+            return ""
+        parts = [
+            f"{word}: {', '.join(map(str, names))}"
+            for kind, word in _KINDS.items()
+            if (names := getattr(told, kind))
+        ]
+        return "; ".join([*parts, "the rest is hidden"] if told.hide else parts)
+
 
 #: How long an action that is over still shows how it ended.
 DONE_US, REFUSED_US, STOPPED_US = 1_500_000, 5_000_000, 3_000_000

@@ -45,7 +45,7 @@ _STEPPING = frozenset({"control", "nudge"})
 _STEPS_AGAIN = frozenset({"running", "done", "waits", "stopped", "replaced"})
 
 
-class Shown(Protocol):
+class EventContext(Protocol):
     """What sentences need to know of the console's state."""
 
     @property
@@ -147,7 +147,7 @@ class EventLine:
             self.detail = outcome.reason
 
 
-def event_line(message: m.Message, shown: Shown) -> EventLine | None:
+def event_line(message: m.Message, shown: EventContext) -> EventLine | None:
     """The line for `message`, or None if it is not worth one."""
     event = _TELLERS.get(type(message), _of_study)(message, shown)
     if event is not None:
@@ -160,7 +160,7 @@ def _by_robot(message: m.Message) -> bool:
     return isinstance(message, m.ActionRequested | m.Command) and message.source == ENGAGEMENT
 
 
-def _requested(message: m.ActionRequested, shown: Shown) -> EventLine | None:
+def _requested(message: m.ActionRequested, shown: EventContext) -> EventLine | None:
     if _is_effect(message.action, shown):
         return None  # the state's own line tells of it
     source = _SOURCES.get(message.source, "")
@@ -176,12 +176,12 @@ def _requested(message: m.ActionRequested, shown: Shown) -> EventLine | None:
     )
 
 
-def _is_effect(action: str, shown: Shown) -> bool:
+def _is_effect(action: str, shown: EventContext) -> bool:
     """Whether it is what a state of the engagement model brings with it: `on RobotThinks`."""
     return action.startswith("on ") and shown.action(action) is None
 
 
-def _command(message: m.Command, shown: Shown) -> EventLine | None:
+def _command(message: m.Command, shown: EventContext) -> EventLine | None:
     if message.run or message.passing:
         return None  # its action has a line, or the panel's picture shows it
     if message.driver == "session" and message.verb in ("mark", "note"):
@@ -189,7 +189,7 @@ def _command(message: m.Command, shown: Shown) -> EventLine | None:
     return EventLine(message.t, "running", command_words(message), run=message.command)
 
 
-def _action_end(message: m.ActionEnd, shown: Shown) -> EventLine | None:
+def _action_end(message: m.ActionEnd, shown: EventContext) -> EventLine | None:
     """Only reached if the beginning is not on the list, or not any more."""
     left = isinstance(message, m.ActionStopped | m.ActionSuperseded) and _is_effect(
         message.action, shown
@@ -200,7 +200,7 @@ def _action_end(message: m.ActionEnd, shown: Shown) -> EventLine | None:
     return EventLine(message.t, how, shown.label(message.action), message.reason, run=message.run)
 
 
-def _session(message: m.SessionChanged, shown: Shown) -> EventLine | None:
+def _session(message: m.SessionChanged, shown: EventContext) -> EventLine | None:
     parts = [
         f"{name} {value}"
         for name, value in (
@@ -213,11 +213,11 @@ def _session(message: m.SessionChanged, shown: Shown) -> EventLine | None:
     return EventLine(message.t, "info", ", ".join(parts)) if parts else None
 
 
-def _session_end(message: m.SessionEnd, shown: Shown) -> EventLine:
+def _session_end(message: m.SessionEnd, shown: EventContext) -> EventLine:
     return EventLine(message.t, "info", "Session ended", message.reason)
 
 
-def _recorder(message: m.RecorderState, shown: Shown) -> EventLine | None:
+def _recorder(message: m.RecorderState, shown: EventContext) -> EventLine | None:
     if message.level == "ok":
         return None
     mark = "warning" if message.level == "warn" else "error"
@@ -228,18 +228,18 @@ def _recorder(message: m.RecorderState, shown: Shown) -> EventLine | None:
     return EventLine(message.t, mark, "Log falls behind", f"{message.lag_us / 1000:.0f} ms")
 
 
-def _notice(message: m.Notice, shown: Shown) -> EventLine:
+def _notice(message: m.Notice, shown: EventContext) -> EventLine:
     mark = message.level if message.level in ("info", "warning", "error") else "info"
     return EventLine(message.t, mark, message.text, message.remedy)
 
 
-def _stop(message: m.StopPressed, shown: Shown) -> EventLine:
+def _stop(message: m.StopPressed, shown: EventContext) -> EventLine:
     if message.scope != "all":
         return EventLine(message.t, "stop", "Driving stopped", message.source)
     return EventLine(message.t, "stop", "STOP", f"by {message.source}")
 
 
-def _confirmed(message: m.StopConfirmed, shown: Shown) -> EventLine:
+def _confirmed(message: m.StopConfirmed, shown: EventContext) -> EventLine:
     if message.missing:
         parts = shown.stop.parts_missing if shown.stop is not None else {}
         missing = "; ".join(missing_words(message.missing, message.unreached, parts))
@@ -248,27 +248,27 @@ def _confirmed(message: m.StopConfirmed, shown: Shown) -> EventLine:
     return EventLine(message.t, "stop", "Stop confirmed", f"in {message.elapsed_us / 1000:.0f} ms")
 
 
-def _released(message: m.StopReleased, shown: Shown) -> EventLine:
+def _released(message: m.StopReleased, shown: EventContext) -> EventLine:
     return EventLine(message.t, "info", "Stop released", f"by {message.source}")
 
 
-def _driver(message: m.DriverHealth, shown: Shown) -> EventLine:
+def _driver(message: m.DriverHealth, shown: EventContext) -> EventLine:
     health = str(message.__struct_config__.tag).removeprefix("driver.")
     mark = {"lost": "error", "faulted": "error", "connected": "done"}.get(health, "driver")
     return EventLine(message.t, mark, f"{message.driver} {health}", message.detail)
 
 
-def _lane_faulted(message: m.LaneFaulted, shown: Shown) -> EventLine:
+def _lane_faulted(message: m.LaneFaulted, shown: EventContext) -> EventLine:
     return EventLine(
         message.t, "error", f"{message.driver}: {message.lane} hangs", "until its job ends"
     )
 
 
-def _lane_recovered(message: m.LaneRecovered, shown: Shown) -> EventLine:
+def _lane_recovered(message: m.LaneRecovered, shown: EventContext) -> EventLine:
     return EventLine(message.t, "done", f"{message.driver}: {message.lane} works again")
 
 
-def _sensor(message: m.SensorChanged, shown: Shown) -> EventLine | None:
+def _sensor(message: m.SensorChanged, shown: EventContext) -> EventLine | None:
     if message.state != "stale" and message.was != "stale":
         return None  # speaking and quiet are on the meter
     if _with_its_driver(message, shown):
@@ -278,7 +278,7 @@ def _sensor(message: m.SensorChanged, shown: Shown) -> EventLine | None:
     return EventLine(message.t, mark, text, message.why, sensor=message.sensor)
 
 
-def _with_its_driver(message: m.SensorChanged, shown: Shown) -> bool:
+def _with_its_driver(message: m.SensorChanged, shown: EventContext) -> bool:
     """Whether the sensor went or came only because its driver did: that is one event, not ten.
 
     Whose a sensor is that has never given a reading, such as a tablet that nobody has touched, is
@@ -294,13 +294,13 @@ def _with_its_driver(message: m.SensorChanged, shown: Shown) -> bool:
     )
 
 
-def _driver_of(sensor: str, shown: Shown) -> str:
+def _driver_of(sensor: str, shown: EventContext) -> str:
     """The driver of a sensor that has given a reading, or nothing."""
     reading = shown.session.readings.get(sensor)
     return reading.driver if reading is not None else ""
 
 
-def explained(event: EventLine, message: m.DriverHealth, shown: Shown) -> bool:
+def explained(event: EventLine, message: m.DriverHealth, shown: EventContext) -> bool:
     """Whether `message` tells why a sensor fell silent: its driver was lost, or takes another
     robot, a moment after. The sensor's own line then says nothing any more.
     """
@@ -310,7 +310,7 @@ def explained(event: EventLine, message: m.DriverHealth, shown: Shown) -> bool:
     return whose in ("", message.driver) and 0 <= message.t - event.t < _BACK_US
 
 
-def _engagement(message: m.EngagementChanged, shown: Shown) -> EventLine:
+def _engagement(message: m.EngagementChanged, shown: EventContext) -> EventLine:
     told = state_sentence(message.now, message.visitor)
     if message.forced:
         return EventLine(
@@ -319,21 +319,21 @@ def _engagement(message: m.EngagementChanged, shown: Shown) -> EventLine:
     return EventLine(message.t, "info", told, message.why, model=True)
 
 
-def _speech(message: m.SpeechEnded, shown: Shown) -> EventLine | None:
+def _speech(message: m.SpeechEnded, shown: EventContext) -> EventLine | None:
     """Only that nothing was kept of it; what it says comes later."""
     if not message.detail or message.file:
         return None
     return EventLine(message.t, "warning", "Speech not saved", message.detail)
 
 
-def _heard(message: m.SpeechText, shown: Shown) -> EventLine:
+def _heard(message: m.SpeechText, shown: EventContext) -> EventLine:
     if message.text.strip():
         return EventLine(message.t, "heard", f"“{message.text}”", "heard")
     mark = "warning" if message.detail else "info"
     return EventLine(message.t, mark, "Speech not understood", message.detail)
 
 
-def _visitor(message: m.VisitorChanged, shown: Shown) -> EventLine:
+def _visitor(message: m.VisitorChanged, shown: EventContext) -> EventLine:
     about = ", ".join(value for value in texts(message.about).values() if value)
     if message.what == "renamed" and message.was:
         return EventLine(
@@ -343,30 +343,30 @@ def _visitor(message: m.VisitorChanged, shown: Shown) -> EventLine:
     return EventLine(message.t, "info", f"Visitor {message.visitor} {what}".rstrip(), about)
 
 
-def _mode(message: m.ModeChanged, shown: Shown) -> EventLine:
+def _mode(message: m.ModeChanged, shown: EventContext) -> EventLine:
     return EventLine(message.t, "info", f"{message.driver} mode {message.now}", message.why)
 
 
-def _marker(message: m.Marker, shown: Shown) -> EventLine:
+def _marker(message: m.Marker, shown: EventContext) -> EventLine:
     _, coder, name = message.source.partition("coder ")
     return EventLine(message.t, "marker", f"Code of {name}" if coder else "Marker", message.text)
 
 
-def _note(message: m.Note, shown: Shown) -> EventLine:
+def _note(message: m.Note, shown: EventContext) -> EventLine:
     return EventLine(message.t, "note", message.text)
 
 
-def _mistake(message: m.Mistake, shown: Shown) -> EventLine:
+def _mistake(message: m.Mistake, shown: EventContext) -> EventLine:
     what = shown.label(message.action) if message.action else message.run
     return EventLine(message.t, "note", f"Mistake: {what}", message.text)
 
 
-def _phase(message: m.PhaseChanged, shown: Shown) -> EventLine:
+def _phase(message: m.PhaseChanged, shown: EventContext) -> EventLine:
     heading = shown.heading(message.phase)
     return EventLine(message.t, "info", f"Phase {heading}" if heading else "No phase holds")
 
 
-def _lock(message: m.PanelLocked, shown: Shown) -> EventLine | None:
+def _lock(message: m.PanelLocked, shown: EventContext) -> EventLine | None:
     if message.source == "phase":
         return None  # the phase has a line
     return EventLine(
@@ -374,7 +374,7 @@ def _lock(message: m.PanelLocked, shown: Shown) -> EventLine | None:
     )
 
 
-def _profile(message: m.ProfileChanged, shown: Shown) -> EventLine:
+def _profile(message: m.ProfileChanged, shown: EventContext) -> EventLine:
     return EventLine(
         message.t,
         "info",
@@ -382,11 +382,11 @@ def _profile(message: m.ProfileChanged, shown: Shown) -> EventLine:
     )
 
 
-def _reloaded(message: m.ExperimentReloaded, shown: Shown) -> EventLine:
+def _reloaded(message: m.ExperimentReloaded, shown: EventContext) -> EventLine:
     return EventLine(message.t, "info", "File reloaded", "; ".join(message.changes) or "no changes")
 
 
-def _of_study(message: m.Message, shown: Shown) -> EventLine | None:
+def _of_study(message: m.Message, shown: EventContext) -> EventLine | None:
     line = event_text(message)
     missing = shown.study.unticked() if isinstance(message, m.TrialStarted) else []
     if line is not None and missing and shown.study.last is None:
@@ -398,18 +398,18 @@ def _of_study(message: m.Message, shown: Shown) -> EventLine | None:
     return EventLine(message.t, *line) if line is not None else None
 
 
-def _attached(message: m.ConsoleAttached, shown: Shown) -> EventLine:
+def _attached(message: m.ConsoleAttached, shown: EventContext) -> EventLine:
     what = f"{message.role} {message.name}".rstrip()
     if message.sees == "all" and shown.keeps:
         return EventLine(message.t, "info", f"{what} attached", "it sees what is hidden from you")
     return EventLine(message.t, "info", f"{what} attached", message.console)
 
 
-def _console_lost(message: m.ConsoleLost, shown: Shown) -> EventLine:
+def _console_lost(message: m.ConsoleLost, shown: EventContext) -> EventLine:
     return EventLine(message.t, "warning", f"{message.role} disconnected", message.why)
 
 
-_TELLERS: dict[type[m.Message], Callable[[Any, Shown], EventLine | None]] = {
+_TELLERS: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]] = {
     m.ActionRequested: _requested,
     m.Command: _command,
     m.ActionDone: _action_end,

@@ -1,35 +1,180 @@
-"""The main screen's parts: put together, given their places, painted from the picture."""
+"""Main screen: gives its parts their places and paints them.
+
+Size and experiment file decide the places. Narrow: panels above, meters and events side by side
+below. Wide: panels at the left, meters and events at the right. Roomy: the same with the events
+under the panels, where their lines have room, and the script with its words under the meters.
+Bodies stand with the meters: beside them where it is narrow, under them elsewhere.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 from textual.app import ComposeResult
+from textual.containers import Container
 from textual.geometry import Size
 from textual.screen import Screen
 
 from woz_tui.console.action_panels import ActionPanels
 from woz_tui.console.bodies.bodies_pane import BodyPane
 from woz_tui.console.bodies.driver_outlines import body_outlines
-from woz_tui.console.bottom_rows import BarInfo, StopBar
-from woz_tui.console.cells import Cells, fit
+from woz_tui.console.bottom_rows import BarInfo, RepairRow, ScriptPane, StopBar
+from woz_tui.console.cells import Cells, Row, clean, fit
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.event_list import EventList
 from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.meters import Meters
-from woz_tui.console.repair_row import RepairRow
-from woz_tui.console.screen_layout import (
-    FULL_SIZE,
-    LEAST_SIZE,
-    MainArea,
-    Needs,
-    SidePane,
-    bar_lines,
-)
-from woz_tui.console.script_row import ScriptPane
 from woz_tui.console.status_rows import StatusInfo, StatusLines
-from woz_tui.console.training_row import CueBoard, cue_lines
+from woz_tui.console.study.study_view import verdict_text
+
+#: From this width on meters and events stand beside the panels, in cells.
+WIDE = 120
+#: From this height on a wide screen is roomy, in lines.
+ROOMY = 40
+#: Lines of meters and events below the panels, on a low screen and on one of 32 lines or more.
+SIDE, TALL_SIDE, TALL = 7, 12, 32
+#: Lines of status, repairs and stop bar: without a script, and with its next sentence.
+STATUS, REPAIRS, BAR, SCRIPT_BAR = 2, 1, 2, 4
+#: Below this height the sentence gives way to panels, in lines.
+SENTENCE_FROM = 18
+#: Lines of bodies under the meters on a wide screen and on a roomy one; columns of each body, and
+#: bodies at the most, beside the meters.
+LOW_BODIES, BODIES, BODY_WIDTH, NARROW_BODIES = 6, 20, 14, 2
+#: Lines the events keep at least.
+EVENTS = 10
+#: The smallest screen with all parts, and the smallest with panels.
+FULL_SIZE, LEAST_SIZE = Size(80, 24), Size(50, 12)
+
+
+class Needs(NamedTuple):
+    """Lines that panels and meters would like to have, headings included; how many bodies; lines
+    of the stop bar.
+    """
+
+    panels: int
+    meters: int
+    bodies: int = 0
+    bar: int = BAR
+
+
+def shape(screen: Size) -> str:
+    """`narrow`, `wide` or `roomy`."""
+    if screen.width < WIDE or screen.height < FULL_SIZE.height:
+        return "narrow"
+    return "roomy" if screen.height >= ROOMY else "wide"
+
+
+def bar_lines(screen: Size, script: bool) -> int:
+    """Lines of the stop bar."""
+    return SCRIPT_BAR if script and screen.height >= SENTENCE_FROM else BAR
+
+
+def upper_lines(screen: Size, needs: Needs) -> int:
+    """Lines of the upper row of parts; the lower row has the rest."""
+    body = screen.height - STATUS - REPAIRS - needs.bar
+    match shape(screen):
+        case "narrow":
+            return max(3, body - (TALL_SIDE if screen.height >= TALL else SIDE))
+        case "wide":
+            return max(3, min(needs.meters + body_lines(screen, needs) + 1, body * 3 // 5))
+        case _:
+            side = needs.meters + body_lines(screen, needs)
+            return max(3, min(max(needs.panels, side) + 1, body - EVENTS))
+
+
+def body_lines(screen: Size, needs: Needs) -> int:
+    """Lines of bodies under the meters."""
+    if not needs.bodies:
+        return 0
+    return {"narrow": 0, "wide": LOW_BODIES, "roomy": BODIES}[shape(screen)]
+
+
+def body_columns(screen: Size, needs: Needs) -> int:
+    """Columns of bodies beside the meters."""
+    if shape(screen) != "narrow":
+        return 0
+    return BODY_WIDTH * min(needs.bodies, NARROW_BODIES)
+
+
+class SidePane(Container):
+    """Meters and bodies."""
+
+    def lay_out(self, lines: int, columns: int) -> None:
+        """Give the bodies their place: lines under the meters, or columns beside them."""
+        bodies = self.query_one("BodyPane")
+        bodies.display = bool(lines or columns)
+        self.set_class(bool(columns), "-beside")
+        bodies.styles.height = lines or "100%"
+        bodies.styles.width = columns or "100%"
+
+
+class MainArea(Container):
+    """All between the status line and the stop bar."""
+
+    _laid_out: tuple[object, ...] | None = None
+
+    def lay_out(self, screen: Size, needs: Needs) -> None:
+        """Give every part its place."""
+        below, beside = body_lines(screen, needs), body_columns(screen, needs)
+        wanted = (shape(screen), upper_lines(screen, needs), below, beside and screen.width)
+        if wanted == self._laid_out:
+            return
+        self._laid_out = wanted
+        for name in ("narrow", "wide", "roomy"):
+            self.set_class(name == wanted[0], f"-{name}")
+        self.styles.grid_rows = f"{wanted[1]} 1fr"
+        columns = f"{(screen.width + beside) // 2} 1fr" if beside else "1fr 1fr"
+        self.styles.grid_columns = columns if wanted[0] == "narrow" else "1fr 50"
+        self.query_one(SidePane).lay_out(below, beside)
+
+
+#: Lines on a low screen, and on one of so many lines or more.
+_LOW, _HIGH, _TALL = 3, 5, 32
+_SORTS = {
+    "approach": "A visitor comes.",
+    "silence": "The visitor is silent.",
+    "turn-away": "The visitor turns away.",
+    "leave": "The visitor leaves.",
+}
+
+
+def cue_lines(size: Size, picture: ConsoleState) -> int:
+    """Lines of the cue; none outside of a training."""
+    training = picture.session.training
+    if training is None or training.state != "runs":
+        return 0
+    return _HIGH if size.height >= _TALL else _LOW
+
+
+class CueBoard(Cells):
+    """The cue that waits; between two of them what became of the last one."""
+
+    def paint(self, picture: ConsoleState, frame: PaintFrame) -> None:
+        """Show it."""
+        cue, last = picture.session.cue, picture.study.judged
+        if cue is not None:
+            given = cue.given
+            text = f"\N{LEFT DOUBLE QUOTATION MARK}{given.text}\N{RIGHT DOUBLE QUOTATION MARK}"
+            said = (text if given.text else _SORTS.get(given.sort, given.sort), "strong")
+            left = max(0, given.t + given.window_us - frame.now)
+            full = round(left / max(1, given.window_us) * (frame.width // 2))
+            rows = [said, (frame.glyphs.bar * full, "run")]
+        elif last is not None:
+            rows = [verdict_text(last), ("", "plain")]
+        else:
+            rows = [("The first cue comes soon.", "muted"), ("", "plain")]
+        above: list[Row] = [()] * max(0, (frame.height - len(rows)) // 2)
+        self.show([*above, *(_centred(text, look, frame) for text, look in rows)])
+
+
+def _centred(text: str, look: str, frame: PaintFrame) -> Row:
+    shown = fit(frame.glyphs.plain(clean(text)), len(text), frame.glyphs.ellipsis)
+    return (
+        ((shown if len(shown) < frame.width else shown[: frame.width]).center(frame.width), look),
+    )
+
 
 SMALL = "{0} x {1} is small: meters need 80 x 24, keys and stop do not"
 

@@ -31,8 +31,8 @@ from woz_tui.config.keys.terminals import KITTY, PLAIN, Terminal, detect_termina
 from woz_tui.console.byte_scanner import INTRODUCER_S, Scanner
 from woz_tui.console.camera.picture_terminal import PictureTerminal, question
 from woz_tui.console.cells import clean, clean_paste
+from woz_tui.console.escape_sequences import Key, Paste, Raw, StopToken, TerminalReply, Token
 from woz_tui.console.exit_handler import GONE, ExitHandler, run_aside
-from woz_tui.console.input_tokens import Key, Paste, Raw, StopToken, TerminalReply, Token
 from woz_tui.console.keyboard import Keyboard
 from woz_tui.console.terminal_monitor import QUESTION, TerminalMonitor
 from woz_tui.console.terminal_output import Output

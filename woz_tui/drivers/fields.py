@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 
 class Section:
@@ -32,6 +32,18 @@ class Section:
         (`experiment.settings.Included`); None if there are none.
         """
         return None
+
+
+class Entry:
+    """Base of a shape that is no driver's settings but an entry of a file, as messages name it.
+
+    `what`: the entry; `example`: how it is written; `either`: one of these must be there.
+    """
+
+    __slots__ = ()
+    what: ClassVar[str] = "a section"
+    example: ClassVar[str] = ""
+    either: ClassVar[tuple[str, ...]] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +83,34 @@ class OneOf:
 @dataclass(frozen=True, slots=True)
 class Unique:
     """A list in which nothing stands twice."""
+
+
+@dataclass(frozen=True, slots=True)
+class NotEmpty:
+    """A list with at least one entry; `message` reports one without."""
+
+    message: str = "a value is missing here"
+
+
+@dataclass(frozen=True, slots=True)
+class OneOrMore:
+    """A list of texts, where a single one can stand without brackets; `of` says what each is."""
+
+    of: str = "text"
+
+
+@dataclass(frozen=True, slots=True)
+class NotBlank:
+    """A text with more than blanks in it."""
+
+
+@dataclass(frozen=True, slots=True)
+class ReadApart:
+    """A value that a reader of its own reads. `written`: its type as a file gives it, or the name
+    of its JSON Schema; None: as annotated.
+    """
+
+    written: Any = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,9 @@ from importlib.metadata import EntryPoint, entry_points
 from woz_tui.drivers.contract import Driver
 
 GROUP = "woz_tui.drivers"
+#: The room that held the contract once, and what the author of a driver from then has to do.
+_BEFORE = "woz_tui.core"
+_MOVED = "; import from woz_tui.drivers and woz_tui.protocol (CHANGELOG.md lists old and new names)"
 
 
 class PluginError(Exception):
@@ -60,9 +63,10 @@ def _load(point: EntryPoint) -> type[Driver]:
     try:
         loaded = point.load()
     except Exception as error:
+        moved = isinstance(error, ModuleNotFoundError) and str(error.name).startswith(_BEFORE)
         raise PluginError(
             f"the driver {point.name!r} of {_origin(point)} cannot be loaded:"
-            f" {type(error).__name__}: {error}"
+            f" {type(error).__name__}: {error}{_MOVED if moved else ''}"
         ) from error
     who = f"the driver {point.name!r} of {_origin(point)}"
     if not isinstance(loaded, type):

@@ -14,26 +14,27 @@ line, all at once; what cannot be a mistake of typing is left to the engine, whi
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Annotated
 
-from woz_tui.config.annotated_decoder import resolve_path
+from woz_tui.config.annotated_decoder import fields_of, read_section
 from woz_tui.config.experiment import FilePosition, Problem
-from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
+from woz_tui.config.file_text import SourceFile
 from woz_tui.config.problems import ProblemReport, quoted
 from woz_tui.config.yaml_cursor import (
     Cursor,
+    document,
     missing,
-    read_flag,
     read_number,
     read_seconds,
     read_text,
-    read_word,
+    source_of,
 )
-from woz_tui.config.yaml_nodes import ListNode, MappingNode, described, parse_yaml
-from woz_tui.drivers.fields import Range
+from woz_tui.config.yaml_nodes import ListNode
+from woz_tui.drivers import fields
+from woz_tui.drivers.fields import Doc, OneOf, Range, Section
 from woz_tui.motion.body_shape import ROLES, BodyShape, JointShape
 from woz_tui.motion.body_verbs import EMOTIONS
 from woz_tui.motion.builtin_moves import BUILT_IN
@@ -47,14 +48,6 @@ from woz_tui.motion.keyframes import (
     MoveLayer,
 )
 
-# -- moveframes -----------------------------------------------------------------------------------
-# The frames and the samples of a move file's layer.
-
-#: What a frame may say beside names of roles and joints.
-FRAME = (
-    *("seconds", "beats", "at", "easing", "emotion", "intensity", "eyes", "lid"),
-    *("sound", "volume", "roles", "joints"),
-)
 #: Degrees that a frame may name at most, and seconds or beats it may take.
 ANGLES = Range(-360, 360, "deg")
 LENGTHS = Range(0, 600)
@@ -63,11 +56,88 @@ UNIT = Range(0, 1)
 BOTH = Range(-1, 1)
 #: Range of each number of a face.
 FEATURE_RANGES: Mapping[str, Range] = {"x": BOTH, "y": BOTH, "lid": UNIT, "intensity": UNIT}
+#: Layer of the frames that stand at a file's top level.
+MAIN = "main"
+#: Seconds (or beats) after which `play` gives up waiting for a move's end.
+LONGEST = 120.0
 
-#: What the eyes of a frame are expected to be.
-_EYES = "where they look, such as {x: 0.2, y: 0}"
-T = TypeVar("T")
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,31}")
+NAME_RULE = "a name has letters, digits, _ and -, and begins with a letter"
+_ENDINGS = (".yaml", ".yml")
 _SAMPLE = re.compile(r"[-+]?(\d{1,9}(\.\d{0,60})?|\.\d{1,60})([eE][-+]?\d{1,3})?")
+
+# -- what files hold ------------------------------------------------------------------------------
+# As the annotations say it, reader and JSON Schema alike; the rest depends on the body, or on
+# whether the move counts beats.
+
+
+@dataclass(frozen=True, slots=True)
+class RoleAngles(Section):
+    """Angles by role."""
+
+    pan: Annotated[float | None, ANGLES, Doc("degrees to its left")] = None
+    nod: Annotated[float | None, ANGLES, Doc("degrees down")] = None
+    lean: Annotated[float | None, ANGLES, Doc("degrees up and back; negative: forward")] = None
+    roll: Annotated[float | None, ANGLES, Doc("degrees cocked to its right")] = None
+
+    def given(self) -> dict[str, float]:
+        """The roles that are named."""
+        angles = {role: getattr(self, role) for role in ROLES}
+        return {role: angle for role, angle in angles.items() if angle is not None}
+
+
+@dataclass(frozen=True, slots=True)
+class EyesEntry:
+    """Where the eyes look."""
+
+    x: Annotated[float | None, BOTH, Doc("to its left")] = None
+    y: Annotated[float | None, BOTH, Doc("up")] = None
+
+
+@dataclass(frozen=True, slots=True)
+class FrameEntry(RoleAngles):
+    """What a frame may say beside its time and the names of joints."""
+
+    easing: Annotated[str, OneOf(tuple(EASINGS)), Doc("how it gets there")] = "smooth"
+    emotion: Annotated[str | None, OneOf(EMOTIONS), Doc("face that comes on till then")] = None
+    intensity: Annotated[float | None, UNIT, Doc("of the emotion")] = None
+    eyes: Annotated[EyesEntry, Doc("where they look, such as {x: 0.2, y: 0}")] = EyesEntry()
+    lid: Annotated[float | None, UNIT, Doc("how far the eyes are open")] = None
+    sound: Annotated[str, fields.Path(must_exist=True), Doc("file, relative to this one")] = ""
+    volume: Annotated[float, UNIT, Doc("of the sound")] = 1.0
+    roles: Annotated[RoleAngles, Doc("roles by name, where a joint has the name of a role")] = (
+        RoleAngles()
+    )
+
+    def warnings(self) -> list[tuple[str, str]]:
+        """A volume without a sound."""
+        silent = self.volume != 1.0 and not self.sound
+        return [("volume", "there is no sound in this frame")] if silent else []
+
+
+@dataclass(frozen=True, slots=True)
+class LayerEntry:
+    """What a layer may say beside its frames and samples."""
+
+    name: Annotated[str, Doc("unique in the file")]
+    muted: Annotated[bool, Doc("leave it out; it still counts for the length")] = False
+    share: Annotated[float, UNIT, Doc("how much of it counts")] = 1.0
+    mix: Annotated[str, OneOf(MIXES), Doc("added to the layers below, or in their place")] = "add"
+    relative: Annotated[bool | None, Doc("as the move's, for this layer")] = None
+    rate: Annotated[float | None, RATES, Doc("samples each second, or beat")] = None
+
+
+@dataclass(frozen=True, slots=True)
+class MoveEntry:
+    """What a move file may say beside its name, frames and layers."""
+
+    about: Annotated[str, Doc("what it looks like, in a few words")] = ""
+    relative: Annotated[bool, Doc("joints are added to the pose held before")] = True
+    beats: Annotated[bool, Doc("count beats of the tempo instead of seconds")] = False
+    stays: Annotated[bool, Doc("hold the last pose instead of the one before")] = False
+
+
+# -- frames and samples of one layer ---------------------------------------------------------------
 
 
 class MoveLayerReader:
@@ -77,6 +147,14 @@ class MoveLayerReader:
         self._joints = shape.joints
         self._beats = beats
         self._relative = relative
+        own = {"seconds", "beats", "at", "joints", *(item.name for item in fields_of(FrameEntry))}
+        #: Joints that a frame may name beside all else: what is both is a role, but among absolute
+        #: angles.
+        self._inline = [
+            name
+            for name in self._joints
+            if name not in own or (name in ROLES and not self._relative)
+        ]
         self.named: set[str] = set()
 
     def read(self, cursor: Cursor) -> tuple[KeyFrame, ...]:
@@ -92,7 +170,8 @@ class MoveLayerReader:
                 continue
             place = self._place(entry, table, before, first=index == 0)
             before = before if place is None else place
-            frames.append(self._frame(table, before))
+            frame = self._frame(entry, table, before)
+            frames += [] if frame is None else [frame]
         return tuple(frames)
 
     # -- when -----------------------------------------------------------------------------------
@@ -132,57 +211,38 @@ class MoveLayerReader:
 
     # -- what -----------------------------------------------------------------------------------
 
-    def _frame(self, table: dict[str, Cursor], at: float) -> KeyFrame:
-        roles, joints = self._angles(table)
-        eyes = _known(table.get("eyes"), ("x", "y"), "eyes have", _EYES)
-        sound = _given(table, "sound", "", read_text, "a sound file")
-        if "volume" in table and "sound" not in table:
-            table["volume"].warning("there is no sound in this frame")
+    def _frame(self, cursor: Cursor, table: dict[str, Cursor], at: float) -> KeyFrame | None:
+        others = ("seconds", "beats", "at", "joints", *self._inline)
+        entry = read_section(cursor, FrameEntry, others)
+        joints = {name: table[name] for name in self._inline if name in table}
+        joints |= _known(table.get("joints"), self._joints, "joints are")
+        angles = {name: self._angle(spot, name) for name, spot in joints.items()}
+        if entry is None:
+            return None
+        roles = {**entry.given(), **entry.roles.given()}
+        self.named |= {*roles, *joints}
         return KeyFrame(
             at,
             roles,
-            joints,
-            easing=_given(table, "easing", "smooth", read_word, EASINGS),
-            emotion=_given(table, "emotion", None, read_word, EMOTIONS),
-            intensity=_given(table, "intensity", None, read_number, UNIT),
-            x=_given(eyes, "x", None, read_number, BOTH),
-            y=_given(eyes, "y", None, read_number, BOTH),
-            lid=_given(table, "lid", None, read_number, UNIT),
-            sound=sound and resolve_path(table["sound"], sound, must_exist=True),
-            volume=_given(table, "volume", 1.0, read_number, UNIT),
+            {name: angle for name, angle in angles.items() if angle is not None},
+            entry.easing,
+            entry.emotion,
+            entry.intensity,
+            entry.eyes.x,
+            entry.eyes.y,
+            entry.lid,
+            entry.sound,
+            entry.volume,
         )
 
-    def _angles(self, table: dict[str, Cursor]) -> tuple[dict[str, float], dict[str, float]]:
-        """Those of roles and of joints."""
-        roles: dict[str, Cursor] = {}
-        joints: dict[str, Cursor] = {}
-        for name, entry in table.items():
-            if self.is_joint(name):
-                joints[name] = entry
-            elif name in ROLES:
-                roles[name] = entry
-            elif name not in FRAME:
-                entry.unknown((*ROLES, *self._joints, *FRAME), "a frame may name")
-        roles |= _known(table.get("roles"), ROLES, "roles are")
-        joints |= _known(table.get("joints"), self._joints, "joints are")
-        self.named |= {*roles, *joints}
-        turned = {name: read_number(entry, ANGLES) for name, entry in roles.items()}
-        moved = {name: self.joint(entry, name) for name, entry in joints.items()}
-        return _read(turned), _read(moved)
-
-    def is_joint(self, name: str) -> bool:
-        """Whether a name alone means a joint: what is both is a role, but among absolute angles."""
-        known = name in self._joints and name not in FRAME
-        return known and (name not in ROLES or not self._relative)
-
-    def joint(self, cursor: Cursor, name: str) -> float | None:
+    def _angle(self, cursor: Cursor, name: str) -> float | None:
         """An angle of a joint: inside its range if it is absolute."""
         angle = read_number(cursor, ANGLES)
         if angle is not None:
-            self.check(cursor, name, self._joints[name], (angle,))
+            self._check(cursor, name, self._joints[name], (angle,))
         return angle
 
-    def check(
+    def _check(
         self, cursor: Cursor, name: str, joint: JointShape, angles: tuple[float, ...]
     ) -> None:
         """Report the first angle that the joint cannot have."""
@@ -202,46 +262,30 @@ class MoveLayerReader:
 
     # -- samples --------------------------------------------------------------------------------
 
-    def samples(self, cursor: Cursor, table: dict[str, Cursor]) -> LayerSamples | None:
+    def samples(self, cursor: Cursor, table: dict[str, Cursor], rate: float) -> LayerSamples | None:
         """The dense part of a layer; None if it has none."""
         if not table.keys() & {"joints", "roles", "face"}:
             if "rate" in table:
                 table["rate"].error("there are no samples: joints, roles or face are missing")
             return None
         missing(table, "rate", cursor, "samples each second, or beat")
-        rate = _given(table, "rate", 1.0, read_number, RATES)
         roles = _lists(table.get("roles"), dict.fromkeys(ROLES, ANGLES), "roles are")
         face = _lists(table.get("face"), FEATURE_RANGES, "samples of a face are")
         known = dict.fromkeys(self._joints, ANGLES)
         joints = _lists(table.get("joints"), known, "joints are")
         for name, values in joints.items():
             entry = dict(table["joints"].entries())[name]
-            self.check(entry, name, self._joints[name], values)
+            self._check(entry, name, self._joints[name], values)
         return LayerSamples(rate, roles, joints, face)
 
 
-def _given(
-    table: Mapping[str, Cursor], name: str, default: T, read: Callable[..., T | None], *allowed: Any
-) -> T:
-    """What an entry says; the default if it is missing, or wrong, which is reported."""
-    cursor = table.get(name)
-    value = None if cursor is None else read(cursor, *allowed)
-    return default if value is None else value
-
-
-def _known(
-    cursor: Cursor | None, names: Collection[str], listing: str, expected: str = "a mapping"
-) -> dict[str, Cursor]:
+def _known(cursor: Cursor | None, names: Collection[str], listing: str) -> dict[str, Cursor]:
     """The entries of a mapping that have one of these names; others are reported."""
-    table = (cursor.table(expected) if cursor is not None else None) or {}
+    table = (cursor.table("a mapping") if cursor is not None else None) or {}
     for name, entry in table.items():
         if name not in names:
             entry.unknown(names, listing)
     return {name: entry for name, entry in table.items() if name in names}
-
-
-def _read(angles: Mapping[str, float | None]) -> dict[str, float]:
-    return {name: angle for name, angle in angles.items() if angle is not None}
 
 
 def _lists(
@@ -276,20 +320,7 @@ def _written(cursor: Cursor, text: str, allowed: Range) -> tuple[float, ...]:
     return tuple(values)
 
 
-# --------------------------------------------------------------------------------------------------
-
-#: Layer of the frames that stand at a file's top level.
-MAIN = "main"
-#: What a move file and a layer of it may say.
-TOP_LEVEL = ("name", "about", "relative", "beats", "stays", "frames", "layers")
-LAYER = ("name", "muted", "share", "mix", "relative", "frames", "rate", "joints", "roles", "face")
-
-#: Seconds (or beats) after which `play` gives up waiting for a move's end.
-LONGEST = 120.0
-
-NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,31}")
-NAME_RULE = "a name has letters, digits, _ and -, and begins with a letter"
-_ENDINGS = (".yaml", ".yml")
+# -- files ----------------------------------------------------------------------------------------
 
 
 class MoveFileError(Exception):
@@ -363,253 +394,78 @@ def read_move(path: Path, shape: BodyShape) -> KeyframeMove:
 
 
 def _root(path: Path, report: ProblemReport) -> tuple[SourceFile | None, Cursor | None]:
-    name = str(path)
-    report.file(name)
-    try:
-        source = read_source(path, name)
-    except SourceFileError as error:
-        report.error(FilePosition(name, error.line, error.column), "file", error.message)
+    source = source_of(path, report)
+    if source is None:
         return None, None
-    broken = len(report.errors)
-    node = parse_yaml(source, report)
-    start = FilePosition(name, 1, 1)
-    if isinstance(node, MappingNode):
-        return source, Cursor(node, "", start, report)
-    if len(report.errors) == broken:
-        said = "nothing" if node is None else described(node)
-        report.error(start, "file", f"expected a move, such as name: greet, not {said}")
-    return source, None
+    return source, document(source, report, "a move, such as name: greet")
 
 
 def decode(root: Cursor, path: Path, shape: BodyShape) -> KeyframeMove | None:
     """The move, or None after reporting what is wrong. Its name is by default the file's."""
     broken = len(root.report.errors)
-    move = _MoveDecoder(root, shape).move(path)
-    return move if len(root.report.errors) == broken else None
-
-
-class _MoveDecoder:
-    def __init__(self, root: Cursor, shape: BodyShape) -> None:
-        self._root = root
-        self._shape = shape
-        self._broken = len(root.report.errors)
-        self._table = dict(root.entries())
-        self._beats = _given(self._table, "beats", False, read_flag)
-        self._relative = _given(self._table, "relative", True, read_flag)
-
-    def move(self, path: Path) -> KeyframeMove:
-        for name, entry in self._table.items():
-            if name not in TOP_LEVEL:
-                entry.unknown(TOP_LEVEL, "a move has")
-        move = KeyframeMove(
-            name=self._name(path),
-            summary=_given(self._table, "about", "", read_text),
-            layers=tuple(self._layers()),
-            beats=self._beats,
-            stays=_given(self._table, "stays", False, read_flag),
-        )
-        if len(self._root.report.errors) == self._broken:
-            self._length(move)
-        return move
-
-    def _name(self, path: Path) -> str:
-        cursor = self._table.get("name")
-        name = path.stem if cursor is None else read_text(cursor, "the move's name")
-        cursor = cursor or self._root
-        if name is not None and not NAME.fullmatch(name):
-            cursor.error(f"{quoted(name)} cannot be a move's name; {NAME_RULE}")
-        elif name in BUILT_IN:
-            cursor.warning(f"takes the place of the built-in move {name!r}")
-        return name or ""
-
-    def _layers(self) -> list[MoveLayer]:
-        layers = []
-        frames, many = self._table.get("frames"), self._table.get("layers")
-        if frames is not None:
-            reader = MoveLayerReader(self._shape, beats=self._beats, relative=self._relative)
-            layers.append(MoveLayer(MAIN, reader.read(frames), relative=self._relative))
-        elif many is None:
-            missing({}, "frames", self._root, "frames: [{seconds: 0.3, nod: 12}, ...]")
-        for entry in (many.list("a list of layers") if many is not None else None) or ():
-            layer = self._layer(entry)
-            if layer is None:
-                continue
-            if layer.name in [known.name for known in layers]:
-                entry.error(f"there is a layer {quoted(layer.name)} already")
-            layers.append(layer)
-        return layers
-
-    def _layer(self, cursor: Cursor) -> MoveLayer | None:
-        table = cursor.table("a layer, such as {name: head, frames: [...]}")
-        if table is None:
-            return None
-        for key, entry in table.items():
-            if key not in LAYER:
-                entry.unknown(LAYER, "a layer has")
-        missing(table, "name", cursor)
-        relative = _given(table, "relative", self._relative, read_flag)
-        reader = MoveLayerReader(self._shape, beats=self._beats, relative=relative)
-        frames = reader.read(table["frames"]) if "frames" in table else ()
-        samples = reader.samples(cursor, table)
-        if "frames" not in table and samples is None:
-            cursor.error("has neither frames nor samples (rate and joints, roles or face)")
-        for twice in reader.named & ({*samples.roles, *samples.joints} if samples else set()):
-            cursor.error(f"{twice} is in this layer's frames and in its samples; use two layers")
-        return MoveLayer(
-            _given(table, "name", "", read_text),
-            frames,
-            samples,
-            relative=relative,
-            mix=_given(table, "mix", MIXES[0], read_word, MIXES),
-            share=_given(table, "share", 1.0, read_number, UNIT),
-            muted=_given(table, "muted", False, read_flag),
-        )
-
-    def _length(self, move: KeyframeMove) -> None:
-        cursor = self._table.get("frames") or self._table.get("layers")
-        if cursor is None:
-            return
-        if move.length <= 0:
-            cursor.error("takes no time; a frame after the beginning is missing")
-        elif move.length > LONGEST and not move.beats:
-            cursor.warning(f"takes {move.length:g} s; play waits for {LONGEST:g} s at most")
-
-
-# -- JSON Schema ----------------------------------------------------------------------------------
-# A little more generous than the reader: which joints there are only a robot file says.
-
-Schema = dict[str, Any]
-
-_TEXT: Schema = {"type": ["string", "number", "boolean"]}
-_WHAT_ROLES_DO: Mapping[str, str] = {
-    "pan": "degrees to its left",
-    "nod": "degrees down",
-    "lean": "degrees up and back; negative: forward",
-    "roll": "degrees cocked to its right",
-}
-
-
-def move_schema() -> Schema:
-    """The schema of move files."""
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "woz-tui move",
-        **_object(
-            {
-                "name": {
-                    "type": "string",
-                    "pattern": "^[A-Za-z][A-Za-z0-9_-]{0,31}$",
-                    "description": "what play calls it by (default: the file's name)",
-                },
-                "about": {**_TEXT, "description": "what it looks like, in a few words"},
-                "relative": _flag("joints are added to the pose held before (default)"),
-                "beats": _flag("count beats of the tempo instead of seconds"),
-                "stays": _flag("hold the last pose instead of the one before"),
-                "frames": {"$ref": "#/$defs/frames"},
-                "layers": {
-                    "type": "array",
-                    "items": {"$ref": "#/$defs/layer"},
-                    "description": "parts that play in sync, each laid on those before",
-                },
-            }
-        ),
-        "anyOf": [{"required": ["frames"]}, {"required": ["layers"]}],
-        "$defs": {
-            "frames": {
-                "type": "array",
-                "items": {"$ref": "#/$defs/frame"},
-                "minItems": 1,
-                "description": "moments at which something is reached",
-            },
-            "frame": _frame(),
-            "layer": _layer(),
-            "samples": {
-                "description": "numbers with blanks between them, or a list of numbers",
-                "oneOf": [
-                    {"type": ["string", "number"]},
-                    {"type": "array", "items": {"type": "number"}, "minItems": 1},
-                ],
-            },
-        },
-    }
-
-
-def _frame() -> Schema:
-    """Whatever else a frame names is a joint."""
-    time = {"oneOf": [_number(LENGTHS), {"type": "string", "pattern": r"^\s*[0-9.]+\s*(ms|s)?$"}]}
-    return {
-        "type": "object",
-        "properties": {
-            "seconds": {**time, "description": "from the frame before"},
-            "beats": _number(LENGTHS, "from the frame before, with beats: true"),
-            "at": {**time, "description": "from the beginning of the move"},
-            "easing": {"enum": list(EASINGS), "description": "how it gets there (default: smooth)"},
-            "emotion": {"enum": list(EMOTIONS), "description": "face that comes on till then"},
-            "intensity": _number(UNIT, "of the emotion"),
-            "eyes": {
-                **_object({"x": _number(FEATURE_RANGES["x"]), "y": _number(FEATURE_RANGES["y"])}),
-                "description": "where they look: x to its left, y up, -1 to 1",
-            },
-            "lid": _number(UNIT, "how far the eyes are open"),
-            "sound": {"type": "string", "description": "file, relative to this one"},
-            "volume": _number(UNIT, "of the sound"),
-            "roles": {
-                **_object({role: _role(role) for role in ROLES}),
-                "description": "roles by name, where a joint has the name of a role",
-            },
-            "joints": {
-                "type": "object",
-                "additionalProperties": _number(ANGLES),
-                "description": "joints by name, where a role has the name of a joint",
-            },
-            **{role: _role(role) for role in ROLES},
-        },
-        "additionalProperties": _number(ANGLES),
-        "oneOf": [{"required": [name]} for name in ("seconds", "beats", "at")],
-    }
-
-
-def _layer() -> Schema:
-    samples = {"$ref": "#/$defs/samples"}
-    schema = _object(
-        {
-            "name": {**_TEXT, "description": "unique in the file"},
-            "muted": _flag("leave it out; it still counts for the length"),
-            "share": _number(UNIT, "how much of it counts (default: 1)"),
-            "mix": {"enum": list(MIXES), "description": "added to the layers below (default)"},
-            "relative": _flag("as the move's, for this layer"),
-            "frames": {"$ref": "#/$defs/frames"},
-            "rate": _number(RATES, "samples each second, or beat"),
-            "joints": {
-                "type": "object",
-                "additionalProperties": samples,
-                "description": "samples in degrees by joint",
-            },
-            "roles": _object(dict.fromkeys(ROLES, samples)),
-            "face": _object(dict.fromkeys(FEATURE_RANGES, samples)),
-        },
+    table = dict(root.entries())
+    entry = read_section(root, MoveEntry, ("name", "frames", "layers")) or MoveEntry()
+    move = KeyframeMove(
+        name=_move_name(table.get("name"), root, path),
+        summary=entry.about,
+        layers=tuple(_layers(root, table, entry, shape)),
+        beats=entry.beats,
+        stays=entry.stays,
     )
-    groups = ("frames", "joints", "roles", "face")
-    return {
-        **schema,
-        "required": ["name"],
-        "anyOf": [{"required": [name]} for name in groups],
-        "dependentRequired": {name: ["rate"] for name in groups[1:]},
-    }
+    timed = table.get("frames") or table.get("layers")
+    if len(root.report.errors) > broken or timed is None:
+        return None
+    if move.length <= 0:
+        timed.error("takes no time; a frame after the beginning is missing")
+        return None
+    if move.length > LONGEST and not move.beats:
+        timed.warning(f"takes {move.length:g} s; play waits for {LONGEST:g} s at most")
+    return move
 
 
-def _role(role: str) -> Schema:
-    return _number(ANGLES, _WHAT_ROLES_DO[role])
+def _move_name(cursor: Cursor | None, root: Cursor, path: Path) -> str:
+    name = path.stem if cursor is None else read_text(cursor, "the move's name")
+    cursor = cursor or root
+    if name is not None and not NAME.fullmatch(name):
+        cursor.error(f"{quoted(name)} cannot be a move's name; {NAME_RULE}")
+    elif name in BUILT_IN:
+        cursor.warning(f"takes the place of the built-in move {name!r}")
+    return name or ""
 
 
-def _flag(description: str) -> Schema:
-    return {"enum": [True, False, "yes", "no", "on", "off"], "description": description}
+def _layers(
+    root: Cursor, table: Mapping[str, Cursor], move: MoveEntry, shape: BodyShape
+) -> list[MoveLayer]:
+    layers = []
+    frames, many = table.get("frames"), table.get("layers")
+    if frames is not None:
+        reader = MoveLayerReader(shape, beats=move.beats, relative=move.relative)
+        layers.append(MoveLayer(MAIN, reader.read(frames), relative=move.relative))
+    elif many is None:
+        missing({}, "frames", root, "frames: [{seconds: 0.3, nod: 12}, ...]")
+    for entry in (many.list("a list of layers") if many is not None else None) or ():
+        layer = _layer(entry, move, shape)
+        if layer is None:
+            continue
+        if layer.name in [known.name for known in layers]:
+            entry.error(f"there is a layer {quoted(layer.name)} already")
+        layers.append(layer)
+    return layers
 
 
-def _number(allowed: Range, description: str = "") -> Schema:
-    schema: Schema = {"type": "number", "minimum": allowed.low, "maximum": allowed.high}
-    return {**schema, "description": description} if description else schema
-
-
-def _object(properties: Schema) -> Schema:
-    return {"type": "object", "properties": properties, "additionalProperties": False}
+def _layer(cursor: Cursor, move: MoveEntry, shape: BodyShape) -> MoveLayer | None:
+    table = cursor.table("a layer, such as {name: head, frames: [...]}")
+    if table is None:
+        return None
+    entry = read_section(cursor, LayerEntry, ("frames", "joints", "roles", "face"))
+    relative = move.relative if entry is None or entry.relative is None else entry.relative
+    reader = MoveLayerReader(shape, beats=move.beats, relative=relative)
+    frames = reader.read(table["frames"]) if "frames" in table else ()
+    samples = reader.samples(cursor, table, entry.rate if entry and entry.rate else 1.0)
+    if "frames" not in table and samples is None:
+        cursor.error("has neither frames nor samples (rate and joints, roles or face)")
+    for twice in reader.named & ({*samples.roles, *samples.joints} if samples else set()):
+        cursor.error(f"{twice} is in this layer's frames and in its samples; use two layers")
+    if entry is None:
+        return None
+    return MoveLayer(entry.name, frames, samples, relative, entry.mix, entry.share, entry.muted)

@@ -49,7 +49,7 @@ class DesignView(msgspec.Struct, frozen=True):
     trials: int = 0
 
 
-class QuestionnaireItemView(msgspec.Struct, frozen=True):
+class QuestionnaireItem(msgspec.Struct, frozen=True):
     """One question: a scale of whole numbers from `low` to `high`, or a free text.
 
     `ends` is what the scale's ends are called; `optional`: may be left out.
@@ -69,14 +69,14 @@ class QuestionnaireItemView(msgspec.Struct, frozen=True):
         return self.low >= 0 and self.high <= _DIGIT
 
 
-class QuestionnaireView(msgspec.Struct, frozen=True):
+class Questionnaire(msgspec.Struct, frozen=True):
     """Items asked together; `when` is end, trial, condition or hand."""
 
     name: str
     title: str = ""
     introduction: str = ""
     when: str = "end"
-    items: tuple[QuestionnaireItemView, ...] = ()
+    items: tuple[QuestionnaireItem, ...] = ()
 
     @property
     def heading(self) -> str:
@@ -161,7 +161,7 @@ class StudySettings(msgspec.Struct, frozen=True):
 
     design: DesignView | None = None
     blind: dict[str, str] = {}
-    questionnaires: list[QuestionnaireView] = []
+    questionnaires: list[Questionnaire] = []
     preflight: list[PreflightCheck] = []
     perception: PerceptionView = PerceptionView()
     shaping: ShapingView | None = None

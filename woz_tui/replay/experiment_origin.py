@@ -13,7 +13,6 @@ from pathlib import Path
 
 from woz_tui.config.experiment import Experiment, ExperimentError
 from woz_tui.config.loading import load
-from woz_tui.config.study_sections import BLIND
 from woz_tui.drivers.contract import Driver
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings
@@ -59,7 +58,7 @@ class ExperimentOrigin:
         the word in one of the files is enough.
         """
         if self.study is None and self.files is not None:
-            return any(BLIND in text for text in self.files.files.values())
+            return any("blind" in text for text in self.files.files.values())
         return self.study is not None and bool(self.study.blind)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AskAnswer
-from woz_tui.protocol.welcome import QuestionnaireItemView
+from woz_tui.protocol.welcome import QuestionnaireItem
 from woz_tui.session.participant_identity import RequestError
 from woz_tui.timeline.study_history import StudyState
 
@@ -128,7 +128,7 @@ class QuestionnaireController:
         )
 
 
-def _as_asked(item: QuestionnaireItemView) -> dict[str, Any]:
+def _as_asked(item: QuestionnaireItem) -> dict[str, Any]:
     """An item as in `questionnaire.started`: a scale's points and ends, or `text`."""
     seen: dict[str, Any] = {"name": item.name, "question": item.question}
     if item.text:

@@ -10,7 +10,6 @@ from typing import Any
 import msgspec
 
 from woz_tui.config.experiment import Experiment
-from woz_tui.config.study import Questionnaire
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import welcome as s
 from woz_tui.protocol.requests import PANEL_SETTINGS, PROTOCOL, PanelsChanged, Welcome
@@ -24,7 +23,7 @@ def study_settings(experiment: Experiment) -> s.StudySettings:
     return s.StudySettings(
         design=s.DesignView(design.order, design.within, design.trials) if design else None,
         blind=dict(design.blind) if design else {},
-        questionnaires=[*map(questionnaire_view, study.questionnaires)],
+        questionnaires=[*study.questionnaires],
         preflight=[*map(s.PreflightCheck, study.preflight)],
         perception=s.PerceptionView([*study.perception.hide], [*study.perception.blur]),
         shaping=s.ShapingView(shaping.floor, shaping.jitter, [*shaping.cues]) if shaping else None,
@@ -53,11 +52,6 @@ def study_snapshot(settings: s.StudySettings, study: StudyState) -> s.StudySetti
         on_break=study.in_break is not None,
         due=[due.questionnaire for due in study.due],
     )
-
-
-def questionnaire_view(questionnaire: Questionnaire) -> s.QuestionnaireView:
-    """A questionnaire of the file."""
-    return msgspec.convert(questionnaire, s.QuestionnaireView, from_attributes=True)
 
 
 def welcome(plan: m.SessionPlan, *, console: str, role: str, seq: int, t: int, log: str) -> Welcome:

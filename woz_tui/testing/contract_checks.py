@@ -425,8 +425,9 @@ class _Life:
             how = repr(running.exception()) if running.exception() else "nothing"
             self.wrong(what, f"raised {how}", "raise CancelledError again")
 
-    async def quiet(self, what: str, call: Awaitable[object], limit: float = PROMPT) -> None:
-        """A call that raises nothing and does not take long."""
+    async def quiet(self, what: str, call: Awaitable[object], limit: float | None = None) -> None:
+        """A call that raises nothing and takes no longer than `limit`, or PROMPT, in seconds."""
+        limit = PROMPT if limit is None else limit
         try:
             await asyncio.wait_for(call, limit)
         except TimeoutError:

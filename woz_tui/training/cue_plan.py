@@ -77,7 +77,7 @@ def _order(cues: Sequence[TrainingCue], count: int, chance: random.Random) -> It
 def _planned(cue: TrainingCue, training: Training, chance: random.Random) -> PlannedCue:
     window = training.window if cue.window is None else cue.window
     return PlannedCue(
-        sort=cue.sort,
+        sort=cue.cue,
         text=chance.choice(cue.says) if cue.says else "",
         expects=cue.answers,
         window_us=round(window * 1_000_000),

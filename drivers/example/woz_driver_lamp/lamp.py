@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
-from woz_drivers.serial_line import LOSSES, PortTrouble, SerialLine, explain_port_error, open_port
+from woz_drivers.serial_line import LOSSES, SerialLine, explain_port_error, open_port
 
 from woz_tui.drivers.contract import (
     Argument,
@@ -69,8 +69,8 @@ class Lamp(Driver):
         try:
             open_port(settings.port, settings.baud).close()
         except (*LOSSES, ValueError) as error:
-            trouble = explain_port_error(settings.port, settings.baud, error)
-            return [Finding("error", probe.name, trouble.what, trouble.remedy)]
+            lost = explain_port_error(settings.port, settings.baud, error)
+            return [Finding("error", probe.name, lost.what, lost.remedy)]
         return [Finding("ok", probe.name, f"{settings.port} can be opened")]
 
     def __init__(self, name: str, settings: LampSettings, context: DriverContext) -> None:
@@ -183,9 +183,9 @@ class Lamp(Driver):
         else:
             ended.set_exception(error)
 
-    def _lost(self, trouble: PortTrouble) -> None:
-        self._forget(DeviceLostError(trouble.what, trouble.remedy))
-        self.context.health(Health.LOST, trouble.what, trouble.remedy)
+    def _lost(self, error: DeviceLostError) -> None:
+        self._forget(error)
+        self.context.health(Health.LOST, error.what, error.remedy)
 
     def _forget(self, why: DeviceLostError) -> None:
         """Nothing that is under way will end any more."""

@@ -26,7 +26,7 @@ from woz_drivers.led_face.wire import (
     PacketReader,
     frame_payload,
 )
-from woz_tui.motion.light_frames import LightFrame
+from woz_tui.motion.body_feeds import FacePicture
 
 #: A hello is repeated after so long, in microseconds; boards need two seconds to start.
 HELLO_US = 500_000
@@ -50,17 +50,9 @@ class LinkState(enum.Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
-    """A picture as the matrix is wired, and its brightness, 0..1."""
-
-    frame: LightFrame
-    brightness: float
-
-
-@dataclass(frozen=True, slots=True)
 class _SentFrame:
     number: int
-    wanted: Wanted
+    wanted: FacePicture
     sent_us: int
 
 
@@ -90,7 +82,7 @@ class FaceLink:
         self.detail = ""
         self.remedy = ""
         self.device: FaceDevice | None = None
-        self.shown: Wanted | None = None
+        self.shown: FacePicture | None = None
         self._size = size
         self._send = send
         self._on_state = on_state
@@ -159,8 +151,10 @@ class FaceLink:
 
     # -- what goes -----------------------------------------------------------------------------
 
-    def step(self, wanted: Wanted, now_us: int) -> None:
-        """Send what is due now, if anything; call it at least as often as frames shall go."""
+    def step(self, wanted: FacePicture, now_us: int) -> None:
+        """Send what is due now, if anything; call it at least as often as frames shall go. `wanted`
+        is the picture as the matrix is wired.
+        """
         if self.state is not LinkState.TALKING:
             self._ask_again(now_us)
         elif self._under_way is None:
@@ -169,13 +163,13 @@ class FaceLink:
         elif now_us - self._under_way.sent_us >= ANSWER_US:
             self._missed(wanted, now_us)
 
-    def _due(self, wanted: Wanted, now_us: int) -> bool:
+    def _due(self, wanted: FacePicture, now_us: int) -> bool:
         if self._sent_us is None:
             return True
         since = now_us - self._sent_us
         return since >= (self._interval_us if wanted != self.shown else REFRESH_US)
 
-    def _missed(self, wanted: Wanted, now_us: int) -> None:
+    def _missed(self, wanted: FacePicture, now_us: int) -> None:
         self._misses += 1
         self._under_way = None
         if self._misses < MISSES:
@@ -184,7 +178,7 @@ class FaceLink:
         self._move(LinkState.SILENT, "the face does not answer any more", _POWER)
         self._ask(now_us)
 
-    def _show(self, wanted: Wanted, now_us: int) -> None:
+    def _show(self, wanted: FacePicture, now_us: int) -> None:
         number = self._next()
         self._under_way = _SentFrame(number, wanted, now_us)
         self._sent_us = now_us

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-import os
+import contextlib
 import statistics
-
-import serial
 
 from woz_drivers.led_face.conversation import mismatch
 from woz_drivers.led_face.settings import LedFaceSettings
@@ -19,8 +17,8 @@ from woz_drivers.led_face.wire import (
     Packet,
     PacketReader,
 )
-from woz_drivers.serial_line import LOSSES, explain_port_error, open_port
-from woz_tui.drivers.contract import Finding
+from woz_drivers.serial_line import SerialLine
+from woz_tui.drivers.contract import DeviceLostError, Finding
 
 #: Boards that start anew when their port is opened need two seconds until they answer.
 _PATIENCE_S = 3.0
@@ -32,92 +30,68 @@ _SLOW_MS = 50.0
 
 async def examine(subject: str, settings: LedFaceSettings) -> Finding:
     """Version, size and latency of the face, or what is wrong. Never raises."""
+    face = _OpenFace(settings)
     try:
-        port = open_port(settings.port, settings.baud)
-    except (*LOSSES, ValueError) as error:
-        trouble = explain_port_error(settings.port, settings.baud, error)
-        return Finding("error", subject, trouble.what, trouble.remedy)
-    visit = _OpenFace(port)
-    try:
-        return await _asked(subject, settings, visit)
-    except LOSSES as error:
-        trouble = explain_port_error(settings.port, settings.baud, error)
-        return Finding("error", subject, trouble.what, trouble.remedy)
+        await face.next_event()  # the port is open, or cannot be
+        return await _asked(subject, settings, face)
+    except DeviceLostError as error:
+        return Finding("error", subject, error.what, error.remedy)
     finally:
-        visit.end()
+        await face.line.close()
 
 
 class _OpenFace:
     """An open port and hellos over it."""
 
-    def __init__(self, port: serial.Serial) -> None:
-        self._port = port
-        self._reader = PacketReader()
-        self._heard = asyncio.Event()
-        self._packets: list[Packet] = []
+    def __init__(self, settings: LedFaceSettings) -> None:
+        self.reader = PacketReader()
+        self._events: asyncio.Queue[Packet | DeviceLostError | None] = asyncio.Queue()
         self._number = 0
-        self._lost: Exception | None = None
-        asyncio.get_running_loop().add_reader(port.fileno(), self._read)
+        self.line = SerialLine(
+            settings.port,
+            settings.baud,
+            on_open=lambda: self._events.put_nowait(None),
+            on_bytes=self._received,
+            on_trouble=self._events.put_nowait,
+        )
+        self.line.start()
 
-    @property
-    def damaged(self) -> int:
-        """Packets that came damaged."""
-        return self._reader.damaged
+    def _received(self, data: bytes) -> None:
+        for packet in self.reader.feed(data):
+            self._events.put_nowait(packet)
 
-    def end(self) -> None:
-        """Let go of the port."""
-        asyncio.get_running_loop().remove_reader(self._port.fileno())
-        self._port.close()
-
-    def _read(self) -> None:
-        try:
-            data = self._port.read(4096)
-        except LOSSES as error:
-            self._lost = error
-            asyncio.get_running_loop().remove_reader(self._port.fileno())
-            self._heard.set()
-            return
-        self._packets += self._reader.feed(data)
-        self._heard.set()
+    async def next_event(self) -> Packet | None:
+        """The next packet; None: the port was opened. Raises `DeviceLostError`."""
+        event = await self._events.get()
+        if isinstance(event, DeviceLostError):
+            raise event
+        return event
 
     async def hello(self) -> tuple[FaceDevice, float] | None:
         """What the face says of itself and after how many seconds; None: nothing."""
         self._number += 1
         loop = asyncio.get_running_loop()
         begun = loop.time()
-        hello = Packet(HELLO, self._number, bytes((VERSION,))).encoded()
-        os.write(self._port.fileno(), b"\0" + hello)
-        try:
+        self.line.write(b"\0" + Packet(HELLO, self._number, bytes((VERSION,))).encoded())
+        with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(_ANSWER_S):
-                device = await self._answer()
-        except TimeoutError:
-            return None
-        return device, loop.time() - begun
-
-    async def _answer(self) -> FaceDevice:
-        while True:
-            if self._lost is not None:
-                raise self._lost
-            while self._packets:
-                packet = self._packets.pop(0)
-                if (packet.type, packet.number) == (HERE, self._number):
-                    try:
-                        return FaceDevice.of_payload(packet.payload)
-                    except DamagedPacketError:
-                        continue
-            self._heard.clear()
-            await self._heard.wait()
+                while True:
+                    packet = await self.next_event()
+                    if packet is not None and (packet.type, packet.number) == (HERE, self._number):
+                        with contextlib.suppress(DamagedPacketError):
+                            return FaceDevice.of_payload(packet.payload), loop.time() - begun
+        return None
 
 
-async def _asked(subject: str, settings: LedFaceSettings, visit: _OpenFace) -> Finding:
+async def _asked(subject: str, settings: LedFaceSettings, face: _OpenFace) -> Finding:
     where = f"{settings.port} at {settings.baud} baud"
     first = None
     for _ in range(round(_PATIENCE_S / _ANSWER_S)):
-        first = await visit.hello()
+        first = await face.hello()
         if first is not None:
             break
     if first is None:
-        heard = f", only {visit.damaged} damaged packets" if visit.damaged else ""
+        heard = f", only {face.reader.damaged} damaged packets" if face.reader.damaged else ""
         return Finding(
             "error",
             subject,
@@ -128,8 +102,8 @@ async def _asked(subject: str, settings: LedFaceSettings, visit: _OpenFace) -> F
     wrong = mismatch(device, settings.wired)
     if wrong:
         return Finding("error", subject, f"{where}: {wrong[0]}", wrong[1])
-    answers = [answer for _ in range(_HELLOS) if (answer := await visit.hello())]
-    return _judged(subject, where, device, [seconds for _, seconds in answers], visit.damaged)
+    answers = [answer for _ in range(_HELLOS) if (answer := await face.hello())]
+    return _judged(subject, where, device, [seconds for _, seconds in answers], face.reader.damaged)
 
 
 def _judged(

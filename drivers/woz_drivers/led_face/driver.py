@@ -7,10 +7,10 @@ import contextlib
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from woz_drivers.led_face.conversation import FaceLink, LinkState, Wanted
+from woz_drivers.led_face.conversation import FaceLink, LinkState
 from woz_drivers.led_face.doctor import examine
 from woz_drivers.led_face.settings import LedFaceSettings
-from woz_drivers.serial_line import PortTrouble, SerialLine
+from woz_drivers.serial_line import SerialLine
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
@@ -116,8 +116,8 @@ class LedFace(PassiveDriver):
         super().__init__(name, settings, context)
         self._lit = context.feed(FACE, of=settings.follows) if settings.follows else None
         self._seen = 0
-        self._wanted = Wanted(blank(*settings.wired), 0.0)
-        self._pattern: Wanted | None = None
+        self._wanted = FacePicture(blank(*settings.wired), 0.0)
+        self._pattern: FacePicture | None = None
         #: Set when the face is lost: what is shown for a while ends.
         self._gone = asyncio.Event()
         self._task: asyncio.Task[None] | None = None
@@ -161,7 +161,7 @@ class LedFace(PassiveDriver):
         if not isinstance(seconds, int | float) or picture not in PATTERNS:
             raise RejectedError(f"there is no test picture {picture!r} of {seconds!r} seconds")
         job.expects(seconds)
-        self._pattern = Wanted(
+        self._pattern = FacePicture(
             self._mounted(PATTERNS[str(picture)](self.settings.width, self.settings.height)),
             self.settings.brightness,
         )
@@ -192,7 +192,7 @@ class LedFace(PassiveDriver):
             self._step(self._pattern or self._wanted)
             await asyncio.sleep(pause)
 
-    def _step(self, wanted: Wanted) -> None:
+    def _step(self, wanted: FacePicture) -> None:
         if self._line.connected:
             self._talk.step(wanted, self._now())
 
@@ -208,7 +208,7 @@ class LedFace(PassiveDriver):
     def _take(self, lit: FacePicture) -> None:
         frame, settings = lit.frame, self.settings
         if (frame.width, frame.height) == (settings.width, settings.height):
-            self._wanted = Wanted(self._mounted(frame), lit.brightness * settings.brightness)
+            self._wanted = FacePicture(self._mounted(frame), lit.brightness * settings.brightness)
             return
         self._lit = None  # a body's face keeps its size, so this is said once
         self.context.notice(
@@ -226,9 +226,9 @@ class LedFace(PassiveDriver):
         settings = self.settings
         if settings.afterwards == "last" or self._talk.state is not LinkState.TALKING:
             return
-        last = Wanted(blank(*settings.wired), 0.0)
+        last = FacePicture(blank(*settings.wired), 0.0)
         if settings.afterwards == "asleep":
-            last = Wanted(self._mounted(sleeping_face(settings)), self._wanted.brightness)
+            last = FacePicture(self._mounted(sleeping_face(settings)), self._wanted.brightness)
         loop = asyncio.get_running_loop()
         end = loop.time() + _FAREWELL_S
         while self._talk.shown != last and self._line.connected and loop.time() < end:
@@ -250,9 +250,9 @@ class LedFace(PassiveDriver):
         with contextlib.suppress(DeviceLostError):  # whoever noticed the loss has told it
             self._line.write(data)
 
-    def _troubled(self, trouble: PortTrouble) -> None:
+    def _troubled(self, error: DeviceLostError) -> None:
         self._gone.set()
-        self.context.health(Health.LOST, trouble.what, trouble.remedy)
+        self.context.health(Health.LOST, error.what, error.remedy)
 
     def _tell(self) -> None:
         talk = self._talk

@@ -16,6 +16,7 @@ from woz_drivers.midi.settings import MidiSettings
 from woz_drivers.midi.wire import CC, NOTE, MidiDecoder, MidiMessage, control_change, note_on
 from woz_tui.drivers.contract import (
     Ask,
+    DeviceLostError,
     DriverContext,
     Finding,
     Health,
@@ -159,20 +160,20 @@ class MidiPanel(PassiveDriver):
 
     # -- the panel -----------------------------------------------------------------------------
 
-    def _opened(self, path: str) -> None:
+    def _opened(self) -> None:
         self._decoder = MidiDecoder()
         self._lights.forget()
-        self.context.health(Health.CONNECTED, path)
+        self.context.health(Health.CONNECTED, self._port.path)
         if self._with_lights:
             self._port.write(self._layout.begin)
         self._look()
 
-    def _troubled(self, what: str, remedy: str) -> None:
+    def _troubled(self, error: DeviceLostError) -> None:
         for knob in self._knobs.values():
             knob.pickup.forget()
         for button in self._buttons.values():
             button.let_go()
-        self.context.health(Health.LOST, what, remedy)
+        self.context.health(Health.LOST, error.what, error.remedy)
         self._look()
 
     def _received(self, data: bytes) -> None:

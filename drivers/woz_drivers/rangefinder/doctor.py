@@ -6,8 +6,8 @@ import asyncio
 
 from woz_drivers.rangefinder.settings import RangefinderSettings
 from woz_drivers.rangefinder.wire import Measurement
-from woz_drivers.serial_line import LOSSES, explain_port_error, open_port
-from woz_tui.drivers.contract import Finding, Probe
+from woz_drivers.serial_line import SerialLine
+from woz_tui.drivers.contract import DeviceLostError, Finding, Probe
 
 #: How long `woz doctor` listens, in seconds: the slowest sensors speak twice a second.
 _LISTEN_S = 1.5
@@ -16,38 +16,26 @@ _LISTEN_S = 1.5
 async def examine(probe: Probe) -> Finding:
     """Open the port, listen for a moment, say what came."""
     settings: RangefinderSettings = probe.settings
-    try:
-        return await _listen(probe.name, settings)
-    except (*LOSSES, ValueError) as error:
-        trouble = explain_port_error(settings.port, settings.real_baud, error)
-        return Finding("error", probe.name, trouble.what, trouble.remedy)
-
-
-async def _listen(subject: str, settings: RangefinderSettings) -> Finding:
-    """What the sensor says in `_LISTEN_S` seconds. Raises what `open_port` raises."""
-    port = open_port(settings.port, settings.real_baud)
-    decoder = settings.decoder()
-    loop = asyncio.get_running_loop()
-    lost: asyncio.Future[None] = loop.create_future()
     heard = bytearray()
-
-    def read() -> None:
-        try:
-            heard.extend(port.read(4096))
-        except LOSSES as error:
-            loop.remove_reader(port.fileno())
-            if not lost.done():
-                lost.set_exception(error)
-
-    loop.add_reader(port.fileno(), read)
+    lost: asyncio.Queue[DeviceLostError] = asyncio.Queue()
+    line = SerialLine(
+        settings.port,
+        settings.real_baud,
+        on_open=heard.clear,
+        on_bytes=heard.extend,
+        on_trouble=lost.put_nowait,
+    )
+    line.start()
     try:
-        await asyncio.wait([lost], timeout=_LISTEN_S)
-        if lost.done():
-            lost.result()
+        async with asyncio.timeout(_LISTEN_S):
+            error = await lost.get()
+        return Finding("error", probe.name, error.what, error.remedy)
+    except TimeoutError:
+        decoder = settings.decoder()
+        found = decoder.feed(bytes(heard))
+        return _finding(probe.name, settings, bytes(heard), found, decoder.bad)
     finally:
-        loop.remove_reader(port.fileno())
-        port.close()
-    return _finding(subject, settings, bytes(heard), decoder.feed(bytes(heard)), decoder.bad)
+        await line.close()
 
 
 def _finding(

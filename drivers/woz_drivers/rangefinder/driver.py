@@ -8,8 +8,15 @@ from typing import Any
 from woz_drivers.rangefinder import doctor
 from woz_drivers.rangefinder.settings import RangefinderSettings
 from woz_drivers.rangefinder.wire import Measurement
-from woz_drivers.serial_line import PortTrouble, SerialLine
-from woz_tui.drivers.contract import DriverContext, Finding, Health, PassiveDriver, Probe
+from woz_drivers.serial_line import SerialLine
+from woz_tui.drivers.contract import (
+    DeviceLostError,
+    DriverContext,
+    Finding,
+    Health,
+    PassiveDriver,
+    Probe,
+)
 
 SENSOR = "distance"
 RATE = "distance.rate"
@@ -89,9 +96,9 @@ class Rangefinder(PassiveDriver):
             Health.CONNECTED, f"{settings.port}, {settings.framing}, {settings.real_baud} baud"
         )
 
-    def _troubled(self, trouble: PortTrouble) -> None:
-        self.context.health(Health.LOST, trouble.what, trouble.remedy)
-        self.context.sensor(SENSOR, "stale", trouble.what)
+    def _troubled(self, error: DeviceLostError) -> None:
+        self.context.health(Health.LOST, error.what, error.remedy)
+        self.context.sensor(SENSOR, "stale", error.what)
 
     # -- values --------------------------------------------------------------------------------
 

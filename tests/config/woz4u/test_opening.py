@@ -16,8 +16,9 @@ from tests.config.woz4u.reading import (
     titles,
 )
 from woz_tui.config.experiment import ExperimentError
+from woz_tui.config.experiment_file import TOP_LEVEL
 from woz_tui.config.file_text import SourceFile
-from woz_tui.config.loading import TOP_LEVEL, load
+from woz_tui.config.loading import load
 from woz_tui.config.problems import ProblemReport
 from woz_tui.config.woz4u import recognised
 from woz_tui.config.yaml_nodes import MappingNode, parse_yaml

@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 
 from tests.config.woz4u.reading import CATALOGUE, converted, essence
 from woz_tui.config.experiment import Experiment, ExperimentError
+from woz_tui.config.experiment_file import TOP_LEVEL
 from woz_tui.config.file_text import read_source
-from woz_tui.config.loading import TOP_LEVEL, load
+from woz_tui.config.loading import load
 from woz_tui.config.problems import ProblemReport
 from woz_tui.config.woz4u import translate_file
 from woz_tui.config.woz4u.woz4u_keys import AUTONOMY, LOCKS, STEPS, VOICE

@@ -7,15 +7,20 @@ from dataclasses import replace
 
 from rich.cells import cell_len
 
-from woz_tui.console.bottom_rows import BarInfo, StopBar, hint_row
+from woz_tui.console.bottom_rows import (
+    BarInfo,
+    StopBar,
+    hint_row,
+    script_row,
+    sentence_rows,
+    upcoming,
+)
 from woz_tui.console.cells import Piece, Row, clean, cut, fit, length, spread
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.meter_rows import merge_pieces
 from woz_tui.console.number_text import elapsed
 from woz_tui.console.replay.replay_state import ReplayState, TimelinePlace, wall_time
-from woz_tui.console.script_row import script_row, upcoming
-from woz_tui.console.sentence_rows import sentence_rows
 from woz_tui.console.stop_confirmation import missing_row
 from woz_tui.timeline.episodes import StopEpisode
 

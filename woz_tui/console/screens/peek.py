@@ -5,11 +5,10 @@ from __future__ import annotations
 from textual import events
 
 from woz_tui.config.keys.textual_names import from_textual
+from woz_tui.console.bottom_rows import KEPT, step_words, upcoming
 from woz_tui.console.cells import Row
 from woz_tui.console.key_caps import KeyCap, caption, key_name
 from woz_tui.console.screens.dialog import ReportDialog
-from woz_tui.console.script_row import upcoming
-from woz_tui.console.sentence_rows import KEPT, step_words
 from woz_tui.session.variables import HIDDEN_TEXT
 
 

@@ -9,7 +9,7 @@ from textual.content import Content
 from textual.widgets import OptionList
 
 from woz_tui.console.cells import Row, clean, fit
-from woz_tui.console.profile_view import EVERYTHING
+from woz_tui.console.console_state import EVERYTHING
 from woz_tui.console.screens.choice import ChoiceDialog
 from woz_tui.protocol.requests import AskProfile
 

@@ -9,7 +9,7 @@ from rich.cells import cell_len, chop_cells
 from woz_tui.console.cells import Piece, Row, clean, cut, fit
 from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.study.questionnaire_run import WIDE, QuestionnairePage, QuestionnaireRun
-from woz_tui.protocol.welcome import QuestionnaireItemView
+from woz_tui.protocol.welcome import QuestionnaireItem
 
 #: Cells of a page's column, and of a box on a scale.
 COLUMN, BOX = 72, 9
@@ -127,7 +127,7 @@ def _item(taken: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
     return [*rows, *scale]
 
 
-def _boxes(item: QuestionnaireItemView, taken: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
+def _boxes(item: QuestionnaireItem, taken: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
     """A box for each point, the chosen one filled and between brackets."""
     values = range(item.low, item.high + 1)
     box = max(3, min(BOX, frame.width // len(values)))
@@ -144,7 +144,7 @@ def _boxes(item: QuestionnaireItemView, taken: QuestionnaireRun, frame: PaintFra
     return [tuple(above), tuple(row), tuple(above), (), *_ends(item, whole, frame)]
 
 
-def _line(item: QuestionnaireItemView, taken: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
+def _line(item: QuestionnaireItem, taken: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
     """A line from end to end, with a mark on it and the number above."""
     glyphs, width = frame.glyphs, frame.width
     cells = [(glyphs.track, "faint")] * width
@@ -160,7 +160,7 @@ def _line(item: QuestionnaireItemView, taken: QuestionnaireRun, frame: PaintFram
     return [told, (), tuple(cells), ((numbers, "plain"),), *_ends(item, width, frame)]
 
 
-def _ends(item: QuestionnaireItemView, width: int, frame: PaintFrame) -> list[Row]:
+def _ends(item: QuestionnaireItem, width: int, frame: PaintFrame) -> list[Row]:
     """What the ends are called, each under its own end."""
     low, high = map(clean, item.ends)
     if not low and not high:

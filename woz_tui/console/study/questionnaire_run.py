@@ -12,7 +12,7 @@ from collections.abc import Callable
 from woz_tui.console.keyboard import HELD_US
 from woz_tui.console.study.questionnaires import ItemAnswer, OpenQuestionnaire
 from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire
-from woz_tui.protocol.welcome import ENGLISH, QuestionnaireItemView, QuestionnaireWords
+from woz_tui.protocol.welcome import ENGLISH, QuestionnaireItem, QuestionnaireWords
 from woz_tui.session.questionnaire_control import LONGEST
 
 #: Steps of the page keys on a wide scale.
@@ -77,7 +77,7 @@ class QuestionnaireRun:
     # -- reading ------------------------------------------------------------------------------
 
     @property
-    def item(self) -> QuestionnaireItemView | None:
+    def item(self) -> QuestionnaireItem | None:
         """The item shown."""
         items = self.asked.items
         return items[self.position] if self.position < len(items) else None
@@ -219,14 +219,14 @@ class QuestionnaireRun:
             return False
         return True
 
-    def _forward(self, item: QuestionnaireItemView) -> None:
+    def _forward(self, item: QuestionnaireItem) -> None:
         if item.name in self.asked.answers:
             self._on()
         else:
             words = self.words
             self.complaint = words.answer_or_skip if item.optional else words.answer_first
 
-    def _scale(self, item: QuestionnaireItemView, key: str) -> bool:
+    def _scale(self, item: QuestionnaireItem, key: str) -> bool:
         step = {"left": -1, "right": 1, "pagedown": -_LEAP, "pageup": _LEAP}.get(key)
         if _is_digit(key) or (key == "-" and item.low < 0):
             self._type(item, key)
@@ -244,7 +244,7 @@ class QuestionnaireRun:
             return False
         return True
 
-    def _move(self, item: QuestionnaireItemView, step: int) -> None:
+    def _move(self, item: QuestionnaireItem, step: int) -> None:
         """The first press of an arrow sets the mark on the end it comes from."""
         start = item.low if step > 0 else item.high
         self._move_to(start if self.mark is None else self.mark + step)
@@ -254,7 +254,7 @@ class QuestionnaireRun:
         if item is not None:
             self.mark, self.typed, self.complaint = min(item.high, max(item.low, value)), "", ""
 
-    def _type(self, item: QuestionnaireItemView, digit: str) -> None:
+    def _type(self, item: QuestionnaireItem, digit: str) -> None:
         """A digit answers at once where each point is one; else enter follows the number."""
         typed = self.typed + digit
         fits = any(_begins(value, typed) for value in range(item.low, item.high + 1))
@@ -267,12 +267,12 @@ class QuestionnaireRun:
         else:
             self._set_typed(item, typed)
 
-    def _set_typed(self, item: QuestionnaireItemView, typed: str) -> None:
+    def _set_typed(self, item: QuestionnaireItem, typed: str) -> None:
         value = _number(typed)
         self.typed, self.complaint = typed, ""
         self.mark = value if value is not None and item.low <= value <= item.high else None
 
-    def _confirm(self, item: QuestionnaireItemView) -> None:
+    def _confirm(self, item: QuestionnaireItem) -> None:
         """Not with nothing chosen: an enter too many must leave nothing out."""
         if self.mark is not None:
             self._take(item, ItemAnswer(self.mark))
@@ -280,7 +280,7 @@ class QuestionnaireRun:
             words = self.words.number_or_skip if item.optional else self.words.number
             self.complaint = words.format(low=item.low, high=item.high)
 
-    def _skip(self, item: QuestionnaireItemView) -> None:
+    def _skip(self, item: QuestionnaireItem) -> None:
         if item.optional:
             self._take(item, ItemAnswer(skipped=True))
         else:
@@ -300,7 +300,7 @@ class QuestionnaireRun:
 
     # -- answers ------------------------------------------------------------------------------
 
-    def _take(self, item: QuestionnaireItemView, answer: ItemAnswer) -> None:
+    def _take(self, item: QuestionnaireItem, answer: ItemAnswer) -> None:
         request = AskAnswer(
             questionnaire=self.asked.name,
             item=item.name,

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import msgspec
 
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.welcome import QuestionnaireItemView, QuestionnaireView
+from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +30,7 @@ class ItemAnswer:
 class OpenQuestionnaire:
     """A questionnaire that is put to somebody; answers by item."""
 
-    questionnaire: QuestionnaireView
+    questionnaire: Questionnaire
     answers: dict[str, ItemAnswer] = field(default_factory=dict)
 
     @property
@@ -39,7 +39,7 @@ class OpenQuestionnaire:
         return self.questionnaire.name
 
     @property
-    def items(self) -> tuple[QuestionnaireItemView, ...]:
+    def items(self) -> tuple[QuestionnaireItem, ...]:
         """What is asked."""
         return self.questionnaire.items
 
@@ -59,10 +59,10 @@ class OpenQuestionnaire:
         return next(open_items, len(self.items))
 
 
-def items_of(told: object) -> tuple[QuestionnaireItemView, ...]:
+def items_of(told: object) -> tuple[QuestionnaireItem, ...]:
     """The items of one, as a message has them; those that cannot be read are left out."""
-    found: list[QuestionnaireItemView] = []
+    found: list[QuestionnaireItem] = []
     for one in told if isinstance(told, list | tuple) else ():
         with contextlib.suppress(msgspec.ValidationError):
-            found.append(msgspec.convert(one, QuestionnaireItemView))
+            found.append(msgspec.convert(one, QuestionnaireItem))
     return tuple(found)

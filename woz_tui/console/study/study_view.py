@@ -12,7 +12,7 @@ import msgspec
 from woz_tui.console.number_text import seconds
 from woz_tui.console.study.questionnaires import OpenQuestionnaire, items_of
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.welcome import QuestionnaireView
+from woz_tui.protocol.welcome import Questionnaire
 from woz_tui.timeline.session_state import SessionState
 
 #: Sentences for the wizard that may wait to be read.
@@ -51,7 +51,7 @@ class StudyView:
     """What holds is in `session`; `adopt` and `take` add what only a screen needs."""
 
     session: SessionState = field(default_factory=SessionState)
-    questionnaires: tuple[QuestionnaireView, ...] = ()
+    questionnaires: tuple[Questionnaire, ...] = ()
     #: The questionnaire that is put to somebody now, and the message that began it.
     asked: OpenQuestionnaire | None = None
     _started: m.QuestionnaireStarted | None = None
@@ -144,7 +144,7 @@ class StudyView:
         """Whether the participant has had all trials that were planned."""
         return self.trial is None and self.next > self.planned > 0
 
-    def questionnaire(self, name: str) -> QuestionnaireView | None:
+    def questionnaire(self, name: str) -> Questionnaire | None:
         """The questionnaire of this name."""
         return next((one for one in self.questionnaires if one.name == name), None)
 
@@ -236,9 +236,9 @@ class StudyView:
             for answer in current.answers.values():
                 self.asked.take(answer)
 
-    def _put(self, name: str, started: m.QuestionnaireStarted | None) -> QuestionnaireView:
+    def _put(self, name: str, started: m.QuestionnaireStarted | None) -> Questionnaire:
         """As it was begun; what that does not say, as the file has it."""
-        known = self.questionnaire(name) or QuestionnaireView(name)
+        known = self.questionnaire(name) or Questionnaire(name)
         if started is None:
             return known
         items = items_of(started.items) or known.items

@@ -1,0 +1,150 @@
+"""The shapes of an experiment file, panels and actions: what each may say.
+
+One shape gives the decoder, the JSON schema and the reference page. Sections whose shape is also
+what the session works with are in `experiment`, `study` and `engagement`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Annotated, Any
+
+from woz_tui.config.annotated_decoder import names_of
+from woz_tui.config.experiment import ArrowKeySteps, Phase, ProfileEntry, SessionSettings
+from woz_tui.config.keys.keyboard_layouts import LAYOUTS
+from woz_tui.config.languages import DEFAULT
+from woz_tui.config.robots import SIMULATED
+from woz_tui.config.study import Study
+from woz_tui.drivers.fields import (
+    Doc,
+    Entry,
+    NotBlank,
+    NotEmpty,
+    OneOf,
+    OneOrMore,
+    ReadApart,
+    Unique,
+)
+
+WHEN_BUSY = ("queue", "replace", "refuse")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ActionEntry(Entry):
+    """What an action may say beside verbs and their arguments."""
+
+    what = "an action"
+    example = "{key: h, label: Hello, say: Hello!}"
+    either = ("label", "name")
+    key: Annotated[Any, ReadApart("key"), Doc("a, A, !, F1, ctrl+a; c r: first c, then r")] = None
+    label: Annotated[str, NotBlank(), Doc("text on the button")] = ""
+    name: Annotated[str, NotBlank(), Doc("name for scripts and programs (default: the label)")] = ""
+    help: Annotated[str, NotBlank(), Doc("a sentence for the wizard")] = ""
+    locked: Annotated[bool, Doc("shown, but cannot be played")] = False
+    when_busy: Annotated[
+        str, OneOf(WHEN_BUSY), Doc("what the key does while the action is running")
+    ] = "queue"
+    on: Annotated[Any, ReadApart("on"), Doc("driver or robot; a list for several at once")] = None
+    steps: Annotated[
+        Any,
+        ReadApart("steps"),
+        Doc("steps run one after the other; verbs in one step run at the same time"),
+    ] = None
+    then: Annotated[
+        tuple[str, ...],
+        OneOrMore("the name of an action"),
+        Doc("names of actions to be within reach behind it"),
+    ] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PanelEntry(Entry):
+    """What a panel may say."""
+
+    what = "a panel"
+    example = "{title: Speech, actions: [...]}"
+    either = ("actions", "covers")
+    title: Annotated[str, Doc("unique in the file")]
+    locked: Annotated[bool, Doc("locked until the wizard unlocks it")] = False
+    covers: Annotated[
+        tuple[str, ...], Doc("verbs that cannot be sent by hand while the panel is locked")
+    ] = ()
+    actions: Annotated[Any, ReadApart("actions"), Doc("buttons, in this order")] = None
+
+
+@dataclass(frozen=True, slots=True)
+class ParticipantsEntry(Entry):
+    """What the section `participants` may say."""
+
+    what = "the section"
+    example = "{pattern: 'P\\d\\d'}"
+    pattern: Annotated[str, Doc("regular expression of codes")] = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExperimentFile(Study, Entry):
+    """The top level of an experiment file."""
+
+    what = "an experiment"
+    title: Annotated[str, Doc("name of the experiment")]
+    robot: Annotated[
+        Any, ReadApart("robot_or_file"), Doc(f"{SIMULATED}, a robot file, or drivers right here")
+    ] = None
+    robots: Annotated[
+        Any,
+        ReadApart(dict[str, Annotated[Any, ReadApart("robot_or_file")]]),
+        NotEmpty(),
+        Doc("several robots by name"),
+    ] = None
+    participants: Annotated[ParticipantsEntry, Doc("what participants' codes look like")] = (
+        ParticipantsEntry()
+    )
+    conditions: Annotated[
+        tuple[str, ...], Unique(), Doc("what differs between participants or trials")
+    ] = ()
+    variables: Annotated[
+        Any,
+        ReadApart(dict[str, str | dict[str, str]]),
+        Doc("values for {name} in utterances; a mapping gives one for each condition"),
+    ] = None
+    language: Annotated[str, ReadApart(), Doc("in which the console speaks to participants")] = (
+        DEFAULT
+    )
+    keyboard: Annotated[str, OneOf(tuple(LAYOUTS)), Doc("the wizard's keyboard")] = "us"
+    session: Annotated[SessionSettings, Doc("time limits of the session")] = SessionSettings()  # noqa: RUF009 - frozen
+    sensors: Annotated[
+        tuple[str, ...],
+        Unique(),
+        Doc("what stands first among the sensors on the screen: their names, engagement, pose"),
+    ] = ()
+    steps: Annotated[ArrowKeySteps, Doc("size of one step of an arrow key")] = ArrowKeySteps()  # noqa: RUF009 - frozen
+    engagement: Annotated[
+        Any,
+        ReadApart("engagement"),
+        Doc("engagement model: whether a visitor is engaged with the robot"),
+    ] = None
+    panels: Annotated[
+        tuple[PanelEntry, ...],
+        ReadApart(),
+        NotEmpty(),
+        Doc("groups of actions, in the order of the screen"),
+    ]
+    profiles: Annotated[
+        dict[str, ProfileEntry], ReadApart(), Doc("profiles: what a wizard may use, by name")
+    ] = field(default_factory=dict)
+    script: Annotated[tuple[str, ...], Doc("names of actions; space plays the next one")] = ()
+    repairs: Annotated[
+        Any,
+        ReadApart("repairs"),
+        Doc("moves that save a dialogue; without this section: repeat and interrupt"),
+    ] = None
+    phases: Annotated[
+        tuple[Phase, ...],
+        ReadApart(),
+        NotEmpty(),
+        Doc("parts of a trial: panels in front, and which phase may follow"),
+    ] = ()
+
+
+#: Everything that an experiment file may say at its top level, the study last.
+TOP_LEVEL = tuple(sorted(names_of(ExperimentFile), key=names_of(Study).__contains__))

@@ -15,7 +15,7 @@ from woz_tui.console.console_state import ConsoleState
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.welcome import PerceptionView, StudySettings
-from woz_tui.session.redactor import PerceptionLimits, Redactor, dots, perceived_kind
+from woz_tui.session.redactor import PerceptionFilter, Redactor, dots, perceived_kind
 
 NOW, SECOND = scenes.NOW, scenes.SECOND
 EVERYTHING = ["transcript", "distance", "loudness", "presence", "gaze", "identity", "direction"]
@@ -263,8 +263,8 @@ def test_the_checks_of_the_robot_tell_no_value() -> None:
 
 
 def test_what_nobody_knows_cannot_be_hidden() -> None:
-    assert not PerceptionLimits(["tea"], ["cake"])
-    assert PerceptionLimits(["distance"], ["distance"]).blurred == frozenset()
+    assert not PerceptionFilter(["tea"], ["cake"])
+    assert PerceptionFilter(["distance"], ["distance"]).blurred == frozenset()
 
 
 def test_a_picture_never_holds_what_is_hidden() -> None:

@@ -7,13 +7,13 @@ import os
 import threading
 from pathlib import Path
 
-from woz_tui.log.disk import RealDisk
+from woz_tui.log.disk import LogDisk
 
 #: What may be wrong with a folder's disk.
 FAULTS = ("full", "readonly", "io", "short", "sync")
 
 
-class FaultyDisk(RealDisk):
+class FaultyDisk(LogDisk):
     """The operating system with faults that can be switched on for each folder.
 
     full: a real ENOSPC, from /dev/full; readonly: EROFS for everything; io: EIO on writing;

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.log.bench import STEM, Bench, bench
-from woz_tui.log.disk import RealDisk
+from woz_tui.log.disk import LogDisk
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.system.clock import ManualClock
@@ -76,11 +76,11 @@ def test_a_folder_that_others_could_have_laid_out_is_refused(tmp_path: Path) -> 
     (tmp_path / "elsewhere").mkdir()
     (public / "woz").symlink_to(tmp_path / "elsewhere")
     with pytest.raises(PermissionError, match="another user"):
-        RealDisk().make_folder(public / "woz")
+        LogDisk().make_folder(public / "woz")
 
 
 def test_descriptors_are_not_handed_to_child_processes(tmp_path: Path) -> None:
-    fd = RealDisk().create(tmp_path / "log")
+    fd = LogDisk().create(tmp_path / "log")
     try:
         assert not os.get_inheritable(fd)
     finally:

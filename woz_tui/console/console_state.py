@@ -32,7 +32,7 @@ from woz_tui.protocol.codec import WireError, decode_message
 from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
 from woz_tui.protocol.robot_outline import RobotOutline
 from woz_tui.protocol.welcome import Allowance, WelcomeSettings
-from woz_tui.session.redactor import PerceptionLimits, Redactor
+from woz_tui.session.redactor import PerceptionFilter, Redactor
 from woz_tui.timeline.episodes import StopEpisode, keep_latest
 from woz_tui.timeline.session_state import SessionState
 
@@ -113,7 +113,7 @@ class ConsoleState:
     keyboard: str = "us"
     settings: WelcomeSettings = field(default_factory=WelcomeSettings)
     #: What the wizard does not get to see.
-    perception: PerceptionLimits = field(default_factory=PerceptionLimits)
+    perception: PerceptionFilter = field(default_factory=PerceptionFilter)
     #: What drivers look like.
     outlines: dict[str, Outline] = field(default_factory=dict)
     robot_outlines: dict[str, RobotOutline] = field(default_factory=dict)
@@ -313,7 +313,7 @@ class ConsoleState:
         self.settings = welcome.settings
         self.outlines = outlines_of(self.settings.outlines)
         self.robot_outlines = robots_of(self.settings.outlines)
-        self.perception = PerceptionLimits.of(self.settings.study)
+        self.perception = PerceptionFilter.of(self.settings.study)
         self._plan(welcome, welcome.drivers)
         self._recall(welcome)
         self.role = welcome.role  # whatever old lines say of it
@@ -364,11 +364,11 @@ class ConsoleState:
             if (given := self.session.study.assigned) is not None:
                 order = [*self.settings.study.assigned]  # by its labels
                 self.session.study.assigned = msgspec.structs.replace(given, order=order)
-        self._perceive(PerceptionLimits.of(self.settings.study))
+        self._perceive(PerceptionFilter.of(self.settings.study))
         plan = self.session.plan
         self._plan(changed, plan.drivers if plan is not None else [])
 
-    def _perceive(self, perception: PerceptionLimits) -> None:
+    def _perceive(self, perception: PerceptionFilter) -> None:
         """Keep this from the wizard from now on, also what is on the screen already."""
         if perception == self.perception:
             return
@@ -413,7 +413,7 @@ class ConsoleState:
         if isinstance(message, m.SessionPlan):
             return  # the console is told of it otherwise
         if isinstance(message, m.PerceptionChanged):
-            self._perceive(PerceptionLimits(message.hidden, message.blurred))
+            self._perceive(PerceptionFilter(message.hidden, message.blurred))
         if isinstance(message, m.Reading):  # hundreds a second, of which only the last are shown
             self.session.take(message)
             return

@@ -282,35 +282,28 @@ class ClientConnection(asyncio.Protocol):
     def _line(self, line: bytes, since_us: int, overtaken: bool) -> None:
         left = self._transport is None or self._transport.is_closing()
         if len(line) > codec.MAX_LINE:
-            self.send(
-                Reply(ref=0, ok=False, reason=f"a line can have at most {codec.MAX_LINE} bytes")
-            )
+            self.refuse(0, f"a line can have at most {codec.MAX_LINE} bytes")
             self.close("line too long")
             return
         try:
             request = codec.decode_request(line)
         except codec.WireError as error:
-            self.send(
-                Reply(
-                    ref=codec.ref_of(line),
-                    ok=False,
-                    reason=str(error),
-                    hint="docs/reference/protocol.md",
-                )
-            )
+            self.refuse(codec.ref_of(line), str(error), "docs/reference/protocol.md")
             return
         if overtaken and isinstance(request, AskRelease):
             # It was sent before the stop, and so not because of it.
             reason = "a newer stop arrived on the same connection"
-            self.send(
-                Reply(ref=request.ref, ok=False, reason=reason, hint="release the stop again")
-            )
+            self.refuse(request.ref, reason, "release the stop again")
         elif not left or isinstance(request, LASTING):
             if not request.sent_us:
                 request = msgspec.structs.replace(request, sent_us=since_us)
             self._on_request(self, request)
 
     # -- out ---------------------------------------------------------------------------------
+
+    def refuse(self, ref: int, reason: str, hint: str = "", command: str = "") -> None:
+        """Answer the request `ref` with why it is not carried out; `hint`: what helps."""
+        self.send(Reply(ref=ref, ok=False, reason=reason, hint=hint, command=command))
 
     def send(self, answer: msgspec.Struct) -> None:
         """An answer to this client alone, after what the stream has already given it."""

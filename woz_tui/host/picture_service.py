@@ -21,7 +21,7 @@ from woz_tui.protocol.camera_pictures import (
     Picture,
     PictureShown,
 )
-from woz_tui.protocol.requests import AskPicture, Reply
+from woz_tui.protocol.requests import AskPicture
 from woz_tui.session.session import Session
 
 #: How long a new picture is waited for, and how often it is looked for, in seconds.
@@ -51,9 +51,9 @@ class PictureService:
 
     def ask(self, client: ClientConnection, request: AskPicture) -> None:
         """Answer with a picture, at once or within a second; or refuse."""
-        refused = self._refusal(client, request)
-        if refused is not None:
-            client.send(refused)
+        reason, hint = self._refusal(client, request)
+        if reason:
+            client.refuse(request.ref, reason, hint)
             return
         driver = request.driver or self.cameras[0]
         self._watch(client, driver, request)
@@ -61,7 +61,8 @@ class PictureService:
         self._asking[client] = task
         task.add_done_callback(lambda done: self._asking.pop(client, None))
 
-    def _refusal(self, client: ClientConnection, request: AskPicture) -> Reply | None:
+    def _refusal(self, client: ClientConnection, request: AskPicture) -> tuple[str, str]:
+        """Why it gets no picture, and what helps; empty: it gets one."""
         reason = hint = ""
         if client.role not in MAY:
             reason = f"a {client.role} cannot see camera pictures"
@@ -80,7 +81,7 @@ class PictureService:
         elif not self.cameras:
             reason = "no driver of this session has a camera"
             hint = "docs/how-to/camera.md explains how to add one"
-        return Reply(ref=request.ref, ok=False, reason=reason, hint=hint) if reason else None
+        return reason, hint
 
     def _watch(self, client: ClientConnection, driver: str, request: AskPicture) -> None:
         """Tell the camera that somebody watches, with the wishes of all who do."""
@@ -102,8 +103,7 @@ class PictureService:
             # Whoever asked waits for an answer, also when a driver's picture is none.
             if not isinstance(error, ValueError):
                 log.exception("a picture of %s could not be drawn", driver)
-            reason = f"a picture of {driver} could not be drawn: {error}"
-            client.send(Reply(ref=request.ref, ok=False, reason=reason))
+            client.refuse(request.ref, f"a picture of {driver} could not be drawn: {error}")
 
     async def _shown(self, shown: PictureShown, request: AskPicture) -> PictureShown:
         found = await self._next(shown.driver, request.after)

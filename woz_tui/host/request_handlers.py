@@ -97,10 +97,9 @@ class RequestHandlers:
         if client.view is not None:
             request = client.view.redactor.request(request)
         if client.role == "watcher" and not isinstance(request, WATCHER_MAY):
-            client.send(self._only_watches(request))
+            self._only_watches(client, request)
         elif client.role == PARTICIPANT and not isinstance(request, PARTICIPANT_MAY):
-            reason = "this console can only answer questionnaires"
-            client.send(Reply(ref=request.ref, ok=False, reason=reason))
+            client.refuse(request.ref, "this console can only answer questionnaires")
         elif isinstance(request, AskPicture):
             self._pictures.ask(client, request)
         elif isinstance(request, Slow):
@@ -108,16 +107,16 @@ class RequestHandlers:
         else:
             client.send(self._now(client, request))
 
-    def _only_watches(self, request: AnyRequest) -> Reply:
+    def _only_watches(self, client: ClientConnection, request: AnyRequest) -> None:
         if self._session.bus.unwatched:
             reason = "this console only watches, and nobody plays the robot"
-            return Reply(ref=request.ref, ok=False, reason=reason, command="take_over")
-        return Reply(
-            ref=request.ref,
-            ok=False,
-            reason="this console only watches; another console plays the robot",
-            hint="start `woz attach --take-over` to play the robot here",
-        )
+            client.refuse(request.ref, reason, command="take_over")
+        else:
+            client.refuse(
+                request.ref,
+                "this console only watches; another console plays the robot",
+                "start `woz attach --take-over` to play the robot here",
+            )
 
     def _now(self, client: ClientConnection, request: AnyRequest) -> Reply:
         try:
@@ -274,9 +273,7 @@ class RequestHandlers:
             waiting.append(request)
         else:
             reason = f"too many requests of this kind are waiting ({SLOW_WAITING})"
-            client.send(
-                Reply(ref=request.ref, ok=False, reason=reason, hint="wait for their answers")
-            )
+            client.refuse(request.ref, reason, "wait for their answers")
 
     async def _work_off(self, client: ClientConnection, kind: type[Slow]) -> None:
         waiting = self._slow[client, kind]

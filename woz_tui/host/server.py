@@ -184,11 +184,11 @@ class SessionServer:
         elif isinstance(request, Hello):
             self._hello(client, request)
         elif client.hello is None:
-            client.send(Reply(ref=request.ref, ok=False, reason="say hello first"))
+            client.refuse(request.ref, "say hello first")
         elif isinstance(request, Beat):
             self._beat(client, request.line_ok)
         elif isinstance(request, AskTakeOver):
-            client.send(self._take_over(client, request))
+            self._take_over(client, request)
         else:
             self.desk.answer(client, request)
 
@@ -197,27 +197,23 @@ class SessionServer:
 
     def _hello(self, client: ClientConnection, hello: Hello) -> None:
         if hello.protocol != PROTOCOL:
-            client.send(
-                Reply(
-                    ref=hello.ref,
-                    ok=False,
-                    reason=f"this robot process speaks protocol {PROTOCOL}, not {hello.protocol}",
-                    hint="use console and robot process of the same version",
-                )
+            client.refuse(
+                hello.ref,
+                f"this robot process speaks protocol {PROTOCOL}, not {hello.protocol}",
+                "use console and robot process of the same version",
             )
             client.close("protocol")
             return
         if hello.role not in ROLES or client.hello is not None:
             reason = "hello was already sent" if client.hello else f"no role {hello.role!r}"
-            client.send(Reply(ref=hello.ref, ok=False, reason=reason, hint=", ".join(ROLES)))
+            client.refuse(hello.ref, reason, ", ".join(ROLES))
             return
         if hello.stream not in STREAMS:
-            reason = f"no stream {hello.stream!r}"
-            client.send(Reply(ref=hello.ref, ok=False, reason=reason, hint=", ".join(STREAMS)))
+            client.refuse(hello.ref, f"no stream {hello.stream!r}", ", ".join(STREAMS))
             return
         if hello.sees == "all" and hello.role != "program":
             reason = "only a program can see everything; the wizard's screen then shows its name"
-            client.send(Reply(ref=hello.ref, ok=False, reason=reason, hint="role: program"))
+            client.refuse(hello.ref, reason, "role: program")
             return
         client.hello = hello
         client.role = self._role(client, hello)
@@ -250,36 +246,27 @@ class SessionServer:
     def _demote(self, present: ClientConnection, by: ClientConnection) -> None:
         """The console that played watches from now on."""
         present.role = "watcher"
-        present.send(
-            Reply(
-                ref=0,
-                ok=False,
-                reason=f"{by.name} has taken over; this console now only watches",
-            )
-        )
+        present.refuse(0, f"{by.name} has taken over; this console now only watches")
         self.session.hub.publish(
             m.ConsoleLost(console=present.name, role="wizard", why="taken over")
         )
 
-    def _take_over(self, client: ClientConnection, request: AskTakeOver) -> Reply:
+    def _take_over(self, client: ClientConnection, request: AskTakeOver) -> None:
         present = self.wizard
         if client.role != "watcher":
-            reason = "only a console that watches can take over"
-            return Reply(ref=request.ref, ok=False, reason=reason)
+            client.refuse(request.ref, "only a console that watches can take over")
+            return
         if present is not None and not present.silent:
-            return Reply(
-                ref=request.ref,
-                ok=False,
-                reason=f"{present.name} plays the robot",
-                hint="start `woz attach --take-over` to play the robot here",
-            )
+            hint = "start `woz attach --take-over` to play the robot here"
+            client.refuse(request.ref, f"{present.name} plays the robot", hint)
+            return
         if present is not None:
             self._demote(present, client)
         client.role, client.silent = "wizard", False
         client.beat_us = self.session.hub.now()
         self.session.hub.publish(m.ConsoleAttached(console=client.name, role="wizard"))
         self._update_watch()
-        return Reply(ref=request.ref, ok=True)
+        client.send(Reply(ref=request.ref, ok=True))
 
     def _view(self, role: str) -> RoleView:
         session = self.session

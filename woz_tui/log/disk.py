@@ -1,4 +1,4 @@
-"""The few calls that reach the disk, gathered so that a test can make each of them fail."""
+"""The calls with which the recorder reaches the disk; tests make each of them fail."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import os
 import stat
 from contextlib import suppress
 from pathlib import Path
-from typing import Protocol
 
 #: Some file systems cannot fsync a folder; their files need no such call.
 _NO_FOLDER_SYNC = (errno.EINVAL, errno.ENOTSUP, errno.EBADF)
@@ -15,67 +14,11 @@ _NO_FOLDER_SYNC = (errno.EINVAL, errno.ENOTSUP, errno.EBADF)
 _CREATE = os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_APPEND | os.O_CLOEXEC
 
 
-class Disk(Protocol):
-    """What a recorder asks of the operating system. Every call may raise `OSError`."""
+class LogDisk:
+    """The operating system; every call may raise `OSError`."""
 
     def make_folder(self, folder: Path) -> None:
-        """Make sure that `folder` is there; a new one is for its owner only (0700)."""
-        ...
-
-    def create(self, path: Path) -> int:
-        """A descriptor of a new file (0600) that only appends; never opens one that exists."""
-        ...
-
-    def write(self, fd: int, data: bytes) -> int:
-        """Hand `data` to the kernel; how many bytes it took."""
-        ...
-
-    def truncate(self, fd: int, size: int) -> None:
-        """Cut the file to `size` bytes."""
-        ...
-
-    def read(self, fd: int, size: int, offset: int) -> bytes:
-        """At most `size` bytes from `offset`."""
-        ...
-
-    def fdatasync(self, fd: int) -> None:
-        """Wait until the file's content is on the disk."""
-        ...
-
-    def fsync(self, fd: int) -> None:
-        """Wait until the file's content and its inode are on the disk."""
-        ...
-
-    def fsync_folder(self, folder: Path) -> None:
-        """Wait until the folder's list of names is on the disk."""
-        ...
-
-    def links(self, fd: int) -> int:
-        """How many names the open file has; 0 once it was deleted."""
-        ...
-
-    def size(self, fd: int) -> int:
-        """How many bytes the open file has."""
-        ...
-
-    def is_at(self, fd: int, path: Path) -> bool:
-        """Whether `path` still names this open file."""
-        ...
-
-    def remove(self, path: Path) -> None:
-        """Delete a file."""
-        ...
-
-    def close(self, fd: int) -> None:
-        """Give the descriptor back."""
-        ...
-
-
-class RealDisk:
-    """The operating system."""
-
-    def make_folder(self, folder: Path) -> None:
-        """Make `folder` and what is missing above it.
+        """Make `folder` (0700) and what is missing above it.
 
         The last folder must be one that nobody else could have laid out for us: in a place that
         everybody may write to, such as /tmp, a folder of another user is refused.
@@ -90,31 +33,34 @@ class RealDisk:
             raise PermissionError(errno.EPERM, "belongs to another user", str(folder))
 
     def create(self, path: Path) -> int:
-        """Open with O_EXCL (nothing is overwritten, no symbolic link followed) and O_APPEND."""
+        """A descriptor of a new file (0600) that only appends.
+
+        O_EXCL: nothing is overwritten, no symbolic link followed.
+        """
         return os.open(path, _CREATE, 0o600)
 
     def write(self, fd: int, data: bytes) -> int:
-        """The system call write."""
+        """Hand `data` to the kernel; how many bytes it took."""
         return os.write(fd, data)
 
     def truncate(self, fd: int, size: int) -> None:
-        """The system call ftruncate."""
+        """Cut the file to `size` bytes."""
         os.ftruncate(fd, size)
 
     def read(self, fd: int, size: int, offset: int) -> bytes:
-        """The system call pread."""
+        """At most `size` bytes from `offset`."""
         return os.pread(fd, size, offset)
 
     def fdatasync(self, fd: int) -> None:
-        """The system call fdatasync."""
+        """Wait until the file's content is on the disk."""
         os.fdatasync(fd)
 
     def fsync(self, fd: int) -> None:
-        """The system call fsync."""
+        """Wait until the file's content and its inode are on the disk."""
         os.fsync(fd)
 
     def fsync_folder(self, folder: Path) -> None:
-        """fsync(2) of the folder, where we may and its file system knows what that means."""
+        """Wait until the folder's names are on the disk, where its file system can do that."""
         try:
             fd = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
         except PermissionError:
@@ -128,15 +74,15 @@ class RealDisk:
             os.close(fd)
 
     def links(self, fd: int) -> int:
-        """st_nlink of fstat(2)."""
+        """How many names the open file has; 0 once it was deleted."""
         return os.fstat(fd).st_nlink
 
     def size(self, fd: int) -> int:
-        """st_size of fstat(2)."""
+        """How many bytes the open file has."""
         return os.fstat(fd).st_size
 
     def is_at(self, fd: int, path: Path) -> bool:
-        """Compare device and inode."""
+        """Whether `path` still names this open file."""
         try:
             there = path.stat()
         except (FileNotFoundError, NotADirectoryError):
@@ -144,12 +90,12 @@ class RealDisk:
         return os.path.samestat(os.fstat(fd), there)
 
     def remove(self, path: Path) -> None:
-        """Unlink; a file that is already gone is no error."""
+        """Delete a file; one that is already gone is no error."""
         with suppress(FileNotFoundError):
             path.unlink()
 
     def close(self, fd: int) -> None:
-        """The system call close."""
+        """Give the descriptor back."""
         os.close(fd)
 
 

@@ -11,7 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from woz_tui.log.disk import Disk, disk_problem
+from woz_tui.log.disk import LogDisk, disk_problem
 from woz_tui.log.file_names import FileName
 from woz_tui.log.samples_index import IndexBuilder
 
@@ -127,7 +127,7 @@ Trouble = Callable[["OpenSegment", str], None]
 class LogFile:
     """A new file that only grows, line by whole line."""
 
-    def __init__(self, disk: Disk, path: Path) -> None:
+    def __init__(self, disk: LogDisk, path: Path) -> None:
         self._disk = disk
         self.path = path
         self.fd = disk.create(path)
@@ -224,7 +224,7 @@ class OpenSegment:
         folder: Path,
         name: FileName,
         *,
-        disk: Disk,
+        disk: LogDisk,
         backlogs: tuple[UnsyncedLines, UnsyncedLines],
         lock: threading.Condition,
         now_us: Callable[[], int],

@@ -17,7 +17,7 @@ from contextlib import suppress
 from itertools import chain
 from pathlib import Path
 
-from woz_tui.log.disk import Disk, RealDisk, disk_problem
+from woz_tui.log.disk import LogDisk, disk_problem
 from woz_tui.log.file_names import (
     FileName,
     fallback_folders,
@@ -293,7 +293,7 @@ class Recorder:
         *,
         spill: Path | None = None,
         on_state: Callable[[RecorderState], None] | None = None,
-        disk: Disk | None = None,
+        disk: LogDisk | None = None,
         memory: tuple[int, int] = MEMORY,
         defer: Defer = at_once,
     ) -> None:
@@ -301,7 +301,7 @@ class Recorder:
         self._series = FileSeries(places, stem, clock)
         self._clock = clock
         self._on_state = on_state
-        self._disk: Disk = disk or RealDisk()
+        self._disk = disk or LogDisk()
         self._defer = defer
         self._lock = threading.Condition(threading.Lock())
         self._backlogs = (UnsyncedLines(memory[ACTIONS]), UnsyncedLines(memory[SAMPLES]))

@@ -30,7 +30,7 @@ from woz_tui.replay.bookmarks import (
 )
 from woz_tui.replay.legacy_plan import plan_from
 from woz_tui.session.recent_messages import MOST, RecentMessages
-from woz_tui.session.redactor import CoderRedactor, PerceptionLimits, Redactor, mark_legacy
+from woz_tui.session.redactor import CoderRedactor, PerceptionFilter, Redactor, mark_legacy
 from woz_tui.session.session_plan import study_snapshot
 from woz_tui.timeline.episodes import EngagementEpisode
 from woz_tui.timeline.session_state import SessionState
@@ -119,7 +119,7 @@ class Recording:
         first = next(shown, plan)
         kind = CoderRedactor if coded else Redactor
         redactor = kind(first.settings.study if first is not None else None)
-        kept: list[tuple[int, PerceptionLimits]] = []
+        kept: list[tuple[int, PerceptionFilter]] = []
         if reveal:
             found = [(_revealed(line), t) for line, t in found]
         else:
@@ -264,7 +264,7 @@ class Recording:
 class _RedactedSamples:
     """Samples as the wizard saw them: `kept` says from when on (microseconds) what was kept."""
 
-    def __init__(self, samples: SampleSource, kept: Sequence[tuple[int, PerceptionLimits]]) -> None:
+    def __init__(self, samples: SampleSource, kept: Sequence[tuple[int, PerceptionFilter]]) -> None:
         self._samples = samples
         self._kept = kept
         self._redactor = Redactor()
@@ -282,7 +282,7 @@ class _RedactedSamples:
         for sample in samples:
             t = max(sample.t, t_us)
             place = bisect.bisect_right(self._kept, t, key=lambda entry: entry[0])
-            self._redactor.perception = self._kept[place - 1][1] if place else PerceptionLimits()
+            self._redactor.perception = self._kept[place - 1][1] if place else PerceptionFilter()
             self._redactor.take(sample)
             seen: Any = self._redactor.message(sample)
             if seen is not None:
@@ -292,7 +292,7 @@ class _RedactedSamples:
 def _redacted(
     lines: Iterable[tuple[RecordedLine, int]],
     redactor: Redactor,
-    kept: list[tuple[int, PerceptionLimits]],
+    kept: list[tuple[int, PerceptionFilter]],
 ) -> Iterator[tuple[RecordedLine, int]]:
     """Lines as the wizard saw them, and in `kept` from when on something was kept."""
     schema = SCHEMA

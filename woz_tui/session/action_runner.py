@@ -17,6 +17,7 @@ from woz_tui.drivers.contract import Verb
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS
 from woz_tui.sensing.engagement_stream import SPEECH
+from woz_tui.session.action_texts import Steps, calls_in
 from woz_tui.session.response_delay import ResponseDelay, may_wait
 from woz_tui.session.variables import MissingValueError
 
@@ -54,7 +55,7 @@ class ActionRun:
     id: str
     action: Action
     origin: RequestOrigin
-    steps: list[tuple[Call, ...] | float]
+    steps: Steps
     when_busy: str
     at: int = -1
     pending: set[str] = field(default_factory=set)
@@ -67,8 +68,7 @@ class ActionRun:
     @property
     def still_to_come(self) -> list[Call]:
         """The calls of the steps after the present one, or after the first if none has begun."""
-        later = self.steps[max(self.at, 0) + 1 :]
-        return [call for step in later if isinstance(step, tuple) for call in step]
+        return calls_in(self.steps[max(self.at, 0) + 1 :])
 
 
 class ActionRunner:
@@ -81,7 +81,7 @@ class ActionRunner:
         fill: Gives an action's steps with their texts chosen and all variables filled in; raises
             `MissingValueError`.
         deadline: Seconds a command may wait before it must have begun; 0 means for ever.
-        shaper: Holds what answers a cue too soon; None: nothing does.
+        delay: Holds what answers a cue too soon.
     """
 
     def __init__(
@@ -89,13 +89,13 @@ class ActionRunner:
         hub: Hub,
         bus: Bus,
         verbs: Mapping[str, Mapping[str, Verb]],
-        fill: Callable[[Action], list[tuple[Call, ...] | float]],
+        fill: Callable[[Action], Steps],
         deadline: float,
         *,
-        shaper: ResponseDelay | None = None,
+        delay: ResponseDelay,
     ) -> None:
         self._hub = hub
-        self._shaper = shaper
+        self._delay = delay
         self._bus = bus
         self._verbs = verbs
         self._fill = fill
@@ -124,7 +124,7 @@ class ActionRunner:
         action: Action,
         origin: RequestOrigin,
         when_busy: str = "",
-        steps: list[tuple[Call, ...] | float] | None = None,
+        steps: Steps | None = None,
     ) -> tuple[str, str]:
         """Begin an action: run id, and why it was refused (empty: it was not).
 
@@ -139,7 +139,7 @@ class ActionRunner:
             return run_id, str(error)
         run = ActionRun(run_id, action, origin, steps, when_busy or action.when_busy)
         self._runs[run_id] = run
-        calls = [call for step in steps if isinstance(step, tuple) for call in step]
+        calls = calls_in(steps)
         if not self._holds(run_id, action.name, origin, calls, lambda: self._begin(run)):
             self._advance(run)
         if run.id in self._runs or isinstance(run.ended, m.ActionDone):
@@ -209,8 +209,6 @@ class ActionRunner:
         begin: Callable[[], object],
     ) -> bool:
         """Whether this answers a cue too soon, and `begin` is called when its moment has come."""
-        if self._shaper is None:
-            return False
         verbs = [
             known
             for call in calls
@@ -219,7 +217,7 @@ class ActionRunner:
         ]
         if any(verb.drives for verb in verbs) or not any(map(may_wait, verbs)):
             return False
-        return self._shaper.hold(run, name, origin.source, begin)
+        return self._delay.hold(run, name, origin.source, begin)
 
     def _let_go(self, command: str, reason: str) -> None:
         """A single command that was held is not sent any more; its log line says so."""
@@ -377,13 +375,12 @@ class ActionRunner:
         """End one run, or one command that belongs to none; says whether it was under way."""
         run = self._runs.get(run_id)
         found = self._bus.cancel(run_id, reason)
-        if self._shaper is not None:
-            self._shaper.drop(run_id)
+        self._delay.drop(run_id)
         if run_id in self._held:
             self._let_go(run_id, reason)
             return True
         if run is not None:
-            self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
+            self._stop(run, reason)
         return found or run is not None
 
     def cut_speech(self, reason: str) -> None:
@@ -416,26 +413,26 @@ class ActionRunner:
     def empty(self, reason: str) -> bool:
         """End what waits in queues or is held after a cue; whether anything did."""
         before = len(self._runs), len(self._held), len(self._bus.waiting)
-        if self._shaper is not None:
-            self._shaper.clear()
-        for command in list(self._held):
-            self._let_go(command, reason)
+        self._drop_held(reason)
         for run in [run for run in self._runs.values() if run.at < 0]:
-            self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
+            self._stop(run, reason)
         self._bus.empty(reason)
         return before != (len(self._runs), len(self._held), len(self._bus.waiting))
 
     def stop_waiting(self, reason: str) -> None:
-        """End the runs that are in a pause; those with commands on the bus end through them.
+        """End the runs that are in a pause; those with commands on the bus end through them."""
+        self._drop_held(reason)
+        for run in list(self._runs.values()):
+            self._stop(run, reason)
 
-        What is held after a cue never begins.
-        """
-        if self._shaper is not None:
-            self._shaper.clear()
+    def _drop_held(self, reason: str) -> None:
+        """What is held after a cue never begins."""
+        self._delay.clear()
         for command in list(self._held):
             self._let_go(command, reason)
-        for run in list(self._runs.values()):
-            self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
+
+    def _stop(self, run: ActionRun, reason: str) -> None:
+        self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
 
 
 def _superseded(run: ActionRun, by: str, label: str) -> m.ActionSuperseded:

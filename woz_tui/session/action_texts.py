@@ -7,8 +7,10 @@ from __future__ import annotations
 
 import random
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+
+import msgspec
 
 from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Action, Call, Experiment, ParallelCalls, Wait
@@ -22,7 +24,7 @@ from woz_tui.session.variables import MissingValueError, VariableValues, fill_va
 SAY, TEXT = "say", "text"
 
 
-def utterances(experiment: Experiment, values: Mapping[str, str]) -> dict[str, list[str]]:
+def utterances(experiment: Experiment, values: VariableValues) -> dict[str, list[str]]:
     """Utterances by driver, each once, in the file's order.
 
     Those with a variable that has no value yet are left out.
@@ -37,13 +39,13 @@ def utterances(experiment: Experiment, values: Mapping[str, str]) -> dict[str, l
     return {driver: list(texts) for driver, texts in found.items()}
 
 
-def _written(call: Call, values: Mapping[str, str]) -> Iterable[Json]:
+def _written(call: Call, values: VariableValues) -> Iterable[Json]:
     """What it may be asked to say in this condition, with the variables still in place."""
     choice = call.choices.get(TEXT)
     return choice.of(values.get("condition", "")) if choice else (call.args.get(TEXT),)
 
 
-def _text(value: Json, values: Mapping[str, str]) -> str:
+def _text(value: Json, values: VariableValues) -> str:
     try:
         text = fill_variables(value, values)
     except MissingValueError:
@@ -71,6 +73,11 @@ _MOVING = ("participant", "condition", "trial", VISITOR)
 _CHANGES = (m.SessionChanged, m.VisitorChanged, m.EngagementChanged)
 
 Steps = list[tuple[Call, ...] | float]
+
+
+def calls_in(steps: Steps) -> list[Call]:
+    """The calls of these steps, without the pauses."""
+    return [call for step in steps if isinstance(step, tuple) for call in step]
 
 
 def variant(key: str, count: int, size: int) -> int:
@@ -140,7 +147,7 @@ class ActionTexts:
             steps = self._steps(action, self._values(), set())
         except MissingValueError:
             return []
-        return [call for step in steps if isinstance(step, tuple) for call in step]
+        return calls_in(steps)
 
     def other(self, action: Action, said: m.Command) -> Steps | None:
         """The step of `action` that said this, in its next wording; None if it has one alone."""
@@ -203,16 +210,7 @@ def _shown(steps: Steps) -> list[list[m.FilledCall] | float]:
     return [
         step
         if isinstance(step, float | int)
-        else [
-            m.FilledCall(
-                verb=call.verb,
-                args=dict(call.args),
-                driver=call.driver,
-                tells=call.tells,
-                unfilled=dict(call.unfilled),
-            )
-            for call in step
-        ]
+        else [msgspec.convert(call, m.FilledCall, from_attributes=True) for call in step]
         for step in steps
     ]
 

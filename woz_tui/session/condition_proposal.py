@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
+
+import msgspec
 
 from woz_tui.config.counterbalancing import Order, block_size, order_at, planned, rows
 from woz_tui.config.study import Design
@@ -52,15 +55,9 @@ class ConditionProposal:
 
     def data(self) -> dict[str, Json]:
         """As the reply to a `proposal` has it."""
-        return {
-            "order": [*self.order],
-            "method": self.method,
-            "row": self.row,
-            "why": self.why,
-            "condition": self.condition,
-            "trial": self.trial,
-            "planned": self.planned,
-        }
+        data: dict[str, Json] = msgspec.to_builtins(self)
+        del data["participant"]
+        return data
 
 
 @dataclass(frozen=True)
@@ -70,11 +67,11 @@ class DesignUsage:
     design: Design
     conditions: Sequence[str]
     past: Sequence[ParticipantHistory]
-    counted: list[ParticipantHistory] = field(init=False)
 
-    def __post_init__(self) -> None:
-        fitting = [each for each in self.past if each.counts and self.fits(each.order)]
-        object.__setattr__(self, "counted", fitting)
+    @cached_property
+    def counted(self) -> list[ParticipantHistory]:
+        """Those whose order has been used and is part of this design."""
+        return [each for each in self.past if each.counts and self.fits(each.order)]
 
     def fits(self, order: Order) -> bool:
         """Whether somebody with this order is part of this design."""

@@ -1,12 +1,12 @@
 """What the earlier logs of an experiment say about its participants, read quickly.
 
-Only the action files are opened, and only lines with one of a few words are decoded: an hour of a
-session has thousands of lines and a dozen of these. Whatever is damaged is passed over.
+Only the action files are opened, and only lines of a few kinds are decoded: an hour of a session
+ has thousands of lines and a dozen of these. Whatever is damaged is passed over.
 """
 
 from __future__ import annotations
 
-import time
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -22,16 +22,14 @@ from woz_tui.system.files import open_regular
 from woz_tui.timeline.episodes import EpisodeOutcome
 from woz_tui.timeline.session_state import SessionState
 
-#: Bytes read at once: a thread that looks through more of them keeps others waiting.
-CHUNK = 64 << 10
-#: A piece without a line's end that is longer is no log.
+#: A longer line is no line of a log; it is read in pieces.
 LONGEST = 4 << 20
 #: A line is looked at if it has one of these; a text in a line cannot, its quotes are escaped.
 _KINDS = (
     *("session.start", "session.plan", "session.changed", "session.end"),
     *("condition.assigned", "trial.started", "trial.ended"),
 )
-_WORDS = tuple(f'"{kind}"'.encode() for kind in _KINDS)
+_LISTED = re.compile(f'"(?:{"|".join(map(re.escape, _KINDS))})"'.encode())
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,28 +141,10 @@ def _bare(plan: m.SessionPlan) -> m.SessionPlan:
 
 
 def _candidates(path: Path) -> Iterator[bytes]:
-    rest = b""
     with open_regular(path) as file:
-        while chunk := file.read(CHUNK):
-            whole, newline, tail = (rest + chunk).rpartition(b"\n")
-            if not newline and len(tail) > LONGEST:
-                tail = b""
-            rest = tail
-            yield from _in(whole)
-            time.sleep(0)  # the robot's thread first
-    yield from _in(rest)
-
-
-def _in(piece: bytes) -> list[bytes]:
-    """Lines of a piece that have one of the words, found without looking at the others."""
-    starts: set[int] = set()
-    for word in _WORDS:
-        at = piece.find(word)
-        while at >= 0:
-            starts.add(piece.rfind(b"\n", 0, at) + 1)
-            at = piece.find(word, at + 1)
-    ends = ((start, piece.find(b"\n", start)) for start in sorted(starts))
-    return [piece[start:end] if end >= 0 else piece[start:] for start, end in ends]
+        while line := file.readline(LONGEST):
+            if _LISTED.search(line):
+                yield line
 
 
 def _is_of(lines: list[m.AnyMessage], title: str, file: str) -> bool:

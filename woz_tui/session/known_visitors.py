@@ -19,6 +19,8 @@ from datetime import date
 from pathlib import Path
 from typing import TypeVar
 
+from msgspec.structs import replace
+
 from woz_tui.config.visitor_names import key_of
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.visitor_store import (
@@ -293,13 +295,7 @@ class KnownVisitors:
                 )
             )
         if new:
-            more = Visitor(
-                visitor.name,
-                new.get("age_group", visitor.age_group),
-                new.get("address", visitor.address),
-                visitor.labels,
-                *(visitor.first_met, visitor.last_met, visitor.meetings),
-            )
+            more = replace(visitor, **new)
             self._known[key_of(visitor.name)] = more
             self._log(more, "profile")
             group, address = new.get("age_group"), new.get("address")

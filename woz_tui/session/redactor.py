@@ -9,7 +9,8 @@ A wizard and a watcher are blind to the condition where the experiment says so, 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any
 
@@ -69,8 +70,12 @@ _ASKED = (
 )
 
 
-class PerceptionLimits:
+@dataclass(init=False)
+class PerceptionFilter:
     """What is not shown (`hidden`), or not legibly (`blurred`): see `experiment.study`."""
+
+    hidden: frozenset[str]
+    blurred: frozenset[str]
 
     def __init__(self, hidden: Iterable[str] = (), blurred: Iterable[str] = ()) -> None:
         self.hidden = frozenset(hidden) & frozenset(PERCEIVED)
@@ -80,17 +85,8 @@ class PerceptionLimits:
         """Whether anything is kept from the wizard."""
         return bool(self.hidden or self.blurred)
 
-    def __eq__(self, other: object) -> bool:
-        """Whether the same is kept."""
-        return isinstance(other, PerceptionLimits) and (self.hidden, self.blurred) == (
-            other.hidden,
-            other.blurred,
-        )
-
-    __hash__ = None  # type: ignore[assignment]
-
     @classmethod
-    def of(cls, study: s.StudySettings) -> PerceptionLimits:
+    def of(cls, study: s.StudySettings) -> PerceptionFilter:
         """As the settings of a study have it."""
         return cls(study.perception.hide, study.perception.blur)
 
@@ -115,7 +111,7 @@ class Redactor:
     """
 
     def __init__(self, study: s.StudySettings | None = None) -> None:
-        self.perception = PerceptionLimits()
+        self.perception = PerceptionFilter()
         self._labels: dict[str, str] = {}
         self._names: dict[str, str] = {}
         self._loud_from: dict[str, float] = {}
@@ -135,7 +131,7 @@ class Redactor:
 
     def adopt(self, study: s.StudySettings) -> None:
         """From here on this is kept."""
-        self.perception = PerceptionLimits.of(study)
+        self.perception = PerceptionFilter.of(study)
         if self._labels != (labels := _unique(study.blind)):
             self._labels = labels
             self._names = {label: name for name, label in labels.items()}
@@ -150,7 +146,7 @@ class Redactor:
             case m.SessionPlan(settings=settings):
                 self.adopt(settings.study)
             case m.PerceptionChanged(hidden=hidden, blurred=blurred):
-                self.perception = PerceptionLimits(hidden, blurred)
+                self.perception = PerceptionFilter(hidden, blurred)
 
     # -- conditions ---------------------------------------------------------------------------
 
@@ -258,6 +254,8 @@ class Redactor:
         elif isinstance(seen, m.ActionsFilled):
             seen = self._filled(seen)
         if self.perception and seen is not None:
+            if self.perception.hides(_SHOWN_WITH.get(type(seen), "")):
+                return None
             hide = _PERCEIVED.get(type(seen))
             seen = hide(self, seen) if hide is not None else seen
         return seen
@@ -382,9 +380,7 @@ class Redactor:
 
     # -- the engagement model ---------------------------------------------------------------------
 
-    def _model(self, message: m.EngagementShown) -> m.Message | None:
-        if self.perception.hides("engagement"):
-            return None
+    def _model(self, message: m.EngagementShown) -> m.Message:
         signs = {name: self._sign(name, sign) for name, sign in message.signs.items()}
         visitor = "" if self.perception.hides("identity") else message.visitor
         return replace(message, signs=signs, visitor=visitor)
@@ -398,10 +394,8 @@ class Redactor:
             )
         return sign
 
-    def _engaged(self, message: m.EngagementChanged) -> m.Message | None:
+    def _engaged(self, message: m.EngagementChanged) -> m.Message:
         """Without its reason where that may tell a sign that is kept."""
-        if self.perception.hides("engagement"):
-            return None
         if not self.perception.keeps(*_SIGNS, "transcript"):
             return message
         verdicts: dict[str, Json] = {
@@ -411,9 +405,6 @@ class Redactor:
         }
         visitor = "" if self.perception.hides("identity") else message.visitor
         return replace(message, why="", verdicts=verdicts, visitor=visitor)
-
-    def _visitor(self, message: m.VisitorChanged) -> m.Message | None:
-        return None if self.perception.hides("identity") else message
 
     def _effect(self, message: m.ActionRequested | m.ActionEnd | m.Command) -> m.Message:
         """What a state of the model brings with it is named after the state."""
@@ -428,17 +419,12 @@ class Redactor:
 
     # -- what is said, what the robot looks like --------------------------------------------------
 
-    def _begins(self, message: m.SpeechStarted) -> m.Message | None:
-        return None if self.perception.hides("loudness") else message
-
     def _ends(self, message: m.SpeechEnded) -> m.Message | None:
         if self.perception.hides("loudness") and not message.detail:
             return None
         return replace(message, loudest=None) if self.perception.keeps("loudness") else message
 
-    def _heard(self, message: m.SpeechText) -> m.Message | None:
-        if self.perception.hides("transcript"):
-            return None
+    def _heard(self, message: m.SpeechText) -> m.Message:
         blurs = self.perception.blurs("transcript")
         return replace(message, text=dots(message.text)) if blurs else message
 
@@ -448,18 +434,17 @@ class Redactor:
         text = "" if self.perception.hides("transcript") else dots(message.text)
         return replace(message, text=text)
 
-    def _face(self, message: m.FaceShown) -> m.Message | None:
-        return None if self.perception.hides("face") else message
-
     def _body(self, message: m.BodyChanged) -> m.Message:
         if not self.perception.hides("face"):
             return message
-        return replace(message, values=_faceless(message.values))
+        return replace(message, values=_masked(message.values, _FACE))
 
     def _settings(self, message: m.SettingsShown) -> m.Message:
         if not self.perception.hides("face"):
             return message
-        return replace(message, values=eyeless(message.values), wanted=eyeless(message.wanted))
+        return replace(
+            message, values=_masked(message.values, _EYES), wanted=_masked(message.wanted, _EYES)
+        )
 
 
 class CoderRedactor(Redactor):
@@ -572,23 +557,21 @@ def perceived_kind(sensor: str) -> str:
     return next((part for part in reversed(parts) if part in PERCEIVED), "")
 
 
-def eyeless(values: object) -> dict[str, Json]:
-    """A robot's settings, those of its eyes as the word that they are hidden."""
-    shown = values if isinstance(values, dict) else {}
-    return {name: HIDDEN if name in _EYES else value for name, value in shown.items()}
-
-
 def dots(text: str) -> str:
     """One to three dots for a short, a longer and a long utterance; none for an empty one."""
     words = len(text.split())
     return " ".join(_DOT for more in _WORDS if words > more)
 
 
-def _faceless(values: object) -> dict[str, Json]:
-    """A body's values, those that its face shows as the word that they are hidden."""
+def _masked(values: object, names: Container[str]) -> dict[str, Json]:
+    """`values` with the word that they are hidden for those of these names, at any depth."""
     shown = values if isinstance(values, dict) else {}
     return {
-        name: HIDDEN if name in _FACE else _faceless(value) if isinstance(value, dict) else value
+        name: HIDDEN
+        if name in names
+        else _masked(value, names)
+        if isinstance(value, dict)
+        else value
         for name, value in shown.items()
     }
 
@@ -688,19 +671,25 @@ _BLINDED: Mapping[type[m.Message], Callable[[Redactor, Any], m.Message | None]] 
     m.ModeChanged: Redactor._mode,
     m.PreflightChecked: Redactor._checked,
 }
-#: The same for restricted perception.
+#: Messages that are not shown at all where this is hidden.
+_SHOWN_WITH: Mapping[type[m.Message], str] = {
+    m.EngagementShown: "engagement",
+    m.EngagementChanged: "engagement",
+    m.VisitorChanged: "identity",
+    m.SpeechStarted: "loudness",
+    m.SpeechText: "transcript",
+    m.FaceShown: "face",
+}
+#: What is done with a kind of message for restricted perception.
 _PERCEIVED: Mapping[type[m.Message], Callable[[Redactor, Any], m.Message | None]] = {
     m.Reading: Redactor._reading,
     m.SensorChanged: Redactor._sensor,
     m.EngagementShown: Redactor._model,
     m.EngagementChanged: Redactor._engaged,
-    m.VisitorChanged: Redactor._visitor,
     m.ModeChanged: Redactor._mode_why,
-    m.SpeechStarted: Redactor._begins,
     m.SpeechEnded: Redactor._ends,
     m.SpeechText: Redactor._heard,
     m.CueGiven: Redactor._cue,
-    m.FaceShown: Redactor._face,
     m.BodyChanged: Redactor._body,
     m.SettingsShown: Redactor._settings,
     m.PreflightChecked: Redactor._checked,

@@ -9,7 +9,7 @@ import asyncio
 import contextlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
@@ -168,7 +168,7 @@ class Session:
             by_name,
             self.wording.play,
             self.experiment.session.deadline,
-            shaper=ResponseDelay(self.hub, self.identity.seed),
+            delay=ResponseDelay(self.hub, self.identity.seed),
         )
         self.repairs = RepairController(
             lambda: self.experiment, lambda: self.state.commands, self.runner, self.wording
@@ -513,14 +513,9 @@ class Session:
         self._prepare()
 
     def _set_verb(self, args: Mapping[str, m.Json]) -> None:
-        participant, condition, trial = (
-            args.get(name) for name in ("participant", "condition", "trial")
-        )
-        self._set(  # a step of an action, perhaps a line of the script, which goes on behind it
-            participant if isinstance(participant, str) else None,
-            condition if isinstance(condition, str) else None,
-            trial if isinstance(trial, int) else None,
-        )
+        checked: Mapping[str, Any] = args  # by the bus
+        # A step of an action, perhaps a line of the script, which goes on behind it.
+        self._set(*(checked.get(name) for name in ("participant", "condition", "trial")))
 
     def use_profile(self, name: str, source: str) -> None:
         """From here on the wizard may use what this profile allows; an empty name: everything."""

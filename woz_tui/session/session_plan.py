@@ -54,6 +54,10 @@ def study_snapshot(settings: s.StudySettings, study: StudyState) -> s.StudySetti
     )
 
 
+#: What a welcome and a change of the panels take over from a plan.
+_PLAN = ("title", "panels", "script", "verbs", "variables", "conditions", "keyboard")
+
+
 def welcome(plan: m.SessionPlan, *, console: str, role: str, seq: int, t: int, log: str) -> Welcome:
     """A welcome with this plan, and neither state nor history yet."""
     return Welcome(
@@ -62,29 +66,19 @@ def welcome(plan: m.SessionPlan, *, console: str, role: str, seq: int, t: int, l
         role=role,
         seq=seq,
         t=t,
-        title=plan.title,
         log=log,
-        panels=plan.panels,
-        script=plan.script,
-        verbs=plan.verbs,
-        variables=plan.variables,
-        conditions=plan.conditions,
-        keyboard=plan.keyboard,
         drivers=plan.drivers,
         settings=plan.settings,
+        **_panels(plan),
     )
 
 
 def panels_changed(plan: m.SessionPlan) -> PanelsChanged:
     """What is news in a plan for a console that has had another one."""
     settings: dict[str, Any] = {name: getattr(plan.settings, name) for name in PANEL_SETTINGS}
-    return PanelsChanged(
-        title=plan.title,
-        panels=plan.panels,
-        script=plan.script,
-        verbs=plan.verbs,
-        variables=plan.variables,
-        conditions=plan.conditions,
-        keyboard=plan.keyboard,
-        **settings,
-    )
+    return PanelsChanged(**_panels(plan), **settings)
+
+
+def _panels(plan: m.SessionPlan) -> dict[str, Any]:
+    """What both have of a plan."""
+    return {name: getattr(plan, name) for name in _PLAN}

@@ -23,27 +23,27 @@ class VariableValues(dict[str, str]):
     def __init__(
         self,
         values: Mapping[str, str],
-        why: Mapping[str, str],
-        tells: Mapping[str, tuple[str, ...]],
+        why: Mapping[str, str] = {},
+        tells: Mapping[str, tuple[str, ...]] = {},
+        *,
+        shown: bool = False,
     ) -> None:
         super().__init__(values)
         self.why = why
         self.tells = tells
         #: Whether a variable without a value stays as it is written: nothing is played yet.
-        self.shown = False
+        self.shown = shown
 
     def to_show(self) -> VariableValues:
         """The same, for texts that are shown before they are played."""
-        values = VariableValues(self, self.why, self.tells)
-        values.shown = True
-        return values
+        return VariableValues(self, self.why, self.tells, shown=True)
 
 
 class MissingValueError(ValueError):
     """A variable has no value yet; the text names it."""
 
 
-def fill_variables(value: Json, values: Mapping[str, str]) -> Json:
+def fill_variables(value: Json, values: VariableValues) -> Json:
     """`value` with every variable in its texts replaced; `{{` and `}}` stand for braces.
 
     Raises `MissingValueError` for a variable that is unknown or empty.
@@ -61,14 +61,14 @@ def _fill(value: Json, value_of: Callable[[str], str]) -> Json:
     return value
 
 
-def filled_call(call: Call, values: Mapping[str, str], pick: Pick = lambda texts: texts[0]) -> Call:
+def filled_call(call: Call, values: VariableValues, pick: Pick = lambda texts: texts[0]) -> Call:
     """`call` with its texts chosen and every variable filled in. Raises `MissingValueError`."""
     written = {**call.args, **_chosen(call.choices, values, pick)}
     args = {name: fill_variables(value, values) for name, value in written.items()}
     found: set[str] = set()
 
     def left(name: str) -> str:
-        tells = values.tells.get(name, ()) if isinstance(values, VariableValues) else ()
+        tells = values.tells.get(name, ())
         found.update(tells)
         return f"{{{name}}}" if tells else _value(name, values)
 
@@ -83,7 +83,7 @@ def filled_call(call: Call, values: Mapping[str, str], pick: Pick = lambda texts
 
 
 def _chosen(
-    choices: Mapping[str, TextVariants], values: Mapping[str, str], pick: Pick
+    choices: Mapping[str, TextVariants], values: VariableValues, pick: Pick
 ) -> dict[str, Json]:
     found: dict[str, Json] = {}
     for name, choice in choices.items():
@@ -91,18 +91,17 @@ def _chosen(
         texts = choice.of(condition)
         if texts:
             found[name] = pick(texts)
-        elif isinstance(values, VariableValues) and values.shown:
+        elif values.shown:
             found[name] = HIDDEN_TEXT
         else:
             raise MissingValueError(f"its {name} {waiting(condition)}")
     return found
 
 
-def _tells(choice: TextVariants, values: Mapping[str, str]) -> set[str]:
+def _tells(choice: TextVariants, values: VariableValues) -> set[str]:
     """What its variables tell, in whichever condition."""
-    known = values.tells if isinstance(values, VariableValues) else {}
     inner = {name for text in choice.every for name in names(text)}
-    return {each for name in inner for each in known.get(name, ())}
+    return {each for name in inner for each in values.tells.get(name, ())}
 
 
 def waiting(condition: str) -> str:
@@ -113,12 +112,12 @@ def waiting(condition: str) -> str:
     return f"depends on the condition, and {waits}"
 
 
-def _value(name: str, values: Mapping[str, str]) -> str:
+def _value(name: str, values: VariableValues) -> str:
     text = values.get(name, "")
-    if not text and isinstance(values, VariableValues) and values.shown:
+    if not text and values.shown:
         return f"{{{name}}}"
     if not text:
-        why = values.why.get(name, "") if isinstance(values, VariableValues) else ""
+        why = values.why.get(name, "")
         raise MissingValueError(f"{{{name}}} has no value yet{why and ': '}{why}")
     return text
 
@@ -130,6 +129,7 @@ def by_condition(
 
     Their texts may hold the other variables, whose `values` are filled in.
     """
+    plain = VariableValues(values)
     now: dict[str, str] = {}
     why: dict[str, str] = {}
     for name, found in texts.items():
@@ -137,7 +137,7 @@ def by_condition(
             why[name] = f"it {waiting(condition)}"
             continue
         try:
-            now[name] = fill(found[condition], lambda inner: _value(inner, values))
+            now[name] = fill(found[condition], lambda inner: _value(inner, plain))
         except MissingValueError as error:
             why[name] = str(error)
     return now, why

@@ -9,16 +9,16 @@ from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
+from woz_tui.log.file_names import from_folder
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session_start import (
     FILES_BYTES,
     experiment_files,
-    name_beside,
     publish_reload,
     publish_start,
-    without_home,
+    text_without_home,
 )
 from woz_tui.system.clock import RealClock
 
@@ -80,9 +80,9 @@ def test_the_home_folder_is_in_no_name_and_no_text(
 
     shared = tmp_path / "srv"
     shared.mkdir()
-    assert name_beside(home / "robots" / "x.yaml", shared) == "~/robots/x.yaml"
-    assert name_beside(home / "robots" / "x.yaml", home / "lab") == "../robots/x.yaml"
-    assert name_beside(shared / "x.yaml", home / "lab") == "../../../srv/x.yaml"
+    assert from_folder(home / "robots" / "x.yaml", shared) == "~/robots/x.yaml"
+    assert from_folder(home / "robots" / "x.yaml", home / "lab") == "../robots/x.yaml"
+    assert from_folder(shared / "x.yaml", home / "lab") == "../../../srv/x.yaml"
 
 
 @pytest.mark.parametrize(
@@ -103,12 +103,12 @@ def test_only_paths_that_begin_at_home_are_shortened(
     text: str, expected: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("HOME", "/home/jane")
-    assert without_home(text) == expected
+    assert text_without_home(text) == expected
 
 
 def test_a_home_at_the_root_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HOME", "/")
-    assert without_home("/srv/a.wav") == "/srv/a.wav"
+    assert text_without_home("/srv/a.wav") == "/srv/a.wav"
 
 
 def test_keys_that_are_other_ones_than_the_file_says_are_told(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
 from woz_tui.protocol.welcome import Allowance, ModelLimits, StudySettings, WelcomeSettings
 from woz_tui.session.session import Session
 from woz_tui.session.session_plan import study_settings, study_snapshot
-from woz_tui.session.session_start import without_home
+from woz_tui.session.session_start import text_without_home
 
 log = logging.getLogger(__name__)
 
@@ -183,5 +183,5 @@ def plan_for_log(shown: ExperimentView) -> m.SessionPlan:
     own = {name: text for name, text in shown.values.items() if name in shown.experiment.variables}
     settings = msgspec.structs.replace(plan.settings, values=own)
     logged = msgspec.structs.replace(plan, settings=settings)
-    line = without_home(codec.encode(logged).decode())
+    line = text_without_home(codec.encode(logged).decode())
     return msgspec.json.decode(line, type=m.SessionPlan)

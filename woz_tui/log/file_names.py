@@ -120,16 +120,24 @@ def fallback_folders() -> list[Path]:
     return [base / "woz", Path(os.environ.get("TMPDIR") or "/tmp") / f"woz-{os.getuid()}"]
 
 
+def home_folder() -> Path | None:
+    """The folder whose name must not be in a log; the root's home on a robot is nobody's."""
+    home = Path(os.path.expanduser("~"))  # noqa: PTH111 - this one never raises
+    return home if home.is_absolute() and home != Path(home.anchor) else None
+
+
 def without_home(path: Path) -> str:
     """`path` with the home folder as `~`, so that no user name gets into a log."""
-    try:
-        return str(Path("~") / path.relative_to(Path.home()))
-    except (ValueError, RuntimeError):
-        return str(path)
+    home = home_folder()
+    inside = home is not None and path.is_relative_to(home)
+    return str(Path("~") / path.relative_to(home)) if inside and home is not None else str(path)
 
 
 def from_folder(path: Path, folder: Path) -> str:
-    """`path` as seen from `folder`, so that a log can be moved as a whole; never a user name."""
+    """`path` as seen from `folder`, so that both can be moved together; never a user name: a file
+    of the home folder that is not near it is `~/...`.
+    """
+    path, folder = path.absolute(), folder.absolute()
     shown = without_home(path)
     if shown.startswith("~") and without_home(folder) == str(folder):
         return shown

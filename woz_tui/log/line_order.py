@@ -6,7 +6,7 @@ once for each line is what takes the time.
 
 from __future__ import annotations
 
-from bisect import bisect_right, insort_left, insort_right
+from bisect import bisect_right, insort_right
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import chain, islice, pairwise
 from operator import attrgetter, ge, gt
@@ -16,8 +16,6 @@ from woz_tui.log.damage import Damage
 
 #: Lines that stand out of order within a file are put right over this distance.
 WINDOW = 256
-#: So much shorter is a list whose items are put into another one by one.
-_FEW = 16
 
 
 class Sequenced(Protocol):
@@ -121,25 +119,8 @@ def merged(streams: Iterable[Iterator[list[N]]]) -> Iterator[list[N]]:
     while heads:
         limit = min(head.last for head in heads)
         parts = [part for head in heads if (part := head.up_to(limit))]
-        yield _as_one(parts)
+        yield parts[0] if len(parts) == 1 else sorted(chain.from_iterable(parts), key=seq_of)
         heads = [head for head in heads if head.waiting]
-
-
-def _as_one(parts: list[list[N]]) -> list[N]:
-    """Lists in order as one; of equals that of the first list comes first."""
-    if len(parts) == 1:
-        return parts[0]
-    if len(parts) == 2:
-        first, second = parts
-        if len(first) * _FEW < len(second):  # some actions among samples: ten times as fast
-            for item in reversed(first):
-                insort_left(second, item, key=seq_of)
-            return second
-        if len(second) * _FEW < len(first):
-            for item in second:
-                insort_right(first, item, key=seq_of)
-            return first
-    return sorted(chain.from_iterable(parts), key=seq_of)
 
 
 class SequenceChecker(Generic[N]):

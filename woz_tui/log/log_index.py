@@ -17,7 +17,7 @@ from __future__ import annotations
 import heapq
 import os
 import zlib
-from bisect import bisect_left, bisect_right
+from bisect import bisect_right
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -182,8 +182,7 @@ def _looked_at(chunk: LineChunk, damage: Damage) -> list[SampleEntry]:
 class _Interleaving:
     """Counts the session's numbers and times over its samples and the actions among them.
 
-    It says what `SequenceChecker` says, mostly without putting the actions in their places, which
-    for some actions among a million samples would take longer than all the rest.
+    Samples that an index describes it only compares with the actions, without reading them.
     """
 
     def __init__(self, actions: list[LogItem], damage: Damage) -> None:
@@ -203,25 +202,9 @@ class _Interleaving:
         end = bisect_right(self._numbers, numbers[-1], self._given)
         actions = list[SampleEntry](self._actions[self._given : end])
         backwards = count_falls(times)
-        if not backwards and self._smooth(actions, numbers, times):
-            self._course.pass_over(entries[-1])
-        else:
-            self._course.take(sorted([*actions, *entries], key=seq_of))
+        self._course.take(sorted([*actions, *entries], key=seq_of))
         self._given, self._last, self._last_us = end, numbers[-1], times[-1]
         return (min(times), max(times)) if backwards else (times[0], times[-1])
-
-    def _smooth(self, actions: list[SampleEntry], numbers: list[int], times: list[int]) -> bool:
-        """Whether no number is missing or there twice, and no time lies before another."""
-        last_us = self._last_us
-        if numbers[-1] - self._last != len(numbers) + len(actions) or times[0] < last_us:
-            return False
-        for action in actions:
-            place = bisect_left(numbers, action.seq)
-            before = max(last_us, times[place - 1] if place else -1)
-            if numbers[place] == action.seq or not before <= action.t <= times[place]:
-                return False
-            last_us = action.t
-        return True
 
     def passes(self, index: list[IndexEntry]) -> bool:
         """Take in the samples of an index if nothing is wrong with them: no number is missing or

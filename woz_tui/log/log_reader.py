@@ -8,12 +8,13 @@ counted and reported. `read` gives lines; `messages` gives messages, several tim
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 from woz_tui.log.damage import Damage
-from woz_tui.log.line_order import SequenceChecker, in_order, merged, seq_of, t_of
+from woz_tui.log.line_order import N, SequenceChecker, in_order, merged, seq_of, t_of
 from woz_tui.log.line_reader import BLOCK, LineChunk, LogLine, chunks_of, lines_in, lines_of
 from woz_tui.log.log_files import LogFiles, files_of
 from woz_tui.protocol import codec
@@ -55,14 +56,25 @@ def batches(
 
     `gaps`: count the numbers that no message has.
     """
-    course = SequenceChecker[LogItem](damage, same, gaps=gaps)
-    for batch in merged([in_order(_decoded(path, damage, block), damage) for path in paths]):
-        yield course.take(batch)
-    course.end()
+    return _merged(paths, damage, items_in, gaps, block)
 
 
-def _decoded(path: Path, damage: Damage, block: int) -> Iterator[list[LogItem]]:
-    return (items_in(chunk, damage) for chunk in chunks_of(path, damage, block))
+def _merged(
+    paths: Sequence[Path],
+    damage: Damage,
+    decode: Callable[[LineChunk, Damage], list[N]],
+    gaps: bool,
+    block: int = BLOCK,
+) -> Iterator[list[N]]:
+    """What `decode` finds in the pieces of these files, in order, each number once."""
+
+    def decoded(path: Path) -> Iterator[list[N]]:
+        return (decode(chunk, damage) for chunk in chunks_of(path, damage, block))
+
+    checker = SequenceChecker[N](damage, same, gaps=gaps)
+    for batch in merged([in_order(decoded(path), damage) for path in paths]):
+        yield checker.take(batch)
+    checker.end()
 
 
 def items_in(chunk: LineChunk, damage: Damage) -> list[LogItem]:
@@ -85,14 +97,16 @@ def _all_at_once(chunk: LineChunk) -> list[LogItem]:
     return found if min(map(seq_of, found)) >= 0 and min(map(t_of, found)) >= 0 else []
 
 
-def same(one: LogItem, other: LogItem) -> bool:
-    """Whether two say the same."""
+def same(one: object, other: object) -> bool:
+    """Whether two lines or messages say the same."""
     if isinstance(one, LogLine) and isinstance(other, LogLine):
+        if one.message is not None and other.message is not None:
+            return one.message == other.message
         return one.raw == other.raw
     return one == other
 
 
-__all__ = ["Damage", "LogFiles", "LogLine", "files_of", "lines_of", "merge", "read", "same_line"]
+__all__ = ["Damage", "LogFiles", "LogLine", "files_of", "lines_of", "merge", "messages", "read"]
 
 
 def read(
@@ -119,18 +133,4 @@ def merge(paths: Sequence[Path], damage: Damage, *, gaps: bool = True) -> Iterat
 
     `gaps`: count the numbers that no line has.
     """
-    course = SequenceChecker[LogLine](damage, same_line, gaps=gaps)
-    for batch in merged([in_order(_batches(path, damage), damage) for path in paths]):
-        yield from course.take(batch)
-    course.end()
-
-
-def _batches(path: Path, damage: Damage) -> Iterator[list[LogLine]]:
-    return (lines_in(chunk, damage) for chunk in chunks_of(path, damage))
-
-
-def same_line(one: LogLine, other: LogLine) -> bool:
-    """Whether two lines say the same."""
-    if one.message is not None and other.message is not None:
-        return one.message == other.message
-    return one.raw == other.raw
+    return chain.from_iterable(_merged(paths, damage, lines_in, gaps))

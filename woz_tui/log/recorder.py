@@ -105,59 +105,6 @@ class LogHealth:
         self.peak_us = 0
 
 
-def state_of(
-    gauge: LogHealth,
-    *,
-    path: str,
-    broken: str,
-    failed: str,
-    left: str,
-    samples: bool,
-    uncopied: str,
-    lost: tuple[int, int],
-) -> RecorderState:
-    """How the log is: in figures, and in words what is wrong with it and what to do about that.
-
-    Args:
-        gauge: Level and lag.
-        path: Where the log goes now.
-        broken: What has just gone wrong with its file; empty if nothing has.
-        failed: Why no folder takes it; empty while one does.
-        left: Why an earlier file was left; empty if none was.
-        samples: Whether there is a file for samples.
-        uncopied: Which deleted file could not be copied.
-        lost: Lines and samples that no file holds.
-    """
-    parts, remedy = [], ""
-    if failed:
-        parts.append(f"the log cannot be written to any folder ({failed}); it is kept in memory")
-        remedy = "free space, or connect the disk again; the log is then written"
-    elif broken:
-        parts.append(f"{broken}; searching for another folder")
-    elif left:
-        parts.append(f"{left}; the log goes on in {path}")
-        remedy = "after the session, put all files of this log into one folder"
-    elif gauge.level != "ok":
-        parts.append("the disk is slow")
-        remedy = "stop other programs that write to this disk"
-    if not samples and not failed:
-        parts.append("there is no space for samples")
-        remedy = remedy or "free space; samples are written again as soon as there is room"
-    if uncopied:
-        parts.append(uncopied)
-    parts.extend(f"{count} {what} lost" for count, what in zip(lost, _WHAT, strict=True) if count)
-    return RecorderState(
-        level=gauge.level,
-        lag_us=gauge.peak_us,
-        path=path,
-        detail="; ".join(parts),
-        remedy=remedy,
-    )
-
-
-_WHAT = ("lines are", "samples are")
-
-
 _MOST_NAMES = 10_000
 
 
@@ -629,15 +576,38 @@ class Recorder:
         return "alarm" if now_us - self._moved_us < _MOVE_ALARM_US else "warn"
 
     def _state(self) -> RecorderState:
-        return state_of(
-            self._gauge,
-            path=without_home(self._path),
-            broken=self._reason,
-            failed=self._failed,
-            left="" if self._moved_us is None else self._story,
-            samples=self._segment is None or self._segment.takes_samples,
-            uncopied=self._unrescued,
-            lost=self._lost,
+        """How the log is: in figures, and in words what is wrong with it and what to do."""
+        parts, remedy = [], ""
+        path = without_home(self._path)
+        has_samples = self._segment is None or self._segment.takes_samples
+        if self._failed:
+            parts.append(
+                f"the log cannot be written to any folder ({self._failed}); it is kept in memory"
+            )
+            remedy = "free space, or connect the disk again; the log is then written"
+        elif self._reason:
+            parts.append(f"{self._reason}; searching for another folder")
+        elif self._moved_us is not None and self._story:
+            parts.append(f"{self._story}; the log goes on in {path}")
+            remedy = "after the session, put all files of this log into one folder"
+        elif self._gauge.level != "ok":
+            parts.append("the disk is slow")
+            remedy = "stop other programs that write to this disk"
+        if not has_samples and not self._failed:
+            parts.append("there is no space for samples")
+            remedy = remedy or "free space; samples are written again as soon as there is room"
+        if self._unrescued:
+            parts.append(self._unrescued)
+        kinds = ("lines are", "samples are")
+        parts += [
+            f"{count} {kind} lost" for count, kind in zip(self._lost, kinds, strict=True) if count
+        ]
+        return RecorderState(
+            level=self._gauge.level,
+            lag_us=self._gauge.peak_us,
+            path=path,
+            detail="; ".join(parts),
+            remedy=remedy,
         )
 
     def _report(self) -> None:

@@ -14,9 +14,10 @@ from pathlib import Path
 from woz_tui.config.experiment import Experiment, ExperimentError
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Driver
+from woz_tui.log.file_names import from_folder
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings
-from woz_tui.session.session_start import name_beside, without_home
+from woz_tui.session.session_start import text_without_home
 
 #: The folder in which a project keeps its experiments, beside the one of its logs.
 EXPERIMENTS = "experiments"
@@ -151,7 +152,7 @@ def current_files(experiment: Experiment) -> dict[str, str]:
     """The experiment's files as they were read now: text by name, as a log has them."""
     folder = experiment.path.parent
     return {
-        name_beside(path, folder): without_home(text)
+        from_folder(path, folder): text_without_home(text)
         for path, text in zip(experiment.files, experiment.texts, strict=True)
     }
 

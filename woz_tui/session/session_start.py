@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 from collections.abc import Sequence
-from pathlib import Path
 
 from woz_tui import __version__
 from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Experiment
+from woz_tui.log.file_names import from_folder, home_folder
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.system.clock import Clock, boot_id, timestamp
@@ -88,7 +87,7 @@ def experiment_files(experiment: Experiment) -> m.ExperimentFiles:
     left_out: list[str] = []
     room = FILES_BYTES
     for path, text in zip(experiment.files, experiment.texts, strict=False):
-        name, told = name_beside(path, experiment.path.parent), without_home(text)
+        name, told = from_folder(path, experiment.path.parent), text_without_home(text)
         need = len(json.dumps(told))
         if need <= room:
             files[name] = told
@@ -98,24 +97,9 @@ def experiment_files(experiment: Experiment) -> m.ExperimentFiles:
     return m.ExperimentFiles(experiment_sha256=experiment.sha256, files=files, left_out=left_out)
 
 
-def name_beside(path: Path, folder: Path) -> str:
-    """`path` as seen from `folder`; a file of the home folder that is not near it as `~/...`."""
-    path, folder, home = path.absolute(), folder.absolute(), _home()
-    inside = home is not None and path.is_relative_to(home)
-    if inside and home is not None and not folder.is_relative_to(home):
-        return f"~/{path.relative_to(home).as_posix()}"
-    return Path(os.path.relpath(path, folder)).as_posix()
-
-
-def without_home(text: str) -> str:
+def text_without_home(text: str) -> str:
     """`text` with `~` for the home folder wherever a path begins with it, or is it."""
-    home = _home()
+    home = home_folder()
     if home is None:
         return text
     return re.sub(rf"(?<![\w./~-]){re.escape(str(home))}(?![\w-]|\.\w)", "~", text)
-
-
-def _home() -> Path | None:
-    """Whose name must not be in a log; the root's home on a robot is nobody's."""
-    home = Path(os.path.expanduser("~"))  # noqa: PTH111 - this one never raises
-    return home if home.is_absolute() and home != Path(home.anchor) else None

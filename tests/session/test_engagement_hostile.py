@@ -71,9 +71,9 @@ def test_a_failure_inside_is_told_once_and_the_session_goes_on(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     async def scenario(room: Room) -> None:
-        follower = room.session.engagement._follower
-        assert follower is not None
-        follower.sensors.update(presence="no sign at all", gaze="none either")
+        model = room.session.engagement._model
+        assert model is not None
+        model.follower.sensors.update(presence="no sign at all", gaze="none either")
         for _ in range(5):
             room.sense(presence=1, gaze=1)
         with_robot = room.session.play("Welcome", WIZARD)
@@ -96,8 +96,9 @@ def test_a_place_that_takes_no_file_costs_no_name(tmp_path: Path, place: str) ->
         await asyncio.sleep(0.1)
         room.tell("visitor", code="Anna")
         await asyncio.sleep(0.5)
-        visiting = room.session.engagement._visiting
-        assert visiting is not None
+        model = room.session.engagement._model
+        assert model is not None
+        visiting = model.visitors
         visiting.known.wait(10)
         await asyncio.sleep(0.5)
         assert visiting.known.is_taken("anna")

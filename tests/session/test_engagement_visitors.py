@@ -45,8 +45,9 @@ def stored(tmp_path: Path) -> list[str]:
 
 def saves(room: Room) -> None:
     """Wait for the thread that writes the file."""
-    visiting = room.session.engagement._visiting
-    assert visiting is not None
+    model = room.session.engagement._model
+    assert model is not None
+    visiting = model.visitors
     visiting.known.wait(10)
 
 

@@ -194,8 +194,9 @@ def test_a_session_hears_of_others_changes_when_somebody_comes(tmp_path: Path) -
     store.add("Anna", on=TODAY)
 
     async def scenario(room: Room) -> None:
-        visiting = room.session.engagement._visiting
-        assert visiting is not None
+        model = room.session.engagement._model
+        assert model is not None
+        visiting = model.visitors
         assert visiting.known.is_taken("Anna")
         store.rename("Anna", "V12")
         await room.visit(3)
@@ -232,8 +233,9 @@ def ended(tmp_path: Path, path: Path, before_the_end: Callable[[], object]) -> R
     async def scenario(room: Room) -> None:
         room.tell("visitor", code="Anna")
         await asyncio.sleep(0.5)
-        visiting = room.session.engagement._visiting
-        assert visiting is not None
+        model = room.session.engagement._model
+        assert model is not None
+        visiting = model.visitors
         visiting.known.wait(20)
         await asyncio.sleep(0.5)
         assert any("cannot be written" in text for text in room.notices)
@@ -259,8 +261,9 @@ def test_a_disk_that_hangs_at_the_end_does_not_hold_up_the_event_loop(tmp_path: 
     async def scenario() -> Room:
         room = Room(tmp_path, guided(tmp_path))
         await room.session.open()
-        visiting = room.session.engagement._visiting
-        assert visiting is not None
+        model = room.session.engagement._model
+        assert model is not None
+        visiting = model.visitors
         gate = hanging(visiting.known)
 
         def hear(message: m.AnyMessage) -> None:

@@ -14,11 +14,12 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_json import settings_to_json
-from woz_tui.config.experiment import Action, Engagement, ParallelCalls
+from woz_tui.config.experiment import Action, Engagement
 from woz_tui.config.session_verbs import ENGAGEMENT, engagement_verbs
 from woz_tui.config.utterance_template import VISITOR
 from woz_tui.drivers.contract import Job, RejectedError, Scope, Verb
@@ -40,6 +41,15 @@ FAILURES = 20
 log = logging.getLogger(__name__)
 
 
+@dataclass
+class _Model:
+    """What there is while the experiment has the section."""
+
+    follower: EngagementFollower
+    visitors: VisitorRecognition
+    attention: AttentionController
+
+
 class EngagementController:
     """See the module's text.
 
@@ -56,24 +66,22 @@ class EngagementController:
         self._robot, self._state, self._logs = robot, state, logs
         self._hub = robot.hub
         self._loop = asyncio.get_running_loop()
-        self._follower: EngagementFollower | None = None
+        self._model: _Model | None = None
         self._effects = StateEffects(robot, locked)
-        self._visiting: VisitorRecognition | None = None
-        self._attending: AttentionController | None = None
-        self._alarm = WakeUpTimer(robot.hub, self._ring)
-        self._look: asyncio.TimerHandle | None = None
+        self._timer = WakeUpTimer(robot.hub, self._on_timer)
+        self._show_timer: asyncio.TimerHandle | None = None
         self._shown: m.EngagementShown | None = None
         self._shown_us = -SHOWN_EVERY_US
         self._failed: set[str] = set()
         self._opened = False
         #: Verbs under way, by command.
-        self._named: dict[str, str] = {}
+        self._verbs: dict[str, str] = {}
         #: Verbs by name, as the bus has them; empty without the section.
         self.offered: dict[str, Verb] = {}
         #: The settings as the log has them; none without the section.
-        self._told: dict[str, m.Json] = {}
-        self._hub.listen(self._hear)
-        self._tell_settings()
+        self._published_settings: dict[str, m.Json] = {}
+        self._hub.listen(self._on_message)
+        self._publish_settings()
 
     # -- what the session asks ---------------------------------------------------------------------
 
@@ -82,57 +90,53 @@ class EngagementController:
         self._opened = True
         self._show()
         self._show_robots()
-        self._wind()
+        self._set_timer()
 
     def close(self) -> None:
         """The session has ended: nothing is heard any more. Until here its last moments are, too,
         so that the log has all that the model has seen; only nothing is done about it.
         """
-        self._follower = None
-        self._alarm.cancel()
-        if self._look is not None:
-            self._look.cancel()
-            self._look = None
-        for part in (self._visiting, self._attending):
-            if part is not None:
-                part.close()
-        self._visiting = self._attending = None
+        model, self._model = self._model, None
+        self._timer.cancel()
+        if self._show_timer is not None:
+            self._show_timer.cancel()
+            self._show_timer = None
+        if model is not None:
+            model.visitors.close()
+            model.attention.close()
 
     async def finish(self) -> None:
         """The same, and what has been learnt of visitors is saved. Bounded in time."""
-        visiting = self._visiting
+        model = self._model
         self.close()
-        if visiting is not None:
-            await visiting.finish()
+        if model is not None:
+            await model.visitors.finish()
 
     def values(self) -> dict[str, str]:
         """Variables for utterances: `{visitor}`, empty while nobody is known."""
-        if self._follower is None or self._visiting is None:
-            return {}
-        return {VISITOR: self._visiting.name(self._follower.model.visitor)}
+        model = self._model
+        return {VISITOR: model.visitors.name(model.follower.model.visitor)} if model else {}
 
-    def believes(self, action: Action | None) -> bool:
+    def only_informs_model(self, action: Action | None) -> bool:
         """Whether an action does nothing but tell the model something."""
-        calls = [
-            call
-            for step in (action.steps if action else ())
-            for call in (step.calls if isinstance(step, ParallelCalls) else ())
-        ]
+        calls = action.calls if action else ()
         return bool(calls) and all(call.driver == ENGAGEMENT for call in calls)
 
     # -- a performer on the bus --------------------------------------------------------------------
 
     async def perform(self, job: Job) -> Mapping[str, m.Json]:
         """Understand a verb; it is obeyed when `command.done` is heard, as in the log."""
-        if self._follower is None or self._visiting is None:
+        if self._model is None:
             raise RejectedError("the experiment has no engagement model")
         try:
-            said = engagement_commands.resolved_arguments(self._follower.model, job.verb, job.args)
+            said = engagement_commands.resolved_arguments(
+                self._model.follower.model, job.verb, job.args
+            )
         except ValueError as error:
             raise RejectedError(str(error)) from error
         if isinstance(name := said.get("code"), str):
-            said["code"] = self._visiting.name(name)
-        self._named[job.command] = job.verb
+            said["code"] = self._model.visitors.name(name)
+        self._verbs[job.command] = job.verb
         return said
 
     async def stop(self, scope: Scope) -> None:
@@ -140,15 +144,15 @@ class EngagementController:
 
     # -- hearing -----------------------------------------------------------------------------------
 
-    def _hear(self, message: m.AnyMessage) -> None:
+    def _on_message(self, message: m.AnyMessage) -> None:
         """A listener of the hub: whatever goes wrong in here, the others still hear."""
         try:
-            self._listen(message)
+            self._handle(message)
         except Exception as error:
-            if self._tell_failure(error):
+            if self._report_failure(error):
                 log.exception("the engagement model failed at %s", type(message).__name__)
 
-    def _tell_failure(self, error: Exception) -> bool:
+    def _report_failure(self, error: Exception) -> bool:
         """Whether it is news: a sensor may bring the same failure fifty times a second."""
         reason = f"{type(error).__name__}: {error}"
         if reason in self._failed or len(self._failed) >= FAILURES:
@@ -163,27 +167,31 @@ class EngagementController:
         )
         return True
 
-    def _listen(self, message: m.AnyMessage) -> None:
+    def _handle(self, message: m.AnyMessage) -> None:
         if isinstance(message, m.ExperimentReloaded | m.EngagementAdopted):
             self._follow_file(message)
-        follower, visiting, attending = self._follower, self._visiting, self._attending
-        if follower is None or visiting is None or attending is None:
+        if self._model is None:
             return
+        follower, visitors, attention = (
+            self._model.follower,
+            self._model.visitors,
+            self._model.attention,
+        )
         if isinstance(message, m.End):
-            verb = self._named.pop(message.command, "")
+            verb = self._verbs.pop(message.command, "")
             if isinstance(message, m.Done):
-                visiting.introduced(verb, message.sent)
+                visitors.introduced(verb, message.sent)
         was = follower.model.run
         if follower.reads(message):
-            self._moved(follower.take(message))
+            self._publish_transitions(follower.take(message))
         elif isinstance(message, m.Reading):
-            attending.hear(message)
+            attention.hear(message)
             return
-        visiting.hear(message)
-        attending.hear(message)
+        visitors.hear(message)
+        attention.hear(message)
         match message:
             case m.Done() | m.EngagementAdopted():
-                attending.attend(follower.mode)
+                attention.attend(follower.mode)
                 if was == "off":
                     self._show_robots()
             case m.ActionEnd():
@@ -193,10 +201,10 @@ class EngagementController:
             case m.StopReleased():
                 if follower.model.run != "off":
                     self._effects.released()
-                visiting.resume(follower.model.state)
+                visitors.resume(follower.model.state)
 
     def _connected(self, driver: str) -> None:
-        if self._opened and self._follower is not None and self._follower.model.run != "off":
+        if self._opened and self._model is not None and self._model.follower.model.run != "off":
             self._effects.connected(driver)
 
     def _show_robots(self) -> None:
@@ -209,33 +217,33 @@ class EngagementController:
         """New settings count from when all hear of them; what the robot shows, at once."""
         engagement = self._robot.experiment().engagement
         if isinstance(message, m.EngagementAdopted):
-            self._reloaded(engagement if message.settings else None)
-        elif not self._tell_settings():
-            self._reloaded(engagement)
+            self._apply_settings(engagement if message.settings else None)
+        elif not self._publish_settings():
+            self._apply_settings(engagement)
 
-    def _tell_settings(self) -> bool:
+    def _publish_settings(self) -> bool:
         """Say which settings hold, if they are others than before. They are taken over when this is
         heard: whoever reads the log later takes them over at the same place.
         """
         engagement = self._robot.experiment().engagement
         settings = settings_to_json(engagement.settings) if engagement else {}
-        if settings == self._told:
+        if settings == self._published_settings:
             return False
-        self._told = settings
+        self._published_settings = settings
         self._hub.publish(m.EngagementAdopted(settings=settings))
         return True
 
-    def _reloaded(self, engagement: Engagement | None) -> None:
-        had_one = self._follower is not None
+    def _apply_settings(self, engagement: Engagement | None) -> None:
+        had_one = self._model is not None
         self._adopt(engagement)
-        if self._follower is None:
+        if self._model is None:
             self._effects.gone()
             self._shown = None
         elif not had_one:
-            self._follower.catch_up(self._state.messages())
+            self._model.follower.catch_up(self._state.messages())
             self._show_robots()
         self._show()
-        self._wind()
+        self._set_timer()
 
     def _adopt(self, engagement: Engagement | None) -> None:
         """Take the section as it is now in the file."""
@@ -252,24 +260,28 @@ class EngagementController:
 
     def _take_settings(self, settings: EngagementSettings) -> None:
         """For all but a follower that there is: it reads of them, as in the log."""
-        if self._follower is None or self._visiting is None:
-            self._follower = EngagementFollower(settings)
-            self._visiting = VisitorRecognition(self._robot, settings, self._logs)
-        else:
-            self._visiting.adopt(settings)
-        if self._attending is None or not self._attending.fits(settings):
-            self._attend(self._follower, settings)
+        model = self._model
+        if model is None:
+            follower = EngagementFollower(settings)
+            visitors = VisitorRecognition(self._robot, settings, self._logs)
+            self._model = _Model(follower, visitors, self._attention(follower, settings))
+            return
+        model.visitors.adopt(settings)
+        if not model.attention.fits(settings):
+            model.attention.close()
+            model.attention = self._attention(model.follower, settings)
 
-    def _attend(self, follower: EngagementFollower, settings: EngagementSettings) -> None:
-        if self._attending is not None:
-            self._attending.close()
-        self._attending = AttentionController(self._robot, follower, settings, self._show_later)
-        self._attending.entered(follower.model.state)
-        self._attending.attend(follower.mode)
+    def _attention(
+        self, follower: EngagementFollower, settings: EngagementSettings
+    ) -> AttentionController:
+        attention = AttentionController(self._robot, follower, settings, self._show_later)
+        attention.entered(follower.model.state)
+        attention.attend(follower.mode)
+        return attention
 
     # -- what comes of it --------------------------------------------------------------------------
 
-    def _moved(self, changes: Sequence[Transition]) -> None:
+    def _publish_transitions(self, changes: Sequence[Transition]) -> None:
         for change in changes:
             self._hub.publish(
                 m.EngagementChanged(
@@ -285,54 +297,53 @@ class EngagementController:
             try:
                 self._entered(change)
             except Exception as error:  # the next change belongs into the log all the same
-                if self._tell_failure(error):
+                if self._report_failure(error):
                     log.exception("the effects of %s failed", change.now)
         if changes:
             self._show()
         else:
             self._show_later()
-        self._wind()
+        self._set_timer()
 
     def _entered(self, change: Transition) -> None:
         self._effects.entered(change)
-        if self._visiting is not None:
-            self._visiting.entered(change)
-        if self._attending is not None:
-            self._attending.entered(change.now)
+        if self._model is not None:
+            self._model.visitors.entered(change)
+            self._model.attention.entered(change.now)
 
-    def _wind(self) -> None:
+    def _set_timer(self) -> None:
         """Wake up when something happens by itself."""
-        self._alarm.set(self._follower.due() if self._follower else None)
+        self._timer.set(self._model.follower.due() if self._model else None)
 
-    def _ring(self) -> None:
-        if self._follower is None:
+    def _on_timer(self) -> None:
+        if self._model is None:
             return
         try:
-            self._moved(self._follower.until(self._hub.now()))
+            self._publish_transitions(self._model.follower.until(self._hub.now()))
         except Exception as error:
-            if self._tell_failure(error):
+            if self._report_failure(error):
                 log.exception("the engagement model failed by itself")
 
     # -- what is shown -----------------------------------------------------------------------------
 
     def _show_later(self) -> None:
-        if self._look is None:
+        if self._show_timer is None:
             wait = self._shown_us + SHOWN_EVERY_US - self._hub.now()
             if wait <= 0:
                 self._show()
             else:
-                self._look = self._loop.call_later(wait / 1_000_000, self._show)
+                self._show_timer = self._loop.call_later(wait / 1_000_000, self._show)
 
     def _show(self) -> None:
         """Publish how things stand, if anything is different from what was told last."""
-        if self._look is not None:
-            self._look.cancel()
-            self._look = None
-        if self._follower is None or self._visiting is None or not self._opened:
+        if self._show_timer is not None:
+            self._show_timer.cancel()
+            self._show_timer = None
+        if self._model is None or not self._opened:
             return
-        if self._visiting.attempt:
-            self._follower.model.attempt = self._visiting.attempt
-        shown = self._follower.shown()
+        if attempt := self._model.visitors.attempt:
+            self._model.follower.model.attempt = attempt
+        shown = self._model.follower.shown()
         if shown == self._shown:
             return
         self._shown = shown

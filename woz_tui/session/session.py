@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NoReturn
@@ -21,7 +22,7 @@ from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
 from woz_tui.session.action_runner import ActionRunner, CommandRefusal, RequestOrigin
 from woz_tui.session.action_texts import ActionTexts, no_value, utterances
-from woz_tui.session.driver_context import DriverRequests, OnCompletion
+from woz_tui.session.driver_context import OnCompletion
 from woz_tui.session.driver_manager import DriverManager, make_drivers
 from woz_tui.session.engagement_control import EngagementController
 from woz_tui.session.engagement_robot import EngagementRobot
@@ -43,6 +44,8 @@ from woz_tui.timeline.session_state import SessionState
 
 #: Seconds between two lines that tie the session's clock to the calendar.
 CLOCK_TIE_S = 30.0
+log = logging.getLogger(__name__)
+
 #: What helps against a press that came too late.
 AGAIN = "press it again"
 #: Seconds between two checkpoints of the log.
@@ -176,19 +179,6 @@ class Session:
         self.hub.listen(self.repairs.hear)
         robot.bus, robot.runner, robot.wording = self.bus, self.runner, self.wording
         self._by_name = by_name
-        self._asking = DriverRequests(
-            {
-                "action": lambda ask, origin: self.play(ask.name, origin, stale=self._old(ask)),
-                "script": lambda ask, origin: self.script_next(origin, self._old(ask)),
-                "stop": lambda ask, origin: self.stop(origin.source),
-                "release": lambda ask, origin: self.release(origin.source, self._old(ask)),
-                "mark": lambda ask, origin: self.mark(ask.name, origin.source),
-            },
-            self._call,
-            self.runner.send,
-            self.drivers,
-            self._no_ask,
-        )
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._checkpointed = 0
 
@@ -297,7 +287,7 @@ class Session:
             return f"{name!r} is locked"
         if self.locked.get(action.panel, False):
             return f"the panel {action.panel!r} is locked{self.phases.why_locked(action.panel)}"
-        if self.bus.latched and not self.engagement.believes(action):
+        if self.bus.latched and not self.engagement.only_informs_model(action):
             return "the stop is pressed"
         return "" if action in self.experiment.repairs else self.profiles.no_action(action)
 
@@ -341,11 +331,6 @@ class Session:
             self.experiment, self.locked, verb
         )
 
-    def _no_ask(self, ask: Ask) -> CommandRefusal | None:
-        if stale := self._old(ask):
-            return CommandRefusal("stale", stale)
-        return self._no_verb(ask.name, ask.args) if is_by_hand(ask) else None
-
     def _old(self, ask: Ask) -> str:
         """Why a hand's ask is too old: a driver reads late what waited while nobody read."""
         return self.too_old(self.standstill.look()) if is_by_hand(ask) else ""
@@ -365,10 +350,6 @@ class Session:
         if self.ended:
             raise RequestError("the session is ending")
         return Call(verb, dict(args), self._driver_for(verb, on))
-
-    def _asked(self, driver: str, ask: Ask, done: OnCompletion | None) -> None:
-        """A driver asks for something; drivers are made before the session is whole."""
-        self._loop.call_soon(lambda: self._asking.ask(driver, ask, done))
 
     def _driver_for(self, verb: str, on: str) -> str:
         offering = [name for name, verbs in self._by_name.items() if verb in verbs]
@@ -462,6 +443,65 @@ class Session:
         if not self.bus.release(source):
             raise RequestError("the stop is not pressed")
         self._crew.resume()
+
+    # -- what drivers ask for ----------------------------------------------------------------
+
+    def _asked(self, driver: str, ask: Ask, done: OnCompletion | None) -> None:
+        """A driver asks for something; drivers are made before the session is whole."""
+        self._loop.call_soon(self._answer, driver, ask, done or (lambda carried_out, why: None))
+
+    def _answer(self, driver: str, ask: Ask, done: OnCompletion) -> None:
+        """Do what `driver` asks for, as if the wizard had pressed a key; `done` hears the end."""
+        try:
+            if ask.what == "verb":
+                self._send_for(driver, ask, done)
+                return
+            self._carry_out(ask, RequestOrigin(ask.source, ask.key, driver))
+            done(True, "")
+        except RequestError as error:
+            done(False, error.reason)
+        except Exception as error:  # a stranger's ask; a knob would wait for its answer for ever
+            log.exception("what %s asked for failed: %s", driver, ask)
+            done(False, f"{type(error).__name__}: {error}")
+
+    def _carry_out(self, ask: Ask, origin: RequestOrigin) -> None:
+        match ask.what:
+            case "action":
+                self.play(ask.name, origin, stale=self._old(ask))
+            case "script":
+                self.script_next(origin, self._old(ask))
+            case "stop":
+                self.stop(origin.source)
+            case "release":
+                self.release(origin.source, self._old(ask))
+            case "mark":
+                self.mark(ask.name, origin.source)
+            case _:
+                raise RequestError(f"a driver cannot ask for {ask.what!r}")
+
+    def _send_for(self, driver: str, ask: Ask, done: OnCompletion) -> None:
+        call = self._call(ask.name, ask.args, self._beside(driver, ask.on))
+        refusal = None
+        if stale := self._old(ask):
+            refusal = CommandRefusal("stale", stale)
+        elif is_by_hand(ask):
+            refusal = self._no_verb(ask.name, ask.args)
+
+        def ended(end: m.End) -> None:
+            done(isinstance(end, m.Done), end.reason)
+
+        origin = RequestOrigin(ask.source, ask.key, driver)
+        self.runner.send(call, origin, ask.when_busy or "queue", refusal, ended)
+        if refusal is not None:
+            done(False, refusal.reason)
+
+    def _beside(self, driver: str, on: str) -> str:
+        """The full name of `on` beside `driver`: robots of an experiment keep to themselves."""
+        robot, dot, _ = driver.rpartition(".")
+        if not dot:
+            return on
+        beside = f"{robot}.{on}" if on else robot
+        return beside if not on or beside in self.drivers else on
 
     # -- marks and settings ------------------------------------------------------------------
 

@@ -69,7 +69,8 @@ class Bus:
     ) -> None:
         self._hub = hub
         self._drivers = dict(drivers)
-        self._verbs = {
+        #: What each driver offers, by driver and name.
+        self.verbs = {
             name: {verb.name: verb for verb in offered} for name, offered in verbs.items()
         }
         self._capacity = capacity
@@ -88,7 +89,11 @@ class Bus:
 
     def offer(self, driver: str, verbs: Iterable[Verb]) -> None:
         """`driver` offers these verbs from now on: the same, perhaps with other choices."""
-        self._verbs[driver] = {verb.name: verb for verb in verbs}
+        self.verbs[driver] = {verb.name: verb for verb in verbs}
+
+    def verb(self, driver: str, name: str) -> Verb | None:
+        """The verb `name` of `driver`; None if it offers none."""
+        return self.verbs.get(driver, {}).get(name)
 
     # -- commands ----------------------------------------------------------------------------
 
@@ -97,7 +102,7 @@ class Bus:
 
         `on_end` is called once, in the loop, with how it ended; possibly before this returns.
         """
-        verb = self._verbs.get(command.driver, {}).get(command.verb)
+        verb = self.verb(command.driver, command.verb)
         command = _shown(verb, command)
         recorded = self._hub.publish(command)
         ticket = PendingCommand(
@@ -130,14 +135,14 @@ class Bus:
         on_end: Callable[[End], None] | None = None,
     ) -> Command:
         """Record `command` and that it is refused, without looking at it any further."""
-        verb = self._verbs.get(command.driver, {}).get(command.verb)
+        verb = self.verb(command.driver, command.verb)
         recorded = self._hub.publish(_shown(verb, command))
         PendingCommand(recorded, Verb(command.verb, ""), self._hub, on_end).refuse(code, reason)
         return recorded
 
     def hidden(self, verb: str, args: Mapping[str, Json]) -> dict[str, Json]:
         """`args` without what any driver's `verb` hides, for whoever looks at them earlier."""
-        for offered in self._verbs.values():
+        for offered in self.verbs.values():
             args = hidden(offered.get(verb), args)
         return dict(args)
 
@@ -231,7 +236,7 @@ class Bus:
         driving = [
             name
             for name in self._drivers
-            if any(verb.drives for verb in self._verbs.get(name, {}).values())
+            if any(verb.drives for verb in self.verbs.get(name, {}).values())
         ]
         if not driving:
             return

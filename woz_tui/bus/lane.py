@@ -124,34 +124,15 @@ class LaneJob:
         self, ticket: PendingCommand, args: Mapping[str, Json], extend: Callable[[float], None]
     ) -> None:
         self._ticket = ticket
-        self._args = args
         self._extend = extend
+        #: See `drivers.contract.Job`.
+        self.command = ticket.command.command
+        self.verb = ticket.verb.name
+        self.args = args
+        self.source = ticket.command.source
+        #: What its arguments tell (see `messages.RestrictedMessage`).
+        self.tells = ticket.command.tells
         self._loop = asyncio.get_running_loop()
-
-    @property
-    def command(self) -> str:
-        """The command's id."""
-        return self._ticket.command.command
-
-    @property
-    def verb(self) -> str:
-        """The verb's name."""
-        return self._ticket.verb.name
-
-    @property
-    def args(self) -> Mapping[str, Json]:
-        """Checked arguments."""
-        return self._args
-
-    @property
-    def source(self) -> str:
-        """Whose hand it came from."""
-        return self._ticket.command.source
-
-    @property
-    def tells(self) -> tuple[str, ...]:
-        """What its arguments tell (see `messages.RestrictedMessage`)."""
-        return self._ticket.command.tells
 
     def expects(self, seconds: float) -> None:
         """Publish how long it will take; may be called from any thread."""
@@ -168,7 +149,7 @@ class LaneJob:
                 command=self.command,
                 driver=self._ticket.command.driver,
                 expected_us=round(seconds * 1_000_000),
-                tells=self._ticket.command.tells,
+                tells=self.tells,
             )
         )
         self._extend(seconds)

@@ -111,7 +111,6 @@ def _in_place(files: LogFiles, opened: ExitStack, block: int, indexed: bool) -> 
             _headed(path, source, index[0].offset, found.damage)
             found.blocks += map(partial(_indexed, source), index)
             continue
-        builder = IndexBuilder() if ended and source and is_long(source.fileno()) else None
         for chunk in chunks_of(path, found.damage, block):
             quick = entries_in(chunk)
             entries = list[SampleEntry](quick) or _looked_at(chunk, found.damage)
@@ -119,9 +118,9 @@ def _in_place(files: LogFiles, opened: ExitStack, block: int, indexed: bool) -> 
                 low, high = weave.take(entries)
                 read = partial(_piece, source, len(chunk.data or b""), chunk.offset)
                 found.blocks.append(SampleBlock(read, low, high, last_samples(quick or entries)))
-            if builder is not None and source is not None:
-                builder.take(source.fileno(), chunk, quick)
-        if builder is not None and source is not None:
+        if ended and source is not None and is_long(source.fileno()):
+            builder = IndexBuilder()
+            builder.extend(source.fileno(), os.fstat(source.fileno()).st_size, whole=True)
             builder.leave(path, source.fileno())
     weave.end()
     return found

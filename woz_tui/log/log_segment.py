@@ -246,7 +246,8 @@ class OpenSegment:
         disk.make_folder(folder)
         self._actions = LogFile(disk, folder / str(name))
         self._samples: LogFile | None = None
-        self._samples_path = folder / str(FileName(name.stem, name.number, True))
+        #: The file of samples, there or not.
+        self.samples_path = folder / str(FileName(name.stem, name.number, True))
         self._index = IndexBuilder()
         self._thread = threading.Thread(
             target=self._run, name=f"log-disk-{name.number}", daemon=True
@@ -256,11 +257,6 @@ class OpenSegment:
     def path(self) -> Path:
         """The file of actions."""
         return self._actions.path
-
-    @property
-    def samples_path(self) -> Path:
-        """The file of samples, there or not."""
-        return self._samples_path
 
     @property
     def takes_samples(self) -> bool:
@@ -275,7 +271,7 @@ class OpenSegment:
 
     def open_samples(self, header: bytes) -> None:
         """Begin the file of samples with what waits for it. Raises `OSError`, leaving nothing."""
-        file = LogFile(self._disk, self._samples_path)
+        file = LogFile(self._disk, self.samples_path)
         try:
             file.append(header + b"".join(self._backlogs[SAMPLES].lines()))
         except OSError:

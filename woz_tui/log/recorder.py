@@ -257,8 +257,9 @@ class Recorder:
         self._news = False
         self._segment: OpenSegment | None = None
         self._left: list[OpenSegment] = []
-        self._path = self._series.first_path(samples=False)
-        self._samples_path = self._series.first_path(samples=True)
+        #: The files that take the actions and the samples now.
+        self.path = self._series.first_path(samples=False)
+        self.samples_path = self._series.first_path(samples=True)
         #: Whether the segment's files take lines; what is wrong with it; why no place takes one.
         self._writable = False
         self._reason = ""
@@ -327,21 +328,11 @@ class Recorder:
             return self._hash.hexdigest(), self._lines
 
     @property
-    def path(self) -> Path:
-        """The file that takes the actions now."""
-        return self._path
-
-    @property
-    def samples_path(self) -> Path:
-        """The file that takes the samples now."""
-        return self._samples_path
-
-    @property
     def spill(self) -> list[str]:
         """Folders in which the log goes on if that of `path` fails, for the log's first line: each
         as it is on this machine, and as seen from there, because they may be moved together.
         """
-        folder = self._path.parent
+        folder = self.path.parent
         others = [place for place in self._series.places if place != folder]
         names = ((without_home(place), from_folder(place, folder)) for place in others)
         return list(dict.fromkeys(chain.from_iterable(names)))
@@ -481,7 +472,7 @@ class Recorder:
         now_us = self._clock.now_us()
         lines = b"".join(actions.lines())
         if old is not None:
-            lines = self._header(new.path, new.number, reason, self._path) + lines
+            lines = self._header(new.path, new.number, reason, self.path) + lines
         if lines:
             new.append(ACTIONS, lines)
         if old is not None:
@@ -491,7 +482,7 @@ class Recorder:
         if old is not None or new.folder != self._series.places[0]:
             self._moved_us, self._story = now_us, reason
             self._gauge.insist()
-        self._segment, self._path, self._opened_us = new, new.path, now_us
+        self._segment, self.path, self._opened_us = new, new.path, now_us
         self._series.used()
         self._writable, self._reason, self._failed = True, "", ""
         actions.find_home()
@@ -504,14 +495,14 @@ class Recorder:
         if segment is None:
             return
         path, number = segment.samples_path, segment.number
-        previous = self._samples_path if number > 1 else None
+        previous = self.samples_path if number > 1 else None
         try:
             segment.open_samples(self._header(path, number, self._story, previous))
         except OSError:
             backlog.lose_home()
             return
         backlog.find_home()
-        self._samples_path = path
+        self.samples_path = path
 
     def _header(
         self, path: Path, number: int, reason: str, previous: Path | None, *, copied: bool = False
@@ -578,7 +569,7 @@ class Recorder:
     def _state(self) -> RecorderState:
         """How the log is: in figures, and in words what is wrong with it and what to do."""
         parts, remedy = [], ""
-        path = without_home(self._path)
+        path = without_home(self.path)
         has_samples = self._segment is None or self._segment.takes_samples
         if self._failed:
             parts.append(

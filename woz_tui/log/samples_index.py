@@ -24,7 +24,7 @@ import msgspec
 
 from woz_tui.log.line_order import count_falls, is_rising, seq_of, t_of
 from woz_tui.log.line_reader import LineChunk
-from woz_tui.log.sample_blocks import QuickEngagement, QuickReading, entries_in
+from woz_tui.log.sample_blocks import entries_in
 from woz_tui.system.file_replacing import replace
 from woz_tui.system.files import open_regular
 
@@ -87,14 +87,9 @@ def path_of(samples: Path) -> Path:
     return samples.with_suffix(".index")
 
 
-def entry_of(
-    offset: int, data: bytes, samples: Sequence[QuickReading | QuickEngagement] | None = None
-) -> IndexEntry | None:
-    """The entry for whole lines at `offset`; None if they are anything but samples in order.
-
-    `samples`: what the lines hold, where that is known.
-    """
-    found = entries_in(LineChunk(Path(), offset, data)) if samples is None else samples
+def entry_of(offset: int, data: bytes) -> IndexEntry | None:
+    """The entry for whole lines at `offset`; None if they are anything but samples in order."""
+    found = entries_in(LineChunk(Path(), offset, data))
     numbers, times = list(map(seq_of, found)), list(map(t_of, found))
     if not numbers or not is_rising(numbers) or count_falls(times):
         return None
@@ -130,30 +125,14 @@ class IndexBuilder:
         self._end = 0
         self._sound = True
 
-    def add(
-        self,
-        offset: int,
-        data: bytes,
-        samples: Sequence[QuickReading | QuickEngagement] | None = None,
-    ) -> None:
+    def add(self, offset: int, data: bytes) -> None:
         """The next whole lines. The line with which a further segment begins may stand alone."""
-        entry = entry_of(offset, data, samples)
+        entry = entry_of(offset, data)
         if entry is not None and offset == self._end:
             self._entries.append(entry)
         elif offset or data.count(b"\n") != 1:
             self._sound = False
         self._end = offset + len(data)
-
-    def take(
-        self, fd: int, chunk: LineChunk, samples: Sequence[QuickReading | QuickEngagement]
-    ) -> None:
-        """The next piece of the file, which has been decoded already."""
-        if chunk.offset == 0:
-            self.extend(fd, len(chunk.data or b""), whole=True)
-        elif chunk.data is None or not chunk.whole or not samples:
-            self._sound = False
-        else:
-            self.add(chunk.offset, chunk.data, samples)
 
     def extend(self, fd: int, size: int, *, whole: bool) -> None:
         """Take in what the file has up to `size` bytes; unless `whole`, full blocks alone."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import functools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import msgspec
@@ -13,7 +13,6 @@ from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Action, Call
 from woz_tui.config.session_verbs import ENGAGEMENT, PERFORMERS, SESSION
-from woz_tui.drivers.contract import Verb
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS
 from woz_tui.sensing.engagement_stream import SPEECH
@@ -77,7 +76,6 @@ class ActionRunner:
     Args:
         hub: Where everything is published.
         bus: Takes the commands.
-        verbs: Each driver's verbs by name, for the time limits.
         fill: Gives an action's steps with their texts chosen and all variables filled in; raises
             `MissingValueError`.
         deadline: Seconds a command may wait before it must have begun; 0 means for ever.
@@ -88,7 +86,6 @@ class ActionRunner:
         self,
         hub: Hub,
         bus: Bus,
-        verbs: Mapping[str, Mapping[str, Verb]],
         fill: Callable[[Action], Steps],
         deadline: float,
         *,
@@ -97,7 +94,6 @@ class ActionRunner:
         self._hub = hub
         self._delay = delay
         self._bus = bus
-        self._verbs = verbs
         self._fill = fill
         self.deadline = deadline
         self._runs: dict[str, ActionRun] = {}
@@ -213,7 +209,7 @@ class ActionRunner:
             known
             for call in calls
             if call.driver not in (SESSION, ENGAGEMENT)
-            and (known := self._verbs.get(call.driver, {}).get(call.verb)) is not None
+            and (known := self._bus.verb(call.driver, call.verb)) is not None
         ]
         if any(verb.drives for verb in verbs) or not any(map(may_wait, verbs)):
             return False
@@ -278,7 +274,7 @@ class ActionRunner:
         when_busy: str = "queue",
     ) -> m.Command:
         self._commands += 1
-        known = self._verbs.get(call.driver, {}).get(call.verb)
+        known = self._bus.verb(call.driver, call.verb)
         return m.Command(
             command=f"c{self._commands:05d}",
             run=run,
@@ -361,7 +357,7 @@ class ActionRunner:
         """Driver and lane of each call; `leading`: without those of what accompanies speech."""
         found = set()
         for call in calls:
-            verb = self._verbs.get(call.driver, {}).get(call.verb)
+            verb = self._bus.verb(call.driver, call.verb)
             if verb is None or call.driver in PERFORMERS:
                 continue
             accompanies = verb.stream or verb.brief or verb.lane in _ACCOMPANYING

@@ -76,8 +76,8 @@ class EngagementController:
         self._opened = False
         #: Verbs under way, by command.
         self._verbs: dict[str, str] = {}
-        #: Verbs by name, as the bus has them; empty without the section.
-        self.offered: dict[str, Verb] = {}
+        #: Verbs as the bus has them; none without the section.
+        self.offered: tuple[Verb, ...] = ()
         #: The settings as the log has them; none without the section.
         self._published_settings: dict[str, m.Json] = {}
         self._hub.listen(self._on_message)
@@ -247,11 +247,9 @@ class EngagementController:
 
     def _adopt(self, engagement: Engagement | None) -> None:
         """Take the section as it is now in the file."""
-        verbs = engagement_verbs() if engagement else ()
-        self.offered.clear()
-        self.offered.update({verb.name: verb for verb in verbs})
+        self.offered = engagement_verbs() if engagement else ()
         if self._opened:
-            self._robot.bus.offer(ENGAGEMENT, verbs)
+            self._robot.bus.offer(ENGAGEMENT, self.offered)
         if engagement is None:
             self.close()
         else:

@@ -9,7 +9,7 @@ import asyncio
 import contextlib
 import logging
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
 from woz_tui.bus.bus import Bus
@@ -69,21 +69,19 @@ class Session:
     identity: SessionIdentity
     recorder: Recorder
     clock: Clock
-    drivers: dict[str, Driver] = field(init=False)
-    feeds: Feeds = field(init=False, default_factory=Feeds)
-    locked: dict[str, bool] = field(init=False, default_factory=dict)
-    ended: bool = field(init=False, default=False)
-    #: Sentences that were typed, as actions.
-    typed: tuple[Action, ...] = field(init=False, default=())
-    #: Those of them that stand in a copy of the file, and which.
-    kept: tuple[tuple[Action, ...], str] = field(init=False, default=((), ""))
-    #: What the reason of the end tells (see `messages.RestrictedMessage`).
-    end_tells: tuple[str, ...] = field(init=False, default=())
-    #: Tells how old a request without a time stamp may be.
-    standstill: Standstill = field(init=False)
 
     def __post_init__(self) -> None:
+        self.feeds = Feeds()
+        self.locked: dict[str, bool] = {}
+        self.ended = False
+        #: Sentences that were typed, as actions.
+        self.typed: tuple[Action, ...] = ()
+        #: Those of them that stand in a copy of the file, and which.
+        self.kept: tuple[tuple[Action, ...], str] = ((), "")
+        #: What the reason of the end tells (see `messages.RestrictedMessage`).
+        self.end_tells: tuple[str, ...] = ()
         self._loop = asyncio.get_running_loop()
+        #: Tells how old a request without a time stamp may be.
         self.standstill = Standstill(self.clock)
         self.hub = Hub(self.clock, self.recorder.record)
         self.state, self.recent = SessionState(), RecentMessages()
@@ -133,12 +131,6 @@ class Session:
             media=lambda: media_folder(self.recorder.path),
         )
         self.locked |= {panel.title: True for panel in self.experiment.panels if panel.locked}
-        self.verbs = {spec.name: spec.verbs for spec in self.experiment.drivers}
-        by_name = {
-            name: {verb.name: verb for verb in offered}
-            for name, offered in {**self.verbs, SESSION: VERBS}.items()
-        }
-        by_name[ENGAGEMENT] = self.engagement.offered
         performers: dict[str, Performer] = {
             **self.drivers,
             ENGAGEMENT: self.engagement,
@@ -157,7 +149,11 @@ class Session:
         self.bus = Bus(
             self.hub,
             performers,
-            {name: tuple(offered.values()) for name, offered in by_name.items()},
+            {
+                **{spec.name: spec.verbs for spec in self.experiment.drivers},
+                SESSION: VERBS,
+                ENGAGEMENT: self.engagement.offered,
+            },
             motionless=frozenset({SESSION, ENGAGEMENT}),
             unstopped=frozenset({ENGAGEMENT}),
         )
@@ -168,7 +164,6 @@ class Session:
         self.runner = ActionRunner(
             self.hub,
             self.bus,
-            by_name,
             self.wording.play,
             self.experiment.session.deadline,
             delay=ResponseDelay(self.hub, self.identity.seed),
@@ -178,7 +173,6 @@ class Session:
         )
         self.hub.listen(self.repairs.hear)
         robot.bus, robot.runner, robot.wording = self.bus, self.runner, self.wording
-        self._by_name = by_name
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._checkpointed = 0
 
@@ -352,7 +346,7 @@ class Session:
         return Call(verb, dict(args), self._driver_for(verb, on))
 
     def _driver_for(self, verb: str, on: str) -> str:
-        offering = [name for name, verbs in self._by_name.items() if verb in verbs]
+        offering = [name for name, verbs in self.bus.verbs.items() if verb in verbs]
         if on:
             offering = [n for n in offering if n in (on, *PERFORMERS) or n.startswith(f"{on}.")]
         if len(offering) == 1:
@@ -361,7 +355,7 @@ class Session:
             raise RequestError(
                 f"{verb!r} is offered by {' and '.join(offering)}", "name one of them with `on`"
             )
-        verbs = sorted({known for offered in self._by_name.values() for known in offered})
+        verbs = sorted({known for offered in self.bus.verbs.values() for known in offered})
         raise RequestError(
             f"no driver{f' {on!r}' if on else ''} offers {verb!r}",
             f"there are {', '.join(verbs)}",
@@ -592,7 +586,6 @@ class Session:
         before = {panel.title: panel.locked for panel in self.experiment.panels}
         self.experiment = experiment = with_typed(experiment, self.typed)
         for spec in experiment.drivers:
-            self._by_name[spec.name].update({verb.name: verb for verb in spec.verbs})
             self.bus.offer(spec.name, spec.verbs)
         self.runner.deadline = experiment.session.deadline
         publish_reload(self.hub, experiment, changes, telling)

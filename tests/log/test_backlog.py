@@ -27,10 +27,10 @@ def test_every_line_is_held_confirmed_or_counted(steps: list[tuple[str, int]], l
             confirmed = max(confirmed, min(size, backlog.last))
             backlog.confirm(min(size, backlog.last), 0)
         elif what == "lose":
-            backlog.lose_home()
+            backlog.file_failed()
         else:
-            backlog.find_home()
-    backlog.lose_home()
+            backlog.file_opened()
+    backlog.file_failed()
     held = len(backlog.lines())
     assert sum(map(len, backlog.lines())) <= limit
     assert held + confirmed + backlog.lost >= backlog.last
@@ -42,13 +42,13 @@ def test_a_line_pushed_out_while_a_file_has_it_is_not_lost() -> None:
     for _ in range(3):
         backlog.push(b"123456", 0)
     backlog.confirm(3, 0)
-    backlog.lose_home()
+    backlog.file_failed()
     assert backlog.lost == 0
 
 
 def test_a_line_pushed_out_while_no_file_has_it_is_lost() -> None:
     backlog = UnsyncedLines(10)
-    backlog.lose_home()
+    backlog.file_failed()
     for _ in range(3):
         backlog.push(b"123456", 0)
     assert (backlog.lost, backlog.lines()) == (2, [b"123456"])

@@ -150,7 +150,7 @@ def test_a_part_that_is_played_alone_leaves_the_whole_action_shown(tmp_path: Pat
         whole = stage.session.experiment.action("Greet")
         assert whole is not None
         part = replace(whole, steps=(together(whole.calls[0]),))
-        stage.session.wording.play(part)
+        stage.session.texts.play(part)
         assert stage.session.state.filled is not None
         (step,) = stage.session.state.filled.actions["Greet"]
         assert isinstance(step, list)

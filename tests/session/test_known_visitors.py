@@ -81,7 +81,7 @@ def test_whom_others_forget_or_rename_is_so_here_too_without_a_change_of_our_own
     other.forget("Anna")
     other.rename("Bob", "B01")
     other.add("Dora", on=None, label="face-9")
-    desk.known.look()
+    desk.known.refresh()
     desk.hear()
     assert not desk.known.is_taken("Anna") and not desk.known.is_taken("Bob")
     assert desk.known.is_taken("b01") and desk.known.is_taken("Cy")
@@ -95,7 +95,7 @@ def test_a_name_that_is_not_in_the_file_yet_is_known_nevertheless(path: Path) ->
     """What is known is replaced as a whole while two introductions wait for the disk."""
     desk = Desk(path)
     desk.known.introduce("Anna", {}, TODAY)
-    desk.known.gone()
+    desk.known.left()
     desk.known.introduce("Bob", {"age_group": "child"}, TODAY)
     assert desk.known.is_taken("anna") and desk.known.is_taken("bob")
     desk.hear()
@@ -108,7 +108,7 @@ def test_what_the_disk_refused_is_saved_at_the_end(path: Path, refusing: Path) -
     desk = Desk(path)
     desk.known.introduce("Anna", {}, TODAY)
     desk.hear()
-    desk.known.gone()
+    desk.known.left()
     desk.known.introduce("Bob", {}, TODAY)
     desk.hear()
     assert len(desk.notices) == 1 and "cannot be written" in desk.notices[0]
@@ -147,7 +147,7 @@ def test_a_new_visitor_is_an_occasion_to_save_what_the_disk_refused(
     desk.known.introduce("Anna", {}, TODAY)
     desk.hear()
     refusing.rmdir()
-    desk.known.look()
+    desk.known.refresh()
     desk.hear()
     assert (names(path), desk.known.lacks) == (["Anna"], 0)
 
@@ -158,9 +158,9 @@ def test_what_was_given_up_is_told_once(path: Path, refusing: Path) -> None:
     desk.hear()
     refusing.rmdir()
     VisitorStore(path).add("anna", on=TODAY, age_group="adult")
-    desk.known.look()
+    desk.known.refresh()
     desk.hear()
-    desk.known.look()
+    desk.known.refresh()
     desk.hear()
     (told,) = [text for text in desk.notices if "given up" in text]
     assert "anna" in told
@@ -173,14 +173,14 @@ def test_names_given_while_the_file_is_damaged_go_into_the_mended_one(path: Path
     desk = Desk(path)
     desk.known.introduce("Anna", {}, TODAY)
     desk.hear()
-    desk.known.look()
+    desk.known.refresh()
     desk.hear()
     assert desk.known.is_taken("Anna")
     assert desk.known.lacks == 1
     assert len(desk.notices) == 1
     path.unlink()
     VisitorStore(path).add("Bob", on=TODAY)
-    desk.known.look()
+    desk.known.refresh()
     desk.hear()
     assert names(path) == ["Anna", "Bob"]
     assert desk.known.is_taken("Anna") and desk.known.is_taken("Bob")

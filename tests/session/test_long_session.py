@@ -85,10 +85,12 @@ class RandomWizard:
         current = study.state.questionnaire
         if current is None or current.started is None:
             due = [each.questionnaire for each in study.state.due]
-            study.questioning.ask(self.chance.choice([*due, "whenever"]), "begin", "wizard")
+            study.questioning.begin_or_end(
+                self.chance.choice([*due, "whenever"]), "begin", "wizard"
+            )
         elif self.chance.random() < 0.4:
             how = self.chance.choice(["done", "declined", "left"])
-            study.questioning.ask(current.name, how, "participant")
+            study.questioning.begin_or_end(current.name, how, "participant")
         else:
             item = self.chance.choice(current.started.items)
             text = "well" if item.get("text") else ""

@@ -29,7 +29,7 @@ def begun(stage: Stage) -> None:
 
 
 def ask(stage: Stage, name: str, what: str = "begin", source: str = "wizard") -> None:
-    stage.session.study.questioning.ask(name, what, source)
+    stage.session.study.questioning.begin_or_end(name, what, source)
 
 
 def answer(stage: Stage, item: str, value: float | None = None, **rest: object) -> None:

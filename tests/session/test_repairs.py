@@ -130,8 +130,8 @@ def test_profiles_do_not_lock_repairs(tmp_path: Path) -> None:
 
 def test_typed_sentences_survive_a_reload(tmp_path: Path) -> None:
     async def play(stage: Stage) -> None:
-        assert stage.session.keep_typed("One moment", "")
-        assert not stage.session.keep_typed("One moment", "")
+        assert stage.session.add_typed_button("One moment", "")
+        assert not stage.session.add_typed_button("One moment", "")
         stage.session.adopt(made(tmp_path), ["something"])
         stage.session.play("typed: One moment", KEY)
 

@@ -81,8 +81,8 @@ def test_the_next_participant_has_had_nothing_yet(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
         study = stage.session.study
         assigned(stage)
-        study.questioning.ask("whenever", "begin", "wizard")
-        study.questioning.ask("whenever", "declined", "wizard")
+        study.questioning.begin_or_end("whenever", "begin", "wizard")
+        study.questioning.begin_or_end("whenever", "declined", "wizard")
         assert {*study.state.had} == {"whenever"}
         stage.session.set("P02")
         assert {*study.state.had} == set()

@@ -38,9 +38,9 @@ def take(stage: Stage, step: str, what: str) -> None:
             case "trial":
                 study.trial(what, "")
             case "ask":
-                study.questioning.ask(what, "begin", "wizard")
+                study.questioning.begin_or_end(what, "begin", "wizard")
             case "end" if asking is not None:
-                study.questioning.ask(asking.name, what, "wizard")
+                study.questioning.begin_or_end(asking.name, what, "wizard")
             case "answer":
                 text = "well" if what == "else" else ""
                 value = None if text else 3.0

@@ -82,7 +82,7 @@ class Bus:
         self._connected: set[str] = set()
         #: Those of which a part may be connected: they say which.
         self._faulted: set[str] = set()
-        hub.listen(self._hear)
+        hub.listen(self._on_message)
         self.latched = False
         #: Why the robot may not drive at this moment; empty while a wizard watches.
         self.unwatched = ""
@@ -180,7 +180,7 @@ class Bus:
 
     # -- who is connected --------------------------------------------------------------------
 
-    def _hear(self, message: AnyMessage) -> None:
+    def _on_message(self, message: AnyMessage) -> None:
         """A driver with a fault is as connected as it was before."""
         match message:
             case DriverConnected(driver=driver):
@@ -273,7 +273,7 @@ class Bus:
         }
         if waits:
             await asyncio.wait(waits.values(), timeout=STOP_WAIT_S)
-        told = {name: report for name, stop in stops.items() if (report := _told(stop))}
+        told = {name: report for name, stop in stops.items() if (report := _stop_report(stop))}
         confirmed, missing, unreached = [], [], []
         for name, wait in waits.items():
             if name in absent or _lost(stops[name]) or not self._reaches(name, told.get(name)):
@@ -303,7 +303,7 @@ class Bus:
         if error is not None:
             log.error("stop of %s failed", name, exc_info=error)
             return False
-        report = _told(stop)
+        report = _stop_report(stop)
         if report is not None and report.missing:
             return False
         if jobs:
@@ -343,7 +343,7 @@ def _lost(stop: StopTask) -> bool:
     return stop.done() and not stop.cancelled() and isinstance(stop.exception(), DeviceLostError)
 
 
-def _told(stop: StopTask) -> StopReport | None:
+def _stop_report(stop: StopTask) -> StopReport | None:
     """What a driver of several parts says of its stop, if it has ended well."""
     if not stop.done() or stop.cancelled() or stop.exception() is not None:
         return None

@@ -32,9 +32,9 @@ class Subscription:
         capacity: int,
         samples: bool,
         wake: Callable[[], None],
-        see: MessageFilter | None = None,
+        redact: MessageFilter | None = None,
     ) -> None:
-        self.see = see
+        self.redact = redact
         self._capacity = capacity
         self._wants_samples = samples
         self._wake = wake
@@ -89,8 +89,8 @@ class Hub:
         self._seq = 0
         self._listeners: list[Callable[[AnyMessage], object]] = []
         self._subscriptions: list[Subscription] = []
-        self._unheard: deque[AnyMessage] = deque()
-        self._telling = False
+        self._undelivered: deque[AnyMessage] = deque()
+        self._delivering = False
 
     @property
     def seq(self) -> int:
@@ -119,27 +119,27 @@ class Hub:
         self._record(stamped, line)  # type: ignore[arg-type]
         seen: dict[MessageFilter | None, bytes | None] = {None: line}
         for subscription in self._subscriptions:
-            see = subscription.see
-            if see not in seen:
-                seen[see] = _line(see, stamped, line)
-            if (own := seen[see]) is not None:
+            redact = subscription.redact
+            if redact not in seen:
+                seen[redact] = _line(redact, stamped, line)
+            if (own := seen[redact]) is not None:
                 subscription.offer(sample, own)
-        self._unheard.append(stamped)  # type: ignore[arg-type]
-        self._tell()
+        self._undelivered.append(stamped)  # type: ignore[arg-type]
+        self._deliver()
         return stamped
 
-    def _tell(self) -> None:
+    def _deliver(self) -> None:
         # A listener may publish in its turn; everybody still hears everything in order of `seq`.
-        if self._telling:
+        if self._delivering:
             return
-        self._telling = True
+        self._delivering = True
         try:
-            while self._unheard:
-                message = self._unheard.popleft()
+            while self._undelivered:
+                message = self._undelivered.popleft()
                 for listener in self._listeners:
                     listener(message)
         finally:
-            self._telling = False
+            self._delivering = False
 
     def listen(self, listener: Callable[[AnyMessage], object]) -> None:
         """Call `listener` with every message, in the loop; it must be quick and must not raise."""
@@ -150,12 +150,12 @@ class Hub:
         capacity: int,
         samples: bool,
         wake: Callable[[], None],
-        see: MessageFilter | None = None,
+        redact: MessageFilter | None = None,
     ) -> Subscription:
-        """A buffer of coming lines; `wake` is called when it stops being empty. `see` gives what
+        """A buffer of coming lines; `wake` is called when it stops being empty. `redact` gives what
         its owner may have of each message; None: all.
         """
-        subscription = Subscription(capacity, samples, wake, see)
+        subscription = Subscription(capacity, samples, wake, redact)
         self._subscriptions.append(subscription)
         return subscription
 
@@ -165,9 +165,9 @@ class Hub:
             self._subscriptions.remove(subscription)
 
 
-def _line(see: MessageFilter | None, message: Message, line: bytes) -> bytes | None:
+def _line(redact: MessageFilter | None, message: Message, line: bytes) -> bytes | None:
     """The line of what may be had of `message`, whose own is `line`."""
-    seen = see(message) if see is not None else message
+    seen = redact(message) if redact is not None else message
     if seen is None:
         return None
     return line if seen is message else codec.encode(seen)

@@ -58,15 +58,15 @@ class RoleView:
         for message in recent:
             self._list(redactor.message(message))
 
-    def see(self, message: m.Message) -> m.Message | None:
+    def redacted(self, message: m.Message) -> m.Message | None:
         """What may be had of `message`."""
         if self._last[0] is not message:
             self._last = message, self.redactor.message(message)
         return self._last[1]
 
-    def hear(self, message: m.AnyMessage) -> None:
+    def on_message(self, message: m.AnyMessage) -> None:
         """`message` has been published."""
-        self._list(self.see(message))
+        self._list(self.redacted(message))
         self.redactor.take(message)
 
     @property
@@ -151,7 +151,7 @@ class ClientConnection(asyncio.Protocol):
         standstill: Knows how long what is read now has waited in the socket.
         on_request: Called with each decoded request.
         on_stop: Called with a stop as soon as it has been received; its answer waits for its turn.
-        on_gone: Called once when the connection has ended.
+        on_close: Called once when the connection has ended.
     """
 
     def __init__(
@@ -163,7 +163,7 @@ class ClientConnection(asyncio.Protocol):
         *,
         on_request: Callable[[ClientConnection, AnyRequest], None],
         on_stop: Callable[[ClientConnection, AskStop], None],
-        on_gone: Callable[[ClientConnection, str], None],
+        on_close: Callable[[ClientConnection, str], None],
     ) -> None:
         self.name = name
         self.hello: Hello | None = None
@@ -173,13 +173,13 @@ class ClientConnection(asyncio.Protocol):
         self.beat_us = 0
         self.silent = False
         #: Done when the connection has ended.
-        self.gone: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self.closed: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._hub = hub
         self._turns = turns
         self._standstill = standstill
         self._on_request = on_request
         self._on_stop = on_stop
-        self._on_gone = on_gone
+        self._on_close = on_close
         self._transport: asyncio.Transport | None = None
         self._subscription: Subscription | None = None
         self._rest = bytearray()
@@ -209,8 +209,8 @@ class ClientConnection(asyncio.Protocol):
         if exc is not None and transport is not None:
             # Found out by writing: asyncio reads no more, but a stop may have come before.
             self.data_received(_left_unread(transport))
-        self.gone.set_result(None)
-        self._on_gone(self, self._why)
+        self.closed.set_result(None)
+        self._on_close(self, self._why)
 
     def eof_received(self) -> bool:
         """It sends no more: what it has sent is carried out and answered, then it is closed."""
@@ -314,8 +314,8 @@ class ClientConnection(asyncio.Protocol):
 
     def follow(self, samples: bool) -> None:
         """Give it the stream from here on."""
-        see = self.view.see if self.view is not None else None
-        self._subscription = self._hub.subscribe(CAPACITY, samples, self._wake, see)
+        redact = self.view.redacted if self.view is not None else None
+        self._subscription = self._hub.subscribe(CAPACITY, samples, self._wake, redact)
 
     @property
     def dropped(self) -> int:

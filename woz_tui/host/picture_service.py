@@ -49,7 +49,7 @@ class PictureService:
         named = self._session.feeds.drivers(PICTURE)
         return [driver for driver in self._session.drivers if driver in named]
 
-    def ask(self, client: ClientConnection, request: AskPicture) -> None:
+    def answer(self, client: ClientConnection, request: AskPicture) -> None:
         """Answer with a picture, at once or within a second; or refuse."""
         reason, hint = self._refusal(client, request)
         if reason:
@@ -57,7 +57,7 @@ class PictureService:
             return
         driver = request.driver or self.cameras[0]
         self._watch(client, driver, request)
-        task = asyncio.get_running_loop().create_task(self._answer(client, driver, request))
+        task = asyncio.get_running_loop().create_task(self._send_picture(client, driver, request))
         self._asking[client] = task
         task.add_done_callback(lambda done: self._asking.pop(client, None))
 
@@ -95,7 +95,9 @@ class PictureService:
         )
         self._session.feeds.feed(driver, WATCHED).put(together)
 
-    async def _answer(self, client: ClientConnection, driver: str, request: AskPicture) -> None:
+    async def _send_picture(
+        self, client: ClientConnection, driver: str, request: AskPicture
+    ) -> None:
         shown = PictureShown(ref=request.ref, driver=driver, cameras=self.cameras)
         try:
             client.send(await self._shown(shown, request))

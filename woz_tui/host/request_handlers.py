@@ -101,7 +101,7 @@ class RequestHandlers:
         elif client.role == PARTICIPANT and not isinstance(request, PARTICIPANT_MAY):
             client.refuse(request.ref, "this console can only answer questionnaires")
         elif isinstance(request, AskPicture):
-            self._pictures.ask(client, request)
+            self._pictures.answer(client, request)
         elif isinstance(request, Slow):
             self._later(client, request)
         else:
@@ -177,7 +177,7 @@ class RequestHandlers:
                 study.trial(what, text, self._tells(client))
             case AskQuestionnaire(questionnaire=name, what=what, source=source):
                 by = PARTICIPANT if client.role == PARTICIPANT else source
-                study.questioning.ask(name, what, by)
+                study.questioning.begin_or_end(name, what, by)
             case AskAnswer():
                 study.questioning.answer(request)
             case AskTraining():
@@ -246,7 +246,11 @@ class RequestHandlers:
             unfilled=call.unfilled,
         )
         typed = request.verb == "say" and request.source == "key" and client.role == "wizard"
-        if typed and [*args] == ["text"] and self._session.keep_typed(texts["text"], request.on):
+        if (
+            typed
+            and [*args] == ["text"]
+            and self._session.add_typed_button(texts["text"], request.on)
+        ):
             self.on_panels()
         return run
 
@@ -277,7 +281,7 @@ class RequestHandlers:
 
     async def _work_off(self, client: ClientConnection, kind: type[Slow]) -> None:
         waiting = self._slow[client, kind]
-        while waiting and not client.gone.done():
+        while waiting and not client.closed.done():
             request = waiting[0]
             # Whoever asks the same from here on gets an answer of its own: things may have changed.
             same = [each for each in waiting if replace(each, ref=request.ref) == request]
@@ -305,12 +309,12 @@ class RequestHandlers:
                 data=[str(problem) for problem in error.problems],
             )
             places = {str(problem): str(problem.place) for problem in error.problems}
-            return _seen(client, reply, places)
+            return _redacted(client, reply, places)
         except Exception as error:
             # Whoever asked waits for an answer, also when a driver's package is broken.
             log.exception("%s failed", type(request).__name__)
             return Reply(ref=request.ref, ok=False, reason=f"{type(error).__name__}: {error}")
-        return _seen(client, Reply(ref=request.ref, ok=True, data=data), instead)
+        return _redacted(client, Reply(ref=request.ref, ok=True, data=data), instead)
 
     async def _data(self, request: Slow, instead: dict[str, str]) -> Json:
         if isinstance(request, AskPreflight):
@@ -328,14 +332,14 @@ class RequestHandlers:
         """Also while the session ends: the sentences are there until the process has gone."""
         session = self._session
         typed, path = session.typed, session.experiment.path
-        kept, file = session.kept
+        kept, file = session.saved_sentences
         data: dict[str, Json] = {"sentences": 0, "file": file, "diff": [], "written": False}
         if typed == kept:
             return data
         copy = await asyncio.to_thread(copy_with_sentences, path, typed, self._read)
         if copy.sentences and not dry_run:
             copy = await asyncio.to_thread(write_beside, path, copy)
-            session.kept = typed, str(copy.file)
+            session.saved_sentences = typed, str(copy.file)
             data["written"] = True
             text = f"Typed sentences are in {copy.file.name}, a copy of the experiment file"
             if not session.ended:
@@ -392,7 +396,7 @@ def _refused(client: ClientConnection, request: AnyRequest, error: RequestError)
     return Reply(ref=request.ref, ok=False, reason=error.reason, hint=hint, command=error.command)
 
 
-def _seen(client: ClientConnection, reply: Reply, instead: Mapping[str, str]) -> Reply:
+def _redacted(client: ClientConnection, reply: Reply, instead: Mapping[str, str]) -> Reply:
     """What the client may have of an answer."""
     return reply if client.view is None else client.view.redactor.reply(reply, instead)
 

@@ -85,11 +85,11 @@ class RerunSession:
             lead_us=LEAD_US if options.headless else WARNING_US,
             stale_us=round(self._session.experiment.session.stale_after * 1_000_000),
         )
-        self._session.hub.listen(self._hear)
+        self._session.hub.listen(self._on_message)
 
     def begin_when_ready(self) -> None:
         """Begin as soon as everything is there; the session must be open."""
-        self._look()
+        self._begin_if_ready()
 
     def end(self, reason: str) -> None:
         """The session ends: nothing more is sent."""
@@ -100,16 +100,16 @@ class RerunSession:
 
     # -- before ------------------------------------------------------------------------------
 
-    def _hear(self, message: m.AnyMessage) -> None:
+    def _on_message(self, message: m.AnyMessage) -> None:
         match message:
             case m.DriverHealth() | m.ConsoleAttached():
-                asyncio.get_running_loop().call_soon(self._look)
+                asyncio.get_running_loop().call_soon(self._begin_if_ready)
             case m.ConsoleLost() if self._options.headless and self._host.alone:
                 self._unwatched()
             case m.StopConfirmed() if self._ending is not None:
                 self._end_session()
 
-    def _look(self) -> None:
+    def _begin_if_ready(self) -> None:
         """Begin, if nothing is missing any more."""
         if self._player.under_way or self._player.over is not None or self._session.ended:
             return

@@ -163,8 +163,8 @@ async def _serve(
     if options.profile:
         session.use_profile(options.profile, "start")
     read = functools.partial(load, options.experiment, catalogue)
-    desk = RequestHandlers(session, lambda: _read(options, catalogue), read)
-    host = SessionServer(session, path, desk)
+    handlers = RequestHandlers(session, lambda: _read(options, catalogue), read)
+    host = SessionServer(session, path, handlers)
     rerun, training = _played(host, options, plan, cues)
     for number in (signal.SIGTERM, signal.SIGINT):
         asyncio.get_running_loop().add_signal_handler(number, host.end, "terminated")

@@ -50,17 +50,17 @@ class SessionServer:
     Args:
         session: What is served.
         path: Of the socket, which is removed at the end.
-        desk: Answers what is asked of the session.
+        handlers: Answers what is asked of the session.
         pulse_s: Seconds between two looks at beats and clients.
     """
 
     def __init__(
-        self, session: Session, path: Path, desk: RequestHandlers, pulse_s: float = PULSE_S
+        self, session: Session, path: Path, handlers: RequestHandlers, pulse_s: float = PULSE_S
     ) -> None:
         self.session = session
         self._pulse_s = pulse_s
         self.path = path
-        self.desk = desk
+        self.handlers = handlers
         self._clients: list[ClientConnection] = []
         self._turns = RequestScheduler()
         self._count = 0
@@ -71,11 +71,11 @@ class SessionServer:
         self._alone_us = 0
         self._views = {name: self._view(name) for name in ("wizard", PARTICIPANT)}
         for view in self._views.values():
-            session.hub.listen(view.hear)
+            session.hub.listen(view.on_message)
         self._over: asyncio.Future[str] = asyncio.get_running_loop().create_future()
-        desk.on_end = self.end
-        desk.on_panels = self._panels_changed
-        desk.on_reload = self._restrict
+        handlers.on_end = self.end
+        handlers.on_panels = self._panels_changed
+        handlers.on_reload = self._restrict
         session.bus.unwatched = "no wizard's console is attached"
 
     # -- running -----------------------------------------------------------------------------
@@ -84,7 +84,7 @@ class SessionServer:
         """Serve whoever connects to `listener`, a non-blocking Unix socket."""
         self._alone_us = self.session.hub.now()
         self.session.hub.publish(plan_for_log(ExperimentView.of(self.session)))
-        self._open_door(listener)
+        self._open_socket(listener)
         self._pulse()
 
     async def serve(self) -> str:
@@ -100,10 +100,10 @@ class SessionServer:
         """Close the socket and every connection; who reads gets the log's last lines."""
         if self._timer is not None:
             self._timer.cancel()
-        self._close_door()
+        self._close_socket()
         if self._file is not None and session_sockets.inode(self.path) == self._file:
             self.path.unlink(missing_ok=True)
-        leaving = [client.gone for client in self._clients]
+        leaving = [client.closed for client in self._clients]
         for client in self._clients:
             client.close("session ended")
         if leaving:
@@ -111,18 +111,18 @@ class SessionServer:
 
     # -- the door ----------------------------------------------------------------------------
 
-    def _open_door(self, listener: socket.socket) -> None:
+    def _open_socket(self, listener: socket.socket) -> None:
         self._listener = listener
         self._file = session_sockets.inode(self.path)
         self._server = asyncio.get_running_loop().create_task(self._accept(listener))
 
-    def _close_door(self) -> None:
+    def _close_socket(self) -> None:
         if self._server is not None:
             self._server.cancel()
         if self._listener is not None:
             self._listener.close()
 
-    def _keep_door(self) -> None:
+    def _renew_socket(self) -> None:
         """Bind again when the socket's file is gone.
 
         The runtime folder goes with the user's last login, such as a dropped SSH line, and is
@@ -134,8 +134,8 @@ class SessionServer:
             listener = session_sockets.bind(self.path)
         except OSError:  # its folder is gone as well: with the next pulse, perhaps
             return
-        self._close_door()
-        self._open_door(listener)
+        self._close_socket()
+        self._open_socket(listener)
         log.warning("the socket %s was gone and has been made again", self.path)
 
     async def _accept(self, listener: socket.socket) -> None:
@@ -161,7 +161,7 @@ class SessionServer:
             self.session.standstill,
             on_request=self._request,
             on_stop=self._stop,
-            on_gone=self._gone,
+            on_close=self._on_close,
         )
         await asyncio.get_running_loop().connect_accepted_socket(lambda: client, connection)
 
@@ -190,7 +190,7 @@ class SessionServer:
         elif isinstance(request, AskTakeOver):
             self._take_over(client, request)
         else:
-            self.desk.answer(client, request)
+            self.handlers.answer(client, request)
 
     def _stop(self, client: ClientConnection, request: AskStop) -> None:
         self.session.stop("the participant" if client.role == PARTICIPANT else request.source)
@@ -308,7 +308,7 @@ class SessionServer:
             view = client.view
             client.send(news if view is None else view.redactor.panels(news))
 
-    def _gone(self, client: ClientConnection, why: str) -> None:
+    def _on_close(self, client: ClientConnection, why: str) -> None:
         if client not in self._clients:
             return
         self._clients.remove(client)
@@ -338,7 +338,7 @@ class SessionServer:
     def _pulse(self) -> None:
         # First of all: whatever happens in one round, the dead man's switch goes on.
         self._timer = asyncio.get_running_loop().call_later(self._pulse_s, self._pulse)
-        self._keep_door()
+        self._renew_socket()
         now = self.session.hub.now()
         settings = self.session.experiment.session
         wizard = self.wizard

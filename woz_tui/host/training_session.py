@@ -74,8 +74,8 @@ class TrainingSession:
             self._acts,
             self._over,
         )
-        self._session.hub.listen(self._hear)
-        host.desk.on_training = self._begin
+        self._session.hub.listen(self._on_message)
+        host.handlers.on_training = self._begin
 
     def end(self) -> None:
         """The session ends: no more cues."""
@@ -96,23 +96,23 @@ class TrainingSession:
         """The wizard pressed the key that begins it."""
         if self._state != "waits":
             raise RequestError("the training has begun already")
-        self._tell("runs")
+        self._publish("runs")
         loop = asyncio.get_running_loop()
         self._starting = loop.call_later(WARNING_S, self._trainer.begin)
 
-    def _hear(self, message: m.AnyMessage) -> None:
+    def _on_message(self, message: m.AnyMessage) -> None:
         match message:
             case m.ConsoleAttached(role="wizard") if not self._state:
-                self._tell("waits")
+                self._publish("waits")
             case m.CueAnswered(judged=judged):
                 self._verdicts[judged] += 1
                 if message.reaction_us >= 0:
                     self._reactions.append(message.reaction_us)
 
     def _over(self) -> None:
-        self._tell("over")
+        self._publish("over")
 
-    def _tell(self, state: str) -> None:
+    def _publish(self, state: str) -> None:
         count = self._verdicts
         self._session.hub.publish(
             m.TrainingChanged(

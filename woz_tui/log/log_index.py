@@ -189,8 +189,8 @@ class _Interleaving:
         self._numbers = list(map(seq_of, actions))
         self._damage = damage
         self._lost = damage.repeated + damage.conflicting
-        self._course = SequenceChecker[SampleEntry](damage, lambda *_: False, gaps=True)
-        self._given = 0
+        self._checker = SequenceChecker[SampleEntry](damage, lambda *_: False, gaps=True)
+        self._passed = 0
         self._last = self._last_us = -1
 
     def take(self, entries: list[SampleEntry]) -> tuple[int, int]:
@@ -198,18 +198,18 @@ class _Interleaving:
         numbers, times = list(map(seq_of, entries)), list(map(t_of, entries))
         if numbers[0] <= self._last or not is_rising(numbers):
             raise _OutOfOrderError
-        end = bisect_right(self._numbers, numbers[-1], self._given)
-        actions = list[SampleEntry](self._actions[self._given : end])
+        end = bisect_right(self._numbers, numbers[-1], self._passed)
+        actions = list[SampleEntry](self._actions[self._passed : end])
         backwards = count_falls(times)
-        self._course.take(sorted([*actions, *entries], key=seq_of))
-        self._given, self._last, self._last_us = end, numbers[-1], times[-1]
+        self._checker.take(sorted([*actions, *entries], key=seq_of))
+        self._passed, self._last, self._last_us = end, numbers[-1], times[-1]
         return (min(times), max(times)) if backwards else (times[0], times[-1])
 
     def passes(self, index: list[IndexEntry]) -> bool:
         """Take in the samples of an index if nothing is wrong with them: no number is missing or
         there twice, no time lies before another.
         """
-        given, last, last_us = self._given, self._last, self._last_us
+        given, last, last_us = self._passed, self._last, self._last_us
         for entry in index:
             if entry.first <= last or entry.first_us < last_us:
                 return False
@@ -223,14 +223,14 @@ class _Interleaving:
                     return False
                 given = end
             last, last_us = entry.last, entry.last_us
-        self._given, self._last, self._last_us = given, last, last_us
-        self._course.pass_over(QuickReading(seq=last, t=last_us, sensor="", value=None))
+        self._passed, self._last, self._last_us = given, last, last_us
+        self._checker.pass_over(QuickReading(seq=last, t=last_us, sensor="", value=None))
         return True
 
     def end(self) -> None:
         """There are no more samples."""
-        self._course.take(list[SampleEntry](self._actions[self._given :]))
-        self._course.end()
+        self._checker.take(list[SampleEntry](self._actions[self._passed :]))
+        self._checker.end()
         if self._damage.repeated + self._damage.conflicting > self._lost:
             raise _OutOfOrderError
 

@@ -34,7 +34,7 @@ class UnsyncedLines:
         self._limit = limit
         self._entries: deque[UnsyncedLine] = deque()
         self._size = 0
-        self._homeless = False
+        self._without_file = False
         self._forgotten = 0
         self._worst_us = 0
         self.last = 0
@@ -51,7 +51,7 @@ class UnsyncedLines:
 
     def _forget_oldest(self) -> None:
         self._size -= len(self._entries.popleft().line)
-        if self._homeless:
+        if self._without_file:
             self.lost += 1
         else:
             self._forgotten += 1
@@ -74,15 +74,15 @@ class UnsyncedLines:
             UnsyncedLine(min(entry.at_us + pause_us, now_us), entry.line) for entry in self._entries
         )
 
-    def lose_home(self) -> None:
+    def file_failed(self) -> None:
         """The file that took the lines failed: what memory has let go may be lost."""
         self.lost += self._forgotten
         self._forgotten = 0
-        self._homeless = True
+        self._without_file = True
 
-    def find_home(self) -> None:
+    def file_opened(self) -> None:
         """A new file has taken everything that is held."""
-        self._homeless = False
+        self._without_file = False
 
     def lines(self) -> list[bytes]:
         """Everything held, oldest first."""

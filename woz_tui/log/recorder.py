@@ -265,18 +265,18 @@ class Recorder:
         self._reason = ""
         self._failed = ""
         #: What became of earlier files: why the last one was left, what could not be copied.
-        self._story = ""
+        self._move_reason = ""
         self._unrescued = ""
         self._moved_us: int | None = None
         self._opened_us = clock.now_us()
         self._stall_us = _STALL_US
         self._retry_at = 0.0
-        self._gauge = LogHealth()
+        self._health = LogHealth()
         self._wake = threading.Event()
         self._closed = False
         self._move_on("")
-        self._keeper = threading.Thread(target=self._keep, name="log-keeper", daemon=True)
-        self._keeper.start()
+        self._supervisor = threading.Thread(target=self._supervise, name="log-keeper", daemon=True)
+        self._supervisor.start()
 
     # -- the hub's side -----------------------------------------------------------------------
 
@@ -314,7 +314,7 @@ class Recorder:
             self._segment.current = False
         self._writable = False
         for backlog in self._backlogs:
-            backlog.lose_home()
+            backlog.file_failed()
         self._reason = reason
         self._retry_at = 0.0
         self._wake.set()
@@ -357,7 +357,7 @@ class Recorder:
             self._closed = True
             self._retry_at = 0.0
         self._wake.set()
-        self._keeper.join(max(0.0, ends_at - time.monotonic()))
+        self._supervisor.join(max(0.0, ends_at - time.monotonic()))
         self._release_all(ends_at)
         if self._reason and not self._all_synced():  # its last sync failed: once more, elsewhere
             self._move_on(self._reason)
@@ -374,27 +374,27 @@ class Recorder:
 
     # -- the keeper's side --------------------------------------------------------------------
 
-    def _keep(self) -> None:
+    def _supervise(self) -> None:
         while True:
             began = time.monotonic()
             self._wake.wait(_POLL_S)
-            self._stood_still(time.monotonic() - began - _POLL_S)
+            self._excuse_standstill(time.monotonic() - began - _POLL_S)
             self._wake.clear()
             closing = self._closed
             self._report()
-            self._mend()
+            self._repair()
             self._report()
             if closing:
                 return
 
-    def _stood_still(self, seconds: float) -> None:
+    def _excuse_standstill(self, seconds: float) -> None:
         """The process was stopped, or had no processor: no fault of the disk."""
         if seconds > STANDSTILL_S:
             with self._lock:
                 for backlog in self._backlogs:
                     backlog.excuse(round(seconds * 1e6), self._clock.now_us())
 
-    def _mend(self) -> None:
+    def _repair(self) -> None:
         """Whatever has to be opened is opened, or tried again when its time has come."""
         with self._lock:
             if time.monotonic() < self._retry_at:
@@ -437,7 +437,7 @@ class Recorder:
             new.start()
             if old is not None:
                 self._left.append(old)
-                old.release(self._rescue, self._goodbye(old, new, reason))
+                old.release(self._rescue, self._closing_line(old, new, reason))
             return True
         with self._lock:
             self._failed = "; ".join(problems)
@@ -478,14 +478,14 @@ class Recorder:
         if old is not None:
             old.current = False
             for backlog in self._backlogs:
-                backlog.lose_home()
+                backlog.file_failed()
         if old is not None or new.folder != self._series.places[0]:
-            self._moved_us, self._story = now_us, reason
-            self._gauge.insist()
+            self._moved_us, self._move_reason = now_us, reason
+            self._health.insist()
         self._segment, self.path, self._opened_us = new, new.path, now_us
         self._series.used()
         self._writable, self._reason, self._failed = True, "", ""
-        actions.find_home()
+        actions.file_opened()
         self._begin_samples()
         self._lock.notify_all()
 
@@ -497,11 +497,11 @@ class Recorder:
         path, number = segment.samples_path, segment.number
         previous = self.samples_path if number > 1 else None
         try:
-            segment.open_samples(self._header(path, number, self._story, previous))
+            segment.open_samples(self._header(path, number, self._move_reason, previous))
         except OSError:
-            backlog.lose_home()
+            backlog.file_failed()
             return
-        backlog.find_home()
+        backlog.file_opened()
         self.samples_path = path
 
     def _header(
@@ -511,7 +511,7 @@ class Recorder:
             path, number, reason=reason, previous=previous, copied=copied, lost=self._lost
         )
 
-    def _goodbye(self, old: OpenSegment, new: OpenSegment, reason: str) -> bytes:
+    def _closing_line(self, old: OpenSegment, new: OpenSegment, reason: str) -> bytes:
         with self._lock:
             return self._series.header(
                 old.path, old.number, reason=reason, next_file=new.path, lost=self._lost
@@ -548,7 +548,7 @@ class Recorder:
 
     def _measure(self) -> int:
         now_us = self._clock.now_us()
-        self._gauge.measure(now_us, self._lag_us(now_us), self._floor(now_us))
+        self._health.measure(now_us, self._lag_us(now_us), self._floor(now_us))
         return now_us
 
     def _lag_us(self, now_us: int) -> int:
@@ -578,10 +578,10 @@ class Recorder:
             remedy = "free space, or connect the disk again; the log is then written"
         elif self._reason:
             parts.append(f"{self._reason}; searching for another folder")
-        elif self._moved_us is not None and self._story:
-            parts.append(f"{self._story}; the log goes on in {path}")
+        elif self._moved_us is not None and self._move_reason:
+            parts.append(f"{self._move_reason}; the log goes on in {path}")
             remedy = "after the session, put all files of this log into one folder"
-        elif self._gauge.level != "ok":
+        elif self._health.level != "ok":
             parts.append("the disk is slow")
             remedy = "stop other programs that write to this disk"
         if not has_samples and not self._failed:
@@ -594,8 +594,8 @@ class Recorder:
             f"{count} {kind} lost" for count, kind in zip(self._lost, kinds, strict=True) if count
         ]
         return RecorderState(
-            level=self._gauge.level,
-            lag_us=self._gauge.peak_us,
+            level=self._health.level,
+            lag_us=self._health.peak_us,
             path=path,
             detail="; ".join(parts),
             remedy=remedy,
@@ -604,10 +604,10 @@ class Recorder:
     def _report(self) -> None:
         with self._lock:
             now_us = self._measure()
-            if not self._gauge.due(now_us, self._news):
+            if not self._health.due(now_us, self._news):
                 return
             state = self._state()
-            self._gauge.reported(now_us)
+            self._health.reported(now_us)
             self._news = False
         if self._on_state is not None:
             with suppress(RuntimeError):  # an event loop that has closed: the session is over

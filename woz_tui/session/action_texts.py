@@ -123,8 +123,8 @@ class ActionTexts:
         #: How often variants were played to this participant, by action and variants.
         self._played: Counter[tuple[str, Sequence[str]]] = Counter()
         self._participant = ""
-        self._told: list[str | None] | None = None
-        hub.listen(self._hear)
+        self._published: list[str | None] | None = None
+        hub.listen(self._on_message)
 
     def play(self, action: Action) -> Steps:
         """The steps of an action that is played now; its variants move on.
@@ -138,7 +138,7 @@ class ActionTexts:
         whole = self._experiment().action(action.name)
         if whole is not None and any(call.choices for call in action.calls):
             # Whatever the condition: that something is told must not depend on it.
-            self._tell([whole])
+            self._publish([whole])
         return steps
 
     def calls(self, action: Action) -> list[Call]:
@@ -161,23 +161,23 @@ class ActionTexts:
                 return self.play(replace(action, steps=(ParallelCalls((call,)),)))
         return None
 
-    def tell(self) -> None:
+    def publish_all(self) -> None:
         """Tell consoles of every action."""
         values = self._values()
-        self._told = [values.get(name) for name in _MOVING]
+        self._published = [values.get(name) for name in _MOVING]
         experiment = self._experiment()
         actions = [action for panel in experiment.panels for action in panel.actions]
         actions += experiment.repairs
         for first in range(0, len(actions), AT_ONCE):
-            self._tell(actions[first : first + AT_ONCE])
+            self._publish(actions[first : first + AT_ONCE])
 
-    def _hear(self, message: m.AnyMessage) -> None:
-        if isinstance(message, _CHANGES) and self._told is not None:
+    def _on_message(self, message: m.AnyMessage) -> None:
+        if isinstance(message, _CHANGES) and self._published is not None:
             values = self._values()
-            if self._told != [values.get(name) for name in _MOVING]:
-                self.tell()
+            if self._published != [values.get(name) for name in _MOVING]:
+                self.publish_all()
 
-    def _tell(self, actions: Iterable[Action]) -> None:
+    def _publish(self, actions: Iterable[Action]) -> None:
         values = self._values().to_show()
         filled = {action.name: _shown(self._steps(action, values, set())) for action in actions}
         self._hub.publish(m.ActionsFilled(actions=filled))

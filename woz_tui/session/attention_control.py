@@ -44,7 +44,7 @@ class AttentionController:
         self._settings = settings.attention
         self._attention = Attention(settings.attention)
         self._news = news
-        self._alarm = WakeUpTimer(robot.hub, self._ring)
+        self._timer = WakeUpTimer(robot.hub, self._on_timer)
         self._head = head_of(robot.experiment()) if settings.attention.look else None
         self._sensor = _direction_beside(robot.experiment(), self._head) if self._head else ""
         self._direction: float | None = None
@@ -55,14 +55,14 @@ class AttentionController:
         """Whether it goes on with these settings as it is."""
         return settings.attention == self._settings
 
-    def hear(self, message: m.AnyMessage) -> None:
+    def on_message(self, message: m.AnyMessage) -> None:
         """Directions, and what the wizard does with the head."""
         if self._head is None:
             return
         head = self._head[0].name
         match message:
             case m.Reading(sensor=sensor, value=float() | int()) if sensor == self._sensor:
-                self._heard(message.value)
+                self._on_direction(message.value)
             case m.Command(driver=driver, verb="gaze", source=source) if (
                 driver == head and source != ORIGIN.source
             ):
@@ -84,7 +84,7 @@ class AttentionController:
     def close(self) -> None:
         """Turn no further."""
         self._head = None
-        self._alarm.cancel()
+        self._timer.cancel()
 
     # -- inside ------------------------------------------------------------------------------------
 
@@ -92,7 +92,7 @@ class AttentionController:
     def _now(self) -> int:
         return self._robot.hub.now()
 
-    def _heard(self, direction: float | None) -> None:
+    def _on_direction(self, direction: float | None) -> None:
         """A direction is a sound where it is loud, and not the robot itself."""
         if self._follower.speaks or not self._follower.loud:
             if not self._attention.away:
@@ -104,15 +104,15 @@ class AttentionController:
         match order:
             case GazeDirection(direction=direction):
                 self._overruled = self._robot.is_stopped  # it does not turn, so not back either
-                self._look({"yaw": direction, "pitch": 0.0})
+                self._turn_head({"yaw": direction, "pitch": 0.0})
             case LookBack(direction=direction) if not self._overruled:
-                self._look(self._before or {"yaw": direction or 0.0, "pitch": 0.0})
-        self._alarm.set(self._attention.due())
+                self._turn_head(self._before or {"yaw": direction or 0.0, "pitch": 0.0})
+        self._timer.set(self._attention.due())
         if self._follower.model.attention != self._attention.shown:
             self._follower.model.attention = self._attention.shown
             self._news()
 
-    def _look(self, args: Mapping[str, m.Json]) -> None:
+    def _turn_head(self, args: Mapping[str, m.Json]) -> None:
         if self._head is None or not self._robot.may_move:
             return
         spec, verb = self._head
@@ -120,7 +120,7 @@ class AttentionController:
         fitting = {name: _within(verb, name, args[name]) for name in args if name in known}
         self._robot.send(Call(GAZE, fitting, spec.name))
 
-    def _ring(self) -> None:
+    def _on_timer(self) -> None:
         self._carry_out(self._attention.advance(self._now))
 
 

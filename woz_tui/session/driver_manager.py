@@ -126,7 +126,7 @@ class DriverManager:
     async def rest(self) -> None:
         """Take the rest pose, unless `stop_resting` is called on the way."""
         self._resting = self._call(lambda driver: driver.rest)
-        await self._tell("rest", self._resting, REST_WAIT_S)
+        await self._finish_all("rest", self._resting, REST_WAIT_S)
 
     def stop_resting(self) -> None:
         """The stop: no further on the way to the rest pose."""
@@ -136,14 +136,14 @@ class DriverManager:
     def resume(self) -> None:
         """The stop was released: what moves by itself may stir again."""
         for name, driver in self._drivers.items():
-            self._aside(name, "resume", driver.resume)
+            self._spawn(name, "resume", driver.resume)
 
-    def _aside(self, name: str, what: str, call: Callable[[], Awaitable[None]]) -> None:
-        task = asyncio.get_running_loop().create_task(self._told(name, what, call))
+    def _spawn(self, name: str, what: str, call: Callable[[], Awaitable[None]]) -> None:
+        task = asyncio.get_running_loop().create_task(self._call_aside(name, what, call))
         self._asides.add(task)
         task.add_done_callback(self._asides.discard)
 
-    async def _told(self, name: str, what: str, call: Callable[[], Awaitable[None]]) -> None:
+    async def _call_aside(self, name: str, what: str, call: Callable[[], Awaitable[None]]) -> None:
         try:
             await guarded(call)
         except Exception as error:
@@ -157,9 +157,9 @@ class DriverManager:
         calls = self._call(lambda driver: driver.close)
         for call in calls:
             call.add_done_callback(lambda closed: self._on_closed(closed.get_name()))
-        await self._tell("close", calls, CLOSE_WAIT_S)
+        await self._finish_all("close", calls, CLOSE_WAIT_S)
 
-    async def _tell(self, what: str, calls: list[asyncio.Task[None]], seconds: float) -> None:
+    async def _finish_all(self, what: str, calls: list[asyncio.Task[None]], seconds: float) -> None:
         for name, problem in (await self._finished(calls, seconds)).items():
             self._hub.publish(m.Notice(level="error", text=f"{name}: {what} failed: {problem}"))
 

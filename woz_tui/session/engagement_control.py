@@ -185,10 +185,10 @@ class EngagementController:
         if follower.reads(message):
             self._publish_transitions(follower.take(message))
         elif isinstance(message, m.Reading):
-            attention.hear(message)
+            attention.on_message(message)
             return
-        visitors.hear(message)
-        attention.hear(message)
+        visitors.on_message(message)
+        attention.on_message(message)
         match message:
             case m.Done() | m.EngagementAdopted():
                 attention.attend(follower.mode)
@@ -237,7 +237,7 @@ class EngagementController:
         had_one = self._model is not None
         self._adopt(engagement)
         if self._model is None:
-            self._effects.gone()
+            self._effects.model_removed()
             self._shown = None
         elif not had_one:
             self._model.follower.catch_up(self._state.messages())
@@ -253,10 +253,10 @@ class EngagementController:
         if engagement is None:
             self.close()
         else:
-            self._take_settings(engagement.settings)
+            self._use_settings(engagement.settings)
         self._effects.adopt()
 
-    def _take_settings(self, settings: EngagementSettings) -> None:
+    def _use_settings(self, settings: EngagementSettings) -> None:
         """For all but a follower that there is: it reads of them, as in the log."""
         model = self._model
         if model is None:

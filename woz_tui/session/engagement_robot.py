@@ -20,11 +20,11 @@ _SOON_S = 0.001
 
 
 class WakeUpTimer:
-    """Calls `ring` in the session's thread when the moment comes that was set last."""
+    """Calls `on_due` in the session's thread when the moment comes that was set last."""
 
-    def __init__(self, hub: Hub, ring: Callable[[], object]) -> None:
+    def __init__(self, hub: Hub, on_due: Callable[[], object]) -> None:
         self._hub = hub
-        self._ring = ring
+        self._on_due = on_due
         self._loop = asyncio.get_running_loop()
         self._timer: asyncio.TimerHandle | None = None
 
@@ -33,10 +33,10 @@ class WakeUpTimer:
         self.cancel()
         if due is not None:
             seconds = max((due - self._hub.now()) / 1_000_000, _SOON_S)
-            self._timer = self._loop.call_later(seconds, self._ring)
+            self._timer = self._loop.call_later(seconds, self._on_due)
 
     def cancel(self) -> None:
-        """Do not ring."""
+        """Do not on_due."""
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
@@ -64,7 +64,7 @@ class EngagementRobot:
     #: They come later: what the model offers belongs on the bus, too.
     bus: Bus = field(init=False)
     runner: ActionRunner = field(init=False)
-    wording: ActionTexts = field(init=False)
+    texts: ActionTexts = field(init=False)
 
     @property
     def is_stopped(self) -> bool:

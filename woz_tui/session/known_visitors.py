@@ -176,7 +176,7 @@ class KnownVisitors:
         self.path = path
         self._publish = publish
         self._store = VisitorStore(path)
-        self._clerk = VisitorStoreWorker(self._store, lambda: later(self._catch_up))
+        self._worker = VisitorStoreWorker(self._store, lambda: later(self._catch_up))
         self._known: dict[str, Visitor] = {}
         #: Jobs of which it is not known yet what becomes; those of them that must be tried again.
         self._open: list[StoreJob] = []
@@ -184,7 +184,7 @@ class KnownVisitors:
         self._unsaved = 0
         #: Who was named in the log, by key.
         self._named: dict[str, str] = {}
-        self._complaint = ""
+        self._last_problem = ""
         self._here = ""
 
     def read(self) -> None:
@@ -192,9 +192,9 @@ class KnownVisitors:
         try:
             self._know(self._store.everybody())
         except (VisitorsError, OSError, ValueError) as error:
-            self._complain(error)
+            self._report_problem(error)
 
-    def look(self) -> None:
+    def refresh(self) -> None:
         """Learn soon what others have changed, and try again to save what is not in the file."""
         if len(self._open) == len(self._unmade):
             self._do(StoreJob(VisitorStore.save))
@@ -206,12 +206,12 @@ class KnownVisitors:
         """
         self._catch_up()
         if self.lacks:
-            self.look()
+            self.refresh()
         first = min(_AT_ONCE_S, seconds)
-        if not await self._clerk.waited(first) and seconds > first:
+        if not await self._worker.waited(first) and seconds > first:
             text = f"visitors: {self.path} does not respond; the session ends within {seconds:g} s"
             self._publish(m.Notice(level="warning", text=text))
-            await self._clerk.waited(seconds - first)
+            await self._worker.waited(seconds - first)
         self._catch_up()
         if self.lacks:
             changes = f"{self.lacks} change{'s' if self.lacks > 1 else ''}"
@@ -221,7 +221,7 @@ class KnownVisitors:
 
     def wait(self, seconds: float) -> None:
         """Wait until all changes have been tried, at most so long."""
-        self._clerk.wait(seconds)
+        self._worker.wait(seconds)
 
     @property
     def lacks(self) -> int:
@@ -251,7 +251,7 @@ class KnownVisitors:
         self._log(visitor, "met")
         self._do(StoreJob(lambda store: store.met(visitor.name, on=today), visitor.name))
 
-    def gone(self) -> None:
+    def left(self) -> None:
         """Nobody is here any more."""
         self._here = ""
 
@@ -265,7 +265,7 @@ class KnownVisitors:
             self._learn(name, facts, today)
         else:
             self.meet(visitor.name, today)
-            self._tell_more(visitor, facts)
+            self._add_facts(visitor, facts)
 
     def _learn(self, name: str, facts: dict[str, str], today: date) -> None:
         day = today.isoformat()
@@ -280,7 +280,7 @@ class KnownVisitors:
             )
         )
 
-    def _tell_more(self, visitor: Visitor, facts: dict[str, str]) -> None:
+    def _add_facts(self, visitor: Visitor, facts: dict[str, str]) -> None:
         about = visitor.about
         other = [fact for fact, value in facts.items() if about.get(fact, value) != value]
         new = {fact: value for fact, value in facts.items() if value and fact not in about}
@@ -316,11 +316,11 @@ class KnownVisitors:
         """Have a job done, after those that could not be done before."""
         again, self._unmade = self._unmade, []
         self._open.append(job)
-        self._clerk.do(*again, job)
+        self._worker.do(*again, job)
 
     def _catch_up(self) -> None:
         """Hear what has become of jobs."""
-        for outcome in self._clerk.outcomes():
+        for outcome in self._worker.outcomes():
             if outcome.unmade and outcome.job.name:
                 self._unmade.append(outcome.job)
             else:
@@ -328,7 +328,7 @@ class KnownVisitors:
             self._unsaved = outcome.unsaved
             if outcome.people is not None:
                 self._know(outcome.people)
-            self._tell(outcome)
+            self._report(outcome)
 
     def _know(self, people: Iterable[Visitor]) -> None:
         """Those of the store, and whoever is not there only because a job still waits."""
@@ -341,21 +341,21 @@ class KnownVisitors:
 
     # -- told --------------------------------------------------------------------------------------
 
-    def _tell(self, outcome: StoreJobResult) -> None:
+    def _report(self, outcome: StoreJobResult) -> None:
         if outcome.given_up:
             text = f"visitors: {'; '.join(outcome.given_up)}"
             self._publish(m.Notice(level="warning", text=text, remedy=_LOOK, tells=("identity",)))
         if outcome.error is not None:
-            self._complain(outcome.error)
+            self._report_problem(outcome.error)
         elif not outcome.unsaved:
-            self._complaint = ""
+            self._last_problem = ""
 
-    def _complain(self, error: Exception) -> None:
+    def _report_problem(self, error: Exception) -> None:
         """A notice, once as long as it is the same."""
         text = f"visitors: {getattr(error, 'reason', '') or error}"
-        if text == self._complaint:
+        if text == self._last_problem:
             return
-        self._complaint = text
+        self._last_problem = text
         level = "warning" if isinstance(error, VisitorRefusedError) else "error"
         remedy = getattr(error, "remedy", "")
         self._publish(m.Notice(level=level, text=text, remedy=remedy, tells=("identity",)))

@@ -47,7 +47,7 @@ class PhaseController:
 
     # -- going on ----------------------------------------------------------------------------------
 
-    def wanted(self, name: str) -> Phase:
+    def phase_to_begin(self, name: str) -> Phase:
         """The phase `name`, or the next one if empty. Raises `RequestError` if it cannot begin."""
         phases = self._read().phases
         if not phases:

@@ -29,7 +29,7 @@ class QuestionnaireController:
         self._study = study
         self._publish = publish
 
-    def ask(self, name: str, what: str, source: str) -> None:
+    def begin_or_end(self, name: str, what: str, source: str) -> None:
         """Begin a questionnaire, or end the one under way; `what` as in `AskQuestionnaire`."""
         if what == "begin":
             self._begin(name, source)
@@ -64,7 +64,7 @@ class QuestionnaireController:
             m.QuestionnaireStarted(
                 questionnaire=name,
                 title=known[name].title,
-                items=[*map(_as_asked, known[name].items)],
+                items=[*map(_item_view, known[name].items)],
                 trial=due.get(name, trial),
                 source=source,
             )
@@ -128,7 +128,7 @@ class QuestionnaireController:
         )
 
 
-def _as_asked(item: QuestionnaireItem) -> dict[str, Any]:
+def _item_view(item: QuestionnaireItem) -> dict[str, Any]:
     """An item as in `questionnaire.started`: a scale's points and ends, or `text`."""
     seen: dict[str, Any] = {"name": item.name, "question": item.question}
     if item.text:

@@ -62,7 +62,7 @@ _TEXTS: tuple[tuple[type[m.RestrictedMessage], tuple[str, ...]], ...] = (
     (m.RestrictedMessage, ("text",)),
 )
 #: What a participant's terminal gets of the stream.
-_ASKED = (
+_FOR_PARTICIPANT = (
     *(m.SessionStart, m.SessionChanged, m.SessionEnd, m.ConditionsAssigned),
     *(m.TrialStarted, m.TrialEnded, m.BreakStarted, m.BreakEnded),
     *(m.QuestionnaireStarted, m.QuestionnaireAnswered, m.QuestionnaireEnded),
@@ -328,7 +328,7 @@ class Redactor:
             changes.append("other changes, which could reveal the condition")
         return replace(message, changes=changes, telling=[])
 
-    def _look(self, message: m.BodyChanged | m.SettingsShown) -> m.Message:
+    def _shown_values(self, message: m.BodyChanged | m.SettingsShown) -> m.Message:
         """Without values that depend on the condition, as far as the driver got them as texts."""
         if not self._given:
             return message
@@ -344,7 +344,7 @@ class Redactor:
         """Its reason may quote what the driver was given."""
         return replace(message, why="") if self._given else message
 
-    def _plan_seen(self, message: m.SessionPlan) -> m.Message:
+    def _plan_perceived(self, message: m.SessionPlan) -> m.Message:
         return message if self.blind else self.plan(message)
 
     def _checked(self, message: m.PreflightChecked) -> m.Message:
@@ -419,12 +419,12 @@ class Redactor:
 
     # -- what is said, what the robot looks like --------------------------------------------------
 
-    def _ends(self, message: m.SpeechEnded) -> m.Message | None:
+    def _speech_ended(self, message: m.SpeechEnded) -> m.Message | None:
         if self.perception.hides("loudness") and not message.detail:
             return None
         return replace(message, loudest=None) if self.perception.keeps("loudness") else message
 
-    def _heard(self, message: m.SpeechText) -> m.Message:
+    def _speech_text(self, message: m.SpeechText) -> m.Message:
         blurs = self.perception.blurs("transcript")
         return replace(message, text=dots(message.text)) if blurs else message
 
@@ -472,7 +472,7 @@ class ParticipantRedactor(Redactor):
 
     def message(self, message: m.Message) -> m.Message | None:
         """A message of the session; None: nothing of it."""
-        if not isinstance(message, _ASKED):
+        if not isinstance(message, _FOR_PARTICIPANT):
             return None
         match message:
             case m.SessionStart() | m.TrialStarted():
@@ -500,7 +500,7 @@ class ParticipantRedactor(Redactor):
             settings=s.WelcomeSettings(
                 stale_after=settings.stale_after,
                 dead_man=settings.dead_man,
-                study=_asked(settings.study),
+                study=_for_participant(settings.study),
             ),
         )
 
@@ -513,7 +513,7 @@ class ParticipantRedactor(Redactor):
             verbs={},
             conditions=[],
             keyboard=changed.keyboard,
-            study=_asked(changed.study) if changed.study is not None else None,
+            study=_for_participant(changed.study) if changed.study is not None else None,
         )
 
     def reply(self, reply: r.Reply, instead: Mapping[str, str] | None = None) -> r.Reply:
@@ -540,7 +540,7 @@ def mark_legacy(message: m.AnyMessage, schema: int) -> m.AnyMessage:
             return replace(message, tells=("condition",), unfilled=texts) if texts else message
         case m.ExperimentReloaded(changes=changes):
             return replace(message, telling=changes)
-        case m.RestrictedMessage() if _may_tell(message):
+        case m.RestrictedMessage() if _may_reveal(message):
             return replace(message, tells=("condition",))
     return message
 
@@ -594,7 +594,7 @@ def _words(message: m.RestrictedMessage) -> tuple[str, ...]:
     return next(names for kind, names in _TEXTS if isinstance(message, kind))
 
 
-def _may_tell(message: m.RestrictedMessage) -> bool:
+def _may_reveal(message: m.RestrictedMessage) -> bool:
     """Whether a message of a log that does not say so may tell the condition."""
     match message:
         case m.Marker(source="wizard" | "watcher" | "preflight"):
@@ -643,7 +643,7 @@ def _numbered(order: Sequence[str]) -> list[str]:
     return [str(number) for number, _ in enumerate(order, 1)]
 
 
-def _asked(study: s.StudySettings) -> s.StudySettings:
+def _for_participant(study: s.StudySettings) -> s.StudySettings:
     """What a participant's terminal needs of a study."""
     return replace(
         study,
@@ -665,8 +665,8 @@ _BLINDED: Mapping[type[m.Message], Callable[[Redactor, Any], m.Message | None]] 
     m.ExperimentFiles: Redactor._files,
     m.SessionPlan: Redactor.plan,
     m.ExperimentReloaded: Redactor._reloaded,
-    m.BodyChanged: Redactor._look,
-    m.SettingsShown: Redactor._look,
+    m.BodyChanged: Redactor._shown_values,
+    m.SettingsShown: Redactor._shown_values,
     m.FaceShown: Redactor._face_name,
     m.ModeChanged: Redactor._mode,
     m.PreflightChecked: Redactor._checked,
@@ -687,13 +687,13 @@ _PERCEIVED: Mapping[type[m.Message], Callable[[Redactor, Any], m.Message | None]
     m.EngagementShown: Redactor._model,
     m.EngagementChanged: Redactor._engaged,
     m.ModeChanged: Redactor._mode_why,
-    m.SpeechEnded: Redactor._ends,
-    m.SpeechText: Redactor._heard,
+    m.SpeechEnded: Redactor._speech_ended,
+    m.SpeechText: Redactor._speech_text,
     m.CueGiven: Redactor._cue,
     m.BodyChanged: Redactor._body,
     m.SettingsShown: Redactor._settings,
     m.PreflightChecked: Redactor._checked,
-    m.SessionPlan: Redactor._plan_seen,
+    m.SessionPlan: Redactor._plan_perceived,
     m.Command: Redactor._effect,
     m.ActionRequested: Redactor._effect,
     **dict.fromkeys(

@@ -23,18 +23,18 @@ class RepairController:
         experiment: As it is now.
         commands: The commands that are under way.
         runner: Plays.
-        wording: Chooses among wordings.
+        texts: Chooses among wordings.
     """
 
     experiment: Callable[[], Experiment]
     commands: Callable[[], Mapping[str, CommandEpisode]]
     runner: ActionRunner
-    wording: ActionTexts
+    texts: ActionTexts
     _last: m.Command | None = None
     #: The action of the file that said it.
     _action: str = ""
 
-    def hear(self, message: m.AnyMessage) -> None:
+    def on_message(self, message: m.AnyMessage) -> None:
         """Remember what was said last; repairs themselves are passed over."""
         if not isinstance(message, m.Dispatched):
             return
@@ -75,7 +75,7 @@ class RepairController:
         if self._last is None:
             return "nothing has been said yet"
         action = self.experiment().action(self._action)
-        steps = self.wording.other(action, self._last) if action is not None else None
+        steps = self.texts.other(action, self._last) if action is not None else None
         return steps or "the last sentence has no other words"
 
     def _interrupt(self) -> None:

@@ -56,9 +56,9 @@ class ResponseDelay:
         self._cue: PendingCue | None = None
         self._held: deque[tuple[int, str, Callable[[], object]]] = deque()
         self._timer: asyncio.TimerHandle | None = None
-        hub.listen(self._see)
+        hub.listen(self._on_message)
 
-    def _see(self, message: m.AnyMessage) -> None:
+    def _on_message(self, message: m.AnyMessage) -> None:
         match message:
             case m.ShapingChanged():
                 self._settings, self._cue = message, None

@@ -117,7 +117,7 @@ class ScriptController:
         self._publish, self._phase = publish, phase
         self._waits, self._latched, self._withdraw = waits, latched, withdraw
         self._scripts: dict[str, ScriptState] = {}
-        self._told: dict[str, tuple[int, frozenset[int], str]] = {}
+        self._published: dict[str, tuple[int, frozenset[int], str]] = {}
         self._runs: dict[str, _RunningLine] = {}
         #: Runs of lines that Space has played: they go with the line before them.
         self.by_script: set[str] = set()
@@ -166,7 +166,7 @@ class ScriptController:
         self.by_script.discard(run)
         if (played := self._runs.pop(run, None)) is not None:
             self._ended(action, played)
-            self.tell()
+            self.publish()
 
     def _began(self, action: ActionEpisode) -> None:
         own = self.name
@@ -191,19 +191,19 @@ class ScriptController:
     def move(self, to: int) -> None:
         """Choose the next line of the script that Space plays; 0 is the first."""
         self.now.move(to)
-        self.tell()
+        self.publish()
 
     def phase_began(self) -> None:
         """How a line ended in another phase is no news in this one."""
         for script in self._scripts.values():
             script.halted = ""
-        self.tell()
+        self.publish()
 
     def begin_anew(self) -> None:
         """Every script begins with its first line."""
         self._runs.clear()
         self._scripts = {name: ScriptState(each.lines) for name, each in self._scripts.items()}
-        self.tell()
+        self.publish()
 
     def adopt(self, experiment: Experiment) -> None:
         """Go on with what the file says now."""
@@ -220,15 +220,15 @@ class ScriptController:
             name: self._scripts.get(name, ScriptState()).adopted(lines)
             for name, lines in scripts.items()
         }
-        self.tell()
+        self.publish()
 
-    def tell(self) -> None:
+    def publish(self) -> None:
         """Publish what has changed."""
         for name, script in self._scripts.items():
             now = script.position, frozenset(script.played), script.halted
-            if now == self._told.get(name, (0, frozenset(), "")):
+            if now == self._published.get(name, (0, frozenset(), "")):
                 continue
-            self._told[name] = now
+            self._published[name] = now
             self._publish(
                 m.ScriptMoved(
                     position=script.position,

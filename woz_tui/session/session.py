@@ -77,7 +77,7 @@ class Session:
         #: Sentences that were typed, as actions.
         self.typed: tuple[Action, ...] = ()
         #: Those of them that stand in a copy of the file, and which.
-        self.kept: tuple[tuple[Action, ...], str] = ((), "")
+        self.saved_sentences: tuple[tuple[Action, ...], str] = ((), "")
         #: What the reason of the end tells (see `messages.RestrictedMessage`).
         self.end_tells: tuple[str, ...] = ()
         self._loop = asyncio.get_running_loop()
@@ -85,7 +85,7 @@ class Session:
         self.standstill = Standstill(self.clock)
         self.hub = Hub(self.clock, self.recorder.record)
         self.state, self.recent = SessionState(), RecentMessages()
-        self.hub.listen(self._take)
+        self.hub.listen(self._on_message)
         self.hub.listen(self.recent.take)
         self.phases = PhaseController(
             self.hub.publish,
@@ -127,7 +127,7 @@ class Session:
             self.hub,
             self.clock,
             feeds=self.feeds,
-            asked=self._asked,
+            asked=self._driver_request,
             media=lambda: media_folder(self.recorder.path),
         )
         self.locked |= {panel.title: True for panel in self.experiment.panels if panel.locked}
@@ -157,22 +157,20 @@ class Session:
             motionless=frozenset({SESSION, ENGAGEMENT}),
             unstopped=frozenset({ENGAGEMENT}),
         )
-        self._crew = DriverManager(self.drivers, self.hub, self.bus.disconnected)
-        self.wording = ActionTexts(
-            self.hub, self.identity.seed, lambda: self.experiment, self.values
-        )
+        self._driver_manager = DriverManager(self.drivers, self.hub, self.bus.disconnected)
+        self.texts = ActionTexts(self.hub, self.identity.seed, lambda: self.experiment, self.values)
         self.runner = ActionRunner(
             self.hub,
             self.bus,
-            self.wording.play,
+            self.texts.play,
             self.experiment.session.deadline,
             delay=ResponseDelay(self.hub, self.identity.seed),
         )
         self.repairs = RepairController(
-            lambda: self.experiment, lambda: self.state.commands, self.runner, self.wording
+            lambda: self.experiment, lambda: self.state.commands, self.runner, self.texts
         )
-        self.hub.listen(self.repairs.hear)
-        robot.bus, robot.runner, robot.wording = self.bus, self.runner, self.wording
+        self.hub.listen(self.repairs.on_message)
+        robot.bus, robot.runner, robot.texts = self.bus, self.runner, self.texts
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._checkpointed = 0
 
@@ -183,15 +181,15 @@ class Session:
         self.engagement.begin()
         self.study.begin()
         self.phases.begin_anew("session")
-        await self._crew.open()
-        self.wording.tell()
+        await self._driver_manager.open()
+        self.texts.publish_all()
         self._tie_clock()
-        self._look()
+        self._check_standstill()
         self._checkpoint()
         self._prepare()
 
     def _prepare(self) -> None:
-        self._crew.prepare(utterances(self.experiment, self.values()))
+        self._driver_manager.prepare(utterances(self.experiment, self.values()))
 
     async def close(self, reason: str, rest: bool = True) -> None:
         """Rest, close the drivers, finish the log. Bounded in time; never raises."""
@@ -204,8 +202,8 @@ class Session:
         self.runner.stop_waiting("the session ends")
         await self.bus.drain(1.0)
         if rest and not self.bus.latched:
-            await self._crew.rest()
-        await self._crew.close()
+            await self._driver_manager.rest()
+        await self._driver_manager.close()
         await self.engagement.finish()
         await self.bus.settled()  # nothing may come between this and the last line
         digest, _ = self.recorder.digest()
@@ -225,9 +223,9 @@ class Session:
         self.hub.publish(m.ClockTie(wall=timestamp(self.clock.wall())))
         self._timers["clock"] = self._loop.call_later(CLOCK_TIE_S, self._tie_clock)
 
-    def _look(self) -> None:
+    def _check_standstill(self) -> None:
         self.standstill.look()
-        self._timers["look"] = self._loop.call_later(Standstill.EVERY_S, self._look)
+        self._timers["look"] = self._loop.call_later(Standstill.EVERY_S, self._check_standstill)
 
     def _checkpoint(self) -> None:
         digest, lines = self.recorder.digest()
@@ -253,14 +251,14 @@ class Session:
         reason = stale or self._why_not(name)
         if reason or action is None:
             self.runner.refuse(name, panel, origin, reason)
-            self.scripts.tell()
+            self.scripts.publish()
             if stale:
                 raise RequestError(f"{name!r} not played ({stale})", AGAIN)
             raise RequestError(reason, command=self._mends(action))
         if not action.steps and action in self.experiment.repairs:
             return self.repairs.play(action, origin, when_busy)
         run, refused = self.runner.play(action, origin, when_busy)
-        self.scripts.tell()
+        self.scripts.publish()
         if refused:
             raise no_value(refused) if refused.startswith("{") else RequestError(refused)
         return run
@@ -309,14 +307,14 @@ class Session:
             raise RequestError(refusal.reason, AGAIN if stale else "")
         return command
 
-    def keep_typed(self, text: str, on: str) -> bool:
+    def add_typed_button(self, text: str, on: str) -> bool:
         """Make a button of a sentence that was typed; says whether it is a new one."""
         typed = with_sentence(self.experiment, self.typed, text, self._driver_for("say", on))
         if typed == self.typed:
             return False
         self.typed = typed
         self.experiment = with_typed(self.experiment, typed)
-        self.wording.tell()
+        self.texts.publish_all()
         return True
 
     def _no_verb(self, verb: str, args: Mapping[str, m.Json]) -> CommandRefusal | None:
@@ -371,7 +369,7 @@ class Session:
         """Move the script's position; 0 is its first line."""
         self.scripts.move(position)
 
-    def _take(self, message: m.AnyMessage) -> None:
+    def _on_message(self, message: m.AnyMessage) -> None:
         """A message of this session: scripts follow the actions."""
         for episode in self.state.take(message):
             if isinstance(episode, e.ActionEpisode):
@@ -396,7 +394,7 @@ class Session:
         """Go on to the phase `name`, or with an empty one to the next, and play what it begins
         with.
         """
-        phase = self.phases.wanted(name)
+        phase = self.phases.phase_to_begin(name)
         self.phases.enter(phase, origin.source)
         self._play_on_enter(phase, origin)
 
@@ -425,7 +423,7 @@ class Session:
     def stop(self, source: str) -> None:
         """Stop everything, now, also the way to the rest pose when the session ends."""
         self.bus.stop(source)
-        self._crew.stop_resting()
+        self._driver_manager.stop_resting()
         self.runner.stop_waiting("stop pressed")
 
     def release(self, source: str, stale: str = "") -> None:
@@ -436,15 +434,17 @@ class Session:
             self.refuse("Stop not released", stale)
         if not self.bus.release(source):
             raise RequestError("the stop is not pressed")
-        self._crew.resume()
+        self._driver_manager.resume()
 
     # -- what drivers ask for ----------------------------------------------------------------
 
-    def _asked(self, driver: str, ask: Ask, done: OnCompletion | None) -> None:
+    def _driver_request(self, driver: str, ask: Ask, done: OnCompletion | None) -> None:
         """A driver asks for something; drivers are made before the session is whole."""
-        self._loop.call_soon(self._answer, driver, ask, done or (lambda carried_out, why: None))
+        self._loop.call_soon(
+            self._answer_driver, driver, ask, done or (lambda carried_out, why: None)
+        )
 
-    def _answer(self, driver: str, ask: Ask, done: OnCompletion) -> None:
+    def _answer_driver(self, driver: str, ask: Ask, done: OnCompletion) -> None:
         """Do what `driver` asks for, as if the wizard had pressed a key; `done` hears the end."""
         try:
             if ask.what == "verb":
@@ -573,7 +573,7 @@ class Session:
         May be called from any thread: it reads files.
         """
         settings = {spec.name: spec.settings for spec in experiment.drivers}
-        return self._crew.reread(settings, dry_run)
+        return self._driver_manager.reread(settings, dry_run)
 
     def adopt(
         self, experiment: Experiment, changes: list[str], telling: Sequence[str] = ()
@@ -590,7 +590,7 @@ class Session:
         self.runner.deadline = experiment.session.deadline
         publish_reload(self.hub, experiment, changes, telling)
         self.study.adopt()
-        self.wording.tell()
+        self.texts.publish_all()
         kept = self.profiles.adopt(experiment)
         if kept:
             self.hub.publish(m.Notice(level="warning", text=kept, remedy="choose another profile"))

@@ -28,7 +28,7 @@ def publish_start(
     """Publish what a log begins with; `spill`: where it goes on if its folder fails."""
     hub.publish(session_start(identity, experiment, clock, spill))
     hub.publish(experiment_files(experiment))
-    _tell_keys(hub, experiment)
+    _publish_key_notices(hub, experiment)
 
 
 def publish_reload(
@@ -40,10 +40,10 @@ def publish_reload(
         m.ExperimentReloaded(experiment_sha256=sha256, changes=[*changes], telling=[*telling])
     )
     hub.publish(experiment_files(experiment))
-    _tell_keys(hub, experiment)
+    _publish_key_notices(hub, experiment)
 
 
-def _tell_keys(hub: Hub, experiment: Experiment) -> None:
+def _publish_key_notices(hub: Hub, experiment: Experiment) -> None:
     """Tell of keys that do not play what the file says: nobody may have checked it before."""
     odd = [one for one in experiment.warnings if one.path.rpartition(".")[2] in _KEY_FIELDS]
     for problem in odd[:_KEYS_TOLD]:

@@ -48,7 +48,7 @@ class StateEffects:
     def __init__(self, robot: EngagementRobot, locked: Mapping[str, bool]) -> None:
         self._robot, self._locked = robot, locked
         self._state: str = State.WAIT
-        self._told: set[str] = set()
+        self._reported: set[str] = set()
         self._runs: set[str] = set()
         self._left: set[str] = set()
         #: Ends of runs that nobody has claimed yet: they may end while they begin.
@@ -62,7 +62,7 @@ class StateEffects:
         self._signals = StateSignals(self._robot.experiment())
         self._signals.entered(self._state)
 
-    def gone(self) -> None:
+    def model_removed(self) -> None:
         """There is no model any more. What waits is dropped, and another one begins anew."""
         self._leave("the engagement model was removed")
         self._runs.clear()
@@ -83,7 +83,7 @@ class StateEffects:
         if engagement is None:
             return
         if self._chased(change.t):
-            self._tell("the states change in a loop; actions of on_enter are not played")
+            self._report("the states change in a loop; actions of on_enter are not played")
             return
         again = change.now == State.KNOWN and change.was in _TURNS
         action = engagement.effects.get(change.now)
@@ -114,7 +114,7 @@ class StateEffects:
             return []
         engagement = self._robot.experiment().engagement
         action = engagement.effects.get(self._state) if engagement else None
-        own = self._robot.wording.calls(action) if action else ()
+        own = self._robot.texts.calls(action) if action else ()
         calls = [*self._signals.entered(self._state), *own]
         return [call for call in calls if call.verb in LASTING]
 
@@ -126,7 +126,7 @@ class StateEffects:
         self._runs.discard(end.run)
         self._left.discard(end.run)
         if isinstance(end, m.ActionFailed | m.ActionRefused):
-            self._tell(f"{end.action}: {end.reason}", tells=end.tells)
+            self._report(f"{end.action}: {end.reason}", tells=end.tells)
 
     # -- what --------------------------------------------------------------------------------------
 
@@ -152,7 +152,7 @@ class StateEffects:
         """
         action = self._robot.experiment().action(name)
         if action is None:
-            self._tell(f"there is no action {name!r}")
+            self._report(f"there is no action {name!r}")
         elif action.locked or self._locked.get(action.panel, False):
             reason = f"{action.name!r} is locked" if action.locked else "its panel is locked"
             self._began(self._robot.runner.refuse(name, action.panel, ORIGIN, reason))
@@ -192,15 +192,15 @@ class StateEffects:
     def _signalled(self, call: Call, end: m.End) -> None:
         if isinstance(end, m.Failed | m.TimedOut):
             text = f"{call.verb} failed on {call.driver}: {end.reason}"
-            self._tell(text, end.remedy, end.tells)
+            self._report(text, end.remedy, end.tells)
         elif isinstance(end, m.Refused) and end.code not in ("busy", "stopped"):
             text = f"{call.driver} refuses {call.verb}: {end.reason}"
-            self._tell(text, end.remedy, end.tells)
+            self._report(text, end.remedy, end.tells)
 
-    def _tell(self, why: str, remedy: str = "", tells: tuple[str, ...] = ()) -> None:
+    def _report(self, why: str, remedy: str = "", tells: tuple[str, ...] = ()) -> None:
         """A notice, once for each reason."""
-        if why not in self._told:
-            self._told.add(why)
+        if why not in self._reported:
+            self._reported.add(why)
             self._robot.hub.publish(
                 m.Notice(level="warning", text=f"engagement: {why}", remedy=remedy, tells=tells)
             )

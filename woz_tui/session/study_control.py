@@ -71,9 +71,9 @@ class StudyController:
         """Say what shapes the wizard's answers, as far as the file has it."""
         study = self._read().study
         if study.perception.hide or study.perception.blur:
-            self._tell_perception()
+            self._publish_perception()
         if study.shaping is not None:
-            self._tell_shaping()
+            self._publish_shaping()
 
     def adopt(self) -> None:
         """Go on with a changed file; what is under way goes on as it began."""
@@ -81,9 +81,9 @@ class StudyController:
         self.settings = self.state.settings = new
         self._proposed.clear()
         if old.perception != new.perception:
-            self._tell_perception()
+            self._publish_perception()
         if old.shaping != new.shaping:
-            self._tell_shaping()
+            self._publish_shaping()
 
     def close(self) -> None:
         """The session ends: so does what is under way."""
@@ -91,13 +91,13 @@ class StudyController:
         self._end_break("the session ended")
         self._end_trial("aborted", "the session ended")
 
-    def _tell_perception(self) -> None:
+    def _publish_perception(self) -> None:
         perception = self._read().study.perception
         self._hub.publish(
             m.PerceptionChanged(hidden=[*perception.hide], blurred=[*perception.blur])
         )
 
-    def _tell_shaping(self) -> None:
+    def _publish_shaping(self) -> None:
         shaping = self._read().study.shaping
         self._hub.publish(
             m.ShapingChanged(

@@ -57,7 +57,7 @@ class RobotHandshake:
         self._settings = settings
         self._voice = voice
         self._procedure = Handshake(settings, is_taken)
-        self._alarm = WakeUpTimer(robot.hub, self._ring)
+        self._timer = WakeUpTimer(robot.hub, self._on_timer)
         self._saying = 0
         self._own: set[tuple[str, int]] = set()
 
@@ -70,7 +70,7 @@ class RobotHandshake:
         """Ask for the name."""
         self._carry_out(self._procedure.begin(self._now))
 
-    def hear(self, message: m.Speech) -> None:
+    def on_message(self, message: m.Speech) -> None:
         """What the microphone hears."""
         segment = (message.driver, message.segment)
         if isinstance(message, m.SpeechStarted) and self._saying:
@@ -84,7 +84,7 @@ class RobotHandshake:
                 self._procedure.spoke(self._now)
             case m.SpeechText(text=text):
                 self._carry_out(self._procedure.heard(text, self._now))
-        self._alarm.set(self._procedure.due())
+        self._timer.set(self._procedure.due())
 
     def left(self, outcome: str, visitor: str) -> None:
         """The machine has left the handshake, for whatever reason."""
@@ -97,7 +97,7 @@ class RobotHandshake:
     def stop(self) -> None:
         """Ask nothing more."""
         self._procedure.abandon("stopped", self._now)
-        self._alarm.cancel()
+        self._timer.cancel()
 
     # -- inside ------------------------------------------------------------------------------------
 
@@ -119,18 +119,18 @@ class RobotHandshake:
             case HandshakeFailed(say=say):
                 self._command("handshake", what="fail")
                 self._say(say)
-        self._alarm.set(self._procedure.due())
+        self._timer.set(self._procedure.due())
 
     def _say(self, text: str) -> None:
         if text and not self._robot.is_over():
             self._saying += 1
             call = Call("say", {"text": text}, self._voice, NOWHERE, IDENTITY, {"text": "..."})
-            self._robot.send(call, self._said)
+            self._robot.send(call, self._on_said)
 
-    def _said(self, end: m.End) -> None:
+    def _on_said(self, end: m.End) -> None:
         self._saying -= 1
         self._procedure.said(self._now)
-        self._alarm.set(self._procedure.due())
+        self._timer.set(self._procedure.due())
 
     def _command(self, verb: str, **args: m.Json) -> None:
         if self._robot.is_over():
@@ -140,7 +140,7 @@ class RobotHandshake:
             Call(verb, args, ENGAGEMENT, NOWHERE, IDENTITY if unfilled else (), unfilled)
         )
 
-    def _ring(self) -> None:
+    def _on_timer(self) -> None:
         self._carry_out(self._procedure.advance(self._now))
 
 
@@ -192,7 +192,7 @@ class VisitorRecognition:
         self._settings = settings
         self._loop = asyncio.get_running_loop()
         self._logs = logs
-        self.known = self._acquaintances(store_at(settings.visitors, self._logs))
+        self.known = self._read_visitors(store_at(settings.visitors, self._logs))
         self._introduction: RobotHandshake | None = None
 
     def adopt(self, settings: EngagementSettings) -> None:
@@ -200,10 +200,10 @@ class VisitorRecognition:
         self._settings = settings
         path = store_at(settings.visitors, self._logs)
         if path != self.known.path:
-            self.known.look()
-            self.known = self._acquaintances(path)
+            self.known.refresh()
+            self.known = self._read_visitors(path)
 
-    def _acquaintances(self, path: Path) -> KnownVisitors:
+    def _read_visitors(self, path: Path) -> KnownVisitors:
         known = KnownVisitors(path, self._robot.hub.publish, self._later)
         known.read()
         return known
@@ -216,7 +216,7 @@ class VisitorRecognition:
         """The session ends, or goes on without the section."""
         self._end_introduction()
         if not self._robot.is_over():
-            self.known.look()
+            self.known.refresh()
 
     async def finish(self) -> None:
         """The session has ended: what is known goes into the file, if the disk takes it."""
@@ -246,16 +246,16 @@ class VisitorRecognition:
         elif change.now == State.KNOWN and change.visitor:
             self.known.meet(change.visitor, self._robot.today())
         elif change.now == State.WAIT:
-            self.known.gone()
+            self.known.left()
         if change.now in _NEW:
-            self.known.look()
+            self.known.refresh()
 
-    def hear(self, message: m.AnyMessage) -> None:
+    def on_message(self, message: m.AnyMessage) -> None:
         """Speech, the stop, and verbs that say who it is."""
         match message:
             case m.SpeechStarted() | m.SpeechEnded() | m.SpeechText():
                 if self._introduction is not None:
-                    self._introduction.hear(message)
+                    self._introduction.on_message(message)
             case m.StopPressed(scope="all"):
                 self._end_introduction()
 

@@ -77,7 +77,7 @@ def default_signals(experiment: Experiment) -> dict[str, tuple[Call, ...]]:
             Call(verb.name, fitting, driver, place)
             for name, args in signal.verbs(experiment.path.parent)
             for driver, verb in _offering(experiment, name)
-            if (driver, name) not in _said(experiment, situation)
+            if (driver, name) not in _own_calls(experiment, situation)
             for fitting in _fitting(verb, args)
         )
         for situation, signal in SIGNALS.items()
@@ -131,7 +131,7 @@ def _offering(experiment: Experiment, name: str) -> Iterator[tuple[str, Verb]]:
                 yield spec.name, verb
 
 
-def _said(experiment: Experiment, situation: str) -> set[tuple[str, str]]:
+def _own_calls(experiment: Experiment, situation: str) -> set[tuple[str, str]]:
     """Driver and verb of all that the experiment itself does on entering a state."""
     engagement = experiment.engagement
     if engagement is None:

@@ -1,0 +1,83 @@
+"""docs/explanation/overview.md: a key press really takes the hops that the page names."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+
+from tests.host.rig import served
+from tools import DOCS
+from woz_tui.console.byte_scanner import Scanner
+from woz_tui.console.escape_sequences import Key
+from woz_tui.console.host_connection import HostConnection
+from woz_tui.console.keyboard import Keyboard
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.requests import Welcome
+
+PAGE = (DOCS / "explanation" / "overview.md").read_text(encoding="utf-8")
+#: What needs a terminal, a screen or a loudspeaker; the test is about everything between them.
+OUTSIDE = {"WizardDriver", "Speech", "LaneJob", "Console", "ConsoleState", "SessionState"}
+OUTSIDE |= {"MainScreen"}
+#: Named where they are explained, not at their turn: every message goes through them.
+ALWAYS = {"Hub.publish", "Recorder.record", "Subscription.offer"}
+
+
+def hops() -> list[str]:
+    """Functions and methods that the page names for a key press, in its order."""
+    section = PAGE.partition("## One key press")[2].partition("**If the wizard presses escape**")[0]
+    names = re.findall(r"`([\w.]+)` in \[", section)
+    called = [name for name in names if "." in name or name.islower()]
+    return [name for name in dict.fromkeys(called) if name.split(".")[0] not in OUTSIDE]
+
+
+@contextmanager
+def watched(called: list[str]) -> Iterator[None]:
+    """Note each function of woz_tui when it is first called in this thread."""
+
+    def note(frame: FrameType, event: str, _: object) -> None:
+        code = frame.f_code
+        if event == "call" and "/woz_tui/" in code.co_filename:
+            name = code.co_qualname
+            if name not in called:
+                called.append(name)
+
+    sys.setprofile(note)
+    try:
+        yield
+    finally:
+        sys.setprofile(None)
+
+
+def press(connection: HostConnection, called: list[str]) -> None:
+    keyboard = Keyboard(connection)
+    keyboard.bind({"h": "Hello"})
+    with watched(called):
+        (token,) = Scanner().feed(b"h")
+        assert isinstance(token, Key)
+        assert keyboard.arrive(token.chord)
+
+
+async def test_a_key_press_takes_the_hops_that_the_page_names(tmp_path: Path) -> None:
+    assert len(hops()) > 10
+    called: list[str] = []
+    welcomed = threading.Event()
+    async with served(tmp_path) as place:
+        connection = HostConnection(place.path)
+        connection.start(
+            lambda batch: welcomed.set() if isinstance(batch[0], Welcome) else None,
+            lambda reason: None,
+        )
+        await asyncio.to_thread(welcomed.wait, 20)
+        with watched(called):
+            await asyncio.to_thread(press, connection, called)
+            await place.published(lambda line: isinstance(line, m.Dispatched))
+        connection.close()
+    assert [name for name in hops() if name not in called] == []
+    in_turn = [name for name in hops() if name not in ALWAYS]
+    assert in_turn == sorted(in_turn, key=called.index)

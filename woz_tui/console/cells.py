@@ -102,6 +102,14 @@ def cut(row: Row, width: int, ellipsis: str = "…") -> Row:
     return tuple(pieces)
 
 
+def cut_rows(rows: Sequence[Row], frame: PaintFrame, foot: Sequence[Row] = ()) -> list[Row]:
+    """Rows as wide as the frame and as many as fit; those of a `foot` stand at its bottom."""
+    room = max(0, frame.height - len(foot))
+    blank = [()] * (room - len(rows)) if foot else []
+    shown = [*rows[:room], *blank, *foot][: frame.height]
+    return [cut(row, frame.width, frame.glyphs.ellipsis) for row in shown]
+
+
 def fit_most(text: str, width: int, ellipsis: str) -> str:
     """`text`, cut if it is longer than `width` cells."""
     text = clean(text)

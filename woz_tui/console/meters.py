@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from rich.cells import cell_len
 
-from woz_tui.console.cells import Cells, Piece, Row, clean, cut, fit, heading, length
+from woz_tui.console.cells import Cells, Piece, Row, clean, cut_rows, fit, heading, length
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.engagement.engagement_meter import block_rows
 from woz_tui.console.engagement.engagement_text import state_sentence
@@ -249,7 +249,7 @@ def meter_rows(picture: ConsoleState, frame: PaintFrame) -> list[Row]:
     rows = [row for name in _ordered(parts, picture.settings.sensors) for row in parts[name]]
     if not rows:
         rows = [((fit(" no sensor has said anything yet", frame.width), "muted"),)]
-    return [cut(row, frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
+    return cut_rows(rows, frame)
 
 
 def _ordered(parts: Iterable[str], wanted: Iterable[str]) -> list[str]:

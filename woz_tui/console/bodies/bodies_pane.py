@@ -6,6 +6,8 @@ moves about while the robot does.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from rich.cells import cell_len
 
 from woz_tui.console.bodies.body_text import FORMATS, short_rows, table_rows, word_rows
@@ -13,7 +15,7 @@ from woz_tui.console.bodies.body_view import BodyView, body_views
 from woz_tui.console.bodies.face_lights import brightness_look, frame_of, light_rows
 from woz_tui.console.bodies.face_lights import size as face_size
 from woz_tui.console.bodies.link_views import ABOVE, SIDE, draw_view, projections
-from woz_tui.console.cells import Cells, Row, clean, cut, fit
+from woz_tui.console.cells import Cells, Row, clean, cut_rows, fit
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.meter_rows import side_by_side
@@ -35,51 +37,45 @@ def pane_rows(picture: ConsoleState, frame: PaintFrame) -> list[Row]:
     count = min(len(seen), max(1, (frame.width + GAP) // (NARROWEST + GAP)))
     if not count:
         return []
-    each = (frame.width - GAP * (count - 1)) // count
-    more = len(seen) - count
-    blocks = [
-        (_column(one, PaintFrame(each, frame.height, frame.now, frame.glyphs), more), each)
-        for one in seen[:count]
-    ]
-    return [
-        cut(row, frame.width, frame.glyphs.ellipsis)
-        for row in side_by_side(blocks, frame.height, frame.glyphs, GAP)
-    ]
+    width = (frame.width - GAP * (count - 1)) // count
+    inner = replace(frame, width=width)
+    blocks = [(_column(body, inner, len(seen) - count), width) for body in seen[:count]]
+    return cut_rows(side_by_side(blocks, frame.height, frame.glyphs, GAP), frame)
 
 
 def _column(seen: BodyView, frame: PaintFrame, more: int) -> list[Row]:
     lights = seen.outline.face
     tight = lights is not None and face_size(*lights, compact=False)[0] == frame.width
     indent = 0 if tight else 1
-    inner = PaintFrame(frame.width - indent, frame.height - 1, frame.now, frame.glyphs)
-    front: Row = ((" " * indent, "plain"),)
-    return [_title(seen, frame, more), *(front + row for row in _arranged(seen, inner))]
+    inner = replace(frame, width=frame.width - indent, height=frame.height - 1)
+    return [
+        _title(seen, frame, more),
+        *(((" " * indent, "plain"), *row) for row in _arranged(seen, inner)),
+    ]
 
 
 def _title(seen: BodyView, frame: PaintFrame, more: int) -> Row:
-    glyphs = frame.glyphs
     title = f" {clean(seen.outline.title)} "
     others = f" +{more} " if more else ""
     old = f" {seen.old} " if seen.old and frame.width >= cell_len(title) + 14 else ""
     room = frame.width - cell_len(title) - cell_len(old) - cell_len(others)
-    rule = glyphs.rule * max(0, room)
-    row: Row = ((title, "title"), (rule, "faint"), (others, "muted"), (old, "stale"))
-    return cut(row, frame.width, glyphs.ellipsis)
+    rule = frame.glyphs.rule * max(0, room)
+    return ((title, "title"), (rule, "faint"), (others, "muted"), (old, "stale"))
 
 
 def _arranged(seen: BodyView, frame: PaintFrame) -> list[Row]:
     """Large face and both views, or a compact face with one view beside or beneath it."""
-    columns, lines = face_size(*(seen.outline.face or (24, 16)), compact=False)
+    lights = seen.outline.face or (24, 16)
+    columns, lines = face_size(*lights, compact=False)
     if frame.width >= columns and frame.height >= lines + 2 + 1 + VIEW[1]:
-        return _large(seen, frame, (columns, lines))
-    columns, lines = face_size(*(seen.outline.face or (24, 16)), compact=True)
+        return _large(seen, frame, columns, lines)
+    columns, lines = face_size(*lights, compact=True)
     if frame.width >= columns + VIEW[0] + WORDS + 2 * GAP:
         return _low(seen, frame, columns)
-    return _slim(seen, frame, (columns, lines))
+    return _slim(seen, frame)
 
 
-def _large(seen: BodyView, frame: PaintFrame, size: tuple[int, int]) -> list[Row]:
-    columns, lines = size
+def _large(seen: BodyView, frame: PaintFrame, columns: int, lines: int) -> list[Row]:
     words = frame.width - columns - GAP
     face = face_rows(seen, frame.glyphs, compact=False)
     if words >= WORDS:
@@ -92,22 +88,20 @@ def _large(seen: BodyView, frame: PaintFrame, size: tuple[int, int]) -> list[Row
 
 def _low(seen: BodyView, frame: PaintFrame, columns: int) -> list[Row]:
     view = frame.width - columns - WORDS - 2 * GAP
-    height = frame.height
-    described = word_rows(seen, frame.glyphs, WORDS, height)
     blocks = [
         (face_rows(seen, frame.glyphs, compact=True), columns),
-        (_drawn(seen, {SIDE: (view, height)}, frame.glyphs)[SIDE], view),
-        (described, WORDS),
+        (_drawn(seen, {SIDE: (view, frame.height)}, frame.glyphs)[SIDE], view),
+        (word_rows(seen, frame.glyphs, WORDS, frame.height), WORDS),
     ]
-    return side_by_side(blocks, height, frame.glyphs, GAP)
+    return side_by_side(blocks, frame.height, frame.glyphs, GAP)
 
 
-def _slim(seen: BodyView, frame: PaintFrame, size: tuple[int, int]) -> list[Row]:
+def _slim(seen: BodyView, frame: PaintFrame) -> list[Row]:
     rows = [*face_rows(seen, frame.glyphs, compact=True), *short_rows(seen, frame.glyphs)]
     spare = frame.height - len(rows)
     if spare >= VIEW[1] and frame.width >= VIEW[0]:
         rows += _drawn(seen, {SIDE: (frame.width, spare)}, frame.glyphs)[SIDE]
-    return [cut(row, frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
+    return rows
 
 
 def face_rows(seen: BodyView, glyphs: Glyphs, *, compact: bool) -> list[Row]:
@@ -182,8 +176,7 @@ def full_rows(seen: BodyView, frame: PaintFrame) -> list[Row]:
     picture = frame.height - table - 2
     title: Row = ((clean(seen.outline.driver), "title"), (f"  {seen.old}", "stale"))
     rows = [title, *_picture(seen, frame, picture), ()]
-    rows += table_rows(seen, frame.glyphs, frame.width, table)
-    return [cut(row, frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
+    return cut_rows([*rows, *table_rows(seen, frame.glyphs, frame.width, table)], frame)
 
 
 def _picture(seen: BodyView, frame: PaintFrame, lines: int) -> list[Row]:
@@ -191,11 +184,9 @@ def _picture(seen: BodyView, frame: PaintFrame, lines: int) -> list[Row]:
     lights = seen.outline.face
     if lights is None:
         return view_rows(seen, frame.glyphs, frame.width, lines)
-    compact = True
     columns, high = face_size(*lights, compact=False)
-    if columns + GAP + 2 * VIEW[0] <= frame.width and high <= lines:
-        compact = False
-    else:
+    compact = columns + GAP + 2 * VIEW[0] > frame.width or high > lines
+    if compact:
         columns, _ = face_size(*lights, compact=True)
     face = face_rows(seen, frame.glyphs, compact=compact)
     room = frame.width - columns - GAP

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 
 from woz_tui.console.bodies.body_view import BodyView
-from woz_tui.console.cells import Row, clean, cut, fit
+from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.glyphs import Glyphs
 from woz_tui.motion.modes import BLINKS, BREATHES, Mode
 from woz_tui.protocol.messages import Json
@@ -34,12 +34,10 @@ def emotion_text(seen: BodyView) -> str:
 def activity_row(seen: BodyView, glyphs: Glyphs) -> Row:
     """What it does, in one short line: the move, else the mode."""
     move = str(seen.value("move") or "")
-    parts: Row = ()
-    if seen.mode != "normal" or not move:
-        parts += ((clean(seen.mode), "wait" if seen.mode != "normal" else "muted"),)
-    if move:
-        parts += ((" ", "plain"),) * bool(parts) + ((f"{glyphs.running} {clean(move)}", "run"),)
-    return parts
+    playing: Row = ((f"{glyphs.running} {clean(move)}", "run"),) if move else ()
+    if seen.mode != "normal":
+        return ((clean(seen.mode), "wait"), *(((" ", "plain"), *playing) if move else ()))
+    return playing or ((seen.mode, "muted"),)
 
 
 def percent(share: Json) -> str:
@@ -71,11 +69,7 @@ def word_rows(seen: BodyView, glyphs: Glyphs, width: int, height: int) -> list[R
         lines = [line for line in lines if line[1]][: max(1, height)]
     names = NAMES if width >= 2 * NAMES else SHORT_NAMES
     return [
-        cut(
-            ((fit(name, names, glyphs.ellipsis), "muted"), (clean(text), look)),
-            width,
-            glyphs.ellipsis,
-        )
+        ((fit(name, names, glyphs.ellipsis), "muted"), (clean(text), look))
         for name, text, look in lines[:height]
     ]
 
@@ -86,17 +80,13 @@ def _personality_text(seen: BodyView) -> str:
     return f"like {name}" if name and seen.value("changed") is True else name
 
 
-def _on(value: Json) -> bool:
-    return value is not False
-
-
 def _moves_by_itself(modes: Collection[Mode], mode: str) -> bool:
     """Whether it does so in this mode; of a mode nobody here knows, we know no better."""
     return mode in {known.value for known in modes} or mode not in {known.value for known in Mode}
 
 
 def _breathing(seen: BodyView, glyphs: Glyphs) -> str:
-    if not _on(seen.value("breathing_on")) or not _moves_by_itself(BREATHES, seen.mode):
+    if seen.value("breathing_on") is False or not _moves_by_itself(BREATHES, seen.mode):
         return "no"
     rate = _breaths(seen.value("breathing_rate"), seen.value("tempo"))
     return "yes" if rate is None else value_text("breathing_rate", rate, glyphs)
@@ -108,7 +98,7 @@ def _breaths(rate: Json, tempo: Json) -> Json:
 
 
 def _blinking(seen: BodyView, glyphs: Glyphs) -> str:
-    if not _on(seen.value("blinking")) or not _moves_by_itself(BLINKS, seen.mode):
+    if seen.value("blinking") is False or not _moves_by_itself(BLINKS, seen.mode):
         return "no"
     rate = seen.value("blink_rate")
     return value_text("blink_rate", rate, glyphs) if isinstance(rate, int | float) else "yes"
@@ -187,4 +177,4 @@ def table_rows(seen: BodyView, glyphs: Glyphs, width: int, height: int) -> list[
             label = fit(titles[name], front, glyphs.ellipsis)
             value = fit(value_text(name, known[name], glyphs), each, glyphs.ellipsis)
             rows[line] += ((label, "muted"), (value, look), (" ", "plain"))
-    return [cut(row, width, glyphs.ellipsis) for row in rows]
+    return rows

@@ -7,12 +7,13 @@ does nothing, so that the first touch moves no joint.
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from woz_tui.console.bodies.dot_canvas import ACROSS, DOWN, DotCanvas, DotLayer
 from woz_tui.console.bodies.driver_outlines import ControlOutline, PanelOutline
-from woz_tui.console.cells import Piece, Row, clean, cut, fit
+from woz_tui.console.cells import Piece, Row, clean, cut_rows, fit
 from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.meter_rows import side_by_side
 from woz_tui.protocol.messages import ControlsMoved
@@ -58,10 +59,7 @@ def panel_rows(board: PanelState, frame: PaintFrame) -> list[Row]:
     """The picture, beneath it what was moved last and what to do about controls that wait."""
     told, drawn = _split(board.outline.controls, frame.width)
     rows = [*_grid(board, drawn, frame), (), *_button_text(board, told, frame)]
-    foot = _foot(board, frame)
-    room = max(0, frame.height - len(foot))
-    rows = rows[:room] + [()] * max(0, room - len(rows)) + foot
-    return [cut(row, frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
+    return cut_rows(rows, frame, [(), _last_moved(board, frame.glyphs), *_advice(board, frame)])
 
 
 # -- the picture ----------------------------------------------------------------------------------
@@ -229,10 +227,6 @@ def _button_text(
     return [row] if row else []
 
 
-def _foot(board: PanelState, frame: PaintFrame) -> list[Row]:
-    return [(), _last_moved(board, frame.glyphs), *_advice(board, frame)]
-
-
 def _last_moved(board: PanelState, glyphs: Glyphs) -> Row:
     """What was touched last, in full."""
     last = next(reversed(board.knobs.values), "")
@@ -267,6 +261,5 @@ def _advice(board: PanelState, frame: PaintFrame) -> list[Row]:
         arrows = f"{frame.glyphs.up} and {frame.glyphs.down}"
         text = f"{len(waiting)} wait for take-over, {arrows} tell which way: {names}"
         return [((f"{frame.glyphs.warning} {text}", "warn"),), ()]
-    first = frame.width
-    cut_at = HINT.rfind(" ", 0, first) if len(HINT) > first else len(HINT)
-    return [((HINT[:cut_at], "muted"),), ((HINT[cut_at:].strip(), "muted"),)]
+    first, *rest = textwrap.wrap(HINT, max(10, frame.width))
+    return [((first, "muted"),), ((" ".join(rest), "muted"),)]

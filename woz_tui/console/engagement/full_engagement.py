@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from woz_tui.config.engagement import CONDITION
-from woz_tui.console.cells import Piece, Row, clean, cut, fit, length, spread
+from woz_tui.console.cells import Piece, Row, clean, cut_rows, fit, length, spread
 from woz_tui.console.console_state import ConsoleState
 from woz_tui.console.engagement.engagement_meter import quoted
 from woz_tui.console.engagement.engagement_text import (
@@ -62,9 +62,7 @@ def full_rows(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame
     rows = [*top, *_air(frame), *table, *_air(frame)]
     heard = [] if side else _heard(picture, frame, _HEARD if frame.height >= _TALL else 1)
     rows += _way(picture, frame, max(1, frame.height - len(rows) - len(heard)))
-    room = max(0, frame.height - len(heard))
-    rows = rows[:room] + [()] * max(0, room - len(rows)) + heard
-    return [cut(row, frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
+    return cut_rows(rows, frame, heard)
 
 
 def _air(frame: PaintFrame) -> list[Row]:

@@ -5,16 +5,20 @@ Written by other hands, perhaps by another version: what cannot be read is left 
 
 from __future__ import annotations
 
-import math
+import contextlib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, TypeVar
+
+import msgspec
 
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.robot_outline import RobotOutline
 
 if TYPE_CHECKING:
     from woz_tui.motion.kinematics import KinematicChain
+
+_Shape = TypeVar("_Shape")
 
 #: A matrix of more lights is no face that could be drawn.
 MOST_LIGHTS = 256
@@ -42,15 +46,26 @@ class BodyOutline:
         return self.robot.rstrip(".") or self.driver
 
 
-@dataclass(frozen=True, slots=True)
-class ControlOutline:
+class ControlOutline(msgspec.Struct, frozen=True):
     """A control of a panel; `column` and `row` count from the upper left. `label`: what it does."""
 
     name: str
     kind: str
     column: int
     row: int
-    label: str
+    label: str = ""
+
+
+class _Joint(msgspec.Struct):
+    name: str
+    home: float = 0.0
+    min: float = -90.0
+    max: float = 90.0
+
+
+class _Lights(msgspec.Struct):
+    width: Annotated[int, msgspec.Meta(ge=1, le=MOST_LIGHTS)]
+    height: Annotated[int, msgspec.Meta(ge=1, le=MOST_LIGHTS)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,46 +100,29 @@ def _body(driver: str, told: Mapping[str, Json]) -> BodyOutline | None:
         chain = KinematicChain.of_outline(dict(told))
     except (ValueError, KeyError, TypeError):
         return None
-    home: dict[str, float] = {}
-    limits: dict[str, tuple[float, float]] = {}
-    joints = told.get("joints")
-    for joint in joints if isinstance(joints, list) else ():
-        if isinstance(joint, dict):
-            name = str(joint.get("name", ""))
-            home[name] = _number(joint.get("home"), 0.0)
-            limits[name] = (_number(joint.get("min"), -90.0), _number(joint.get("max"), 90.0))
-    return BodyOutline(driver, chain, home, limits, _face(told.get("face")))
-
-
-def _face(told: Json) -> tuple[int, int] | None:
-    match told:
-        case {"width": int() as width, "height": int() as height}:
-            if 0 < width <= MOST_LIGHTS and 0 < height <= MOST_LIGHTS:
-                return width, height
-    return None
+    joints = _all_of(told.get("joints"), _Joint)
+    lights = _all_of([told.get("face")], _Lights)
+    return BodyOutline(
+        driver,
+        chain,
+        {joint.name: joint.home for joint in joints},
+        {joint.name: (joint.min, joint.max) for joint in joints},
+        (lights[0].width, lights[0].height) if lights else None,
+    )
 
 
 def _panel(driver: str, told: Mapping[str, Json]) -> PanelOutline | None:
-    controls = told.get("controls")
-    if not isinstance(controls, list):
-        return None
-    read = [_control(control) for control in controls if isinstance(control, dict)]
-    found = tuple(control for control in read if control is not None)
-    return PanelOutline(driver, str(told.get("name", driver)), found) if found else None
+    controls = tuple(_all_of(told.get("controls"), ControlOutline))
+    return PanelOutline(driver, str(told.get("name", driver)), controls) if controls else None
 
 
-def _control(told: Mapping[str, Json]) -> ControlOutline | None:
-    match told:
-        case {"name": str() as name, "kind": str() as kind, "column": int() as column,
-              "row": int() as row}:  # fmt: skip
-            return ControlOutline(name, kind, column, row, str(told.get("label") or ""))
-    return None
-
-
-def _number(value: object, instead: float) -> float:
-    if isinstance(value, int | float) and math.isfinite(value):
-        return float(value)
-    return instead
+def _all_of(told: Json, shape: type[_Shape]) -> list[_Shape]:
+    """Those of a list that can be read."""
+    found: list[_Shape] = []
+    for each in told if isinstance(told, list) else ():
+        with contextlib.suppress(msgspec.ValidationError):
+            found.append(msgspec.convert(each, shape))
+    return found
 
 
 _READERS = {"body": _body, "panel": _panel}

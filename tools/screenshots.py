@@ -91,8 +91,10 @@ def replayed() -> MessageFeed:
     folder = tempfile.TemporaryDirectory()
     demo_session.demo(demo_session.STOPPED, watch=_shown, log=Path(folder.name))
     index = LogIndex.open(next(Path(folder.name).glob("*demo.jsonl")))
-    reel = Recording(index.actions, IndexedSamples(index))
-    feed = _Still(ReplayPlayer(reel, ReplayStart(at_us=52_800_000, paused=True), demo_session.LOG))
+    recording = Recording(index.actions, IndexedSamples(index))
+    feed = _Still(
+        ReplayPlayer(recording, ReplayStart(at_us=52_800_000, paused=True), demo_session.LOG)
+    )
     feed.kept = (folder, index)  # the samples are read while it is played
     return feed
 

@@ -17,7 +17,7 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import Welcome
 from woz_tui.replay.opened_log import open_log
 from woz_tui.replay.replay_feed import ReplayFeed
-from woz_tui.replay.seek import SeekError
+from woz_tui.replay.seek import ReplayError
 from woz_tui.session.session_start import experiment_files
 
 GUIDE = """\
@@ -172,7 +172,7 @@ def test_how_it_begins_can_be_said(tmp_path: Path) -> None:
 
 
 def test_a_beginning_that_is_not_there(tmp_path: Path) -> None:
-    with pytest.raises(SeekError, match="01:00 long"):
+    with pytest.raises(ReplayError, match="01:00 long"):
         shown(log(tmp_path), "--at", "9:00")
 
 

@@ -260,7 +260,7 @@ async def test_the_header_tells_how_far_it_is() -> None:
 async def test_the_sheet_says_nothing_before_it_is_put_together() -> None:
     sheet = QuestionnaireSheet(lambda request, reply: None, lambda: 0, ASCII)
     sheet.follow(None, [("Please wait.", "strong")])
-    assert sheet.taken is None
+    assert sheet.run is None
 
 
 def test_items_of_another_version_are_left_out() -> None:

@@ -16,7 +16,7 @@ from textual.widgets import OptionList
 
 from tests.console.driving import screen_text
 from tests.console.scripted import ScriptedFeed
-from tests.replay.logs import SECOND, START, reel_of, story
+from tests.replay.logs import SECOND, START, KeptSamples, recording_of, story
 from woz_tui.console.cells import Cells
 from woz_tui.console.glyphs import ASCII, UNICODE
 from woz_tui.console.message_feed import OnLost, OnMessages
@@ -96,13 +96,15 @@ async def watching(
     start: ReplayStart | None = None,
     *,
     size: tuple[int, int] = (80, 24),
-    reel: Recording | None = None,
+    recording: Recording | None = None,
     notes: tuple[str, ...] = (),
     coding: Coding | None = None,
     **options: Any,
 ) -> AsyncIterator[Seat]:
     clock = ManualClock()
-    player = ReplayPlayer(reel or reel_of(story()), start, "recordings/x_S01.jsonl", notes, coding)
+    player = ReplayPlayer(
+        recording or recording_of(story()), start, "recordings/x_S01.jsonl", notes, coding
+    )
     feed = StillReplay(player, clock)
     console = ReplayConsole(feed, ReplayKeyboard(feed, clock), clock=clock, **options)
     async with console.run_test(size=size) as pilot:
@@ -343,8 +345,8 @@ async def test_a_code_is_typed_while_the_replay_stands_still_and_chosen_the_next
     tmp_path: Path,
 ) -> None:
     coding = Coding(tmp_path / "x.coding.jsonl", "K1", START)
-    reel = Recording(story(), coded=True)
-    async with watching(ReplayStart(at_us=4 * SECOND), reel=reel, coding=coding) as it:
+    recording = Recording(story(), KeptSamples(()), coded=True)
+    async with watching(ReplayStart(at_us=4 * SECOND), recording=recording, coding=coding) as it:
         assert "CODER K1" in it.drawn
         assert "hidden" in it.drawn
         assert "warm" not in it.drawn

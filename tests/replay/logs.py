@@ -105,8 +105,8 @@ def _name(sample: m.AnyMessage) -> str:
     return sample.sensor if isinstance(sample, m.Reading) else type(sample).__name__
 
 
-def reel_of(messages: Sequence[m.AnyMessage]) -> Recording:
-    """A reel of messages, samples apart from the rest."""
+def recording_of(messages: Sequence[m.AnyMessage]) -> Recording:
+    """A recording of messages, samples apart from the rest."""
     lines = [message for message in messages if not codec.is_sample(message)]
     samples = [message for message in messages if codec.is_sample(message)]
     return Recording(
@@ -162,8 +162,10 @@ def _words(event: EventLine) -> object:
 class Viewer:
     """A console's picture fed by a player, in a time that the test moves on."""
 
-    def __init__(self, reel: Recording, start: ReplayStart | None = None, **options: Any) -> None:
-        self.player = ReplayPlayer(reel, start, **options)
+    def __init__(
+        self, recording: Recording, start: ReplayStart | None = None, **options: Any
+    ) -> None:
+        self.player = ReplayPlayer(recording, start, **options)
         self.picture = ConsoleState()
         self.now = 0
         self.heard: list[Incoming] = []

@@ -10,7 +10,7 @@ from typing import Any
 import msgspec
 import pytest
 
-from tests.replay.logs import PLAN, SECOND, START, Viewer, reel_of, stamped, story
+from tests.replay.logs import PLAN, SECOND, START, KeptSamples, Viewer, recording_of, stamped, story
 from woz_tui.log.coding_file import Coding, CodingError, coding_path, read_codings
 from woz_tui.log.file_names import FileName
 from woz_tui.protocol import codec
@@ -25,7 +25,7 @@ LOG = "2026-03-01T10-00-00_P07_S01.jsonl"
 def watched(folder: Path, coder: str = "K1", at: float = 0.0) -> Viewer:
     coding = Coding(coding_path(folder / LOG), coder, START)
     start = ReplayStart(at_us=round(at * SECOND))
-    return Viewer(Recording(story(), coded=True), start, coding=coding)
+    return Viewer(Recording(story(), KeptSamples(()), coded=True), start, coding=coding)
 
 
 def codes(it: Viewer) -> list[tuple[int, str]]:
@@ -98,7 +98,7 @@ def test_coders_do_not_see_each_others_codes(tmp_path: Path) -> None:
 
 
 def test_without_a_coder_nothing_is_set(tmp_path: Path) -> None:
-    it = Viewer(reel_of(story()))
+    it = Viewer(recording_of(story()))
     for request in (r.AskMarker(text="x"), r.AskNote(text="x"), r.AskMistake()):
         assert it.ask(request).reason == UNCODED
 
@@ -192,7 +192,7 @@ def test_a_coder_is_told_no_condition_although_the_wizard_knew_it(tmp_path: Path
     lines = stamped([(float(at), line) for at, line in enumerate(told)])
 
     def sent(*, coded: bool) -> str:
-        it = Viewer(Recording(lines, coded=coded))
+        it = Viewer(Recording(lines, KeptSamples(()), coded=coded))
         it.wait(20, ticks=40)
         it.go(3)
         it.go(4)

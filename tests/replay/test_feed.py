@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from tests.replay.logs import KeptSamples, reel_of, story
+from tests.replay.logs import KeptSamples, recording_of, story
 from woz_tui.console.message_feed import Incoming, MessageFeed
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
@@ -46,7 +46,7 @@ class Ear:
 def playing(
     clock: ManualClock, start: ReplayStart | None = None
 ) -> Iterator[tuple[ReplayFeed, Ear]]:
-    feed = ReplayFeed(ReplayPlayer(reel_of(story()), start), clock)
+    feed = ReplayFeed(ReplayPlayer(recording_of(story()), start), clock)
     ear = Ear()
     feed.start(ear, pytest.fail)
     try:
@@ -61,7 +61,7 @@ def _kind(kind: type[m.Message]) -> Callable[[Incoming], bool]:
 
 
 def test_it_has_the_shape_of_a_feed() -> None:
-    feed: MessageFeed = ReplayFeed(ReplayPlayer(reel_of([])))
+    feed: MessageFeed = ReplayFeed(ReplayPlayer(recording_of([])))
     assert feed.line_ok
 
 

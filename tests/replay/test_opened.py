@@ -40,9 +40,9 @@ def written(folder: Path, messages: list[m.AnyMessage] | None = None) -> Path:
 
 
 def seen(index: LogIndex) -> tuple[Viewer, tuple[str, ...]]:
-    reel = Recording(index.actions, IndexedSamples(index))
-    notes = notes_of(index, reel)
-    return Viewer(reel, notes=notes), notes
+    recording = Recording(index.actions, IndexedSamples(index))
+    notes = notes_of(index, recording)
+    return Viewer(recording, notes=notes), notes
 
 
 def test_a_whole_log_is_played_with_its_samples(tmp_path: Path) -> None:

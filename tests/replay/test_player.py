@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.replay.logs import SECOND, START, Viewer, distance, reel_of, stamped, story
+from tests.replay.logs import SECOND, START, Viewer, distance, recording_of, stamped, story
 from woz_tui.console.view_models import ButtonState
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -11,7 +11,7 @@ from woz_tui.replay.player import REFUSED, UNCODED, UNMOVED, ReplayStart
 
 
 def viewer(**start: object) -> Viewer:
-    return Viewer(reel_of(story()), ReplayStart(**start))  # type: ignore[arg-type]
+    return Viewer(recording_of(story()), ReplayStart(**start))  # type: ignore[arg-type]
 
 
 def test_it_begins_with_a_welcome_of_its_own_role() -> None:
@@ -157,7 +157,7 @@ def test_samples_and_lines_come_in_the_order_of_their_numbers() -> None:
             (9, m.Marker()),
         ]
     )
-    it = Viewer(reel_of(messages))
+    it = Viewer(recording_of(messages))
     it.heard = []
     it.wait(7)
     told = [each for each in it.heard if isinstance(each, m.Message)]
@@ -210,7 +210,7 @@ def test_a_place_that_is_not_there_is_said(to: str, reason: str) -> None:
 
 def test_a_mark_of_many_names_the_next_one() -> None:
     marks = stamped([(n * 10.0, m.Marker(text="smile")) for n in range(4)])
-    it = Viewer(reel_of(marks), ReplayStart(at_us=15 * SECOND))
+    it = Viewer(recording_of(marks), ReplayStart(at_us=15 * SECOND))
     for seconds in (20, 30, 0):
         it.do("go", to="smile")
         assert it.player.t == seconds * SECOND
@@ -257,7 +257,7 @@ def test_samples_alone_do_not_keep_a_stretch() -> None:
     timed = [(0.0, m.Marker()), (60.0, m.Marker())]
     readings = [(n / 10, m.reading("distance", 1.0)) for n in range(1, 600)]
     it = Viewer(
-        reel_of(stamped(sorted([*timed, *readings], key=lambda pair: pair[0]))),
+        recording_of(stamped(sorted([*timed, *readings], key=lambda pair: pair[0]))),
         ReplayStart(max_idle_us=2 * SECOND),
     )
     it.wait(2)
@@ -293,7 +293,7 @@ def test_there_is_nothing_to_stop(request_: r.AnyRequest) -> None:
 
 
 def test_what_is_missing_is_told_at_the_beginning_and_stays_known() -> None:
-    it = Viewer(reel_of(story()), notes=("3 damaged line(s) left out",))
+    it = Viewer(recording_of(story()), notes=("3 damaged line(s) left out",))
     assert "3 damaged line(s)" in it.picture.events[-1].text
     it.go(10)
     told = it.picture.settings.replay
@@ -302,7 +302,7 @@ def test_what_is_missing_is_told_at_the_beginning_and_stays_known() -> None:
 
 
 def test_an_empty_reel_is_at_its_end() -> None:
-    it = Viewer(reel_of([]))
+    it = Viewer(recording_of([]))
     assert it.player.ended
     assert not it.do("step").ok
     assert it.do("seek", by_s=5.0).ok

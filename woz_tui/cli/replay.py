@@ -130,7 +130,7 @@ def _show(arguments: argparse.Namespace) -> int:
     from woz_tui.cli import console_start  # noqa: PLC0415
     from woz_tui.log.coding_file import CodingError  # noqa: PLC0415
     from woz_tui.replay.opened_log import LogError, log_in, open_log  # noqa: PLC0415
-    from woz_tui.replay.seek import SeekError  # noqa: PLC0415
+    from woz_tui.replay.seek import ReplayError  # noqa: PLC0415
 
     try:
         path = log_in(arguments.file)
@@ -141,7 +141,7 @@ def _show(arguments: argparse.Namespace) -> int:
             _, code = console_start.run_console(_console(feed, arguments.theme))
             feed.close()
             return code
-    except (LogError, SeekError, CodingError) as error:
+    except (LogError, ReplayError, CodingError) as error:
         print(f"woz: {error}", file=sys.stderr)
         return 1
 
@@ -170,17 +170,17 @@ def feed_of(index: LogIndex, path: Path, arguments: argparse.Namespace) -> Repla
         )
         return None
     coder = arguments.coder
-    reel = Recording(
+    recording = Recording(
         *(index.actions, IndexedSamples(index), plan), reveal=arguments.reveal, coded=bool(coder)
     )
-    coding = Coding(coding_path(files_of(path).paths[0]), coder, reel.start) if coder else None
+    coding = Coding(coding_path(files_of(path).paths[0]), coder, recording.start) if coder else None
     start = ReplayStart(
         speed=arguments.speed,
-        at_us=seek_time(arguments.at, reel, 0) if arguments.at.strip() else 0,
+        at_us=seek_time(arguments.at, recording, 0) if arguments.at.strip() else 0,
         paused=arguments.paused,
         max_idle_us=arguments.max_idle and round(arguments.max_idle * 1_000_000),
     )
-    return ReplayFeed(ReplayPlayer(reel, start, str(path), notes_of(index, reel), coding))
+    return ReplayFeed(ReplayPlayer(recording, start, str(path), notes_of(index, recording), coding))
 
 
 def _experiment(

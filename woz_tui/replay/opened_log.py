@@ -86,10 +86,10 @@ def has_beginning(index: LogIndex) -> bool:
     return any(isinstance(line, m.SessionStart) for line in index.actions)
 
 
-def notes_of(index: LogIndex, reel: Recording) -> tuple[str, ...]:
+def notes_of(index: LogIndex, recording: Recording) -> tuple[str, ...]:
     """What the viewer must know: damage, a lost beginning, an end that was never written."""
     notes = list(index.damage.sentences())
-    if reel.start is None:
+    if recording.start is None:
         notes.append("its beginning is missing: participant and session are unknown")
     if not any(isinstance(line, m.SessionEnd) for line in index.actions):
         notes.append(index.no_end)

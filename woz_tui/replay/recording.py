@@ -67,20 +67,6 @@ class SampleSource(Protocol):
         ...
 
 
-class NoSamples:
-    """A log without samples."""
-
-    length_us = 0
-
-    def between(self, after_us: int, until_us: int) -> Iterable[m.AnyMessage]:
-        """None."""
-        return ()
-
-    def at(self, t_us: int) -> Iterable[m.AnyMessage]:
-        """None."""
-        return ()
-
-
 @dataclass(frozen=True, slots=True)
 class RecordedMoment:
     """What holds at a moment, in the order in which it came about, and the lines before it.
@@ -107,13 +93,12 @@ class Recording:
     def __init__(
         self,
         lines: Iterable[m.AnyMessage | LogLine],
-        samples: SampleSource | None = None,
+        samples: SampleSource,
         plan: m.SessionPlan | None = None,
         *,
         reveal: bool = False,
         coded: bool = False,
     ) -> None:
-        self.samples: SampleSource = samples or NoSamples()
         found = [_told(line) for line in lines]
         shown = (line for line, _ in found if isinstance(line, m.SessionPlan))
         first = next(shown, plan)
@@ -125,8 +110,8 @@ class Recording:
         else:
             found = [*_redacted(found, redactor, kept)]
         self.lines: list[RecordedLine] = [line for line, _ in found]
-        self.samples = _RedactedSamples(self.samples, kept)
-        known = self.samples.length_us
+        self.samples = _RedactedSamples(samples, kept)
+        known = samples.length_us
         self.times = monotonic([min(t, known) if known else t for _, t in found])
         self.length_us = max(self.times[-1] if self.times else 0, known)
         #: The first moment at which anything is known.
@@ -171,16 +156,6 @@ class Recording:
         """What is left out where nothing happens for longer than `most_us`."""
         deeds = (t for line, t in zip(self.lines, self.times, strict=True) if is_event(line))
         return IdleCuts(deeds, most_us)
-
-    @property
-    def told(self) -> bool:
-        """Whether the log says itself what consoles were shown."""
-        return bool(self._plans)
-
-    @cached_property
-    def files(self) -> m.ExperimentFiles | None:
-        """The experiment as the session began with it; None in an old log."""
-        return next((line for line in self.lines if isinstance(line, m.ExperimentFiles)), None)
 
     # -- moments -----------------------------------------------------------------------------
 

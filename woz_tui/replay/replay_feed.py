@@ -83,7 +83,7 @@ class ReplayFeed:
                 self._do(functools.partial(self._player.ask, request))
             if not asked:
                 self._do(self._player.tick)
-                more = more and self._player.prepare(AHEAD)
+                more = more and self._player.recording.prepare(AHEAD)
 
     def _do(self, work: Callable[[int], list[Incoming]]) -> None:
         """Tell what comes of it. A mistake of the program stops the time, not the thread."""

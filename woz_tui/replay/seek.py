@@ -17,8 +17,8 @@ MANY = frozenset({"engagement", "end"})
 AGAIN_US = 1_000_000
 
 
-class SeekError(ValueError):
-    """There is no such place; `hint` says what would help."""
+class ReplayError(ValueError):
+    """A request of the viewer cannot be carried out; `hint` says what would help."""
 
     def __init__(self, reason: str, hint: str = "") -> None:
         super().__init__(reason)
@@ -41,25 +41,25 @@ def time_text(us: int) -> str:
     return f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes:02}:{seconds:02}"
 
 
-def seek_time(text: str, reel: Recording, now: int) -> int:
+def seek_time(text: str, recording: Recording, now: int) -> int:
     """The time that is meant: `start`, `end`, `next` and `before` (marks, seen from `now`), a time,
     or the text of a mark: the next one after `now` that is called so, begins so or has it in
-    itself, or else the first. Raises `SeekError`.
+    itself, or else the first. Raises `ReplayError`.
     """
     wanted = text.strip()
     word = wanted.casefold()
     if word in ("start", "end"):
-        return reel.begin_us if word == "start" else reel.length_us
+        return recording.begin_us if word == "start" else recording.length_us
     if word in ("next", "before"):
-        return _beside(reel.marks, now, later=word == "next")
+        return _beside(recording.marks, now, later=word == "next")
     t = time_of(wanted)
     if t is not None:
-        if t > reel.length_us:
-            raise SeekError(f"the session is {time_text(reel.length_us)} long")
+        if t > recording.length_us:
+            raise ReplayError(f"the session is {time_text(recording.length_us)} long")
         return t
-    mark = _named(wanted.casefold(), reel.marks, now)
+    mark = _named(wanted.casefold(), recording.marks, now)
     if mark is None:
-        raise SeekError(f"there is no {wanted!r} in this log", "press g for the list")
+        raise ReplayError(f"there is no {wanted!r} in this log", "press g for the list")
     return mark.t
 
 
@@ -69,7 +69,7 @@ def _beside(marks: Sequence[Bookmark], now: int, *, later: bool) -> int:
         [t for t in places if t > now] if later else [t for t in places[::-1] if t < now - AGAIN_US]
     )
     if not found:
-        raise SeekError(f"there is no marker, stop or trial {'later' if later else 'before'}")
+        raise ReplayError(f"there is no marker, stop or trial {'later' if later else 'before'}")
     return found[0]
 
 

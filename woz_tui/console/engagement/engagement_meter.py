@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import zip_longest
 
 from rich.cells import cell_len
 
@@ -60,22 +61,18 @@ def block_rows(
     loud = loudness(picture, frame, speech)
     unheard = "" if loud else speech
     rows = [_state(picture, shown, frame)]
-    if frame.height < MIDDLE:
-        rows.append(_now_or_heard(picture, shown, frame, unheard))
-        rows += _pairs(picture, shown, frame)
-    elif frame.height < FULL:
-        rows.append(_now_or_heard(picture, shown, frame, unheard))
-        rows += [_why(picture, frame), *_pairs(picture, shown, frame)]
-    else:
+    heard: list[Row] = []
+    if frame.height >= FULL:
         rows.append((name_piece("now"), *(_now(shown, frame, unheard) or [_dash(frame)])))
         rows += [_why(picture, frame), *_singles(picture, shown, frame)]
-    heard: list[Row] = [(name_piece("heard"), *_heard(picture, frame))]
-    return {
-        "engagement": rows,
-        "distance": _distance(picture, shown, frame),
-        "loudness": loud,
-        "heard": heard if frame.height >= FULL else [],
-    }
+        heard.append((name_piece("heard"), *_heard(picture, frame)))
+    else:
+        rows.append(_now_or_heard(picture, shown, frame, unheard))
+        if frame.height >= MIDDLE:
+            rows.append(_why(picture, frame))
+        rows += _pairs(picture, shown, frame)
+    distance = _distance(picture, shown, frame)
+    return {"engagement": rows, "distance": distance, "loudness": loud, "heard": heard}
 
 
 # -- state, waiting, path, why ------------------------------------------------------------------
@@ -84,15 +81,12 @@ def block_rows(
 def _state(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
     """The state as a sentence and for how long; the attempt of a handshake."""
     glyphs = frame.glyphs
+    row = state_row(picture.engaged, shown, frame.now, glyphs, frame.width - 1)
     if picture.lost:
         told = state_sentence(shown.state, shown.visitor, glyphs)
-        row: Row = ((f" {glyphs.stale} {told}", "stale"),)
-    else:
-        row = state_row(picture.engaged, shown, frame.now, glyphs, frame.width - 1)
-        row = ((" ", "plain"), *row)
-    if shown.attempt:
-        row += ((f" attempt {shown.attempt}", "muted"),)
-    return row
+        row = ((f"{glyphs.stale} {told}", "stale"),)
+    attempt = f" attempt {shown.attempt}" if shown.attempt else ""
+    return ((" ", "plain"), *row, (attempt, "muted"))
 
 
 def _speech(picture: ConsoleState, frame: PaintFrame) -> str:
@@ -104,16 +98,14 @@ def _speech(picture: ConsoleState, frame: PaintFrame) -> str:
 def _now(shown: m.EngagementShown, frame: PaintFrame, unheard: str) -> list[Piece]:
     """What asks for the wizard at this moment."""
     glyphs = frame.glyphs
-    pieces = [
-        run_piece(shown, glyphs, terse=frame.height < FULL),
-        (f"{glyphs.yes} {unheard}", "good") if unheard else None,
-        None if shown.attention in ("", USUAL_ATTENTION) else (clean(shown.attention), "wait"),
-    ]
     found: list[Piece] = []
-    for piece in pieces:
-        if piece is not None:
-            found += [("  ", "plain"), piece] if found else [piece]
-    return found
+    if (run := run_piece(shown, glyphs, terse=frame.height < FULL)) is not None:
+        found += [("  ", "plain"), run]
+    if unheard:
+        found += [("  ", "plain"), (f"{glyphs.yes} {unheard}", "good")]
+    if shown.attention not in ("", USUAL_ATTENTION):
+        found += [("  ", "plain"), (clean(shown.attention), "wait")]
+    return found[1:]
 
 
 def _now_or_heard(
@@ -123,10 +115,9 @@ def _now_or_heard(
     heard = picture.engaged.heard()
     recent = bool(heard) and frame.now - heard[0].t < HEARD_US
     now = _now(shown, frame, unheard)
-    if now:
-        row: Row = ((" ", "plain"), *now)
-        return (*row, ("  ", "plain"), quoted(heard[0], frame.glyphs)) if recent else row
-    return ((" ", "plain"), *_heard(picture, frame))
+    if now and recent:
+        now += [("  ", "plain"), quoted(heard[0], frame.glyphs)]
+    return ((" ", "plain"), *(now or _heard(picture, frame)))
 
 
 def _dash(frame: PaintFrame) -> Piece:
@@ -165,19 +156,15 @@ def quoted(heard: m.SpeechText, glyphs: Glyphs) -> Piece:
 
 def _pairs(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
     """Two signs in a row: mark, word, fill of the queue."""
-    width = (frame.width - 2) // 2
-    small = replace(frame, width=width)
-    found = [_pair(name, sign, shown, picture, small) for name, sign in signs_of(shown)]
+    half = replace(frame, width=(frame.width - 2) // 2)
+    found = [((" ", "plain"), *_pair(name, shown, picture, half)) for name in signs_of(shown)]
     return [
-        ((" ", "plain"), *first, (" ", "plain"), *second)
-        for first, second in zip(found[::2], [*found[1::2], ()], strict=False)
+        (*first, *second) for first, second in zip_longest(found[::2], found[1::2], fillvalue=())
     ]
 
 
-def _pair(
-    name: str, sign: m.SignShown, shown: m.EngagementShown, picture: ConsoleState, frame: PaintFrame
-) -> Row:
-    glyphs = frame.glyphs
+def _pair(name: str, shown: m.EngagementShown, picture: ConsoleState, frame: PaintFrame) -> Row:
+    sign, glyphs = shown.signs[name], frame.glyphs
     found = sign_verdict(name, sign, glyphs, old=bool(picture.lost))
     is_named = name == "identity" and found.look == "good"
     word = found.word if is_named else WORD[name]
@@ -200,13 +187,11 @@ def _pair(
 
 def _singles(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
     """A row for each sign: name, fill of the queue, verdict with its count."""
-    return [_single(name, sign, shown, picture, frame) for name, sign in signs_of(shown)]
+    return [_single(name, shown, picture, frame) for name in signs_of(shown)]
 
 
-def _single(
-    name: str, sign: m.SignShown, shown: m.EngagementShown, picture: ConsoleState, frame: PaintFrame
-) -> Row:
-    glyphs = frame.glyphs
+def _single(name: str, shown: m.EngagementShown, picture: ConsoleState, frame: PaintFrame) -> Row:
+    sign, glyphs = shown.signs[name], frame.glyphs
     found = sign_verdict(name, sign, glyphs, old=bool(picture.lost))
     quiet = found.look == "stale" or sign.forced or not is_used(name, shown)
     bar = queue_bar(sign, track_width(frame), glyphs, "muted" if quiet else "good")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import NamedTuple
 
 from rich.cells import cell_len
@@ -52,9 +53,7 @@ _SHORT_CELLS = 12
 #: What is not known of identities, as the model calls it.
 _UNKNOWN = ("", "Unknown")
 #: How a change by hand begins in the log.
-_HANDS = ("forced by the wizard: ", "stepped by the wizard: ")
-#: A joint filter counts per cent.
-_PER_CENT = 100
+_HAND = re.compile("^(forced|stepped) by the wizard: ")
 
 
 class SignVerdict(NamedTuple):
@@ -64,20 +63,15 @@ class SignVerdict(NamedTuple):
     word: str
     look: str
 
-    @property
-    def piece(self) -> Piece:
-        """Both."""
-        return (f"{self.sign} {self.word}", self.look)
-
 
 def short_state(state: str) -> str:
     """A state in a word."""
     return SHORT.get(state) or fit(state, min(_SHORT_CELLS, cell_len(clean(state))))
 
 
-def signs_of(shown: m.EngagementShown) -> list[tuple[str, m.SignShown]]:
-    """All that are told, in the order that never changes."""
-    return [(name, shown.signs[name]) for name in SIGNS if name in shown.signs]
+def signs_of(shown: m.EngagementShown) -> list[str]:
+    """Names of all that are told, in the order that never changes."""
+    return [name for name in SIGNS if name in shown.signs]
 
 
 def is_used(name: str, shown: m.EngagementShown) -> bool:
@@ -116,26 +110,28 @@ def count_text(sign: m.SignShown) -> str:
     """`5 of 8`, for a joint filter `87 %`."""
     if sign.places <= 0:
         return ""
-    if sign.filter == "joint" and sign.places == _PER_CENT:
-        return f"{sign.count} %"
-    return f"{sign.count} of {sign.places}"
+    return f"{sign.count} %" if _in_per_cent(sign) else f"{sign.count} of {sign.places}"
 
 
 def needed_text(sign: m.SignShown) -> str:
     """`needs 4`."""
-    if sign.places <= 0:
-        return ""
-    per_cent = " %" if sign.filter == "joint" and sign.places == _PER_CENT else ""
-    return f"needs {sign.needed}{per_cent}"
+    return f"needs {sign.needed}{' %' if _in_per_cent(sign) else ''}"
+
+
+def _in_per_cent(sign: m.SignShown) -> bool:
+    """A joint filter counts per cent."""
+    return sign.filter == "joint" and sign.places == 100
 
 
 def headline(shown: m.EngagementShown, glyphs: Glyphs, *, old: bool = False) -> Row:
     """The state, with the sign for whether the condition holds."""
     if old:
-        sign: Piece = (f"{glyphs.stale} ", "stale")
-    else:
-        sign = (f"{glyphs.yes} ", "good") if shown.engaged else (f"{glyphs.no} ", "muted")
-    return (sign, (clean(shown.state), "stale" if old else "strong"))
+        return ((f"{glyphs.stale} ", "stale"), (clean(shown.state), "stale"))
+    return (_engaged_sign(shown, glyphs), (clean(shown.state), "strong"))
+
+
+def _engaged_sign(shown: m.EngagementShown, glyphs: Glyphs) -> Piece:
+    return (f"{glyphs.yes} ", "good") if shown.engaged else (f"{glyphs.no} ", "muted")
 
 
 def state_sentence(state: str, visitor: str, glyphs: Glyphs | None = None) -> str:
@@ -156,10 +152,10 @@ def state_row(
     if engaged.off:
         return ((f"{glyphs.stopped} the model is off", "warn"),)
     if waited is None:
-        sign: Piece = (f"{glyphs.yes} ", "good") if shown.engaged else (f"{glyphs.no} ", "muted")
         told = state_sentence(shown.state, shown.visitor, glyphs)
-        return (sign, (told, "strong"), (f" {elapsed(max(0, now - shown.since))}", "muted"))
-    figure = f"{seconds(waited) if waited < _WHOLE_US else wait_text(waited)}{_unseen(engaged)}"
+        lasted = f" {elapsed(max(0, now - shown.since))}"
+        return (_engaged_sign(shown, glyphs), (told, "strong"), (lasted, "muted"))
+    figure = f"{_wait_text(waited)}{_unseen(engaged)}"
     long = f"{state_sentence(shown.state, shown.visitor, glyphs)}, {figure}"
     brief = ("waits for your answer", "waits for answer", "waits")
     for text in (long, *(f"{words}, {figure}" for words in brief)):
@@ -172,8 +168,10 @@ def state_row(
     return ((f"{glyphs.waits} {text}", "plain"),)
 
 
-def wait_text(us: int) -> str:
-    """`41 s`, from 100 s on `04:35`."""
+def _wait_text(us: int) -> str:
+    """`4.1 s`, from 10 s on `41 s`, from 100 s on `04:35`."""
+    if us < _WHOLE_US:
+        return seconds(us)
     return f"{us // 1_000_000} s" if us < 100_000_000 else elapsed(us)
 
 
@@ -191,9 +189,9 @@ def run_piece(shown: m.EngagementShown, glyphs: Glyphs, *, terse: bool = False) 
         return None
     if not shown.next:
         return (f"{glyphs.stopped} held", "warn")
-    to = short_state(shown.next) if terse else clean(shown.next)
-    would = f"held {glyphs.next} {to}" if terse else f"held: would go to {to}"
-    return (f"{glyphs.stopped} {would}", "warn")
+    if terse:
+        return (f"{glyphs.stopped} held {glyphs.next} {short_state(shown.next)}", "warn")
+    return (f"{glyphs.stopped} held: would go to {clean(shown.next)}", "warn")
 
 
 def path_row(shown: m.EngagementShown, width: int, glyphs: Glyphs) -> Row:
@@ -232,10 +230,7 @@ def condition_row(
 
 def change_reason(change: m.EngagementChanged) -> str:
     """Why it changed, without who did it in front: for lines that have a mark for that."""
-    for hand in _HANDS:
-        if change.forced and change.why.startswith(hand):
-            return change.why.removeprefix(hand)
-    return change.why
+    return _HAND.sub("", change.why) if change.forced else change.why
 
 
 def visitor_code(shown: m.EngagementShown) -> str:

@@ -85,40 +85,31 @@ def _head(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) ->
     run = run_piece(shown, glyphs)
     if run is not None:
         row += (("   ", "plain"), run)
-    parts = [
-        f"visitor {visitor}{_about(picture, shown.visitor)}"
-        if (visitor := visitor_code(shown))
-        else "",
-        f"attention {clean(shown.attention)}" if shown.attention else "",
-    ]
+    parts: list[Piece] = []
+    if visitor := visitor_code(shown):
+        about = picture.engaged.visitors.get(shown.visitor, {})
+        told = ", ".join(clean(value) for value in about.values() if value)
+        parts.append((f"visitor {visitor}{f' ({told})' if told else ''}", "run"))
+    if shown.attention:
+        parts.append((f"attention {clean(shown.attention)}", "muted"))
     right: Row = ()
-    for part, look in zip(parts, ("run", "muted"), strict=True):
-        between = "  " if right and part else ""
-        more: Row = ((between, "plain"), (part, look))
-        if length(row) + length(right) + length(more) + 2 <= frame.width:
-            right += more
+    for part in parts:
+        more = (*right, ("  ", "plain"), part) if right else (part,)
+        if length(row) + length(more) + 2 <= frame.width:
+            right = more
     return spread(row, right, frame.width, glyphs.ellipsis)
-
-
-def _about(picture: ConsoleState, visitor: str) -> str:
-    """What is known of them, in parentheses."""
-    about = picture.engaged.visitors.get(visitor, {})
-    told = ", ".join(clean(value) for value in about.values() if value)
-    return f" ({told})" if told else ""
 
 
 def _second(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
     """The state as a sentence, what is being said, which limits run."""
     glyphs, engaged = frame.glyphs, picture.engaged
-    row: Row = ()
     if picture.lost:
         return ((f"{glyphs.stale} the robot process is gone: all this is old", "stale"),)
-    row += (*state_row(engaged, shown, frame.now, glyphs, frame.width)[:2], ("   ", "plain"))
+    row = (*state_row(engaged, shown, frame.now, glyphs, frame.width)[:2], ("   ", "plain"))
     if (segment := engaged.speaking(frame.now)) is not None:
         row += ((f"{glyphs.yes} speech {seconds(frame.now - segment.begin)}   ", "good"),)
-    for text, look in running_limits(picture, shown, frame.now):
-        row += ((f"{text}   ", look),)
-    return row
+    limits = running_limits(picture, shown, frame.now)
+    return (*row, *((f"{text}   ", look) for text, look in limits))
 
 
 def _states(
@@ -150,10 +141,11 @@ def _signs(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -
         ("queue", bar + 2),
         ("verdict", len("verdict")),
     )
-    rows: list[Row] = [tuple((fit(title, width), "title") for title, width in columns)]
-    for name, _ in signs_of(shown):
-        rows.append(_sign(name, shown, picture, replace(frame, width=bar), filtered))
-    return rows
+    inner = replace(frame, width=bar)
+    return [
+        tuple((fit(title, width), "title") for title, width in columns),
+        *(_sign(name, shown, picture, inner, filtered) for name in signs_of(shown)),
+    ]
 
 
 def _sign(
@@ -174,19 +166,16 @@ def _sign(
     )
     if not used:
         return (*row, (" not used", "muted"))
-    if sign.filter == KEPT:
-        return (*row, (f" {found.piece[0]}", found.look))
-    if found.look == "stale" and has_no_sensor(sign):
-        return (*row, (f" {found.piece[0]}", found.look))
-    row += ((f" {fit(found.piece[0], 9, glyphs.ellipsis)}", found.look),)
+    verdict = f"{found.sign} {found.word}"
+    if sign.filter == KEPT or (found.look == "stale" and has_no_sensor(sign)):
+        return (*row, (f" {verdict}", found.look))
+    row += ((f" {fit(verdict, 9, glyphs.ellipsis)}", found.look),)
     if sign.forced:
         return (*row, (f" {glyphs.forced} by hand", "wait"))
-    both = (
-        f" {count_text(sign)}"
-        if found.look == "stale"
-        else f" {count_text(sign)}, {needed_text(sign)}"
-    )
-    return (*row, (both if sign.places > 0 else "", "muted"))
+    if sign.places <= 0:
+        return row
+    needed = "" if found.look == "stale" else f", {needed_text(sign)}"
+    return (*row, (f" {count_text(sign)}{needed}", "muted"))
 
 
 def _sensed(name: str, sign: m.SignShown) -> str:
@@ -219,29 +208,27 @@ def _condition(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFram
 def _way(picture: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
     """The changes, newest on top: when, to what, by which outcome, why, and by whom."""
     glyphs = frame.glyphs
-    rows: list[Row] = []
-    for change in reversed(picture.engaged.changes):
-        hand = f"{glyphs.forced} " if change.forced else "  "
-        rows.append(
-            (
-                (f"{elapsed(change.t):>6} ", "muted"),
-                (hand, "wait"),
-                (fit(change.now, 19, glyphs.ellipsis), "plain"),
-                (fit(change.outcome, 15, glyphs.ellipsis), "muted"),
-                (glyphs.plain(clean(change_reason(change))), "muted"),
-            )
+    rows: list[Row] = [
+        (
+            (f"{elapsed(change.t):>6} ", "muted"),
+            (f"{glyphs.forced} " if change.forced else "  ", "wait"),
+            (fit(change.now, 19, glyphs.ellipsis), "plain"),
+            (fit(change.outcome, 15, glyphs.ellipsis), "muted"),
+            (glyphs.plain(clean(change_reason(change))), "muted"),
         )
+        for change in reversed(picture.engaged.changes)
+    ]
     return rows[:room] or [(("nothing has changed yet", "muted"),)]
 
 
 def _heard(picture: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
     """What was understood, newest on top."""
-    rows: list[Row] = []
     if picture.perception.hides("transcript"):
-        rows.append(((f"what was said is {HIDDEN}", "faint"),))
-    for segment in picture.engaged.heard():
-        front = f"{elapsed(segment.t):>6} "
-        rows.append(((front, "muted"), quoted(segment, frame.glyphs)))
+        return [((f"what was said is {HIDDEN}", "faint"),)]
+    rows: list[Row] = [
+        ((f"{elapsed(segment.t):>6} ", "muted"), quoted(segment, frame.glyphs))
+        for segment in picture.engaged.heard()
+    ]
     return rows[:room]
 
 
@@ -260,29 +247,18 @@ _SOON = 0.75
 
 
 def running_limits(picture: ConsoleState, shown: m.EngagementShown, now: int) -> list[Piece]:
-    """`12 of 60 s to speak`, for the state as it stands."""
-    return [*_state_limit(picture, shown, now), *_absent(picture, shown)]
-
-
-def _absent(picture: ConsoleState, shown: m.EngagementShown) -> list[Piece]:
-    """That a state ends soon because nobody is there."""
-    limit = picture.settings.engagement.timeouts.get("absent")
-    presence = shown.signs.get("presence")
-    if not limit or shown.state not in _BUSY or presence is None or presence.verdict != 0:
-        return []
-    return [(f"ends {limit:g} s after the visitor left", "muted")]
-
-
-def _state_limit(picture: ConsoleState, shown: m.EngagementShown, now: int) -> list[Piece]:
+    """`12 of 60 s to speak` for the present state, and that it ends soon as nobody is there."""
     limits = picture.settings.engagement
     name, words = _LIMITS.get(shown.state, ("", ""))
-    limit: float | None
+    limit = limits.timeouts.get(name)
     if shown.state == "Handshake":
         limit, words = limits.handshake, "for the handshake"
-    else:
-        limit = limits.timeouts.get(name)
-    if limit is None or limit <= 0:
-        return []
-    gone = max(0, now - shown.since) / 1e6
-    look = "warn" if gone >= _SOON * limit else "muted"
-    return [(f"{min(gone, limit):.0f} of {limit:.0f} s {words}", look)]
+    pieces: list[Piece] = []
+    if limit is not None and limit > 0:
+        gone = max(0, now - shown.since) / 1e6
+        look = "warn" if gone >= _SOON * limit else "muted"
+        pieces.append((f"{min(gone, limit):.0f} of {limit:.0f} s {words}", look))
+    absent, presence = limits.timeouts.get("absent"), shown.signs.get("presence")
+    if absent and shown.state in _BUSY and presence is not None and presence.verdict == 0:
+        pieces.append((f"ends {absent:g} s after the visitor left", "muted"))
+    return pieces

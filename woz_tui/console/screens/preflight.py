@@ -69,7 +69,7 @@ def sign_findings(picture: ConsoleState) -> list[Finding]:
     shown = picture.engaged.shown
     if shown is None:
         return []
-    wanted = [name for name, _ in signs_of(shown) if name in shown.uses]
+    wanted = [name for name in signs_of(shown) if name in shown.uses]
     missing = [name for name in wanted if has_no_sensor(shown.signs[name])]
     if not missing:
         return [Finding("ok", "engagement", _givers(shown, wanted))]

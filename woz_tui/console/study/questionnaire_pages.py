@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import textwrap
+from dataclasses import replace
 
 from rich.cells import cell_len, chop_cells
 
-from woz_tui.console.cells import Piece, Row, clean, cut, fit
+from woz_tui.console.cells import Piece, Row, clean, cut_rows, fit
 from woz_tui.console.glyphs import Glyphs, PaintFrame
 from woz_tui.console.study.questionnaire_run import WIDE, QuestionnairePage, QuestionnaireRun
 from woz_tui.protocol.welcome import QuestionnaireItem
@@ -24,42 +25,36 @@ def column_of(width: int) -> int:
     return max(1, min(COLUMN, width - 4))
 
 
-def page_rows(taken: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
+def page_rows(run: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
     """The whole page, as many rows as the frame is high."""
     if frame.width < NARROWEST:
         return []  # not laid out yet, or nothing that could be read
-    width = column_of(frame.width)
-    inner = PaintFrame(width, frame.height, frame.now, frame.glyphs)
+    inner = replace(frame, width=column_of(frame.width))
     air: list[Row] = [()] if frame.height >= _AIRY else []
-    head = [*air, *_head(taken, inner), ()]
-    body = _BODIES[taken.page](taken, inner)
-    room = max(0, frame.height - len(head))
-    above = min(max(0, (room - len(body)) // 3), 4)
-    rows = [*head, *[()] * above, *body]
-    left: Piece = (" " * max(0, (frame.width - width) // 2), "plain")
-    return [cut((left, *row), frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
+    head = [*air, *_head(run, inner), ()]
+    body = _BODIES[run.page](run, inner)
+    above = min(max(0, (frame.height - len(head) - len(body)) // 3), 4)
+    return _centred([*head, *[()] * above, *body], frame)
 
 
-def question_height(taken: QuestionnaireRun, width: int, glyphs: Glyphs) -> int:
+def _centred(rows: list[Row], frame: PaintFrame) -> list[Row]:
+    """Rows in their column."""
+    left: Piece = (" " * max(0, (frame.width - column_of(frame.width)) // 2), "plain")
+    return cut_rows([(left, *row) for row in rows], frame) if frame.width >= NARROWEST else []
+
+
+def question_height(run: QuestionnaireRun, width: int, glyphs: Glyphs) -> int:
     """Lines that a question for words needs at least, from the title on, in a column so wide."""
     frame = PaintFrame(width, 0, 0, glyphs)
-    return len(_head(taken, frame)) + 1 + len(_item(taken, frame))
+    return len(_head(run, frame)) + 1 + len(_item(run, frame))
 
 
-def foot_rows(taken: QuestionnaireRun, frame: PaintFrame, notice: str = "") -> list[Row]:
+def foot_rows(run: QuestionnaireRun, frame: PaintFrame, notice: str = "") -> list[Row]:
     """What is wrong, the keys, and a `notice`."""
-    if frame.width < NARROWEST:
-        return []
-    width = column_of(frame.width)
-    left: Piece = (" " * max(0, (frame.width - width) // 2), "plain")
     glyphs = frame.glyphs
-    complaint: Row = ((f"{glyphs.warning} {taken.complaint}", "warn"),) if taken.complaint else ()
-    keys = glyphs.plain(_keys(taken, glyphs))
-    return [
-        cut((left, *complaint), frame.width, glyphs.ellipsis),
-        cut((left, (keys, "muted")), frame.width, glyphs.ellipsis),
-        cut((left, (notice, "strong")), frame.width, glyphs.ellipsis),
-    ]
+    complaint: Row = ((f"{glyphs.warning} {run.complaint}", "warn"),) if run.complaint else ()
+    keys = glyphs.plain(_keys(run, glyphs))
+    return _centred([complaint, ((keys, "muted"),), ((notice, "strong"),)], frame)
 
 
 def words_rows(lines: list[tuple[str, str]], frame: PaintFrame) -> list[Row]:
@@ -75,13 +70,13 @@ def words_rows(lines: list[tuple[str, str]], frame: PaintFrame) -> list[Row]:
 # -- pages ----------------------------------------------------------------------------------------
 
 
-def _head(taken: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
+def _head(run: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
     """Title, and how far it is."""
-    asked, count = taken.asked, len(taken.asked.items)
-    done = min(taken.position + (taken.page is QuestionnairePage.ITEM), count)
+    asked, count = run.asked, len(run.asked.items)
+    done = min(run.position + (run.page is QuestionnairePage.ITEM), count)
     told = (
-        taken.words.position.format(number=done, count=count)
-        if taken.page is QuestionnairePage.ITEM
+        run.words.position.format(number=done, count=count)
+        if run.page is QuestionnairePage.ITEM
         else ""
     )
     title = clean(asked.questionnaire.heading)
@@ -93,11 +88,11 @@ def _head(taken: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
     ]
 
 
-def _introduction(taken: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
-    told = taken.asked.questionnaire.introduction
+def _introduction(run: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
+    told = run.asked.questionnaire.introduction
     rows: list[Row] = [((line, "plain"),) for line in _wrapped(told, frame.width)]
-    count = len(taken.asked.items)
-    words = taken.words
+    count = len(run.asked.items)
+    words = run.words
     many = words.questions_one if count == 1 else words.questions.format(count=count)
     return [*rows, (), ((many, "muted"),)]
 
@@ -113,48 +108,45 @@ def _folded(line: str, width: int) -> list[str]:
     return textwrap.wrap(line, width) or [""]
 
 
-def _item(taken: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
-    item = taken.item
+def _item(run: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
+    item = run.item
     if item is None:
         return []
     rows: list[Row] = [((line, "strong"),) for line in _wrapped(item.question, frame.width)]
     if item.optional:
-        rows.append(((taken.words.optional, "muted"),))
+        rows.append(((run.words.optional, "muted"),))
     rows += [(), ()] if frame.height >= _AIRY else [()]
     if item.text:
         return rows
-    scale = _boxes(item, taken, frame) if item.high - item.low < WIDE else _line(item, taken, frame)
+    scale = _boxes(item, run, frame) if item.high - item.low < WIDE else _line(item, run, frame)
     return [*rows, *scale]
 
 
-def _boxes(item: QuestionnaireItem, taken: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
+def _boxes(item: QuestionnaireItem, run: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
     """A box for each point, the chosen one filled and between brackets."""
     values = range(item.low, item.high + 1)
     box = max(3, min(BOX, frame.width // len(values)))
-    above: list[Piece] = []
+    blank: list[Piece] = []
     row: list[Piece] = []
     for value in values:
-        chosen = value == taken.mark
-        shown = f"[{value}]" if chosen else str(value)
-        look = "fill" if chosen else "key"
-        room = box - 1
-        above += [(" " * room, look), (" ", "plain")]
-        row += [(shown.center(room), look), (" ", "plain")]
-    whole = box * len(values) - 1
-    return [tuple(above), tuple(row), tuple(above), (), *_ends(item, whole, frame)]
+        shown, look = (f"[{value}]", "fill") if value == run.mark else (str(value), "key")
+        blank += [(" " * (box - 1), look), (" ", "plain")]
+        row += [(shown.center(box - 1), look), (" ", "plain")]
+    ends = _ends(item, box * len(values) - 1, frame)
+    return [tuple(blank), tuple(row), tuple(blank), (), *ends]
 
 
-def _line(item: QuestionnaireItem, taken: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
+def _line(item: QuestionnaireItem, run: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
     """A line from end to end, with a mark on it and the number above."""
     glyphs, width = frame.glyphs, frame.width
     cells = [(glyphs.track, "faint")] * width
-    told: Row = ((f"{taken.typed or glyphs.dash}".center(width), "muted"),)
-    if taken.mark is not None:
-        share = (taken.mark - item.low) / max(1, item.high - item.low)
+    told: Row = ((f"{run.typed or glyphs.dash}".center(width), "muted"),)
+    if run.mark is not None:
+        share = (run.mark - item.low) / max(1, item.high - item.low)
         at = min(width - 1, round(share * (width - 1)))
         cells[:at] = [(glyphs.bar, "run")] * at
         cells[at] = (glyphs.spot, "strong")
-        told = ((f"[ {taken.mark} ]".center(width), "strong"),)
+        told = ((f"[ {run.mark} ]".center(width), "strong"),)
     low, high = str(item.low), str(item.high)
     numbers = low + high.rjust(max(1, width - len(low)))
     return [told, (), tuple(cells), ((numbers, "plain"),), *_ends(item, width, frame)]
@@ -175,13 +167,13 @@ def _ends(item: QuestionnaireItem, width: int, frame: PaintFrame) -> list[Row]:
     ]
 
 
-def _summary(taken: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
+def _summary(run: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
     """All answers, the chosen line marked; beneath them the way to finish."""
-    glyphs, words = frame.glyphs, taken.words
+    glyphs, words = frame.glyphs, run.words
     rows: list[Row] = []
-    for number, item in enumerate(taken.asked.items):
-        here = number == taken.chosen
-        answer = taken.asked.answers.get(item.name)
+    for number, item in enumerate(run.asked.items):
+        here = number == run.chosen
+        answer = run.asked.answers.get(item.name)
         said = answer.shown(words.left_out) if answer is not None else words.no_answer
         said = fit(said, min(cell_len(clean(said)), frame.width // 3), glyphs.ellipsis)
         question = fit(item.question, frame.width - cell_len(said) - 4, glyphs.ellipsis)
@@ -190,17 +182,17 @@ def _summary(taken: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
         good = "muted" if answer is None or answer.skipped else "run"
         rows.append(((f"{mark} {question}  ", look), (said, good)))
     room = max(1, frame.height - 6)
-    first = max(0, min(len(rows) - room, taken.chosen - room // 2))
-    here = taken.chosen >= len(taken.asked.items)
+    first = max(0, min(len(rows) - room, run.chosen - room // 2))
+    here = run.chosen >= len(run.asked.items)
     finish = f"{glyphs.here if here else ' '} {words.finish}"
     return [*rows[first : first + room], (), ((finish, "strong" if here else "plain"),)]
 
 
-def _decline(taken: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
+def _decline(run: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
     return [
-        ((taken.words.stop_question, "strong"),),
+        ((run.words.stop_question, "strong"),),
         (),
-        ((taken.words.stop_kept, "plain"),),
+        ((run.words.stop_kept, "plain"),),
     ]
 
 
@@ -212,10 +204,10 @@ _BODIES = {
 }
 
 
-def _keys(taken: QuestionnaireRun, glyphs: Glyphs) -> str:
+def _keys(run: QuestionnaireRun, glyphs: Glyphs) -> str:
     """What the keys do on this page."""
-    item, words = taken.item, taken.words
-    match taken.page:
+    item, words = run.item, run.words
+    match run.page:
         case QuestionnairePage.INTRODUCTION:
             return words.keys_begin
         case QuestionnairePage.DECLINE:

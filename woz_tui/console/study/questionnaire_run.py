@@ -94,19 +94,12 @@ class QuestionnaireRun:
 
     # -- moving -------------------------------------------------------------------------------
 
-    def _page(self) -> QuestionnairePage:
-        return (
-            QuestionnairePage.ITEM
-            if self.position < len(self.asked.items)
-            else QuestionnairePage.SUMMARY
-        )
-
     def _show(self, position: int) -> None:
-        self.position = max(0, min(position, len(self.asked.items)))
-        self.page = self._page()
+        self.chosen = len(self.asked.items)
+        self.position = max(0, min(position, self.chosen))
+        self.page = QuestionnairePage.ITEM if self.item else QuestionnairePage.SUMMARY
         self.typed = self.complaint = ""
         self.mark = self.answer.value if self.answer is not None else None
-        self.chosen = len(self.asked.items)
         self._shown_us = self._now_us()
 
     def back(self) -> None:
@@ -233,7 +226,7 @@ class QuestionnaireRun:
         elif step is not None:
             self._move(item, step)
         elif key in ("home", "end"):
-            self._move_to(item.low if key == "home" else item.high)
+            self._move_to(item, item.low if key == "home" else item.high)
         elif key == "enter":
             self._confirm(item)
         elif key == "backspace" and self.typed:
@@ -247,18 +240,16 @@ class QuestionnaireRun:
     def _move(self, item: QuestionnaireItem, step: int) -> None:
         """The first press of an arrow sets the mark on the end it comes from."""
         start = item.low if step > 0 else item.high
-        self._move_to(start if self.mark is None else self.mark + step)
+        self._move_to(item, start if self.mark is None else self.mark + step)
 
-    def _move_to(self, value: int) -> None:
-        item = self.item
-        if item is not None:
-            self.mark, self.typed, self.complaint = min(item.high, max(item.low, value)), "", ""
+    def _move_to(self, item: QuestionnaireItem, value: int) -> None:
+        self.mark, self.typed, self.complaint = min(item.high, max(item.low, value)), "", ""
 
     def _type(self, item: QuestionnaireItem, digit: str) -> None:
         """A digit answers at once where each point is one; else enter follows the number."""
         typed = self.typed + digit
-        fits = any(_begins(value, typed) for value in range(item.low, item.high + 1))
-        if not fits:
+        values = map(str, range(item.low, item.high + 1))
+        if not any(value.startswith(typed) for value in values):
             self._set_typed(item, "")
             self.complaint = self.words.number.format(low=item.low, high=item.high)
         elif item.digits:
@@ -268,9 +259,9 @@ class QuestionnaireRun:
             self._set_typed(item, typed)
 
     def _set_typed(self, item: QuestionnaireItem, typed: str) -> None:
-        value = _number(typed)
-        self.typed, self.complaint = typed, ""
-        self.mark = value if value is not None and item.low <= value <= item.high else None
+        self.typed, self.complaint, self.mark = typed, "", None
+        if typed.removeprefix("-").isdecimal() and item.low <= int(typed) <= item.high:
+            self.mark = int(typed)
 
     def _confirm(self, item: QuestionnaireItem) -> None:
         """Not with nothing chosen: an enter too many must leave nothing out."""
@@ -339,12 +330,3 @@ class QuestionnaireRun:
 
 def _is_digit(key: str) -> bool:
     return len(key) == 1 and key.isdecimal()
-
-
-def _number(typed: str) -> int | None:
-    return int(typed) if typed.removeprefix("-").isdecimal() else None
-
-
-def _begins(value: int, typed: str) -> bool:
-    """Whether the value may be meant by what was typed so far."""
-    return str(value).startswith(typed)

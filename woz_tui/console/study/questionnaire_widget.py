@@ -21,7 +21,7 @@ from woz_tui.console.study.questionnaire_pages import (
     question_height,
     words_rows,
 )
-from woz_tui.console.study.questionnaire_run import QuestionnairePage, QuestionnaireRun
+from woz_tui.console.study.questionnaire_run import QuestionnaireRun
 from woz_tui.console.study.questionnaires import OpenQuestionnaire
 from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire, Reply
 from woz_tui.protocol.welcome import ENGLISH, QuestionnaireWords
@@ -102,7 +102,8 @@ class QuestionnaireSheet(Vertical):
         self._ask = ask
         self._now_us = now_us
         self._glyphs = glyphs
-        self._taken: QuestionnaireRun | None = None
+        #: The way through the questionnaire, while one is asked.
+        self.run: QuestionnaireRun | None = None
         self._lines: Words = []
         self._words = ENGLISH
         self._written_for = ""
@@ -118,11 +119,6 @@ class QuestionnaireSheet(Vertical):
         field.display = False
         yield field
         yield Cells(id="foot")
-
-    @property
-    def taken(self) -> QuestionnaireRun | None:
-        """The way through the questionnaire, while one is asked."""
-        return self._taken
 
     def on_mount(self) -> None:
         """Take the keys; it is drawn as soon as its parts have their sizes."""
@@ -149,50 +145,50 @@ class QuestionnaireSheet(Vertical):
         `away`: nobody knows what is asked, as the line is lost. What has not been confirmed is
         kept until it is back.
         """
-        taken = self._kept if self._away else self._taken
+        run = self._kept if self._away else self.run
         if away and not self._away:
-            self._kept = taken
+            self._kept = run
         self._lines, self._words, self._away, self._notice = lines or [], words, away, notice
         if asked is None or away:
-            self._taken = None
-        elif taken is None or taken.asked.name != asked.name:
-            self._taken = QuestionnaireRun(asked, self._send, self._now_us, words)
-        elif taken.asked is not asked:
-            self._taken = taken
-            taken.go_on(asked)
-        if self._taken is not None:
-            self._taken.words = words
+            self.run = None
+        elif run is None or run.asked.name != asked.name:
+            self.run = QuestionnaireRun(asked, self._send, self._now_us, words)
+        elif run.asked is not asked:
+            self.run = run
+            run.go_on(asked)
+        if self.run is not None:
+            self.run.words = words
         self.draw()
 
     def _send(self, request: AskAnswer | AskQuestionnaire) -> None:
         self._ask(request, lambda reply: self._replied(request, reply))
 
     def _replied(self, request: AskAnswer | AskQuestionnaire, reply: Reply) -> None:
-        taken = self._taken
-        if taken is None:
+        run = self.run
+        if run is None:
             return
         if isinstance(request, AskAnswer) and reply.ok:
-            taken.confirmed(request)
+            run.confirmed(request)
         elif isinstance(request, AskAnswer) and reply.reason != GONE:
-            taken.refused(request, self._words.refused)
+            run.refused(request, self._words.refused)
         elif not reply.ok:
-            taken.complaint = self._words.refused
+            run.complaint = self._words.refused
         self.draw()
 
     # -- keys -----------------------------------------------------------------------------------
 
     def on_key(self, event: events.Key) -> None:
         """A key for the page."""
-        taken = self._taken
-        if taken is None or taken.writes:
+        run = self.run
+        if run is None or run.writes:
             return
-        if taken.key(event.key) or (event.character and taken.key(event.character)):
+        if run.key(event.key) or (event.character and run.key(event.character)):
             event.stop()
             event.prevent_default()
             self.draw()
 
     def _idle(self, key: str) -> bool:
-        idle = self._taken is not None and self._taken.settles(key)
+        idle = self.run is not None and self.run.settles(key)
         if idle:
             self.draw()  # it may say why
         return idle
@@ -200,16 +196,16 @@ class QuestionnaireSheet(Vertical):
     def on_answer_field_submitted(self, event: AnswerField.Submitted) -> None:
         """A text was confirmed."""
         event.stop()
-        taken = self._taken
-        if taken is not None and taken.writes:
-            taken.write(self._field.text)
+        run = self.run
+        if run is not None and run.writes:
+            run.write(self._field.text)
             self.draw()
 
     def on_answer_field_key_passed(self, event: AnswerField.KeyPassed) -> None:
         """A key that goes past the field."""
         event.stop()
-        if self._taken is not None:
-            self._taken.go(event.key)
+        if self.run is not None:
+            self.run.go(event.key)
             self.draw()
 
     # -- drawing ------------------------------------------------------------------------------
@@ -222,43 +218,38 @@ class QuestionnaireSheet(Vertical):
         """Show the page as it is now."""
         if not self.query("#foot"):
             return  # not put together yet, or gone already
-        taken, page, foot = self._taken, *self.query(Cells)
-        self._show_field(taken)
+        run, page, foot = self.run, *self.query(Cells)
+        self._show_field(run)
         frame = self._frame(page)
-        if taken is None:
+        if run is None:
             page.show(words_rows(self._lines, frame))
             foot.show([])
         else:
-            page.show(page_rows(taken, frame))
-            foot.show(foot_rows(taken, self._frame(foot), self._notice))
+            page.show(page_rows(run, frame))
+            foot.show(foot_rows(run, self._frame(foot), self._notice))
 
     def _frame(self, cells: Cells) -> PaintFrame:
         return PaintFrame(cells.size.width, cells.size.height, 0, self._glyphs)
 
-    def _room(self, taken: QuestionnaireRun | None, column: int) -> int:
-        """Lines for the field and the air below it, once the question is in sight."""
-        question = question_height(taken, column, self._glyphs) if taken is not None else 0
-        return self.size.height - _FOOT - question
-
-    def _show_field(self, taken: QuestionnaireRun | None) -> None:
+    def _show_field(self, run: QuestionnaireRun | None) -> None:
         """The field with what was written before, while its item is shown."""
         field = self._field
         column = column_of(self.size.width)
         field.styles.width = column
-        room = self._room(taken, column)
+        question = question_height(run, column, self._glyphs) if run is not None else 0
+        room = self.size.height - _FOOT - question
         field.styles.margin = (0, 0, int(room > _FIELD_LEAST), (self.size.width - column) // 2)
         height = max(_FIELD_LEAST, min(_FIELD, room - 1))
         if height != self._field_height:
             self._field_height = field.styles.height = height
-        item = taken.item if taken is not None and taken.page is QuestionnairePage.ITEM else None
-        wanted = item.name if item is not None and item.text else ""
-        if wanted == self._written_for:
+        item = run.item if run is not None and run.writes else None
+        name = item.name if item is not None else ""
+        if name == self._written_for:
             return
-        self._written_for = wanted
-        field.display = bool(wanted)
-        if wanted and taken is not None:
-            answer = taken.answer
-            field.text = answer.text if answer is not None else ""
+        self._written_for = name
+        field.display = bool(name)
+        if run is not None and name:
+            field.text = run.answer.text if run.answer is not None else ""
             field.move_cursor(field.document.end)
             field.focus()
         else:

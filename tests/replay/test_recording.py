@@ -15,7 +15,7 @@ from tests.replay.logs import (
     Viewer,
     distance,
     played,
-    reel_of,
+    recording_of,
     stamped,
     story,
 )
@@ -101,11 +101,11 @@ def courses(draw: st.DrawFn) -> list[m.AnyMessage]:
 def test_the_state_after_seeking_is_that_after_playing(
     messages: list[m.AnyMessage], to: float, detours: list[float], ticks: int
 ) -> None:
-    reel = reel_of(messages)
-    to = min(to, reel.length_us / SECOND)
-    by_playing = Viewer(reel)
+    recording = recording_of(messages)
+    to = min(to, recording.length_us / SECOND)
+    by_playing = Viewer(recording)
     by_playing.wait(to, ticks=ticks)
-    by_seeking = Viewer(reel_of(messages), ReplayStart(paused=True))
+    by_seeking = Viewer(recording_of(messages), ReplayStart(paused=True))
     for detour in [each for each in detours if each <= to]:
         by_seeking.go(detour)
     by_seeking.go(to)
@@ -116,17 +116,17 @@ def test_the_state_after_seeking_is_that_after_playing(
 def test_what_is_kept_on_the_way_changes_nothing(
     messages: list[m.AnyMessage], index: int, chunk: int
 ) -> None:
-    reel = reel_of(messages)
-    index = min(index, len(reel.lines))
-    while reel.prepare(chunk):
+    recording = recording_of(messages)
+    index = min(index, len(recording.lines))
+    while recording.prepare(chunk):
         pass
     by_hand, recent = SessionState(), RecentMessages()
-    for line in reel.lines[:index]:
+    for line in recording.lines[:index]:
         assert not isinstance(line, dict)
         by_hand.take(line)
         recent.take(line)
-    assert reel.state(index).messages() == by_hand.messages()
-    assert reel.recent(index) == recent.lines
+    assert recording.state(index).messages() == by_hand.messages()
+    assert recording.recent(index) == recent.lines
 
 
 def test_unknown_kinds_are_handed_on_and_disturb_nothing() -> None:
@@ -135,8 +135,8 @@ def test_unknown_kinds_are_handed_on_and_disturb_nothing() -> None:
     strange = LogLine(9000, 30 * SECOND, "x", "weather.changed", codec.decode_unknown(raw), raw)
     lines = [each for each in messages if not codec.is_sample(each)]
     at = next(n for n, line in enumerate(lines) if line.t > 30 * SECOND)
-    reel = Recording([*lines[:at], strange, *lines[at:]], plan=PLAN)
-    it = Viewer(reel)
+    recording = Recording([*lines[:at], strange, *lines[at:]], KeptSamples(()), plan=PLAN)
+    it = Viewer(recording)
     it.wait(61, ticks=61)
     assert {"kind": "weather.changed", "sky": "blue"}.items() <= next(
         each for each in it.heard if isinstance(each, dict)
@@ -198,8 +198,8 @@ def test_a_log_that_does_not_tell_shows_what_was_played() -> None:
 @pytest.mark.parametrize("begun", [False, True])
 def test_a_trial_has_one_mark_whether_it_was_begun_or_set(begun: bool) -> None:
     trials = [(2.0, m.TrialStarted(trial=1, condition="warm"))] if begun else []
-    reel = reel_of(stamped([(0, START), (1, m.SessionChanged(trial=1)), *trials]))
-    assert [(mark.sort, mark.text) for mark in reel.marks] == [
+    recording = recording_of(stamped([(0, START), (1, m.SessionChanged(trial=1)), *trials]))
+    assert [(mark.sort, mark.text) for mark in recording.marks] == [
         ("trial", "trial 1 warm" if begun else "trial 1")
     ]
 
@@ -216,7 +216,7 @@ def test_a_plan_of_the_middle_counts_from_then_on() -> None:
         drivers=[],
         settings=WelcomeSettings(),
     )
-    it = Viewer(reel_of(stamped([(0, START), (1, PLAN), (5, later), (9, m.Marker())])))
+    it = Viewer(recording_of(stamped([(0, START), (1, PLAN), (5, later), (9, m.Marker())])))
     assert it.picture.title == "Museum guide"
     it.wait(6)
     assert it.picture.title == "Reloaded"
@@ -234,9 +234,9 @@ def test_a_lock_of_before_a_reload_does_not_outlast_it() -> None:
         (5, PLAN),  # read again: the panels say themselves what is locked
         (9, m.Marker()),
     ]
-    by_playing = Viewer(reel_of(stamped(timed)))
+    by_playing = Viewer(recording_of(stamped(timed)))
     by_playing.wait(7)
-    by_seeking = Viewer(reel_of(stamped(timed)), ReplayStart(paused=True))
+    by_seeking = Viewer(recording_of(stamped(timed)), ReplayStart(paused=True))
     by_seeking.go(3)
     assert by_seeking.shown["locks"] == {"Speech": True}
     by_seeking.go(7)
@@ -245,8 +245,8 @@ def test_a_lock_of_before_a_reload_does_not_outlast_it() -> None:
 
 def test_the_study_of_a_moment_knows_nothing_of_what_comes_next() -> None:
     timed: list[Timed] = [(0, START), (1, PLAN), (2, m.TrialStarted(trial=1)), (9, m.Marker())]
-    reel = reel_of(stamped(timed))
-    assert [reel.moment(index, 0).study.running for index in (2, 3, 4)] == [False, True, True]
+    recording = recording_of(stamped(timed))
+    assert [recording.moment(index, 0).study.running for index in (2, 3, 4)] == [False, True, True]
 
 
 def test_a_model_that_a_reload_took_away_holds_no_more() -> None:
@@ -264,9 +264,9 @@ def test_a_model_that_a_reload_took_away_holds_no_more() -> None:
         (5, plan(ModelLimits())),
         (9, m.Marker()),
     ]
-    reel = reel_of(stamped(timed))
+    recording = recording_of(stamped(timed))
     for index, there in ((3, True), (4, False), (5, False)):
-        state = reel.moment(index, reel.times[index - 1]).state
+        state = recording.moment(index, recording.times[index - 1]).state
         assert any(isinstance(held, m.EngagementChanged) for held in state) is there
 
 
@@ -293,8 +293,8 @@ def test_what_was_kept_from_the_wizard_is_kept_from_the_viewer_unless_told(revea
     )
     lines = [each for each in messages if not codec.is_sample(each)]
     samples = [each for each in messages if codec.is_sample(each)]
-    reel = Recording(lines, KeptSamples(samples, 4 * SECOND), reveal=reveal)
-    it = Viewer(reel)
+    recording = Recording(lines, KeptSamples(samples, 4 * SECOND), reveal=reveal)
+    it = Viewer(recording)
     it.wait(4)
     for _ in range(2):  # after playing, and after going there
         assert it.picture.condition == ("cold" if reveal else "B")

@@ -13,8 +13,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import msgspec
-from woz_drivers.simulated.driver import SimulatedRobot
-from woz_drivers.simulated.pace import RobotTime
+from woz_drivers.simulated.driver import RobotTime, SimulatedRobot
 from woz_drivers.simulated.settings import SimulatedSettings
 
 from tests.drivers.body.rig import SteppedBody

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from naoqi_simulator.base import MotionService
+from naoqi_simulator.motion import MotionService
 from naoqi_simulator.service_table import CallRefusedError, Service, offers
 from naoqi_simulator.world import SimulatedWorld
 

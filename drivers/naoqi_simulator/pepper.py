@@ -8,11 +8,11 @@ from types import MappingProxyType
 
 from naoqi_simulator.animations import AnimationLibrary, AnimationPlayer, BehaviorManager
 from naoqi_simulator.audio import AudioDevice
-from naoqi_simulator.base import MotionService
 from naoqi_simulator.camera import VideoDevice
 from naoqi_simulator.leds import Leds
 from naoqi_simulator.life import Ability, AutonomousLife, Awareness
 from naoqi_simulator.memory import MemoryService
+from naoqi_simulator.motion import MotionService
 from naoqi_simulator.posture import RobotPosture
 from naoqi_simulator.recognition import SpeechRecognition
 from naoqi_simulator.senses import SensorKeys

@@ -7,7 +7,7 @@ import heapq
 import itertools
 import math
 
-from woz_drivers.simulated.pace import RobotTime
+from woz_drivers.simulated.driver import RobotTime
 
 from woz_tui.system.clock import ManualClock
 

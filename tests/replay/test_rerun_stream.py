@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from woz_drivers.simulated import SimulatedRobot
-from woz_drivers.simulated.pace import RobotTime
+from woz_drivers.simulated.driver import RobotTime
 
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from tests.replay.again import KEY, NOWHERE

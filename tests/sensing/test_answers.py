@@ -6,8 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.sensing.answer_parsing import LONGEST, NameAnswer, NameAnswerParser
-from woz_tui.sensing.name_phrases import LANGUAGES
+from woz_tui.sensing.answer_parsing import LANGUAGES, LONGEST, NameAnswer, NameAnswerParser
 
 ANSWERS = NameAnswerParser(("yes", "yeah", "right", "ok"), ("no", "nope", "wrong"))
 

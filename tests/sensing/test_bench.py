@@ -21,16 +21,19 @@ from woz_tui.sensing.bench.bench_figures import (
     SOON,
     STABLE,
     BenchConditions,
+    Candidate,
     Goal,
     as_json,
+    candidates_for,
     delays,
+    joint,
     measure,
+    queues,
     steady,
     takes,
     windows,
 )
 from woz_tui.sensing.bench.bench_scenes import CALM, SCENES, STAYING, SceneRun, played
-from woz_tui.sensing.bench.filter_candidates import Candidate, candidates_for, joint, queues
 from woz_tui.sensing.bench.sensor_errors import (
     TABLE_1,
     VISIBLE,

@@ -74,7 +74,7 @@ class SoundSettings:
 
 @dataclass(frozen=True, slots=True)
 class JointSettings:
-    """The joint filter's one number; the others stand in `woz_tui/sensing/joint_dwell.py`."""
+    """The joint filter's one number; the others stand in `woz_tui/sensing/joint_filter.py`."""
 
     glance: Annotated[
         float,

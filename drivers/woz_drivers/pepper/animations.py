@@ -7,8 +7,7 @@ import difflib
 from collections.abc import Mapping
 
 from woz_drivers.pepper.memory import flag
-from woz_drivers.pepper.parts import PepperPart, RobotCalls
-from woz_drivers.pepper.parts_calls import LONG_S, CleanUpCalls
+from woz_drivers.pepper.parts import LONG_S, CleanUpCalls, PepperPart, RobotCalls
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import text
 from woz_tui.drivers.contract import (

@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from woz_drivers.pepper import memory
-from woz_drivers.pepper.parts import LOOK_S, PepperPart, RobotCalls
-from woz_drivers.pepper.parts_calls import put_setting, read_back
+from woz_drivers.pepper.parts import LOOK_S, PepperPart, RobotCalls, put_setting, read_back
 from woz_drivers.pepper.robot_settings import SETTINGS, STATE_S, of_verb
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import number

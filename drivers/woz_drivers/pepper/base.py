@@ -8,8 +8,7 @@ from collections.abc import Mapping
 
 from woz_drivers.pepper.memory import items
 from woz_drivers.pepper.memory import number as number_of
-from woz_drivers.pepper.parts import LOOK_S, PepperPart, RobotCalls
-from woz_drivers.pepper.parts_calls import CleanUpCalls, answers
+from woz_drivers.pepper.parts import LOOK_S, CleanUpCalls, PepperPart, RobotCalls, answers
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import number
 from woz_tui.drivers.contract import (

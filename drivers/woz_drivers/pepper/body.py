@@ -7,8 +7,7 @@ from collections.abc import Callable, Mapping
 
 from woz_drivers.pepper import memory
 from woz_drivers.pepper.body_joints import checked, limb, native
-from woz_drivers.pepper.parts import PepperPart, RobotCalls
-from woz_drivers.pepper.parts_calls import LONG_S, Call, CleanUpCalls, read_back
+from woz_drivers.pepper.parts import LONG_S, Call, CleanUpCalls, PepperPart, RobotCalls, read_back
 from woz_drivers.pepper.robot_settings import SETTINGS, of_section
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import positive, text

@@ -14,9 +14,7 @@ from typing import Any
 from woz_drivers.pepper import camera_files
 from woz_drivers.pepper.memory import item, number, within
 from woz_drivers.pepper.naoqi_link import RobotRefusedError, binary
-from woz_drivers.pepper.parts import PepperPart, RobotCalls
-from woz_drivers.pepper.parts_calls import CleanUpCalls
-from woz_drivers.pepper.parts_task import Background, apart
+from woz_drivers.pepper.parts import Background, CleanUpCalls, PepperPart, RobotCalls, apart
 from woz_drivers.pepper.settings import PepperSettings
 from woz_tui.drivers.contract import (
     DeviceLostError,

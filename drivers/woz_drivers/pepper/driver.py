@@ -13,8 +13,7 @@ from woz_drivers.pepper.autonomy import AutonomyPart
 from woz_drivers.pepper.base import BasePart
 from woz_drivers.pepper.body import BodyPart
 from woz_drivers.pepper.body_joints import JOINTS
-from woz_drivers.pepper.parts import PepperPart
-from woz_drivers.pepper.parts_task import Background
+from woz_drivers.pepper.parts import Background, PepperPart
 from woz_drivers.pepper.recognition import RecognitionPart
 from woz_drivers.pepper.robot_connection import RobotConnection
 from woz_drivers.pepper.senses import SensesPart

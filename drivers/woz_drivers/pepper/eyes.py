@@ -13,8 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from woz_drivers.pepper import memory
-from woz_drivers.pepper.parts import PepperPart, RobotCalls
-from woz_drivers.pepper.parts_calls import CleanUpCalls
+from woz_drivers.pepper.parts import CleanUpCalls, PepperPart, RobotCalls
 from woz_drivers.pepper.robot_settings import SETTINGS
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import color as color_of

@@ -18,8 +18,7 @@ from typing import Any
 from woz_drivers.pepper.camera_files import stamp
 from woz_drivers.pepper.memory import stamped, within
 from woz_drivers.pepper.naoqi_link import RobotRefusedError, Unsubscribe, binary
-from woz_drivers.pepper.parts import PepperPart, RobotCalls
-from woz_drivers.pepper.parts_calls import CleanUpCalls
+from woz_drivers.pepper.parts import CleanUpCalls, PepperPart, RobotCalls
 from woz_drivers.pepper.settings import PepperSettings
 from woz_tui.drivers.contract import Argument, DriverContext, DriverError, Job, RejectedError, Verb
 from woz_tui.protocol.messages import Json

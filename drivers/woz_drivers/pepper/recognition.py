@@ -12,9 +12,8 @@ import contextlib
 from typing import Any
 
 from woz_drivers.pepper.memory import flag, item, within
-from woz_drivers.pepper.parts import PepperPart, RobotCalls
-from woz_drivers.pepper.parts_task import Background
-from woz_drivers.pepper.senses_modules import NAME, MemoryQuery
+from woz_drivers.pepper.parts import Background, PepperPart, RobotCalls
+from woz_drivers.pepper.senses import NAME, MemoryQuery
 from woz_drivers.pepper.settings import PepperSettings
 from woz_tui.drivers.contract import (
     SPEECH,

@@ -12,8 +12,13 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from woz_drivers.pepper.memory import within
-from woz_drivers.pepper.parts import PepperPart, RobotCalls, ServiceAbsentError
-from woz_drivers.pepper.parts_calls import LONG_S, CleanUpCalls
+from woz_drivers.pepper.parts import (
+    LONG_S,
+    CleanUpCalls,
+    PepperPart,
+    RobotCalls,
+    ServiceAbsentError,
+)
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet_page import is_address
 from woz_drivers.simulated.argument_values import number, sound_seconds, text

@@ -11,8 +11,15 @@ import asyncio
 from collections.abc import Mapping
 
 from woz_drivers.pepper import tags
-from woz_drivers.pepper.parts import PepperPart, RobotCalls
-from woz_drivers.pepper.parts_calls import LONG_S, CleanUpCalls, apply, put_setting, read_back
+from woz_drivers.pepper.parts import (
+    LONG_S,
+    CleanUpCalls,
+    PepperPart,
+    RobotCalls,
+    apply,
+    put_setting,
+    read_back,
+)
 from woz_drivers.pepper.robot_settings import SETTINGS, TTS, of_section
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tags import problems

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import time
 from collections.abc import Awaitable, Callable, Collection, Mapping
 from typing import Any
 
@@ -19,7 +20,6 @@ from woz_drivers.simulated.argument_values import (
 )
 from woz_drivers.simulated.body import SimulatedRobotBody
 from woz_drivers.simulated.faults import SLOWNESS, ActiveFaults, Fault
-from woz_drivers.simulated.pace import RobotTime
 from woz_drivers.simulated.publishing import Publisher
 from woz_drivers.simulated.simulated_camera import DrawnPerson, SimulatedCamera
 from woz_drivers.simulated.simulated_microphone import SimulatedMicrophone, SpeechMessages
@@ -42,6 +42,19 @@ from woz_tui.drivers.contract import (
 )
 from woz_tui.drivers.fields import Range
 from woz_tui.protocol.messages import Json
+
+
+class RobotTime:
+    """Real time: seconds of CLOCK_MONOTONIC, pauses of asyncio."""
+
+    def now(self) -> float:
+        """Seconds on a clock that never goes back; its zero is arbitrary."""
+        return time.monotonic()
+
+    async def sleep(self, seconds: float) -> None:
+        """Pause for `seconds`; zero or less only lets other tasks run."""
+        await asyncio.sleep(max(0.0, seconds))
+
 
 Sent = Mapping[str, Any]
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 from woz_drivers.simulated import SimulatedRobot
-from woz_drivers.simulated.pace import RobotTime
+from woz_drivers.simulated.driver import RobotTime
 
 from tests.drivers.body.rig import SteppedBody, within
 from tests.fakes.virtual_time import LoopClock, run_virtual

@@ -6,8 +6,8 @@ import asyncio
 import math
 
 import pytest
-from naoqi_simulator.base import SPEED_M_S
 from naoqi_simulator.joints import JOINTS, POSTURES
+from naoqi_simulator.motion import SPEED_M_S
 
 from tests.drivers.naoqi.hands import Said, Wired
 

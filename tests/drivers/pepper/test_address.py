@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.pepper.address import Address, parse, seen
-from woz_drivers.pepper.secrets import Secret, password
+from woz_drivers.pepper.naoqi_link import Secret, password
 from woz_drivers.pepper.settings import PepperSettings
 
 from woz_tui.drivers.contract import RejectedError

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 
 import pytest
-from naoqi_simulator.motion import JointsService
+from naoqi_simulator.motion import MotionService
 from naoqi_simulator.service_table import offers
 from woz_drivers.pepper.body import BodyPart
 from woz_drivers.pepper.body_joints import JOINTS, limb
@@ -201,10 +201,10 @@ async def _plays(it: Played) -> bool:
 async def test_motors_that_stay_as_they_are_are_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refuses(_: JointsService) -> bool:
+    def refuses(_: MotionService) -> bool:
         return False
 
-    monkeypatch.setattr(JointsService, "wake_up", offers("wakeUp()b")(refuses))
+    monkeypatch.setattr(MotionService, "wake_up", offers("wakeUp()b")(refuses))
     async with (
         stand_in_here() as robot,
         wired(BodyPart, tmp_path, robot, senses=QUIET) as it,

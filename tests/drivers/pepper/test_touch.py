@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 from woz_drivers.pepper.naoqi_link import Methods, Unsubscribe
 from woz_drivers.pepper.served_files import ServedFiles
 from woz_drivers.pepper.settings import PepperSettings, SensesSettings
-from woz_drivers.pepper.tablet import TabletPart
-from woz_drivers.pepper.touch import SENSORS, Touch, TouchScale, place
+from woz_drivers.pepper.tablet import SENSORS, TabletPart, Touch, TouchScale, place
 
 from tests.drivers.heard import Heard
 from tests.drivers.pepper.test_senses_values import ANYTHING

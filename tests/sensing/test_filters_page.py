@@ -1,4 +1,4 @@
-"""The page about the filters says what the program has."""
+"""The page about the filters lists the parameters and the picture that the program has."""
 
 from __future__ import annotations
 

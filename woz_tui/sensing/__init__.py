@@ -1,1 +1,1 @@
-"""From raw samples to what the wizard needs to know: filters, sound, distance, engagement."""
+"""From raw samples to verdicts of signs, states of the conversation and visitors by name."""

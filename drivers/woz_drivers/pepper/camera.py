@@ -12,9 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from woz_drivers.pepper import camera_files
+from woz_drivers.pepper.background import Background, apart
 from woz_drivers.pepper.memory import item, number, within
 from woz_drivers.pepper.naoqi_link import RobotRefusedError, binary
-from woz_drivers.pepper.parts import Background, CleanUpCalls, PepperPart, RobotCalls, apart
+from woz_drivers.pepper.parts import CleanUpCalls, PepperPart, RobotCalls
 from woz_drivers.pepper.settings import PepperSettings
 from woz_tui.drivers.contract import (
     DeviceLostError,

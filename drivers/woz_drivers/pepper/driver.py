@@ -10,10 +10,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from woz_drivers.pepper import doctor, outline, verbs
 from woz_drivers.pepper import text_remarks as written_as
 from woz_drivers.pepper.autonomy import AutonomyPart
+from woz_drivers.pepper.background import Background
 from woz_drivers.pepper.base import BasePart
 from woz_drivers.pepper.body import BodyPart
 from woz_drivers.pepper.body_joints import JOINTS
-from woz_drivers.pepper.parts import Background, PepperPart
+from woz_drivers.pepper.parts import PepperPart
 from woz_drivers.pepper.recognition import RecognitionPart
 from woz_drivers.pepper.robot_connection import RobotConnection
 from woz_drivers.pepper.senses import SensesPart

@@ -13,7 +13,6 @@ import socket
 import ssl
 import struct
 import sys
-import threading
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, TypeVar
 
@@ -22,6 +21,7 @@ from qimessaging.client import NaoqiClient
 from qimessaging.hosted_objects import HostedMethod, HostedObject
 
 from woz_drivers.pepper.address import Address
+from woz_drivers.pepper.background import apart
 from woz_drivers.pepper.settings import PepperSettings
 from woz_tui.drivers.contract import DeviceLostError
 
@@ -313,32 +313,14 @@ async def resolved(address: Address) -> tuple[str, int]:
     """
     with contextlib.suppress(ValueError):
         return str(ipaddress.ip_address(address.host)), address.port
-    loop = asyncio.get_running_loop()
-    found: asyncio.Future[list[Any]] = loop.create_future()
-
-    def look_up() -> None:
-        answer: list[Any] | OSError
-        try:
-            answer = socket.getaddrinfo(address.host, address.port, type=socket.SOCK_STREAM)
-        except OSError as error:
-            answer = error
-        except UnicodeError:  # a part of it is longer than a name may be
-            answer = socket.gaierror(socket.EAI_NONAME, "not known")
-        with contextlib.suppress(RuntimeError):  # the loop has been closed meanwhile
-            loop.call_soon_threadsafe(_settle, found, answer)
-
-    threading.Thread(target=look_up, name="look up", daemon=True).start()
-    infos = sorted(await found, key=lambda info: bool(info[0] != socket.AF_INET))
-    return str(infos[0][4][0]), int(infos[0][4][1])
-
-
-def _settle(found: asyncio.Future[list[Any]], answer: list[Any] | OSError) -> None:
-    if found.done():
-        return
-    if isinstance(answer, OSError):
-        found.set_exception(answer)
-    else:
-        found.set_result(answer)
+    try:
+        infos = await apart(
+            lambda: socket.getaddrinfo(address.host, address.port, type=socket.SOCK_STREAM)
+        )
+    except UnicodeError:  # a part of it is longer than a name may be
+        raise socket.gaierror(socket.EAI_NONAME, "not known") from None
+    first = min(infos, key=lambda info: info[0] != socket.AF_INET)
+    return str(first[4][0]), int(first[4][1])
 
 
 def binary(value: Any) -> bytes:

@@ -11,8 +11,9 @@ import asyncio
 import contextlib
 from typing import Any
 
+from woz_drivers.pepper.background import Background
 from woz_drivers.pepper.memory import flag, item, within
-from woz_drivers.pepper.parts import Background, PepperPart, RobotCalls
+from woz_drivers.pepper.parts import PepperPart, RobotCalls
 from woz_drivers.pepper.senses import NAME, MemoryQuery
 from woz_drivers.pepper.settings import PepperSettings
 from woz_tui.drivers.contract import (

@@ -14,8 +14,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from woz_drivers.pepper import memory
+from woz_drivers.pepper.background import Background
 from woz_drivers.pepper.memory import item, items, number, within
-from woz_drivers.pepper.parts import Background, PepperPart, RobotCalls, together
+from woz_drivers.pepper.parts import PepperPart, RobotCalls, together
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import text
 from woz_tui.drivers.contract import (

@@ -174,39 +174,28 @@ class SessionState:
         return sorted(lines.values(), key=lambda line: line.seq)
 
     def _lines(self) -> Iterator[m.Message]:
-        single = (self.start, self.end, self.plan, self.recorder, self.shaping)
-        for line in (*single, self.filled, self.profile_changed, self.perception, self.training):
-            if line is not None:
-                yield line
         for part in (self.study, self.model, self.robots):
             yield from part.lines
-        for driver in self.drivers.values():
-            yield from (each for each in (driver.before, driver.since, driver.health) if each)
-        tables: tuple[dict[str, Any], ...] = (
-            *(self.readings, self.sensors, self.modes, self.faces, self.bodies, self.controls),
-            *(self.scripts, self.locks, self.consoles),
-        )
-        for table in tables:
-            yield from table.values()
-        for episode in self._own():
-            yield from episode.lines
+        for value in self._values():
+            match value:
+                case m.Message():
+                    yield value
+                case DriverState():
+                    yield from filter(None, (value.before, value.since, value.health))
+                case Episode():
+                    yield from value.lines
 
-    def _own(self) -> Iterator[Episode]:
-        tables: tuple[dict[Any, Any], ...] = (
-            *(self.actions, self.commands, self.stops),
-            *(self.lost, self.faulted_lanes, self.speaking),
-        )
-        for table in tables:
-            yield from table.values()
-        for episode in (self.profile, self.restriction, self.cue, self.rerun):
-            if episode is not None:
-                yield episode
+    def _values(self) -> Iterator[object]:
+        """What its public attributes and tables hold."""
+        for name in _PUBLIC:
+            value = getattr(self, name)
+            yield from value.values() if type(value) is dict else (value,)
 
     def open(self) -> Iterator[Episode]:
         """All episodes that go on."""
         for part in (self.study, self.model, self.robots):
             yield from part.open()
-        yield from self._own()
+        yield from (value for value in self._values() if isinstance(value, Episode))
 
     # -- messages ---------------------------------------------------------------------------------
 
@@ -633,6 +622,7 @@ def _pass_over(state: SessionState, message: m.Message) -> None:
 
 
 _FIELDS = tuple(each.name for each in fields(SessionState))
+_PUBLIC = tuple(name for name in _FIELDS if not name.startswith("_"))
 #: What changes in place.
 _COPIED = frozenset({dict, StudyState, ModelStatus, RobotSettings})
 

@@ -289,10 +289,9 @@ class StudyState:
 
     def begin_trial(self, message: m.TrialStarted, t: int) -> Iterator[Episode]:
         """A trial begins, whatever was before: of what has no end in the log this is the end."""
-        yield from self._cut_break(t)
+        yield from self._cut("in_break", t)
         yield from self._end_phase(message, t)
-        if self.trial is not None:
-            yield replace(self.trial, end=t, cut=True)
+        yield from self._cut("trial", t)
         self._begin_trials()
         self.trial = TrialEpisode(begin=t, seq=message.seq, started=message)
         self.last_started = self._sources["trial"] = message
@@ -306,7 +305,7 @@ class StudyState:
 
     def end_trial(self, message: m.TrialEnded, t: int) -> Iterator[Episode]:
         """A trial is over, and with it the phase and the break inside it."""
-        yield from self._cut_break(t)
+        yield from self._cut("in_break", t)
         yield from self._end_phase(message, t)
         if self.trial is not None:
             yield replace(self.trial, end=t, outcome=message.outcome, ended=message)
@@ -341,7 +340,7 @@ class StudyState:
 
     def begin_break(self, message: m.BreakStarted, t: int) -> Iterator[Episode]:
         """What happens now belongs to no trial."""
-        yield from self._cut_break(t)
+        yield from self._cut("in_break", t)
         self.in_break = BreakEpisode(begin=t, seq=message.seq, started=message)
         self._enter()
         yield self.in_break
@@ -355,16 +354,11 @@ class StudyState:
         self._enter()
         yield ended
 
-    def _cut_break(self, t: int) -> Iterator[Episode]:
-        if self.in_break is not None:
-            yield replace(self.in_break, end=t, cut=True)
-            self.in_break = None
-
     # -- questionnaires ---------------------------------------------------------------------------
 
     def ask(self, message: m.QuestionnaireStarted, t: int) -> Iterator[Episode]:
         """A questionnaire begins; there is one at a time."""
-        yield from self._cut_questionnaire(t)
+        yield from self._cut("questionnaire", t)
         self.questionnaire = QuestionnaireEpisode(
             begin=t, seq=message.seq, name=message.questionnaire, started=message
         )
@@ -374,7 +368,7 @@ class StudyState:
         """An answer; without its beginning in the log, the questionnaire begins with it."""
         name = message.questionnaire
         if self.questionnaire is None or self.questionnaire.name != name:
-            yield from self._cut_questionnaire(t)
+            yield from self._cut("questionnaire", t)
             self.questionnaire = QuestionnaireEpisode(begin=t, seq=message.seq, name=name)
             yield self.questionnaire
         answers = dict(self.questionnaire.answers)
@@ -390,11 +384,13 @@ class StudyState:
             self._had_since = (self._had_since & self.had.keys()) | {name}
         current = self.questionnaire
         if current is None or current.name != name:
-            return [*self._cut_questionnaire(t)]
+            return [*self._cut("questionnaire", t)]
         self.questionnaire = None
         return [replace(current, end=t, outcome=message.reason, ended=message)]
 
-    def _cut_questionnaire(self, t: int) -> Iterator[Episode]:
-        if self.questionnaire is not None:
-            yield replace(self.questionnaire, end=t, cut=True)
-            self.questionnaire = None
+    def _cut(self, name: str, t: int) -> Iterator[Episode]:
+        """The episode that this attribute holds has ended without a line."""
+        episode = getattr(self, name)
+        setattr(self, name, None)
+        if episode is not None:
+            yield replace(episode, end=t, cut=True)

@@ -20,7 +20,7 @@ from tools import IMAGES
 from tools.sample_session import SAMPLE
 from woz_tui.analysis.html.report_page import write
 from woz_tui.analysis.html.timeline_items import rows
-from woz_tui.analysis.session_reading import ReportOptions, SessionReport, read_report
+from woz_tui.analysis.session_reading import ReportExtras, SessionReport, read_report
 
 FILE = IMAGES / "report.png"
 WIDTH, HEIGHT = 1280, 960
@@ -51,7 +51,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "profile").mkdir()
-        report = read_report(SAMPLE, wanted=ReportOptions(timeline=True, curves=True))
+        report = read_report(SAMPLE, extras=ReportExtras(timeline=True, curves=True))
         with browser(folder / "profile") as page:
             picture = Image.open(io.BytesIO(shot(page, report, folder)))
     file = Path(sys.argv[1]) if len(sys.argv) > 1 else FILE

@@ -23,7 +23,7 @@ from woz_tui.analysis.html.report_page import render
 from woz_tui.analysis.methods_section import paragraphs
 from woz_tui.analysis.session_reading import (
     NoSessionError,
-    ReportOptions,
+    ReportExtras,
     SessionReport,
     read_report,
 )
@@ -191,6 +191,6 @@ def test_a_damaged_log_raises_nothing_and_tells_so(
         path = Path(folder) / f"{STEM}.jsonl"
         path.write_bytes(data)
         with suppress(NoSessionError):
-            report = read_report(path, wanted=ReportOptions(timeline=True), places=[])
+            report = read_report(path, extras=ReportExtras(timeline=True), places=[])
             assert report.figures.wholeness.sentences  # at least: it has no end
             used(report.figures, report)

@@ -15,7 +15,7 @@ from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.html.report_page import render
 from woz_tui.analysis.methods_section import paragraphs
 from woz_tui.analysis.participant_groups import GroupedSessions
-from woz_tui.analysis.session_reading import ReportOptions, read_report
+from woz_tui.analysis.session_reading import ReportExtras, read_report
 from woz_tui.analysis.study_figures import Studies, StudyFacts
 from woz_tui.cli.report_layout import report_page
 from woz_tui.cli.report_sessions import show_sessions
@@ -210,7 +210,7 @@ def test_the_page_names_what_is_in_no_total(tmp_path: Path) -> None:
     it.written(tmp_path, STEM.replace("P07_S01", "P09_S02"))
     paths = sorted(tmp_path.glob("*.jsonl"))
     found = render(
-        [read_report(path, wanted=ReportOptions(timeline=True), places=[]) for path in paths]
+        [read_report(path, extras=ReportExtras(timeline=True), places=[]) for path in paths]
     )
     assert ">no participant</bdi></a><small> (excluded)</small>" in found
     assert ">P70</bdi></a><small> (excluded)</small>" in found
@@ -224,7 +224,7 @@ def test_a_page_of_sessions_without_anybody_has_no_means(tmp_path: Path) -> None
         Told(session=name).end(3).written(tmp_path, STEM.replace("S01", name))
     paths = sorted(tmp_path.glob("*.jsonl"))
     found = render(
-        [read_report(path, wanted=ReportOptions(timeline=True), places=[]) for path in paths]
+        [read_report(path, extras=ReportExtras(timeline=True), places=[]) for path in paths]
     )
     assert "By participant and condition" in found
     assert "By condition" not in found

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.analysis.told import SECOND, STEM, Told
-from woz_tui.analysis.session_reading import NoSessionError, ReportOptions, read_report
+from woz_tui.analysis.session_reading import NoSessionError, ReportExtras, read_report
 from woz_tui.analysis.session_sources import sessions_in
 from woz_tui.log.log_files import NO_END
 from woz_tui.protocol import codec
@@ -87,7 +87,7 @@ def test_checksums_are_checked_if_somebody_wants(tmp_path: Path) -> None:
     told.messages[-1] = m.SessionEnd(seq=len(told.messages) - 1, t=10, reason="x", sha256="00")
     path = told.written(tmp_path)
     assert read_report(path, places=[]).figures.wholeness.left_out == 0
-    checked = read_report(path, wanted=ReportOptions(verified=True), places=[]).figures.wholeness
+    checked = read_report(path, extras=ReportExtras(verified=True), places=[]).figures.wholeness
     assert checked.verified
     assert any("were changed or lost" in sentence for sentence in checked.sentences)
 
@@ -109,7 +109,7 @@ def test_curves_come_from_samples(tmp_path: Path) -> None:
     path = short().written(tmp_path)
     sample = m.Reading(seq=99, t=2_000_000, sensor="loudness", value=0.5)
     (tmp_path / f"{STEM}.samples.jsonl").write_bytes(codec.encode(sample))
-    timeline = read_report(path, wanted=ReportOptions(curves=True), places=[]).timeline
+    timeline = read_report(path, extras=ReportExtras(curves=True), places=[]).timeline
     assert timeline is not None
     assert [(curve.sensor, curve.values[-1]) for curve in timeline.curves] == [("loudness", 0.5)]
 
@@ -119,7 +119,7 @@ def test_golden_logs_of_every_version_can_be_reported(version: str, tmp_path: Pa
     for path in (GOLDEN / version).rglob("*.jsonl"):
         shutil.copy(path, tmp_path)
     [log], problems = sessions_in([str(tmp_path)])
-    report = read_report(log, wanted=ReportOptions(timeline=True, curves=True), places=[])
+    report = read_report(log, extras=ReportExtras(timeline=True, curves=True), places=[])
     assert problems == []
     assert report.figures.schema == int(version[1:])
     assert report.figures.whole.actions > 0
@@ -172,7 +172,7 @@ def test_a_sample_behind_the_last_action_is_no_time_of_the_session(tmp_path: Pat
     path = Told().act(1).end(9).written(tmp_path)
     late = m.Reading(seq=99, t=20 * SECOND, sensor="distance", value=1.0)
     path.with_suffix(".samples.jsonl").write_bytes(codec.encode(late))
-    drawn = read_report(path, wanted=ReportOptions(timeline=True, curves=True))
+    drawn = read_report(path, extras=ReportExtras(timeline=True, curves=True))
     assert drawn.figures.duration_us == read_report(path).figures.duration_us == 9 * SECOND
     assert drawn.timeline is not None
     assert drawn.timeline.duration_us == 20 * SECOND, "the curve is within the picture"

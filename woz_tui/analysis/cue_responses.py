@@ -43,7 +43,7 @@ class _Answers:
     """Which acts answer which cues: as the experiment file says (`answers`), else speech."""
 
     def __init__(self, timeline: Timeline) -> None:
-        self._said = timeline.state.study.settings.answers
+        self._verbs = timeline.state.study.settings.answers
         #: What was sent, by the command's id, and what was to be sent, by the action's name.
         self._sent = {each.request.command: each.label for each in timeline.of(e.CommandEpisode)}
         self._planned = {
@@ -57,14 +57,14 @@ class _Answers:
         """Whether this act is an answer to such a cue. One of which nothing is known is one: an
         action that was refused in a log that does not say what it would have done.
         """
-        wanted = frozenset(self._said.get(cue_type, SPEECH))
-        if act.request.panel in wanted:
+        answers = frozenset(self._verbs.get(cue_type, SPEECH))
+        if act.request.panel in answers:
             return True
         if isinstance(act, e.CommandEpisode):
-            return act.label in wanted
+            return act.label in answers
         verbs = [self._sent[command] for command in act.commands if command in self._sent]
         verbs += self._planned.get(act.label, ())
-        return not verbs or not wanted.isdisjoint(verbs)
+        return not verbs or not answers.isdisjoint(verbs)
 
 
 @dataclass(slots=True)

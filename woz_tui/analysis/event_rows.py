@@ -510,7 +510,7 @@ def rounds(timeline: Timeline) -> Iterator[RoundRow]:
 
 def unanswered(timeline: Timeline) -> Iterator[str]:
     """Titles of the questionnaires that were due and not answered, with the trial before them."""
-    titles = {one.name: one.heading for one in timeline.state.study.settings.questionnaires}
+    titles = {each.name: each.heading for each in timeline.state.study.settings.questionnaires}
     for due in timeline.unanswered:
         after = "at the end" if due.trial < 0 else f"after trial {due.trial}"
         yield f"{titles.get(due.questionnaire, due.questionnaire)} ({after})"
@@ -542,14 +542,14 @@ def answers(timeline: Timeline) -> Iterator[AnswerRow]:
 
 def _numbered(timeline: Timeline) -> Iterator[tuple[e.QuestionnaireEpisode, int]]:
     """Questionnaires, and how often each had been put by then."""
-    put: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     for each in timeline.of(e.QuestionnaireEpisode):
-        put[each.name] += 1
-        yield each, put[each.name]
+        counts[each.name] += 1
+        yield each, counts[each.name]
 
 
-def _items(put: e.QuestionnaireEpisode) -> Mapping[str, Mapping[str, Any]]:
-    listed = put.started.items if put.started is not None else []
+def _items(questionnaire: e.QuestionnaireEpisode) -> Mapping[str, Mapping[str, Any]]:
+    listed = questionnaire.started.items if questionnaire.started is not None else []
     return {str(item.get("name", "")): item for item in listed}
 
 

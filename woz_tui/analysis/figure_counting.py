@@ -78,16 +78,16 @@ def figures_of(
     def counted(context: Context) -> bool:
         return counts_in_means(timeline, people, context)
 
-    whole = _whole(counting, trials, people, options)
+    whole = _whole_session(counting, trials, people, options)
     parts = _parts(timeline, tallies, trials, people, options)
-    conditions = tuple(_each(tally.condition for tally in tallies))
+    conditions = tuple(_unique(tally.condition for tally in tallies))
     plan = _first_plan(timeline)
     return SessionFigures(
         path=path,
         stem=stem,
         session=start.session,
         participant=_named(tallies, people),
-        participants=tuple(_each(_of(tallies, people))),
+        participants=tuple(_unique(_of(tallies, people))),
         condition=", ".join(conditions),
         conditions=conditions,
         wizard=start.wizard,
@@ -333,12 +333,12 @@ def _together(episodes: Iterable[e.Episode]) -> Iterator[tuple[int, int]]:
         yield begin, end
 
 
-def _whole(
+def _whole_session(
     counting: _Counting, trials: Sequence[TrialRow], people: set[str], options: FigureOptions
 ) -> PartFigures:
     every = options.all_trials
     counted = [tally for tally in counting.tallies if every or tally.counted]
-    conditions = ", ".join(_each(tally.condition for tally in counted))
+    conditions = ", ".join(_unique(tally.condition for tally in counted))
     begun = sum(every or trial.counted for trial in trials)
     return part_figures(counting.whole(every=every), _named(counted, people), conditions, begun)
 
@@ -393,7 +393,7 @@ def _panels(plan: m.SessionPlan | None) -> Iterator[PanelRow]:
         yield PanelRow(panel.title, tuple(each.name for each in panel.actions), panel.locked)
 
 
-def _each(names: Iterable[str]) -> dict[str, None]:
+def _unique(names: Iterable[str]) -> dict[str, None]:
     """Each name once, in the order of the first time; none that is empty."""
     return dict.fromkeys(name for name in names if name)
 
@@ -404,5 +404,5 @@ def _of(tallies: Iterable[Tally], people: set[str]) -> Iterable[str]:
 
 def _named(tallies: Sequence[Tally], people: set[str]) -> str:
     """Who took part; all codes that were given if nobody did."""
-    found = _each(_of(tallies, people)) or _each(tally.participant for tally in tallies)
+    found = _unique(_of(tallies, people)) or _unique(tally.participant for tally in tallies)
     return ", ".join(found)

@@ -104,11 +104,11 @@ def _attended(facts: StudyFacts) -> Iterator[str]:
         yield f"No participant was recorded in {counted(facts.unnamed, 'session')}."
     conditions = [(name, len(who)) for name, who in sorted(facts.people.items()) if name]
     if conditions:
-        told = [
+        sentences = [
             f"the condition {name} had {counted(count, 'participant')}"
             for name, count in conditions
         ]
-        yield f"{capital(listed(told))}."
+        yield f"{capital(listed(sentences))}."
     elif people:
         yield "Conditions were not recorded."
     yield from _orders(facts)
@@ -134,30 +134,32 @@ def _lengths(facts: StudyFacts) -> str:
 
 
 def _orders(facts: StudyFacts) -> Iterator[str]:
-    told = [
+    methods = [
         f"{_ORDERS.get(method, method)} in {counted(count, 'session')}"
         for method, count in sorted(facts.orders.items())
     ]
-    if told:
-        yield f"Conditions were assigned {listed(told)}."
+    if methods:
+        yield f"Conditions were assigned {listed(methods)}."
 
 
 def _wizards(facts: StudyFacts) -> Iterator[str]:
     if not facts.sessions:
         return
-    known = {name: count for name, count in sorted(facts.wizards.items()) if name}
-    if not known:
+    recorded = {name: count for name, count in sorted(facts.wizards.items()) if name}
+    if not recorded:
         yield "The wizard was not recorded."
-    elif len(known) == 1:
-        [(name, count)] = known.items()
+    elif len(recorded) == 1:
+        [(name, count)] = recorded.items()
         led = "all sessions" if count == facts.sessions > 1 else counted(count, "session")
         yield f"The robot was controlled by 1 wizard ({name}), who led {led}."
     else:
-        led = listed([f"{name} led {counted(count, 'session')}" for name, count in known.items()])
-        yield f"The robot was controlled by {len(known)} wizards: {led}."
-    if known and facts.wizards[""]:
+        led = listed(
+            [f"{name} led {counted(count, 'session')}" for name, count in recorded.items()]
+        )
+        yield f"The robot was controlled by {len(recorded)} wizards: {led}."
+    if recorded and facts.wizards[""]:
         yield f"No wizard was recorded in {counted(facts.wizards[''], 'session')}."
-    yield from _training(facts, [*known])
+    yield from _training(facts, [*recorded])
 
 
 def _training(facts: StudyFacts, wizards: Sequence[str]) -> Iterator[str]:
@@ -173,16 +175,16 @@ def _training(facts: StudyFacts, wizards: Sequence[str]) -> Iterator[str]:
 
 
 def _practised(name: str, practice: WizardTraining) -> str:
-    told = f"{name} practised in {counted(practice.sessions, 'training session')}"
+    sentence = f"{name} practised in {counted(practice.sessions, 'training session')}"
     last = practice.last
     if last is None or not last.cues:
-        return f"{told}."
+        return f"{sentence}."
     when = "" if practice.sessions == 1 else " in the last one"
     reaction = ""
     if last.times.median is not None:
         reaction = f", with a median reaction time of {_seconds(last.times.median)} s"
     return (
-        f"{told} and answered {last.right} of {counted(last.cues, 'cue')}"
+        f"{sentence} and answered {last.right} of {counted(last.cues, 'cue')}"
         f" ({_per_cent(last.right, last.cues)}) correctly{when}{reaction}."
     )
 
@@ -262,11 +264,11 @@ def _jitter(jitter_us: int) -> str:
 def _recognition(facts: StudyFacts) -> Iterator[str]:
     if not facts.sessions:
         return
-    for (hidden, blurred), count in sorted(facts.seen.items()):
+    for (hidden, blurred), count in sorted(facts.views.items()):
         parts = [f"did not see {listed(_named(hidden), 'or')}"] if hidden else []
         parts += [f"saw {listed(_named(blurred))} only blurred"] if blurred else []
         yield f"In {counted(count, 'session')} the wizard {listed(parts)}."
-    if not facts.seen:
+    if not facts.views:
         yield "No restriction of the wizard's view was recorded."
 
 
@@ -327,10 +329,10 @@ def _data(facts: StudyFacts) -> Iterator[str]:
     if not facts.sessions:
         return
     if facts.left_out:
-        told = [
+        outcomes = [
             f"{count} {was(count)} {outcome}" for outcome, count in sorted(facts.left_out.items())
         ]
-        yield f"Of {counted(facts.trials, 'trial')}, {listed(told)} and left out."
+        yield f"Of {counted(facts.trials, 'trial')}, {listed(outcomes)} and left out."
     if facts.outside:
         yield (
             f"In {counted(facts.outside, 'session')} there was time outside of trials; figures of"
@@ -357,8 +359,8 @@ def _data(facts: StudyFacts) -> Iterator[str]:
 # -- words ----------------------------------------------------------------------------------------
 
 
-def _per_cent(part: int, whole: int) -> str:
-    return f"{100 * part / whole:.1f} %"
+def _per_cent(part: int, total: int) -> str:
+    return f"{100 * part / total:.1f} %"
 
 
 def _seconds(us: float) -> str:

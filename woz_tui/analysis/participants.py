@@ -62,9 +62,9 @@ def condition_text(condition: str, scope: str) -> str:
 def excluded_sentence(rows: Iterable[tuple[str, bool]]) -> str:
     """A sentence about rows (participant, counted) that no mean contains; empty without any."""
     names = sorted({who for who, counted in rows if not counted})
-    told = ["time before a participant was set"] if "" in names else []
-    told += [f"{who} (less than {SLIP_US / 1e6:g} s and nothing played)" for who in names if who]
-    return f"Excluded: {', '.join(told)}" if told else ""
+    reasons = ["time before a participant was set"] if "" in names else []
+    reasons += [f"{who} (less than {SLIP_US / 1e6:g} s and nothing played)" for who in names if who]
+    return f"Excluded: {', '.join(reasons)}" if reasons else ""
 
 
 def counted_parts(parts: Iterable[PartFigures]) -> list[PartFigures]:

@@ -114,11 +114,11 @@ def _played(name: str, timeline: Timeline) -> PlayedSession:
         else:
             found.acts.append(act)
     runs = {each.request.run: each for each in timeline.of(ActionEpisode)}
-    found.acts += (_whole(each, of_runs.get(run, ())) for run, each in runs.items())
+    found.acts += (_act_of_action(each, of_runs.get(run, ())) for run, each in runs.items())
     found.acts.sort(key=lambda act: act.t)
-    whole = len(found.acts)
+    count = len(found.acts)
     found.acts = list(_strokes(found.acts, runs))
-    found.streams += whole - len(found.acts)
+    found.streams += count - len(found.acts)
     found.commands.sort(key=lambda act: act.moment)
     for rerun in timeline.of(RerunEpisode):
         found.original = rerun.label
@@ -145,7 +145,7 @@ def _act(command: CommandEpisode, again: m.RerunSent | None) -> PlayedAct:
     return replace(act, original=again.original_command, late=act.moment - again.due)
 
 
-def _whole(action: ActionEpisode, commands: Sequence[PlayedAct]) -> PlayedAct:
+def _act_of_action(action: ActionEpisode, commands: Sequence[PlayedAct]) -> PlayedAct:
     return PlayedAct(
         id=action.request.run,
         name=action.label,

@@ -300,8 +300,8 @@ def _trend(points: Sequence[tuple[int, int]]) -> float:
 
 
 def _words(values: tuple[dict[str, Any], ...]) -> str:
-    told = (", ".join(f"{name} {value}" for name, value in one.items()) for one in values)
-    return "; ".join(one or "nothing" for one in told) or "nothing"
+    groups = (", ".join(f"{name} {value}" for name, value in each.items()) for each in values)
+    return "; ".join(each or "nothing" for each in groups) or "nothing"
 
 
 def facts(comparison: Comparison) -> dict[str, Any]:

@@ -49,8 +49,8 @@ def integrity_of(
     sentences = damage.sentences()
     if not figures.schema:
         sentences.append(NO_BEGINNING)
-    known = damage.torn + damage.damaged + damage.misplaced + damage.dropped
-    missing = max(0, roll.short - known)
+    explained = damage.torn + damage.damaged + damage.misplaced + damage.dropped
+    missing = max(0, roll.short - explained)
     if missing and not damage.missing:  # else their numbers are named
         sentences.append(f"{missing} line(s) of actions missing")
     sentences += [f"went on in {path.name}: {head.reason}" for path, head in _moved(files.actions)]
@@ -71,12 +71,12 @@ def integrity_of(
 
 
 def with_verification(
-    whole: LogIntegrity, path: Path, places: Iterable[Path] | None
+    integrity: LogIntegrity, path: Path, places: Iterable[Path] | None
 ) -> LogIntegrity:
     """The same after checking every number and checksum, samples too."""
     found = verify(path, places=places).sentences()
-    more = [sentence for sentence in found if sentence not in whole.sentences]
-    return replace(whole, sentences=(*whole.sentences, *more), verified=True)
+    more = [sentence for sentence in found if sentence not in integrity.sentences]
+    return replace(integrity, sentences=(*integrity.sentences, *more), verified=True)
 
 
 def _moved(actions: Sequence[Path]) -> Iterator[tuple[Path, Segment]]:
@@ -109,7 +109,7 @@ class SessionReport:
 
 
 @dataclass(frozen=True, slots=True)
-class ReportOptions:
+class ReportExtras:
     """What is to be found out besides the figures.
 
     Attributes:
@@ -124,13 +124,13 @@ class ReportOptions:
 
 
 #: Nothing besides.
-FIGURES = ReportOptions()
+FIGURES = ReportExtras()
 
 
 def read_report(
     path: Path,
     options: FigureOptions = DEFAULTS,
-    wanted: ReportOptions = FIGURES,
+    extras: ReportExtras = FIGURES,
     *,
     places: Iterable[Path] | None = None,
 ) -> SessionReport:
@@ -142,7 +142,7 @@ def read_report(
         OSError: None of its files can be read.
     """
     with _without_collection():
-        return _examined(path, options, wanted, places)
+        return _read_report(path, options, extras, places)
 
 
 @contextmanager
@@ -159,13 +159,13 @@ def _without_collection() -> Iterator[None]:
             gc.enable()
 
 
-def _examined(
-    path: Path, options: FigureOptions, wanted: ReportOptions, places: Iterable[Path] | None
+def _read_report(
+    path: Path, options: FigureOptions, extras: ReportExtras, places: Iterable[Path] | None
 ) -> SessionReport:
     damage = Damage()
     timeline, curves, roll = Timeline(), SensorCurves(), LineCount()
     lines, some = 0, False
-    for message in messages(path, damage, places=places, samples=wanted.curves):
+    for message in messages(path, damage, places=places, samples=extras.curves):
         roll.take(message)
         if isinstance(message, LogLine):
             lines += not message.sample
@@ -181,8 +181,8 @@ def _examined(
     timeline.finish()
     found = files_of(path, places, samples=False)
     figures = figures_of(timeline, options, str(path), found.stem)
-    whole = integrity_of(figures, damage, found, roll)
-    if wanted.verified:
-        whole = with_verification(whole, path, places)
-    drawing = drawing_of(timeline, curves) if wanted.timeline or wanted.curves else None
-    return SessionReport(replace(figures, wholeness=whole, lines=lines), drawing)
+    integrity = integrity_of(figures, damage, found, roll)
+    if extras.verified:
+        integrity = with_verification(integrity, path, places)
+    drawing = drawing_of(timeline, curves) if extras.timeline or extras.curves else None
+    return SessionReport(replace(figures, wholeness=integrity, lines=lines), drawing)

@@ -41,7 +41,7 @@ class StudyFacts:
         outside: Sessions with time outside of trials, which is in no figure of the wizard's work.
         wizards: Wizard -> sessions led.
         unreached: Driver -> how many stops did not reach it, as it was not connected.
-        seen: What the wizard could not see -> in how many sessions.
+        views: What the wizard could not see -> in how many sessions.
         shaped: How answers were held back -> in how many sessions.
         open_logs: Sessions whose log has no end.
         damaged: Sessions whose log is damaged otherwise, `lost` the lines that are gone.
@@ -76,7 +76,7 @@ class StudyFacts:
     stopped_sessions: int = 0
     unreached: Counter[str] = field(default_factory=Counter)
     held: Durations = field(default_factory=Durations)
-    seen: Counter[tuple[tuple[str, ...], tuple[str, ...]]] = field(default_factory=Counter)
+    views: Counter[tuple[tuple[str, ...], tuple[str, ...]]] = field(default_factory=Counter)
     shaped: Counter[tuple[int, int, tuple[str, ...]]] = field(default_factory=Counter)
     trials: int = 0
     left_out: Counter[str] = field(default_factory=Counter)
@@ -158,19 +158,19 @@ class StudyFacts:
         self.stops += stops
         self.stopped_sessions += bool(stops)
         self.unreached.update(name for stop in figures.stops for name in stop.unreached)
-        for seen in {_hidden(each) for each in figures.restrictions} - {((), ())}:
-            self.seen[seen] += 1
+        for view in {_hidden(each) for each in figures.restrictions} - {((), ())}:
+            self.views[view] += 1
 
     def _data(self, figures: SessionFigures) -> None:
-        whole = figures.wholeness
+        integrity = figures.wholeness
         people = figures.participants or ("",)
         trials = [trial for trial in figures.trials if trial.participant in people]
         self.trials += len(trials)
         self.left_out.update(trial.outcome for trial in trials if not trial.counted)
-        lost = whole.left_out + whole.dropped + whole.missing
+        lost = integrity.left_out + integrity.dropped + integrity.missing
         self.lost += lost
         self.damaged += bool(lost)
-        self.open_logs += not whole.ended
+        self.open_logs += not integrity.ended
 
     @property
     def participants(self) -> set[str]:
@@ -183,8 +183,8 @@ class StudyFacts:
         return self.by_hand + self.direct
 
 
-def _hidden(seen: RestrictionRow) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    return tuple(sorted(seen.hidden)), tuple(sorted(seen.blurred))
+def _hidden(restriction: RestrictionRow) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    return tuple(sorted(restriction.hidden)), tuple(sorted(restriction.blurred))
 
 
 def _shaped(shaping: ShapingRow) -> tuple[int, int, tuple[str, ...]]:

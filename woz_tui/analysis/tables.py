@@ -604,8 +604,8 @@ def rounds_wide(figures: SessionFigures) -> list[dict[str, Cell]]:
         key = (answer.questionnaire, answer.round)
         if key not in rounds:
             rounds[key] = {column.name: column.cell(figures, answer) for column in _ROUND}
-        told = answer.text if answer.value is None else rounded(answer.value)
-        rounds[key][f"{answer.questionnaire}.{answer.item}"] = None if answer.skipped else told
+        value = answer.text if answer.value is None else rounded(answer.value)
+        rounds[key][f"{answer.questionnaire}.{answer.item}"] = None if answer.skipped else value
     return list(rounds.values())
 
 

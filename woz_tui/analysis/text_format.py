@@ -13,8 +13,8 @@ def clock(us: float | None, decimals: int = 0) -> str:
     if us is None:
         return NONE
     scale = 10**decimals
-    whole, part = divmod(round(us * scale / 1_000_000), scale)
-    minutes, seconds = divmod(whole, 60)
+    total, part = divmod(round(us * scale / 1_000_000), scale)
+    minutes, seconds = divmod(total, 60)
     hours, minutes = divmod(minutes, 60)
     head = f"{hours}:{minutes:02}" if hours else str(minutes)
     return f"{head}:{seconds:02}" + (f".{part:0{decimals}}" if decimals else "")

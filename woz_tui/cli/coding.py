@@ -104,19 +104,19 @@ def _compared(arguments: argparse.Namespace, found: Codings) -> int:
     timeline = timeline_of(lines)
     within = coded_spans(timeline, every=arguments.all_trials)
     every = agreements(found.of(one), found.of(other), within, round(arguments.bin * 1e6))
-    wanted = [each for each in every if arguments.tier in ("", each.tier)]
-    if not wanted:
+    selected = [each for each in every if arguments.tier in ("", each.tier)]
+    if not selected:
         tiers = ", ".join(each.tier for each in every)
         print(f"woz coding: there is no tier {arguments.tier!r}; {tiers}", file=sys.stderr)
         return 1
     if arguments.json:
-        print(json_text([_plain(each, arguments) for each in wanted]))
+        print(json_text([_plain(each, arguments) for each in selected]))
         return 0
     paper = report_page()
     seconds = sum(end - begin for begin, end in within) / 1e6
     where = f"{len(within)} trials" if timeline.has_trials else "the whole session"
     paper.say(f"{one} and {other}: bins of {arguments.bin:g} s in {where}, {seconds:.1f} s")
-    for each in wanted:
+    for each in selected:
         _show(paper, each, one, other)
     return 0
 

@@ -148,10 +148,10 @@ def _pairs(title: str, pairs: tuple[ActPair, ...], limit: int) -> Iterator[str]:
         yield ""
         yield f"{title}:"
     for pair in pairs[:limit]:
-        told = "; ".join(map(clean, pair.differences))
+        differences = "; ".join(map(clean, pair.differences))
         yield (
             f"  {clock(pair.a.moment):>10}  {clock(pair.b.moment):>10}"
-            f"  {pair.shift_us / 1000:+10.1f} ms  {clean(pair.a.name)}  {told}"
+            f"  {pair.shift_us / 1000:+10.1f} ms  {clean(pair.a.name)}  {differences}"
         ).rstrip()
     yield from _rest(len(pairs), limit)
 

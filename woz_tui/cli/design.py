@@ -103,12 +103,12 @@ class _Plan:
 
 
 def _plan(
-    experiment: Experiment, design: Design, found: EarlierParticipants, wanted: int | None
+    experiment: Experiment, design: Design, found: EarlierParticipants, participants: int | None
 ) -> _Plan:
     used = DesignUsage(design, experiment.conditions, found.past)
     past = [*found.past]
     coming: list[ConditionProposal] = []
-    for _ in range(wanted or _missing(used)):
+    for _ in range(participants or _missing(used)):
         proposal = propose(f"{_NEXT} {len(coming) + 1}", design, experiment.conditions, past)
         coming.append(proposal)
         past.append(

@@ -44,14 +44,14 @@ def with_error_sentences(
     except Exception as error:
         if is_output_error(error):
             raise
-        told = _told(error, who, more)
-        if told is None:
+        sentences = _sentences(error, who, more)
+        if sentences is None:
             raise
-        print(told, *getattr(error, "__notes__", ()), sep="\n", file=sys.stderr)
+        print(sentences, *getattr(error, "__notes__", ()), sep="\n", file=sys.stderr)
     return code
 
 
-def _told(error: Exception, who: str, more: tuple[type[Exception], ...]) -> str | None:
+def _sentences(error: Exception, who: str, more: tuple[type[Exception], ...]) -> str | None:
     """The error in sentences; None if it is a mistake of the program."""
     # Here, so that what needs no explanation starts without them.
     from woz_tui.config.experiment import ExperimentError  # noqa: PLC0415

@@ -6,6 +6,7 @@ import sys
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
+from woz_tui.analysis.text_format import counted
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.export.export_run import FORMATS, export
 from woz_tui.export.exporter import ExportOptions
@@ -72,15 +73,16 @@ def _run(arguments: Namespace) -> int:
         offset=_microseconds(arguments),
     )
     sessions = unread = 0
-    for told in export(arguments.file, arguments.to, arguments.out, options, force=arguments.force):
+    for summary in export(
+        arguments.file, arguments.to, arguments.out, options, force=arguments.force
+    ):
+        session = summary.session
         sessions += 1
-        unread += not told.session.lines
-        print(f"{told.session.name}: {told.events} events, {told.session.duration / 1e6:.1f} s")
-        for sentence in told.session.damage:
-            print(f"woz export: {told.session.name}: damage: {sentence}", file=sys.stderr)
-        for sentence in told.notes:
-            print(f"woz export: {told.session.name}: {sentence}", file=sys.stderr)
-    print(f"{sessions} session{'' if sessions == 1 else 's'} in {arguments.out}")
+        unread += not session.lines
+        print(f"{session.name}: {summary.events} events, {session.duration / 1e6:.1f} s")
+        for sentence in [*(f"damage: {each}" for each in session.damage), *summary.notes]:
+            print(f"woz export: {session.name}: {sentence}", file=sys.stderr)
+    print(f"{counted(sessions, 'session')} in {arguments.out}")
     return 1 if unread else 0
 
 

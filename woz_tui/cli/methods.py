@@ -42,7 +42,7 @@ def _run(arguments: Namespace) -> int:
         print("woz methods: no log contains the following; write it by hand:", file=sys.stderr)
         for item in BY_HAND:
             print(f"  - {item}", file=sys.stderr)
-    return reading.told("woz methods")
+    return reading.print_problems("woz methods")
 
 
 def _print(found: list[tuple[str, tuple[str, ...]]], markdown: bool) -> None:

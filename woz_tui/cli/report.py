@@ -16,7 +16,7 @@ from woz_tui.cli.safe_streams import json_text
 if TYPE_CHECKING:
     from woz_tui.analysis.figure_counting import FigureOptions
     from woz_tui.analysis.participant_groups import GroupedSessions
-    from woz_tui.analysis.session_reading import ReportOptions, SessionReport
+    from woz_tui.analysis.session_reading import ReportExtras, SessionReport
 
 #: Seconds in which an answer to a cue counts as one.
 _WINDOW = 10.0
@@ -85,7 +85,7 @@ def _report(arguments: argparse.Namespace) -> int:
     sessions: list[object] = []
     try:
         with table_files(arguments.csv) if arguments.csv else nullcontext() as files:
-            for report in reading.reports(_wanted(arguments, len(reading.paths))):
+            for report in reading.reports(_extras(arguments, len(reading.paths))):
                 grouped.add(report.figures)
                 if files is not None:
                     files.add(report.figures)
@@ -104,17 +104,17 @@ def _report(arguments: argparse.Namespace) -> int:
         _print_json(sessions, grouped, reading.problems)
     elif kept or grouped.sessions:
         _print(arguments, grouped, kept, len(reading.paths))
-    _tell_written(arguments, nothing=not kept)
-    return reading.told("woz report")
+    _print_written(arguments, nothing=not kept)
+    return reading.print_problems("woz report")
 
 
-def _tell_written(arguments: argparse.Namespace, *, nothing: bool) -> None:
+def _print_written(arguments: argparse.Namespace, *, nothing: bool) -> None:
     """A page of no session is not written: what is there already may be an earlier one."""
     if arguments.csv:
         print(f"woz report: wrote {arguments.csv}", file=sys.stderr)
     if arguments.html and nothing:
-        told = f"woz report: {arguments.html} was not written: there is nothing to report"
-        print(told, file=sys.stderr)
+        sentence = f"woz report: {arguments.html} was not written: there is nothing to report"
+        print(sentence, file=sys.stderr)
     elif arguments.html:
         print(f"woz report: wrote {arguments.html}", file=sys.stderr)
 
@@ -129,17 +129,17 @@ class SessionReader:
         self.paths, self.problems = sessions_in(arguments.logs)
         self._seen: dict[tuple[str, ...], str] = {}
 
-    def reports(self, wanted: ReportOptions) -> Iterator[SessionReport]:
+    def reports(self, extras: ReportExtras) -> Iterator[SessionReport]:
         """One after the other; only one is in memory at a time."""
         from woz_tui.analysis.session_reading import read_report  # noqa: PLC0415
 
         options = options_of(self._arguments)
         for path in self.paths:
             try:
-                report = read_report(path, options, wanted)
+                report = read_report(path, options, extras)
             except (OSError, ValueError) as error:
-                told = os_error_text(error) if isinstance(error, OSError) else str(error)
-                self.problems.append(told)
+                reason = os_error_text(error) if isinstance(error, OSError) else str(error)
+                self.problems.append(reason)
                 continue
             if self._is_new(report):
                 yield report
@@ -156,7 +156,7 @@ class SessionReader:
             return False
         return True
 
-    def told(self, command: str) -> int:
+    def print_problems(self, command: str) -> int:
         """Say what was wrong; the exit code."""
         for problem in self.problems:
             print(f"{command}: {problem}", file=sys.stderr)
@@ -175,24 +175,24 @@ def options_of(arguments: argparse.Namespace) -> FigureOptions:
     )
 
 
-def _wanted(arguments: argparse.Namespace, sessions: int) -> ReportOptions:
-    from woz_tui.analysis.session_reading import ReportOptions  # noqa: PLC0415
+def _extras(arguments: argparse.Namespace, sessions: int) -> ReportExtras:
+    from woz_tui.analysis.session_reading import ReportExtras  # noqa: PLC0415
 
     page = arguments.html is not None
     alone = sessions == 1 and not arguments.json
-    return ReportOptions(timeline=page or alone, curves=page, verified=arguments.verify)
+    return ReportExtras(timeline=page or alone, curves=page, verified=arguments.verify)
 
 
 def _print_json(sessions: list[object], grouped: GroupedSessions, problems: list[str]) -> None:
     from woz_tui.analysis import figures_json  # noqa: PLC0415
 
-    told = {
+    found = {
         "sessions": sessions,
         "experiments": figures_json.grouped(grouped),
         "trainings": figures_json.plain(grouped.trainings),
         "problems": problems,
     }
-    print(json_text(told, allow_nan=False))
+    print(json_text(found, allow_nan=False))
 
 
 def _print(

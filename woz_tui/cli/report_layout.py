@@ -199,22 +199,22 @@ def _widths(column: Column) -> tuple[int, int]:
     lines = [line for cell in (column.header, *column.cells) for line in str(cell).split("\n")]
     words = [word for line in lines for word in line.split()]
     # A figure is no sentence: it stays with its unit.
-    whole = [str(cell) for cell in column.cells] if column.justify == "right" else []
-    return max(map(cell_len, [*words, *whole]), default=0), max(map(cell_len, lines), default=0)
+    figures = [str(cell) for cell in column.cells] if column.justify == "right" else []
+    return max(map(cell_len, [*words, *figures]), default=0), max(map(cell_len, lines), default=0)
 
 
 def _part(
     made: Table, places: Sequence[int], widths: Sequence[tuple[int, int]], room: int
 ) -> Table:
     """Some columns of a table, the widest of them narrowed until they have room."""
-    least, wanted = ([widths[place][which] for place in places] for which in (0, 1))
-    over = sum(wanted) + _GAP * (len(places) - 1) - room
+    least, widest = ([widths[place][which] for place in places] for which in (0, 1))
+    over = sum(widest) + _GAP * (len(places) - 1) - room
     for _ in range(max(0, over)):
-        free = [at for at, width in enumerate(wanted) if width > least[at]]
-        free = free or [at for at, width in enumerate(wanted) if width > 1]
-        wanted[max(free, key=wanted.__getitem__)] -= 1
+        free = [at for at, width in enumerate(widest) if width > least[at]]
+        free = free or [at for at, width in enumerate(widest) if width > 1]
+        widest[max(free, key=widest.__getitem__)] -= 1
     part = text_table()
-    for width, place in zip(wanted, places, strict=True):
+    for width, place in zip(widest, places, strict=True):
         column = made.columns[place]
         part.add_column(column.header, justify=column.justify, overflow="fold", width=width)
     cells = zip(*(made.columns[place].cells for place in places), strict=True)

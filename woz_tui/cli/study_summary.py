@@ -73,16 +73,16 @@ def _phase(phase: Phase, experiment: Experiment) -> str:
 def as_json(experiment: Experiment) -> dict[str, Json]:
     """The same for programs: the sections, and the design's orders."""
     study = experiment.study
-    told: dict[str, Json] = msgspec.to_builtins(study_settings(experiment))
+    sections: dict[str, Json] = msgspec.to_builtins(study_settings(experiment))
     for now in ("assigned", "planned", "trial", "running", "on_break", "due"):
-        del told[now]
-    told["phases"] = msgspec.to_builtins(experiment.phases)
-    told["preflight"] = [*study.preflight]
-    told["training"] = msgspec.to_builtins(study.training)
+        del sections[now]
+    sections["phases"] = msgspec.to_builtins(experiment.phases)
+    sections["preflight"] = [*study.preflight]
+    sections["training"] = msgspec.to_builtins(study.training)
     if study.design is not None:
-        told["orders"] = [[*order] for order in rows(study.design, experiment.conditions)]
-        told["planned"] = planned(study.design, experiment.conditions)
-    return told
+        sections["orders"] = [[*order] for order in rows(study.design, experiment.conditions)]
+        sections["planned"] = planned(study.design, experiment.conditions)
+    return sections
 
 
 def design_sentence(design: Design, conditions: int) -> str:

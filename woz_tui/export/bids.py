@@ -86,9 +86,9 @@ class BidsExporter(Exporter):
         events = [event for event in session.events if event.participant == code]
         answers = [answer for answer in session.figures.answers if answer.participant == code]
         label = self._label(session, code)
-        known = self._conditions.setdefault(label, [])
+        listed = self._conditions.setdefault(label, [])
         conditions = dict.fromkeys(event.condition for event in events if event.condition)
-        known += [each for each in conditions if each not in known]
+        listed += [each for each in conditions if each not in listed]
         run = self._run(session, label)
         path = run.path(len(self._runs[run.path()]))
         write_events(self._folder, path, session, events, _common(session))
@@ -101,12 +101,12 @@ class BidsExporter(Exporter):
     def _label(self, session: ExportSession, code: str) -> str:
         key = code or f"log {session.name}"
         if key not in self._labels:
-            wanted = letters(code, "") if code else ""
+            preferred = letters(code, "") if code else ""
             number = 1
-            label = wanted or "unknown01"
+            label = preferred or "unknown01"
             while label in self._labels.values():
                 number += 1
-                label = f"{wanted}x{number}" if wanted else f"unknown{number:02d}"
+                label = f"{preferred}x{number}" if preferred else f"unknown{number:02d}"
             self._labels[key] = label
         return self._labels[key]
 
@@ -120,7 +120,7 @@ class BidsExporter(Exporter):
         self._runs.setdefault(run.path(), []).append(run)
         return run
 
-    def finish(self, told: list[SessionSummary]) -> None:
+    def finish(self, summaries: list[SessionSummary]) -> None:
         """What describes the dataset as a whole."""
         scans: dict[str, list[list[str]]] = {}
         for runs in self._runs.values():
@@ -135,7 +135,7 @@ class BidsExporter(Exporter):
             write_table(self._folder, name, ["filename", "acq_time"], rows)
         self._participants()
         write_json(self._folder, "dataset_description.json", self._description())
-        super().finish(told)
+        super().finish(summaries)
 
     def _named(self, run: _Run, number: int, *, alone: bool) -> None:
         """A run that is the only one needs no number."""

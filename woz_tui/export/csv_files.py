@@ -60,10 +60,10 @@ class CsvExporter(Exporter):
             private = reading.text and self._options.redact
             yield msgspec.structs.replace(reading, text=PLACEHOLDER) if private else reading
 
-    def finish(self, told: list[SessionSummary]) -> None:
+    def finish(self, summaries: list[SessionSummary]) -> None:
         """The data dictionary and the README."""
         self._tables.finish()
-        super().finish(told)
+        super().finish(summaries)
 
     def close(self) -> None:
         """Whatever happened: close the files."""

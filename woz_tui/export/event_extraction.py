@@ -143,7 +143,7 @@ class EventExtractor:
         self._folder = folder
         self._timeline = Timeline(passing=True)
         #: Of what may be shown: figures have texts, too.
-        self._shown = Timeline()
+        self._public = Timeline()
         #: Lines of which events are made when all is known, by `seq`.
         self._lines: dict[int, Mapping[str, Any]] = {}
 
@@ -157,9 +157,9 @@ class EventExtractor:
             message = line.message  # all that is shown of settings is in the timeline
         if message is not None:
             self._timeline.take(message)
-        shown = message if isinstance(message, _COUNTED) else line.message
-        if shown is not None:
-            self._shown.take(shown)
+        public = message if isinstance(message, _COUNTED) else line.message
+        if public is not None:
+            self._public.take(public)
         match line.message:
             case m.SessionStart():
                 self.session.start = line.message
@@ -179,8 +179,8 @@ class EventExtractor:
         session, timeline = self.session, self._timeline
         timeline.finish()
         session.duration = max(session.duration, timeline.end)
-        self._shown.finish()
-        figures = figures_of(self._shown, stem=session.name)
+        self._public.finish()
+        figures = figures_of(self._public, stem=session.name)
         session.figures = replace(figures, lines=session.lines, redacted=session.redacted)
         for event in session.events:
             self._belongs(event, timeline.contexts.at(event.begin, event.seq))
@@ -249,9 +249,11 @@ class EventExtractor:
             event.details["released_by"] = stop.released.source
         return event
 
-    def _questionnaire(self, asked: QuestionnaireEpisode) -> ExportEvent:
-        event = self._begun(asked, "questionnaire", asked.started, "questionnaire", "items")
-        event.outcome = self._text(asked.ended, "reason") or str(asked.outcome)
+    def _questionnaire(self, questionnaire: QuestionnaireEpisode) -> ExportEvent:
+        event = self._begun(
+            questionnaire, "questionnaire", questionnaire.started, "questionnaire", "items"
+        )
+        event.outcome = self._text(questionnaire.ended, "reason") or str(questionnaire.outcome)
         return event
 
     def _state(self, state: ModelStateEpisode) -> ExportEvent:

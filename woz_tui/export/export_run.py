@@ -48,25 +48,25 @@ def export(
     _refuse(sources, to, options)
     _keep_sources(sources, out)
     names = UniqueNames()
-    told: list[SessionSummary] = []
+    summaries: list[SessionSummary] = []
     with (
         new_folder(out, force=force) as folder,
         closing(FORMATS[to](folder, options)) as exporter,
     ):
         for source in sources:
             session = read_session(source, redact=options.redact)
-            session.name = names.apart(session.name)
+            session.name = names.unique(session.name)
             session.figures = replace(session.figures, stem=session.name)
-            told.append(_told(session, exporter.add(session, source)))
-            yield told[-1]
-        exporter.finish(told)
+            summaries.append(_summary(session, exporter.add(session, source)))
+            yield summaries[-1]
+        exporter.finish(summaries)
 
 
-def _told(session: ExportSession, notes: list[str]) -> SessionSummary:
+def _summary(session: ExportSession, notes: list[str]) -> SessionSummary:
     """Keeps no events: those of hundreds of sessions would fill the memory."""
-    told = SessionSummary(session, notes, session.participants, len(session.events))
+    summary = SessionSummary(session, notes, session.participants, len(session.events))
     session.events, session.figures = [], NO_FIGURES
-    return told
+    return summary
 
 
 def _keep_sources(sources: Sequence[LogSource], out: Path) -> None:

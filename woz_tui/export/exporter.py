@@ -74,7 +74,7 @@ class Exporter(abc.ABC):
     def add(self, session: ExportSession, source: LogSource) -> list[str]:
         """One session. What could not be exported of it, in sentences."""
 
-    def finish(self, told: list[SessionSummary]) -> None:
+    def finish(self, summaries: list[SessionSummary]) -> None:
         """Whatever comes after the last session: the README."""
         parts = [
             f"{SIGN} {__version__}",
@@ -82,7 +82,7 @@ class Exporter(abc.ABC):
             _REDACTED if self._options.redact else _UNREDACTED,
             self.about,
             "## Sessions",
-            "\n".join(_session(each) for each in told),
+            "\n".join(_session(each) for each in summaries),
         ]
         self._folder.write(README, "\n\n".join(parts) + "\n")
 
@@ -90,9 +90,9 @@ class Exporter(abc.ABC):
         """Close what is open; also after an error."""
 
 
-def _session(told: SessionSummary) -> str:
-    session = told.session
-    who = ", ".join(told.participants) or "no participant's code"
+def _session(summary: SessionSummary) -> str:
+    session = summary.session
+    who = ", ".join(summary.participants) or "no participant's code"
     head = f"- {session.name}: {who}, {seconds(session.duration)} s, {session.lines} lines"
     damage = [f"damage: {one_line(each)}" for each in session.damage] or ["the log is complete"]
-    return "\n".join([head, *(f"  - {line}" for line in [*damage, *map(one_line, told.notes)])])
+    return "\n".join([head, *(f"  - {line}" for line in [*damage, *map(one_line, summary.notes)])])

@@ -89,11 +89,11 @@ def find_sources(given: Iterable[Path]) -> list[LogSource]:
     if not sources:
         raise ExportError("there is nothing to export", "name a log, *.jsonl, or a folder of them")
     # From a later segment the earlier ones are found, from those the later ones not always.
-    known = [set(paths) for paths in sources]
+    file_sets = [set(paths) for paths in sources]
     return [
         source
         for paths, source in sources.items()
-        if not any(set(paths) < others for others in known)
+        if not any(set(paths) < others for others in file_sets)
     ]
 
 
@@ -125,16 +125,16 @@ def read_session(source: LogSource, *, redact: bool = False) -> ExportSession:
         extractor.take(line.message, redacted_line(line) if redact else line)
     unread: list[str] = []
     extractor.finish(_codings(source, unread))
-    told = nameless(damage) if redact else damage
-    session.damage = [*told.sentences(), *sums.sentences(), *unread]
+    damage_shown = nameless(damage) if redact else damage
+    session.damage = [*damage_shown.sentences(), *sums.sentences(), *unread]
     if session.lines and not session.end_reason:
         files = replace(source.files, spill="") if redact else source.files
         session.damage.append(files.no_end())
     if session.lines and session.start is None:
         session.damage.append("the first line is missing: all codes are unknown")
     session.name = _name(session)
-    whole = LogIntegrity(sentences=tuple(session.damage), ended=bool(session.end_reason))
-    session.figures = replace(session.figures, wholeness=whole)
+    integrity = LogIntegrity(sentences=tuple(session.damage), ended=bool(session.end_reason))
+    session.figures = replace(session.figures, wholeness=integrity)
     return session
 
 
@@ -174,9 +174,9 @@ class _Sums:
         self._broken = False
 
     def take(self, line: LogLine) -> None:
-        told = line.fields.get("sha256")
-        if line.kind in ("checkpoint", "session.end") and told and not self._broken:
-            if told == self._hash.hexdigest():
+        recorded = line.fields.get("sha256")
+        if line.kind in ("checkpoint", "session.end") and recorded and not self._broken:
+            if recorded == self._hash.hexdigest():
                 self._sound_to = line.seq
             else:
                 self._broken = True
@@ -196,11 +196,11 @@ class UniqueNames:
     def __init__(self) -> None:
         self._given: set[str] = set()
 
-    def apart(self, wanted: str) -> str:
+    def unique(self, preferred: str) -> str:
         """`wanted`, or with a number behind it. Case does not tell names apart, nor do disks."""
-        name, number = wanted, 1
+        name, number = preferred, 1
         while name.casefold() in self._given:
             number += 1
-            name = f"{wanted}-{number}"
+            name = f"{preferred}-{number}"
         self._given.add(name.casefold())
         return name

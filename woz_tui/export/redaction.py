@@ -66,9 +66,9 @@ _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}", re.ASCII)
 def redacted(fields: Mapping[str, Any]) -> dict[str, Any]:
     """A line's fields without anybody's words, in the same JSON types, and without `ts`."""
     kind = fields.get("kind")
-    known = kind if isinstance(kind, str) else ""
-    kept = KEPT | KEPT_IN.get(known, frozenset())
-    words = WORDS_INSIDE.get(known, {})
+    kind_name = kind if isinstance(kind, str) else ""
+    kept = KEPT | KEPT_IN.get(kind_name, frozenset())
+    words = WORDS_INSIDE.get(kind_name, {})
     return {
         _name(name): _settings(value, words[name])
         if name in words and isinstance(value, dict)

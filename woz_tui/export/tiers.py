@@ -96,8 +96,8 @@ def tiers_of(session: ExportSession) -> list[Tier]:
 
 
 def _filled(session: ExportSession, sorts: _Sorts) -> Iterable[Tier]:
-    for name, points, wanted in sorts:
-        spans = [_span(event) for event in session.events if wanted(event)]
+    for name, points, belongs in sorts:
+        spans = [_span(event) for event in session.events if belongs(event)]
         yield Tier(name, points, spans)
 
 

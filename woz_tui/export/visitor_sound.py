@@ -28,13 +28,13 @@ def write_sound(session: ExportSession, folder: OutputFolder, name: str) -> tupl
     length = max(_frames(session.duration, rate), _last(clips, rate))
     if length > _LONGEST * rate:
         return 0, [*problems, f"{session.name}: too long for a file of sound"]
-    with folder.binary(name) as file, wave.open(file, "wb") as whole:
-        whole.setnchannels(shape.nchannels)
-        whole.setsampwidth(shape.sampwidth)
-        whole.setframerate(rate)
-        whole.setnframes(length)
+    with folder.binary(name) as file, wave.open(file, "wb") as sound:
+        sound.setnchannels(shape.nchannels)
+        sound.setsampwidth(shape.sampwidth)
+        sound.setframerate(rate)
+        sound.setnframes(length)
         for block in _blocks(clips, rate, frame, length):
-            whole.writeframesraw(block)
+            sound.writeframesraw(block)
     return length * 1_000_000 // rate, problems
 
 

@@ -183,7 +183,7 @@ class Recording:
         """What held after `index` lines, at `t`."""
         state = self.state(index)
         held = [*state.messages(plan=False), *self.samples.at(t)]
-        if state.model.gone:
+        if state.model.removed:
             held = [message for message in held if not isinstance(message, m.EngagementShown)]
         held.sort(key=lambda message: message.seq)
         settings = self.plan(index).settings.study

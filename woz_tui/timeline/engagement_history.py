@@ -52,7 +52,7 @@ class ModelStatus:
     #: With this line it appeared, or the one before it went.
     _appeared: m.Message | None = None
     #: And with this one the model before it went.
-    _gone: m.EngagementAdopted | None = None
+    _removal: m.EngagementAdopted | None = None
     #: The last line that switched it off, the last one that switched it on, and the last change
     #: before that one.
     _switched_off: m.Done | None = None
@@ -71,7 +71,7 @@ class ModelStatus:
         return self.stay is not None
 
     @property
-    def gone(self) -> bool:
+    def removed(self) -> bool:
         """Whether it is known that there is none any more."""
         return not self.present and self._appeared is not None
 
@@ -89,7 +89,7 @@ class ModelStatus:
     def lines(self) -> Iterator[m.Message]:
         """The messages from which it becomes the same again; they may repeat, in no order."""
         lines: tuple[m.Message | None, ...] = (
-            *(self._gone, self._appeared, self.settings),
+            *(self._removal, self._appeared, self.settings),
             *(self._before, self._switched_off, self._switched_on, self._disengaged),
             *(self.changed, self.shown),
         )
@@ -109,7 +109,7 @@ class ModelStatus:
         """Other settings hold; none at all: the model is gone."""
         self.settings = message
         if not message.settings:
-            self._gone = message
+            self._removal = message
             yield from self.vanish(t, message)
         elif not self.present:
             self.present, self.state, self._appeared = True, STATES[0], message

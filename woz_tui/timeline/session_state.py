@@ -131,7 +131,7 @@ class SessionState:
     #: Passing commands so far, and those under way.
     passing: int = 0
     _passing: dict[str, None] = field(default_factory=dict)
-    _heard: dict[tuple[str, int], UtteranceEpisode] = field(default_factory=dict)
+    _finished: dict[tuple[str, int], UtteranceEpisode] = field(default_factory=dict)
 
     # -- reading ----------------------------------------------------------------------------------
 
@@ -455,22 +455,22 @@ class SessionState:
             begin=began, seq=message.seq, driver=driver, segment=segment, started=message
         )
         yield from self._cut_speech(driver, EpisodeOutcome.OPEN)
-        self._heard.pop(key, None)
+        self._finished.pop(key, None)
         yield from self._begin(self.speaking, key, spoken)
 
     def _speech_ended(self, message: m.SpeechEnded) -> Iterator[Episode]:
         """Of one that was cut this is the true end: it comes once more."""
         key = (message.driver, message.segment)
-        heard = self._heard.pop(key, None)
-        spoken = self.speaking.pop(key, None) or heard
+        earlier = self._finished.pop(key, None)
+        spoken = self.speaking.pop(key, None) or earlier
         if spoken is None or spoken.ended is not None:  # numbers may begin anew
-            spoken = self._unheard(message)
+            spoken = self._lone_utterance(message)
         end = self._past(message.ended)
         begin = min(self._past(message.began), end)
         spoken = replace(
             spoken, begin=begin, end=end, outcome=EpisodeOutcome.DONE, cut=False, ended=message
         )
-        yield self._keep_heard(spoken)
+        yield self._keep_finished(spoken)
 
     def _speech_text(self, message: m.SpeechText) -> Iterator[Episode]:
         """It usually comes when the utterance is over, which then comes once more."""
@@ -478,10 +478,10 @@ class SessionState:
         if key in self.speaking:
             self.speaking[key] = replace(self.speaking[key], text=message)
             return
-        spoken = self._heard.pop(key, None) or self._unheard(message)
-        yield self._keep_heard(replace(spoken, text=message))
+        spoken = self._finished.pop(key, None) or self._lone_utterance(message)
+        yield self._keep_finished(replace(spoken, text=message))
 
-    def _unheard(self, message: m.SpeechEnded | m.SpeechText) -> UtteranceEpisode:
+    def _lone_utterance(self, message: m.SpeechEnded | m.SpeechText) -> UtteranceEpisode:
         """One of which the log has only this line."""
         return UtteranceEpisode(
             begin=self.t,
@@ -492,15 +492,15 @@ class SessionState:
             segment=message.segment,
         )
 
-    def _keep_heard(self, spoken: UtteranceEpisode) -> UtteranceEpisode:
-        keep_latest(self._heard, (spoken.driver, spoken.segment), spoken, UTTERANCES_KEPT)
+    def _keep_finished(self, spoken: UtteranceEpisode) -> UtteranceEpisode:
+        keep_latest(self._finished, (spoken.driver, spoken.segment), spoken, UTTERANCES_KEPT)
         return spoken
 
     def _cut_speech(self, driver: str, outcome: str) -> Iterator[Episode]:
         for key in [key for key in self.speaking if key[0] == driver]:
             spoken = self.speaking.pop(key)
             end = max(spoken.begin, self.t)
-            yield self._keep_heard(replace(spoken, end=end, outcome=outcome, cut=True))
+            yield self._keep_finished(replace(spoken, end=end, outcome=outcome, cut=True))
 
     def _past(self, t: int) -> int:
         """A time in the past that a message names: not before the log began, and not after now."""

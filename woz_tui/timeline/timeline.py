@@ -124,7 +124,7 @@ class Timeline:
             self._enter(message)
         for episode in changes:
             if type(episode) is UtteranceEpisode:
-                self._keep(episode)
+                self._keep_utterance(episode)
             elif episode.end is not None:
                 self._ended.append(episode)
         if not changes and type(message) is m.Command:
@@ -143,7 +143,7 @@ class Timeline:
                 return
         self.contexts.enter(self.state.t, message.seq, context)
 
-    def _keep(self, spoken: UtteranceEpisode) -> None:
+    def _keep_utterance(self, spoken: UtteranceEpisode) -> None:
         if spoken.end is None:
             return
         key = (spoken.driver, spoken.segment)

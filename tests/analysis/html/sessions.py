@@ -8,7 +8,7 @@ from pathlib import Path
 
 import msgspec
 
-from woz_tui.analysis.session_reading import ReportOptions, SessionReport, read_report
+from woz_tui.analysis.session_reading import ReportExtras, SessionReport, read_report
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 
@@ -109,7 +109,7 @@ class Story:
 
     def report(self, folder: Path) -> SessionReport:
         """What is found out about it."""
-        return read_report(self.write(folder), wanted=ReportOptions(timeline=True, curves=True))
+        return read_report(self.write(folder), extras=ReportExtras(timeline=True, curves=True))
 
 
 def _start(story: Story) -> m.SessionStart:

@@ -15,7 +15,7 @@ from tests.analysis.html.browser import Page
 from tests.analysis.html.sessions import HOSTILE, ordinary
 from woz_tui.analysis.html import report_page as page_module
 from woz_tui.analysis.html.report_page import write
-from woz_tui.analysis.session_reading import ReportOptions, read_report
+from woz_tui.analysis.session_reading import ReportExtras, read_report
 
 pytestmark = pytest.mark.browser
 
@@ -274,7 +274,7 @@ def test_damage_is_stated_in_red(page: Page, tmp_path: Path) -> None:
     path = ordinary().write(tmp_path)
     whole = path.read_bytes()
     path.write_bytes(whole[:2000] + b"\0\0rubbish\xff" + whole[2040:-30])
-    write([read_report(path, wanted=ReportOptions(timeline=True))], tmp_path / "report.html")
+    write([read_report(path, extras=ReportExtras(timeline=True))], tmp_path / "report.html")
     page.open(tmp_path / "report.html")
     assert "This log is incomplete" in page.one(".damage").text
     red, green, blue = page.run(

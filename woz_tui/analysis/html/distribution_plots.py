@@ -36,7 +36,7 @@ def distribution(series: Durations, title: str) -> Markup:
         tag("title", words),
         [_bar(place, number, max(bins), step) for place, number in enumerate(bins) if number],
         tag("line", x1=0, x2=_WIDTH, y1=_BASE + 0.5, y2=_BASE + 0.5, class_="base"),
-        [_line(min(value / span, 1) * _WIDTH, look) for value, _, look in lines],
+        [_line(min(value / span, 1) * _WIDTH, style) for value, _, style in lines],
         tag("text", "0", x=0, y=_BASE + 14, class_="tick first"),
         tag("text", duration(span / 2), x=_WIDTH / 2, y=_BASE + 14, class_="tick"),
         tag("text", f"≥ {duration(span - step)}", x=_WIDTH, y=_BASE + 14, class_="tick last"),
@@ -51,11 +51,11 @@ def _bin(series: Durations) -> int:
     """The width of a bin, a round number: wide enough that few values lie beyond the last one."""
     if not series.p95:
         return 1_000
-    wanted = max(series.p95 * 1.25 / _BINS, 1)
+    least = max(series.p95 * 1.25 / _BINS, 1)
     power = 1
-    while power * 10 <= wanted:
+    while power * 10 <= least:
         power *= 10
-    return power * next(nice for nice in _NICE if power * nice >= wanted)
+    return power * next(nice for nice in _NICE if power * nice >= least)
 
 
 def _bar(place: int, number: int, most: int, step: int) -> Markup:
@@ -78,10 +78,10 @@ def _bar(place: int, number: int, most: int, step: int) -> Markup:
     )
 
 
-def _line(x: float, look: str) -> Markup:
+def _line(x: float, style: str) -> Markup:
     return joined(
-        tag("line", x1=x, x2=x, y1=4, y2=_BASE, class_=look),
-        tag("path", d=f"M{short(x - 3.5)} 0h7l-3.5 5z", class_=look),
+        tag("line", x1=x, x2=x, y1=4, y2=_BASE, class_=style),
+        tag("path", d=f"M{short(x - 3.5)} 0h7l-3.5 5z", class_=style),
     )
 
 

@@ -51,7 +51,7 @@ def render(reports: Sequence[SessionReport]) -> str:
         style=style,
         script=script,
         symbols=symbols(),
-        sorts=json_block({name: look.title for name, look in SORTS.items()}, "sorts"),
+        sorts=json_block({name: item_style.title for name, item_style in SORTS.items()}, "sorts"),
         body=_body(found),
     )
 

@@ -107,10 +107,10 @@ def _content(entry: SessionEntry, every_event: bool) -> Iterator[Child]:
 
 
 def _damage(figures: SessionFigures) -> Markup | None:
-    whole = figures.wholeness
-    if not whole.sentences:
+    integrity = figures.wholeness
+    if not integrity.sentences:
         return None
-    sentences = tag("ul", [tag("li", isolated(sentence)) for sentence in whole.sentences])
+    sentences = tag("ul", [tag("li", isolated(sentence)) for sentence in integrity.sentences])
     return tag("div", tag("h3", "This log is incomplete"), sentences, class_="damage", role="note")
 
 
@@ -178,7 +178,7 @@ def _timeline(entry: SessionEntry) -> Markup:
     used = {item.sort for row in entry.lanes for item in row.items}
     legend = tag(
         "p",
-        [tag("span", swatch(sort), look.title) for sort, look in SORTS.items() if sort in used],
+        [tag("span", swatch(sort), style.title) for sort, style in SORTS.items() if sort in used],
         class_="legend",
     )
     caption = tag("figcaption", tag("h3", "Timeline"))
@@ -216,11 +216,11 @@ def _event(entry: SessionEntry, item: TimelineItem) -> Markup:
     end = item.begin if item.end is None else item.end
     room = max(end - item.begin, 2_000_000)
     place = "" if entry.alone else f"{entry.name}&"
-    seen = f"t={max(item.begin - room, 0) / 1e6:.3f}-{(end + room) / 1e6:.3f}&n={item.number}"
+    view = f"t={max(item.begin - room, 0) / 1e6:.3f}-{(end + room) / 1e6:.3f}&n={item.number}"
     length = "" if item.end is None else duration(item.end - item.begin)
     return tag(
         "tr",
-        tag("td", tag("a", clock(item.begin, 3), href=f"#{place}{seen}"), class_="number"),
+        tag("td", tag("a", clock(item.begin, 3), href=f"#{place}{view}"), class_="number"),
         tag("td", isolated(item.lane), class_="lane-name"),
         tag("td", swatch(item.sort), isolated(item.label)),
         tag("td", SORTS[item.sort].title, class_="lane-name"),
@@ -236,7 +236,7 @@ def _event(entry: SessionEntry, item: TimelineItem) -> Markup:
 
 def _distributions(figures: SessionFigures) -> Markup | None:
     whole = figures.whole
-    shown = [
+    series_shown = [
         *(
             ("reaction_median_s", f"Reaction to {sort}", found.times)
             for sort, found in whole.reactions.items()
@@ -252,7 +252,7 @@ def _distributions(figures: SessionFigures) -> Markup | None:
             if series.n
         ),
     ]
-    if not shown:
+    if not series_shown:
         return None
     drawn = [
         tag(
@@ -260,7 +260,7 @@ def _distributions(figures: SessionFigures) -> Markup | None:
             tag("figcaption", defined(name, text), tag("small", f" n = {series.n}")),
             distribution(series, text),
         )
-        for name, text, series in shown
+        for name, text, series in series_shown
     ]
     return tag("div", tag("h3", "Distributions"), tag("div", drawn, class_="plots"))
 

@@ -83,9 +83,9 @@ def _begin(thing: Interval | Instant) -> int:
 
 def _item(number: int, lane: TimelineLane, thing: Interval | Instant) -> TimelineItem:
     if isinstance(thing, Instant):
-        facts = _stated(detail=thing.detail)
+        facts = _non_empty(detail=thing.detail)
         return TimelineItem(
-            number, lane.name, thing.t, None, clean(thing.label), _known(thing.sort), facts
+            number, lane.name, thing.t, None, clean(thing.label), _known_sort(thing.sort), facts
         )
     facts = tuple(_facts(thing))
     end = max(thing.end, thing.begin)
@@ -97,30 +97,30 @@ def _item(number: int, lane: TimelineLane, thing: Interval | Instant) -> Timelin
 def _facts(thing: Interval) -> Iterator[tuple[str, str]]:
     yield from ((name, clean(value)) for name, value in thing.facts)
     if thing.outcome != _sort(thing):
-        yield from _stated(outcome=thing.outcome.replace("_", " "))
+        yield from _non_empty(outcome=thing.outcome.replace("_", " "))
     if thing.sort != "speech":  # whose detail is its label
-        yield from _stated(**{_DETAILS.get(thing.sort, "detail"): thing.detail})
-    yield from _stated(source=thing.source)
+        yield from _non_empty(**{_DETAILS.get(thing.sort, "detail"): thing.detail})
+    yield from _non_empty(source=thing.source)
     if thing.cut:
         yield "end", "end not in the log: drawn to the last moment of the log"
-    yield from _stated(run=thing.run)
+    yield from _non_empty(run=thing.run)
 
 
-def _stated(**facts: str) -> tuple[tuple[str, str], ...]:
+def _non_empty(**facts: str) -> tuple[tuple[str, str], ...]:
     return tuple((name, clean(value)) for name, value in facts.items() if value)
 
 
 def _sort(thing: Interval) -> str:
     if thing.sort == "action":
-        return _known(_LOOKS.get(thing.outcome, thing.outcome))
+        return _known_sort(_LOOKS.get(thing.outcome, thing.outcome))
     if thing.sort == "state":
         return "engaged" if thing.label in ENGAGED else "state"
     if thing.sort == "trial":
         return "left-out" if thing.outcome in NOT_COUNTED else "trial"
-    return _known(thing.sort)
+    return _known_sort(thing.sort)
 
 
-def _known(sort: str) -> str:
+def _known_sort(sort: str) -> str:
     name = sort.replace(" ", "-")
     return name if name in SORTS else "other"
 

@@ -41,7 +41,7 @@ class PictureScale:
         seconds = max(self.duration_us, 1) / 1e6
         apart = room / self.width * seconds
         days = math.ceil(apart / _STEPS[-1]) * _STEPS[-1]
-        step = next((one for one in _STEPS if one >= apart), days)
+        step = next((each for each in _STEPS if each >= apart), days)
         for number in range(int(seconds / step) + 1):
             us = round(number * step * 1e6)
             yield self.x(us), clock(us, 1 if step < 1 else 0)

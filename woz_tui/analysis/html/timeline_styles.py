@@ -54,12 +54,12 @@ def symbols() -> Markup:
     drawn = [
         tag(
             "symbol",
-            tag("path", d=look.path, fill_rule="evenodd"),
+            tag("path", d=style.path, fill_rule="evenodd"),
             id=f"g-{name}",
             viewBox="-6 -6 12 12",
         )
-        for name, look in SORTS.items()
-        if look.path
+        for name, style in SORTS.items()
+        if style.path
     ]
     return tag("svg", tag("defs", joined(drawn)), class_="unseen", aria_hidden="true")
 

@@ -16,7 +16,7 @@ from tools import EXPERIMENTS
 from tools.driver_settings import bundled
 from woz_tui.config.actions import ACTION_FIELDS
 from woz_tui.config.engagement import SIGNS
-from woz_tui.config.engagement_effects import ENTERED
+from woz_tui.config.engagement_section import ENTERED
 from woz_tui.config.json_schema import experiment_schema
 from woz_tui.config.session_verbs import WAIT, session_verbs
 

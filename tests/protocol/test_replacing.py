@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from woz_tui.system.file_replacing import replace, replacing, sweep
+from woz_tui.system.files import replace, replacing, sweep
 
 
 def test_a_file_that_cannot_be_written_leaves_the_old_one(tmp_path: Path) -> None:

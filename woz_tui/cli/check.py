@@ -17,8 +17,7 @@ from woz_tui.cli import study_summary
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.config import keys
 from woz_tui.config.engagement import SIGNS, EngagementSettings, Timeouts
-from woz_tui.config.engagement_check import signs_given
-from woz_tui.config.engagement_effects import ENTERED
+from woz_tui.config.engagement_section import ENTERED, signs_given
 from woz_tui.config.experiment import (
     Action,
     Call,

@@ -20,7 +20,7 @@ from woz_tui.config.woz4u.yaml_writer import yaml_text
 from woz_tui.config.yaml_nodes import MappingNode, parse_yaml
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver
-from woz_tui.system.file_replacing import replace
+from woz_tui.system.files import replace
 
 _HEAD = """{name} of WoZ4U, as `woz convert` wrote it: the same experiment.
 docs/how-to/woz4u.md explains how each key was converted; `woz check` shows this file's keys."""

@@ -19,8 +19,8 @@ from woz_tui.console.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver, Finding, Probe
 from woz_tui.host import session_sockets
-from woz_tui.machine import clocks, processor, serial_ports, storage, terminal_check
-from woz_tui.machine.bounded_checks import bounded
+from woz_tui.machine import machine_checks, terminal_check
+from woz_tui.machine.machine_checks import bounded
 
 #: How long loading the file and examining one driver may take, in seconds.
 LOAD_S = 10.0
@@ -93,14 +93,14 @@ def _terminal() -> list[Finding]:
 
 def _machine(recordings: Path) -> list[Finding]:
     return [
-        *bounded("python", lambda: [processor.python_version()]),
-        *bounded("disk", lambda: [storage.free_space(recordings)]),
-        *bounded("recordings", lambda: [storage.sync_time(recordings)]),
-        *bounded("date", lambda: [clocks.calendar(datetime.now(UTC))]),
-        *bounded("time server", lambda: [clocks.synchronised()]),
-        *bounded("timing", lambda: [clocks.monotonic_clock()]),
-        *bounded("processor", processor.governor),
-        *bounded("power", processor.throttling),
+        *bounded("python", lambda: [machine_checks.python_version()]),
+        *bounded("disk", lambda: [machine_checks.free_space(recordings)]),
+        *bounded("recordings", lambda: [machine_checks.sync_time(recordings)]),
+        *bounded("date", lambda: [machine_checks.calendar(datetime.now(UTC))]),
+        *bounded("time server", lambda: [machine_checks.synchronised()]),
+        *bounded("timing", lambda: [machine_checks.monotonic_clock()]),
+        *bounded("processor", machine_checks.governor),
+        *bounded("power", machine_checks.throttling),
         *bounded("socket", _sockets),
     ]
 
@@ -127,9 +127,9 @@ def _socket_folder(folder: Path) -> Finding:
 
 def _ports() -> list[Finding]:
     return [
-        *bounded("serial access", serial_ports.serial_group),
-        *bounded("serial ports", serial_ports.serial_ports),
-        *bounded("latency", serial_ports.latency_timers),
+        *bounded("serial access", machine_checks.serial_group),
+        *bounded("serial ports", machine_checks.serial_ports),
+        *bounded("latency", machine_checks.latency_timers),
     ]
 
 

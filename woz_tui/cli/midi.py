@@ -20,7 +20,7 @@ from woz_tui.config.annotated_decoder import settings_from_texts
 from woz_tui.console.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver, DriverError
-from woz_tui.system.file_replacing import replace
+from woz_tui.system.files import replace
 
 #: The driver that knows panels.
 DRIVER = "midi"

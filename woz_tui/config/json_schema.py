@@ -19,7 +19,7 @@ from typing import Any
 from woz_tui.config.annotated_decoder import fields_of, find_note, split_annotation
 from woz_tui.config.condition_texts import ANY
 from woz_tui.config.engagement import EngagementSettings
-from woz_tui.config.engagement_effects import ENTERED, ON_ENTER
+from woz_tui.config.engagement_section import ENTERED, ON_ENTER
 from woz_tui.config.experiment_file import TOP_LEVEL, ActionEntry, ExperimentFile
 from woz_tui.config.languages import SPOKEN, Language
 from woz_tui.config.session_verbs import WAIT, engagement_verbs, session_verbs

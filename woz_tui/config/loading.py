@@ -17,9 +17,8 @@ from woz_tui.config.actions import PanelReader, StepReader, panel_titles
 from woz_tui.config.annotated_decoder import read_partly
 from woz_tui.config.command_remarks import CommandChecker
 from woz_tui.config.condition_texts import read_variables
-from woz_tui.config.driver_request_check import check_asks
-from woz_tui.config.engagement_check import check_engagement
-from woz_tui.config.engagement_effects import EngagementReader
+from woz_tui.config.cross_checks import check_asks
+from woz_tui.config.engagement_section import EngagementReader, check_engagement
 from woz_tui.config.experiment import Action, Experiment
 from woz_tui.config.experiment_file import TOP_LEVEL, ExperimentFile
 from woz_tui.config.file_text import SourceFile

@@ -25,8 +25,7 @@ import msgspec
 from woz_tui.log.line_order import count_falls, is_rising, seq_of, t_of
 from woz_tui.log.line_reader import LineChunk
 from woz_tui.log.sample_blocks import entries_in
-from woz_tui.system.file_replacing import replace
-from woz_tui.system.files import open_regular
+from woz_tui.system.files import open_regular, replace
 
 VERSION = 1
 #: Bytes of samples in a block: a second and more of four sensors at 100 Hz.

@@ -2,5 +2,5 @@
 
 Each check is a small function that returns findings; `woz doctor` shows them all, a session's
 preflight those that may change between two participants. Checks look and measure, they change
-nothing. `bounded_checks.bounded` keeps any of them from hanging or raising.
+nothing. `machine_checks.bounded` keeps any of them from hanging or raising.
 """

@@ -15,7 +15,7 @@ import tty
 from collections.abc import Iterator, Mapping
 
 from woz_tui.drivers.contract import Finding
-from woz_tui.machine.bounded_checks import output_of
+from woz_tui.machine.machine_checks import output_of
 
 #: Smallest screen the console is laid out for.
 COLUMNS, LINES = 80, 24

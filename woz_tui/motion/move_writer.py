@@ -17,7 +17,7 @@ from woz_tui.drivers.contract import DriverError
 from woz_tui.motion.body_shape import BodyShape
 from woz_tui.motion.keyframes import PLACE_DECIMALS, KeyFrame, KeyframeMove, MoveLayer
 from woz_tui.motion.move_files import MAIN, MoveFileError, read_move
-from woz_tui.system.file_replacing import replacing
+from woz_tui.system.files import replacing
 
 #: Columns of a line of samples.
 _WIDTH = 96

@@ -41,7 +41,7 @@ from woz_tui.sensing.visitor_records import (
     VisitorRefusedError,
     VisitorsError,
 )
-from woz_tui.system import file_replacing
+from woz_tui.system import files
 
 __all__ = [
     "UnsavedError",
@@ -209,8 +209,8 @@ class VisitorStore:
                 self._was_read = True
                 people, misfits = _made(self._pending, stored)
                 people = change(people) if change is not None else people
-                file_replacing.sweep(path)
-                file_replacing.replace(path, changes.file_text(people), mode=_MODE)
+                files.sweep(path)
+                files.replace(path, changes.file_text(people), mode=_MODE)
                 stamp = _stamp(path)
         except (OSError, VisitorFileError) as error:
             if isinstance(error, VisitorFileError) and not self._was_read:

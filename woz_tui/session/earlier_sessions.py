@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from woz_tui.config.due_questionnaires import OVER
+from woz_tui.config.study import OVER
 from woz_tui.log.file_names import FileName
 from woz_tui.log.log_files import files_of
 from woz_tui.protocol import codec

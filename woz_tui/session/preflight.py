@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from woz_tui.config.sensor_names import published_names
 from woz_tui.drivers.contract import SPEECH, Finding
-from woz_tui.machine import clocks, storage
+from woz_tui.machine import machine_checks
 from woz_tui.protocol import messages as m
 from woz_tui.session.session import Session
 
@@ -20,8 +20,8 @@ async def preflight(session: Session) -> list[Finding]:
         *_drivers(session),
         *_sensors(session),
         _recorder(session),
-        storage.free_space(session.recorder.path.parent),
-        clocks.calendar(session.clock.wall()),
+        machine_checks.free_space(session.recorder.path.parent),
+        machine_checks.calendar(session.clock.wall()),
         _identity(session),
         *_file(session),
         _stop(session),

@@ -1,10 +1,16 @@
-"""Opening a file that others have written: a file on a disk, and nothing else."""
+"""Opens files that others have written, and writes files anew so that at every moment the old one
+is there or the new one, complete.
+"""
 
 from __future__ import annotations
 
+import contextlib
 import errno
+import glob
 import os
+import secrets
 import stat
+from collections.abc import Iterator
 from io import BufferedReader
 from pathlib import Path
 
@@ -29,3 +35,43 @@ def open_regular(path: Path) -> BufferedReader:
 def _unblocked(path: str, flags: int) -> int:
     """Opened without waiting for somebody at the other end of a pipe."""
     return os.open(path, flags | os.O_NONBLOCK)
+
+
+@contextlib.contextmanager
+def replacing(path: Path, text: str, *, mode: int | None = None) -> Iterator[Path]:
+    """Put `text` into a file beside `path`, on the disk; it takes that place when the block ends.
+
+    The block gets the fresh file, to look at it; if it raises, all stays as it was. A file that is
+    replaced hands its permissions on, unless `mode` says otherwise: then there is no moment in
+    which others may read more. Raises `OSError`.
+    """
+    fresh = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
+    try:
+        fresh.touch(0o666 if mode is None else mode, exist_ok=False)
+        with fresh.open("w", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        if mode is not None:
+            fresh.chmod(mode)
+        elif path.exists():
+            fresh.chmod(path.stat().st_mode & 0o777)
+        yield fresh
+        fresh.replace(path)
+    finally:
+        with contextlib.suppress(OSError):
+            fresh.unlink(missing_ok=True)
+
+
+def replace(path: Path, text: str, *, mode: int | None = None) -> None:
+    """`replacing` for who has nothing to look at."""
+    with replacing(path, text, mode=mode):
+        pass
+
+
+def sweep(path: Path) -> None:
+    """Remove what writers of `path` left behind who were killed. Only for who knows that nobody
+    is writing it now. Raises `OSError`.
+    """
+    for left in path.parent.glob(f".{glob.escape(path.name)}.*.tmp"):
+        left.unlink(missing_ok=True)

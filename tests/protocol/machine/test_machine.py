@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from woz_tui.drivers.contract import Finding
-from woz_tui.machine import clocks, processor, serial_ports, storage
-from woz_tui.machine.bounded_checks import bounded, output_of
+from woz_tui.machine import machine_checks
+from woz_tui.machine.machine_checks import bounded, output_of
 
 # -- no check may hang or raise -----------------------------------------------------------------
 
@@ -59,20 +59,20 @@ def test_ports_are_found_by_id(tmp_path: Path) -> None:
     (tmp_path / "ttyUSB0").touch()
     (by_id / "usb-FTDI_U2D2-if00").symlink_to("../../ttyUSB0")
     (by_id / "usb-Arduino-if00").symlink_to("../../ttyACM0")
-    gone, there = serial_ports.serial_ports(tmp_path)
+    gone, there = machine_checks.serial_ports(tmp_path)
     assert (gone.level, gone.subject) == ("warning", "usb-Arduino-if00")
     assert there == Finding("ok", "usb-FTDI_U2D2-if00", str(tmp_path / "ttyUSB0"))
 
 
 def test_no_port_is_worth_a_line(tmp_path: Path) -> None:
-    assert [finding.level for finding in serial_ports.serial_ports(tmp_path)] == ["info"]
+    assert [finding.level for finding in machine_checks.serial_ports(tmp_path)] == ["info"]
 
 
 def test_latency_timers_say_what_they_cost(tmp_path: Path) -> None:
     for port, text in {"ttyUSB0": "16\n", "ttyUSB1": "1\n", "ttyUSB2": "?\n"}.items():
         (tmp_path / port).mkdir()
         (tmp_path / port / "latency_timer").write_text(text)
-    slow, fast = serial_ports.latency_timers(tmp_path)
+    slow, fast = machine_checks.latency_timers(tmp_path)
     assert slow.level == "warning"
     assert "62 reads a second" in slow.text
     assert str(tmp_path / "ttyUSB0" / "latency_timer") in slow.remedy
@@ -80,7 +80,7 @@ def test_latency_timers_say_what_they_cost(tmp_path: Path) -> None:
 
 
 def test_the_serial_group_is_judged_for_whoever_runs_this() -> None:
-    [finding] = serial_ports.serial_group()
+    [finding] = machine_checks.serial_group()
     assert finding.subject == "serial access"
     assert (finding.level == "warning") == bool(finding.remedy)
 
@@ -89,31 +89,31 @@ def test_the_serial_group_is_judged_for_whoever_runs_this() -> None:
 
 
 def test_syncs_are_measured_and_leave_nothing_behind(tmp_path: Path) -> None:
-    finding = storage.sync_time(tmp_path, writes=3)
+    finding = machine_checks.sync_time(tmp_path, writes=3)
     assert "written to disk in" in finding.text
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_folder_still_to_be_made_is_measured_above(tmp_path: Path) -> None:
     later = tmp_path / "study" / "recordings"
-    assert storage.nearest(later) == tmp_path
-    assert "written to disk" in storage.sync_time(later, writes=1).text
+    assert machine_checks.nearest(later) == tmp_path
+    assert "written to disk" in machine_checks.sync_time(later, writes=1).text
     assert not later.exists()
 
 
 def test_a_place_that_takes_no_file_is_an_error() -> None:
-    finding = storage.sync_time(Path("/proc"), writes=1)
+    finding = machine_checks.sync_time(Path("/proc"), writes=1)
     assert (finding.level, finding.subject) == ("error", "recordings")
     assert "--recordings" in finding.remedy
 
 
 def test_free_room_is_told(tmp_path: Path) -> None:
-    finding = storage.free_space(tmp_path / "recordings")
+    finding = machine_checks.free_space(tmp_path / "recordings")
     assert "GB free" in finding.text
 
 
 def test_no_free_room_is_an_error() -> None:
-    assert storage.free_space(Path("/proc")).level == "error"
+    assert machine_checks.free_space(Path("/proc")).level == "error"
 
 
 # -- clocks -------------------------------------------------------------------------------------
@@ -123,14 +123,14 @@ def test_no_free_room_is_an_error() -> None:
     ("year", "level"), [(1970, "error"), (2024, "error"), (2026, "ok"), (2106, "error")]
 )
 def test_an_impossible_year_is_an_error(year: int, level: str) -> None:
-    finding = clocks.calendar(datetime(year, 5, 1, 9, 30, tzinfo=UTC))
+    finding = machine_checks.calendar(datetime(year, 5, 1, 9, 30, tzinfo=UTC))
     assert finding.level == level
     assert f"{year}-05-01 09:30 UTC" in finding.text
 
 
 def test_this_machines_clocks_are_judged() -> None:
-    assert clocks.monotonic_clock().level in {"ok", "warning"}
-    assert clocks.synchronised().subject == "time server"
+    assert machine_checks.monotonic_clock().level in {"ok", "warning"}
+    assert machine_checks.synchronised().subject == "time server"
 
 
 # -- processor ----------------------------------------------------------------------------------
@@ -157,13 +157,13 @@ def test_a_processor_kept_slow_is_noticed(
 ) -> None:
     for number in range(4):
         cpu(tmp_path, number, governor, driver)
-    [finding] = processor.governor(tmp_path)
+    [finding] = machine_checks.governor(tmp_path)
     assert finding.level == level
     assert f"{governor} on 4 cores" in finding.text
 
 
 def test_a_machine_that_does_not_say_has_no_line(tmp_path: Path) -> None:
-    assert processor.governor(tmp_path) == []
+    assert machine_checks.governor(tmp_path) == []
 
 
 @pytest.mark.parametrize(
@@ -177,6 +177,6 @@ def test_a_machine_that_does_not_say_has_no_line(tmp_path: Path) -> None:
     ],
 )
 def test_a_raspberry_pis_firmware_is_understood(answer: str, level: str, words: str) -> None:
-    [finding] = processor.read_throttling(answer)
+    [finding] = machine_checks.read_throttling(answer)
     assert finding.level == level
     assert words in finding.text

@@ -18,7 +18,7 @@ from woz_tui.analysis.html.session_section import SessionEntry, entries, section
 from woz_tui.analysis.html.sessions_overview import overview
 from woz_tui.analysis.html.timeline_styles import SORTS, symbols
 from woz_tui.analysis.session_reading import SessionReport
-from woz_tui.system.file_replacing import replace
+from woz_tui.system.files import replace
 
 #: Up to so many events in all sessions together, the lists of events are whole without a script.
 #: Beyond, they hold what is notable and the script adds the rest, so that the page stays light.

@@ -11,7 +11,7 @@ from textual.widget import Widget
 from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
 
-from woz_tui.config.due_questionnaires import OVER
+from woz_tui.config.study import OVER
 from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.number_text import elapsed
 from woz_tui.console.screens.choice import ChoiceDialog

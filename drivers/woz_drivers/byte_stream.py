@@ -79,7 +79,7 @@ class ByteStream:
         self._child: Child | None = None
         self._held = False
         self._bytes = 0
-        self._started_us = self._heard_us = 0
+        self._started_us = self._received_us = 0
         self._task: asyncio.Task[None] | None = None
 
     @property
@@ -90,7 +90,7 @@ class ByteStream:
     @property
     def lasted_us(self) -> int:
         """How long after the start of its latest run something came last, in microseconds."""
-        return self._heard_us - self._started_us
+        return self._received_us - self._started_us
 
     def start(self) -> None:
         """Start the command."""
@@ -108,7 +108,7 @@ class ByteStream:
         if self._child is not None:
             self._held = held
             self._child.hold(held)
-            self._heard_us = self._clock.now_us()
+            self._received_us = self._clock.now_us()
 
     async def _keep_running(self) -> None:
         pause = _FIRST_PAUSE_S
@@ -130,14 +130,14 @@ class ByteStream:
         self._listener.begun()
         self._held = False
         self._bytes = 0
-        self._started_us = self._heard_us = self._clock.now_us()
-        running = await child_process.start(command.words, command.folder, on_output=self._heard)
+        self._started_us = self._received_us = self._clock.now_us()
+        running = await child_process.start(command.words, command.folder, on_output=self._received)
         self._child = running
         try:
             stuck = await self._until_end(running)
         finally:
             self._child = None
-            await running.gone()
+            await running.end()
         if stuck:
             return DriverError(f"{program} ran, but delivered {command.nothing}", command.remedy)
         status = await running.wait()
@@ -151,7 +151,7 @@ class ByteStream:
                 await asyncio.wait([waiting], timeout=_LOOK_S)
                 if self._held:
                     continue
-                silence_us = self._clock.now_us() - self._heard_us
+                silence_us = self._clock.now_us() - self._received_us
                 if silence_us >= self._patience_s * 1_000_000:
                     return not waiting.done()
                 if silence_us >= _STALE_S * 1_000_000:
@@ -165,7 +165,7 @@ class ByteStream:
         what is in the pipe is the end of a recording.
         """
         await running.wait()
-        while not await running.said_all() and self._held:
+        while not await running.output_ended() and self._held:
             pass
 
     @property
@@ -173,7 +173,7 @@ class ByteStream:
         """How long it may be silent now."""
         return _STUCK_S if self._bytes >= self._command.least else _STUCK_AT_FIRST_S
 
-    def _heard(self, data: bytes) -> None:
+    def _received(self, data: bytes) -> None:
         self._bytes += len(data)
-        self._heard_us = self._clock.now_us()
+        self._received_us = self._clock.now_us()
         self._listener.output(data)

@@ -145,7 +145,7 @@ class Child(asyncio.SubprocessProtocol):
         spoken = [line.strip() for line in lines if line.strip()]
         return spoken[-1].decode("utf-8", "replace")[:300] if spoken else ""
 
-    def says(self, text: str) -> None:
+    def send_text(self, text: str) -> None:
         """Give it `text` (UTF-8) on stdin and close that."""
         pipe = self._pipe(0)
         if isinstance(pipe, asyncio.WriteTransport):
@@ -185,7 +185,7 @@ class Child(asyncio.SubprocessProtocol):
         """Why it ended with this exit status: the last thing it said, or the status itself."""
         return self.last_line or f"exit status {status}"
 
-    async def said_all(self) -> bool:
+    async def output_ended(self) -> bool:
         """Whether everything that it wrote to stdout has come; waits a moment for the rest. It has
         not while its output is held, or while something that it started may still write.
         """
@@ -200,7 +200,7 @@ class Child(asyncio.SubprocessProtocol):
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(self._transport.get_pid(), signal.SIGKILL)
 
-    async def gone(self) -> None:
+    async def end(self) -> None:
         """Kill what is left of it and of its children, return when it has been buried."""
         self.kill()
         assert self._transport is not None
@@ -229,7 +229,7 @@ async def start(
     text: str | None = None,
     humble: bool = False,
 ) -> Child:
-    """Run a command in `folder`; `text` goes to its stdin. The caller must await `gone()`.
+    """Run a command in `folder`; `text` goes to its stdin. The caller must await `end()`.
 
     A `humble` one gets the processor only when the robot does not need it.
 
@@ -254,7 +254,7 @@ async def start(
         raise DriverError(f"{words[0]} cannot be started: {error}") from error
     guard.watch(running.get_pid())
     if text is not None:
-        child.says(text)
+        child.send_text(text)
     return child
 
 
@@ -284,6 +284,6 @@ async def sound_cards(program: str, folder: Path) -> list[str]:
     except TimeoutError:
         raise DriverError(f"{program} -l does not answer", "check the sound driver") from None
     finally:
-        await running.gone()
+        await running.end()
     lines = listed.decode("utf-8", "replace").splitlines()
     return [line for line in lines if line.startswith("card")]

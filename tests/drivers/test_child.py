@@ -32,7 +32,7 @@ async def test_output_stdin_status_and_last_words(tmp_path: Path) -> None:
         ("sh", "-c", script), tmp_path, on_output=output.extend, text="hällo\n"
     )
     assert await running.wait() == 3
-    await running.gone()
+    await running.end()
     assert output.decode() == "hällo\n"
     assert running.last_line == "last words"
     assert not running.running
@@ -46,7 +46,7 @@ async def test_everything_it_started_dies_with_it(tmp_path: Path) -> None:
     await until(lambda: said.endswith(b"\n"))
     grandchild = int(said)
     assert alive(grandchild)
-    await running.gone()
+    await running.end()
     await until(lambda: not alive(grandchild))
 
 
@@ -56,7 +56,7 @@ async def test_waiting_ends_though_a_grandchild_keeps_the_pipes(tmp_path: Path) 
         ("sh", "-c", "sleep 1000 & echo $!"), tmp_path, on_output=said.extend
     )
     assert await running.wait() == 0
-    await running.gone()
+    await running.end()
     await until(lambda: not alive(int(said)))
 
 
@@ -67,7 +67,7 @@ async def test_nothing_outlives_a_killed_robot_process(tmp_path: Path, command: 
         "from woz_drivers import child_process\n"
         "async def main():\n"
         "    gone = await child_process.start(('true',), pathlib.Path())\n"
-        "    await gone.gone()\n"
+        "    await gone.end()\n"
         "    await child_process.start(('sh', '-c', sys.argv[1]), pathlib.Path())\n"
         "    print('started', flush=True)\n"
         "    await asyncio.sleep(1000)\n"
@@ -108,7 +108,7 @@ async def test_it_runs_in_the_folder_of_the_experiment(tmp_path: Path) -> None:
     said = bytearray()
     running = await child_process.start(("./say.sh",), tmp_path, on_output=said.extend)
     await running.wait()
-    await running.gone()
+    await running.end()
     assert said.decode().strip() == str(tmp_path)
 
 
@@ -133,7 +133,7 @@ async def test_held_output_waits(tmp_path: Path) -> None:
         running.hold(False)
         await until(lambda: len(said) > before)
     finally:
-        await running.gone()
+        await running.end()
 
 
 async def test_what_the_system_refuses_is_a_driver_error(tmp_path: Path) -> None:

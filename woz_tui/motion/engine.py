@@ -1,4 +1,4 @@
-"""The body's engine: told what people want, asked for the setpoints of a moment.
+"""The body's engine: to_json what people want, asked for the setpoints of a moment.
 
 From the inside out: the primary's pose, cross-faded; compression; smoothing; breathing; safety.
 Same shape, moves, seed and inputs at the same ticks: same setpoints and same pictures.
@@ -68,7 +68,7 @@ class UsableAngles:
     clamped: dict[str, Json] = field(default_factory=dict)
     left_out: dict[str, Json] = field(default_factory=dict)
 
-    def told(self) -> dict[str, Json]:
+    def to_json(self) -> dict[str, Json]:
         """For an answer, as the servos' driver tells it."""
         sent: dict[str, Json] = {"joints": {k: round(v, 3) for k, v in self.joints.items()}}
         if self.clamped:
@@ -123,14 +123,14 @@ class Engine:
         self._moves = moves
         self._chain = KinematicChain(shape)
         self._safety = Safety(shape.joints, {**pose, **known_angles(shape, present)})
-        self._shaping = PoseFilter(shape.joints, pose)
-        self._steering = JointController(shape, self._shaping, pose)
+        self._pose_filter = PoseFilter(shape.joints, pose)
+        self._joint_controller = JointController(shape, self._pose_filter, pose)
         self._face = face = FaceControl(seed)
-        self._character = character = CurrentPersonality(shape.personality, shape.personalities)
+        self._personality = personality = CurrentPersonality(shape.personality, shape.personalities)
         self._tokens = 0
         #: Seconds since the engine began, as of the last tick.
         self._now = 0.0
-        self._acts: Mapping[str, Callable[[Args], InputResult]] = {
+        self._handlers: Mapping[str, Callable[[Args], InputResult]] = {
             "play": self._play,
             "pose": self._pose,
             "poses": self._poses,
@@ -140,10 +140,10 @@ class Engine:
             "joints": self._joints,
             "control": self._control,
             "mode": self._mode,
-            "personality": lambda args: InputResult(character.become(args)),
+            "personality": lambda args: InputResult(personality.become(args)),
             "breathing": self._breathing,
             "emotion": lambda args: face.show(args, self._token),
-            "affect": lambda args: face.feel(args["valence"], args["arousal"]),
+            "affect": lambda args: face.show_affect(args["valence"], args["arousal"]),
             "look": self._look,
             "brightness": self._brightness,
             "blink": self._blink,
@@ -151,14 +151,14 @@ class Engine:
         }
         self._verbs = {verb.name: verb for verb in body_verbs(shape, moves)}
         self._breath = Breathing(shape)
-        self._seen: Sighting | None = None
+        self._sighting: Sighting | None = None
         self._frozen = ""
         self._t: float | None = None
         self._notices: list[str] = []
         self._failed: set[tuple[str, str]] = set()
         self._rejected: frozenset[str] = frozenset()
         self._wanted: Mapping[str, float] = dict(self._safety.last)
-        self._drawn: FaceState | None = None
+        self._drawn_state: FaceState | None = None
         self._frame: LightFrame | None = None
         if shape.face is not None:
             prepare(shape.face)
@@ -181,7 +181,7 @@ class Engine:
         except Exception as error:
             raise RejectedError(f"{verb!r} failed inside: {error!r}") from error
 
-    def learn(self, moves: Mapping[str, Move]) -> None:
+    def set_moves(self, moves: Mapping[str, Move]) -> None:
         """Play these moves from now on; one under way goes on as it began."""
         self._verbs = {verb.name: verb for verb in body_verbs(self._shape, moves)}
         self._moves = moves
@@ -196,11 +196,11 @@ class Engine:
             raise RejectedError(
                 f"the robot stands still ({self._frozen})", "release the stop first"
             )
-        mode = self._steering.mode
+        mode = self._joint_controller.mode
         if is_accepted(kind, mode, hand):
-            return self._acts[verb](read)
+            return self._handlers[verb](read)
         if verb == "control" and kind is InputKind.JOINTS and hand is Operator.WIZARD:
-            answer = self._acts[verb](read)
+            answer = self._handlers[verb](read)
             return InputResult({**answer.sent, "waits": Mode.NORMAL.value})
         what = "a change of mode" if kind is InputKind.MODE else kind.value
         raise RejectedError(f"the mode {mode.value} ignores {what}", "mode: normal ends it")
@@ -228,17 +228,17 @@ class Engine:
 
     def see(self, seen: Sighting | None) -> None:
         """What the camera saw last."""
-        self._seen = seen
+        self._sighting = seen
 
     def freeze(self, why: str = "stop") -> None:
         """Stand still at once, without a breath, until `resume`; whatever went on is over."""
         joints = self._safety.last
         still = all(abs(joints[j] - self._wanted[j]) < ARRIVED for j in joints)
         self._safety.restart(joints)
-        self._leave(f"stopped: {why}")
-        self._steering.freeze(f"stopped: {why}", joints, still)
+        self._end_activities(f"stopped: {why}")
+        self._joint_controller.freeze(f"stopped: {why}", joints, still)
         self._breath.hold()
-        self._face.calm()
+        self._face.rest()
         self._wanted = dict(joints)
         self._frozen = why or "stop"
 
@@ -252,15 +252,15 @@ class Engine:
         A gaze or pose ends where it is, a move gives the pose from before back, a breakdown the
         emotion.
         """
-        if token and token == self._steering.primary.token:
-            self._steering.stop(why)
+        if token and token == self._joint_controller.source.token:
+            self._joint_controller.stop(why)
         self._face.drop(token, why)
 
     def restart(self, present: Mapping[str, float]) -> None:
         """Go on from this pose, in degrees, before the first servo moves."""
-        self._leave("the joints are where they are")
+        self._end_activities("the joints are where they are")
         self._safety.restart(present)
-        self._steering.restart(self._safety.last)
+        self._joint_controller.restart(self._safety.last)
         self._breath.hold()
         self._wanted = dict(self._safety.last)
 
@@ -272,9 +272,9 @@ class Engine:
 
     def _play(self, args: Args) -> InputResult:
         move = self._moves[args["move"]]
-        playing = self._steering.play(move, args["speed"], args["amplitude"], self._token())
-        self._face.begin_lead()
-        seconds = move.length / playing.rate(self._character["tempo"], self._character["speed"])
+        playing = self._joint_controller.play(move, args["speed"], args["amplitude"], self._token())
+        self._face.begin_overlay()
+        seconds = move.length / playing.rate(self._personality["tempo"], self._personality["speed"])
         sent = {**args, "move": move.name, "seconds": round(seconds, 3)}
         return InputResult(sent, playing.token, seconds)
 
@@ -307,7 +307,7 @@ class Engine:
                 "gaze looks either at a point or in a direction",
                 "give x, y and z, or yaw and pitch",
             )
-        pose = self._steering.stance.pose
+        pose = self._joint_controller.desired.pose
         if point:
             try:
                 aim = self._chain.aim_at((point[0], point[1], point[2]), pose)
@@ -320,27 +320,29 @@ class Engine:
         return self._look_at(aim, "gaze", args.get("seconds", 0.0), args)
 
     def _nudge(self, args: Args) -> InputResult:
-        pose = self._steering.stance.pose
+        pose = self._joint_controller.desired.pose
         yaw, pitch = gaze_direction(self._chain, pose)
         yaw = (yaw + args["yaw"] + 180.0) % 360.0 - 180.0
         pitch = min(90.0, max(-90.0, pitch - args["pitch"]))
         aim = self._chain.aim_along(yaw, pitch, pose)
-        if self._steering.move:  # the arrow keys turn whoever dances, and do not end the dance
-            self._steering.shift(aim.joints, "nudge")
-            return InputResult(_off_the_mark(UsableAngles(dict(aim.joints)).told(), aim))
+        if (
+            self._joint_controller.move
+        ):  # the arrow keys turn whoever dances, and do not end the dance
+            self._joint_controller.shift(aim.joints, "nudge")
+            return InputResult(_with_gaze_error(UsableAngles(dict(aim.joints)).to_json(), aim))
         return self._look_at(aim, "nudge", NUDGE_S, args)
 
     def _look_at(self, aim: Aim, name: str, seconds: float, args: Args) -> InputResult:
         answer = self._go(name, [(UsableAngles(dict(aim.joints)), seconds)], args)
-        return replace(answer, sent=_off_the_mark(answer.sent, aim))
+        return replace(answer, sent=_with_gaze_error(answer.sent, aim))
 
     def _go(self, name: str, poses: list[tuple[UsableAngles, float]], args: Args) -> InputResult:
         goals = [(goal.joints, seconds) for goal, seconds in poses]
         easing = args.get("easing", self._shape.easing)
-        line = self._steering.go(name, goals, self._token(), easing)
+        line = self._joint_controller.go(name, goals, self._token(), easing)
         late = line.seconds - sum(seconds for _, seconds in goals)
-        told = [goal.told() for goal, _ in poses]
-        sent: dict[str, Json] = told[0] if name != "poses" else {"poses": list(told)}
+        to_json = [goal.to_json() for goal, _ in poses]
+        sent: dict[str, Json] = to_json[0] if name != "poses" else {"poses": list(to_json)}
         sent["seconds"] = round(line.seconds, 3)
         if late > 1e-9 and all(seconds > 0.0 for _, seconds in goals):
             sent["late_s"] = round(late, 3)
@@ -348,19 +350,19 @@ class Engine:
 
     def _joints(self, args: Args) -> InputResult:
         taken = usable_angles("joints.joints", args["joints"], self._shape.joints)
-        self._steering.put(taken.joints, "joints")
-        return InputResult(taken.told())
+        self._joint_controller.put(taken.joints, "joints")
+        return InputResult(taken.to_json())
 
     # -- controls -------------------------------------------------------------------------------
 
     def _places(self) -> dict[str, float]:
         """Where every control of the body stands, 0..1."""
-        stance = self._steering.stance
+        desired = self._joint_controller.desired
         return {
-            **{name: stance.place(name) for name in self._shape.joints},
-            "zoom": stance.zoom,
+            **{name: desired.place(name) for name in self._shape.joints},
+            "zoom": desired.zoom,
             **self._face.places(),
-            **self._character.places(),
+            **self._personality.places(),
         }
 
     def _control(self, args: Args) -> InputResult:
@@ -373,14 +375,14 @@ class Engine:
         if place != wish:
             sent["clamped"] = {name: wish}
         if name in self._shape.joints:
-            self._steering.turn(name, place, f"control {name}")
+            self._joint_controller.turn(name, place, f"control {name}")
         elif name == "zoom":
-            self._steering.turn_zoom(place, "control zoom")
+            self._joint_controller.turn_zoom(place, "control zoom")
         elif name in FACE:
             self._face.turn(name, place)
             self._eyes_moved(name.startswith("eye"))
         else:
-            self._character.turn(name, place)
+            self._personality.turn(name, place)
         return InputResult(sent)
 
     # -- modes ----------------------------------------------------------------------------------
@@ -388,24 +390,24 @@ class Engine:
     def _mode(self, args: Args) -> InputResult:
         mode = Mode(args["mode"])
         if mode is Mode.NORMAL:
-            self._leave("stopped")
-            self._steering.stop("stopped")
+            self._end_activities("stopped")
+            self._joint_controller.stop("stopped")
             return InputResult({"mode": mode.value})
         # What begins goes on from where everything is: the primary is made first, it may refuse.
         primary = self._primary(mode)
         self._face.stop(f"replaced by {mode.value}")
-        self._face.begin_lead()
-        self._steering.enter(mode, primary)
+        self._face.begin_overlay()
+        self._joint_controller.enter(mode, primary)
         return InputResult({"mode": mode.value})
 
-    def _leave(self, why: str) -> None:
+    def _end_activities(self, why: str) -> None:
         """What the stop ends besides what moves the joints."""
         self._face.stop(why)
-        self._face.begin_lead()
-        if self._steering.mode is Mode.SACCADE:
-            self._eyes_back()
+        self._face.begin_overlay()
+        if self._joint_controller.mode is Mode.SACCADE:
+            self._centre_eyes()
 
-    def _eyes_back(self) -> None:
+    def _centre_eyes(self) -> None:
         """The eyes are the face's own again, in its middle."""
         self._face.led = None
         self._face.look(0.0, 0.0)
@@ -416,8 +418,8 @@ class Engine:
             tracker.begin(self._now, self._safety.last)
             return ObjectFollowing(tracker)
         if mode is Mode.SACCADE:
-            line = isinstance(self._steering.primary, LinearMotion)
-            pose = self._steering.here if line else self._steering.stance.pose
+            line = isinstance(self._joint_controller.source, LinearMotion)
+            pose = self._joint_controller.last_pose if line else self._joint_controller.desired.pose
             return SaccadeFollowing(self._chain, self._shape, pose, self._face.eyes)
         move = self._moves.get(DEMO)
         if move is None:
@@ -433,7 +435,7 @@ class Engine:
 
     def _eyes_moved(self, moved: bool) -> None:
         """In saccade following they take the head along."""
-        primary = self._steering.primary
+        primary = self._joint_controller.source
         if moved and isinstance(primary, SaccadeFollowing):
             primary.look(self._face.x, self._face.y)
 
@@ -450,7 +452,7 @@ class Engine:
         return InputResult(args)
 
     def _breathing(self, args: Args) -> InputResult:
-        self._character.breathes = args["on"]
+        self._personality.breathes = args["on"]
         return InputResult(args)
 
     # -- every tick -----------------------------------------------------------------------------
@@ -463,22 +465,22 @@ class Engine:
         dt = self._advance(t)
         if not self._frozen:
             self._move(dt)
-        steering, face = self._steering, self._face
+        controller, face = self._joint_controller, self._face
         self._draw(dt)
         emotion, intensity = face.shown
         return Tick(
             t=self._t or 0.0,
             joints=self._safety.last,
             wanted=self._wanted,
-            mode=steering.mode,
+            mode=controller.mode,
             emotion=emotion,
             intensity=intensity,
             face=self._frame,
             brightness=face.brightness,
-            move=steering.move,
+            move=controller.move,
             ended=self._ended(),
-            cues=steering.cues(),
-            notices=self._told(),
+            cues=controller.cues(),
+            notices=self._take_notices(),
         )
 
     def _advance(self, t: float) -> float:
@@ -491,81 +493,81 @@ class Engine:
         return dt
 
     def _move(self, dt: float) -> None:
-        steering, character = self._steering, self._character
-        character.step(dt, steering.mode in EXACT)
+        controller, personality = self._joint_controller, self._personality
+        personality.step(dt, controller.mode in EXACT)
         moment = SourceContext(
             dt,
             self._now,
-            steering.base,
+            controller.base,
             self._safety.last,
-            self._seen,
-            character["tempo"],
-            character["speed"],
-            character.amplitude.value,
+            self._sighting,
+            personality["tempo"],
+            personality["speed"],
+            personality.amplitude.value,
         )
         try:
-            pose = steering.step(moment)
+            pose = controller.step(moment)
         except Exception as error:  # noqa: BLE001 - a stranger's move must not stop the body
             self._drop(error)
-            pose = steering.here
-        shaped = self._shaping.step(
-            pose, character.compression.value, character.smoothing.value, dt
+            pose = controller.last_pose
+        shaped = self._pose_filter.step(
+            pose, personality.compression.value, personality.smoothing.value, dt
         )
         self._breathe(dt)
         wanted = self._breath.on(shaped)
         joints = self._safety.step(wanted, dt)
         self._wanted = wanted
-        self._tell_rejected()
+        self._note_rejected()
         lagging = {
             name: angle - wanted[name] + shaped[name]
             for name, angle in joints.items()
             if abs(angle - wanted[name]) > ARRIVED
         }
-        steering.settle(dt, lagging)
+        controller.settle(dt, lagging)
 
     def _breathe(self, dt: float) -> None:
-        character, mode = self._character, self._steering.mode
-        size = character["breathing"] if character.breathes and mode in BREATHES else 0.0
+        personality, mode = self._personality, self._joint_controller.mode
+        size = personality["breathing"] if personality.breathes and mode in BREATHES else 0.0
         if mode is Mode.SACCADE:
             size *= SACCADE_BREATH
-        self._breath.step(dt, character["breathing_rate"], size)
+        self._breath.step(dt, personality["breathing_rate"], size)
 
     def _draw(self, dt: float) -> None:
-        shape, face, steering = self._shape.face, self._face, self._steering
+        shape, face, controller = self._shape.face, self._face, self._joint_controller
         try:
             if not self._frozen:
-                face.lead(steering.primary.wish)
-                primary = steering.primary
+                face.set_overlay(controller.source.face_overlay)
+                primary = controller.source
                 face.led = (
                     primary.eyes(self._safety.last)
                     if isinstance(primary, SaccadeFollowing)
                     else None
                 )
-                face.step(dt, self._character, steering.mode in BLINKS)
+                face.step(dt, self._personality, controller.mode in BLINKS)
             if shape is None:
                 return
             state = face.state()
-            if state != self._drawn:
-                self._frame, self._drawn = draw(state, shape), state
+            if state != self._drawn_state:
+                self._frame, self._drawn_state = draw(state, shape), state
         except Exception as error:  # noqa: BLE001 - the joints go on without a face
-            self._say_once("the face", error)
+            self._notify_once("the face", error)
 
     # -- what goes wrong ------------------------------------------------------------------------
 
     def _drop(self, error: Exception) -> None:
-        name = self._steering.primary.name or "holding a pose"
-        self._say_once(name, error)
-        if self._steering.mode is Mode.SACCADE:
-            self._eyes_back()
-        self._steering.drop(f"{name} failed: {error}")
+        name = self._joint_controller.source.name or "holding a pose"
+        self._notify_once(name, error)
+        if self._joint_controller.mode is Mode.SACCADE:
+            self._centre_eyes()
+        self._joint_controller.drop(f"{name} failed: {error}")
 
-    def _say_once(self, what: str, error: Exception) -> None:
+    def _notify_once(self, what: str, error: Exception) -> None:
         kind = type(error).__name__
         if (what, kind) not in self._failed:
             self._failed.add((what, kind))
             self._notices.append(f"{what} failed and was left out: {kind}: {error}")
 
-    def _tell_rejected(self) -> None:
+    def _note_rejected(self) -> None:
         rejected = self._safety.rejected
         if rejected or self._rejected:
             new = {name: why for name, why in rejected.items() if name not in self._rejected}
@@ -573,11 +575,11 @@ class Engine:
             self._notices += [f"{name} stays where it is: {why}" for name, why in new.items()]
 
     def _ended(self) -> tuple[EndedInput, ...]:
-        return (*self._steering.ended(), *self._face.ended())
+        return (*self._joint_controller.ended(), *self._face.ended())
 
-    def _told(self) -> tuple[str, ...]:
-        notices, self._notices = [*self._notices, *self._steering.notices], []
-        self._steering.notices.clear()
+    def _take_notices(self) -> tuple[str, ...]:
+        notices, self._notices = [*self._notices, *self._joint_controller.notices], []
+        self._joint_controller.notices.clear()
         return tuple(notices)
 
     # -- what is known --------------------------------------------------------------------------
@@ -597,26 +599,28 @@ class Engine:
         """The pose that hands hold the body in, in degrees: what moves and modes are played on,
         or where a gaze or a pose has led so far.
         """
-        steering = self._steering
-        return dict(steering.here if isinstance(steering.primary, LinearMotion) else steering.base)
+        controller = self._joint_controller
+        return dict(
+            controller.last_pose if isinstance(controller.source, LinearMotion) else controller.base
+        )
 
     def state(self) -> BodyState:
         """What a control panel must know to agree with the body."""
         return BodyState(
             controls=self._places(),
-            mode=self._steering.mode.value,
+            mode=self._joint_controller.mode.value,
             emotion=self._face.shown[0],
-            move=self._steering.move,
-            personality=self._character.name,
+            move=self._joint_controller.move,
+            personality=self._personality.name,
         )
 
     def values(self) -> dict[str, Json]:
         """Everything that can be said about the body but for its joints."""
-        face, character = self._face, self._character
+        face, personality = self._face, self._personality
         emotion, intensity = face.shown
         return {
-            "mode": self._steering.mode.value,
-            "move": self._steering.move,
+            "mode": self._joint_controller.mode.value,
+            "move": self._joint_controller.move,
             "emotion": emotion,
             "intensity": intensity,
             "valence": face.valence,
@@ -624,16 +628,16 @@ class Engine:
             "eye_x": face.x,
             "eye_y": face.y,
             "brightness": face.brightness,
-            "personality": character.name,
-            "changed": character.changed,
-            **character.traits,
-            "breathing_on": character.breathes,
+            "personality": personality.name,
+            "changed": personality.changed,
+            **personality.traits,
+            "breathing_on": personality.breathes,
             "blinking": face.blinks_by_itself,
             "stopped": bool(self._frozen),
         }
 
 
-def _off_the_mark(sent: Mapping[str, Json], aim: Aim) -> dict[str, Json]:
+def _with_gaze_error(sent: Mapping[str, Json], aim: Aim) -> dict[str, Json]:
     """What is answered, and how far the head's gaze misses if it cannot get there."""
     if aim.reachable:
         return dict(sent)

@@ -75,8 +75,8 @@ class Blinks:
 # --------------------------------------------------------------------------------------------------
 
 NEUTRAL, CRASH = "neutral", "crash"
-_NO_WISH = FaceOverlay()
-_NO_FACE = FaceChange()
+_NO_OVERLAY = FaceOverlay()
+_NO_CHANGE = FaceChange()
 
 
 class FaceControl:
@@ -95,9 +95,9 @@ class FaceControl:
         self._lid = 1.0
         self._crash: float | None = None
         self._crash_token = 0
-        self._wish: FaceOverlay = _NO_WISH
-        self._wished_crash: float | None = None
-        self._mine: set[str] = set()
+        self._overlay: FaceOverlay = _NO_OVERLAY
+        self._overlay_crash: float | None = None
+        self._touched: set[str] = set()
         self._ended: list[EndedInput] = []
 
     # -- what people write ----------------------------------------------------------------------
@@ -107,21 +107,21 @@ class FaceControl:
         time, so it gets a `token`.
         """
         emotion, intensity = args["emotion"], args.get("intensity", self.intensity)
-        self._mine |= {"emotion", "intensity"}
+        self._touched |= {"emotion", "intensity"}
         self._end_crash(f"replaced by {emotion}")
         sent: dict[str, Json] = {"emotion": emotion, "intensity": intensity}
         if emotion == CRASH:
             self._crash, self._crash_token = 0.0, token()
             return InputResult(sent, self._crash_token, CRASH_S)
-        self._feel(emotion, intensity)
+        self._set_emotion(emotion, intensity)
         return InputResult(sent)
 
-    def feel(self, valence: float, arousal: float) -> InputResult:
+    def show_affect(self, valence: float, arousal: float) -> InputResult:
         """Verb `affect`: an emotion as a mood."""
         emotion, intensity = affect_emotion(valence, arousal)
-        self._mine |= {"emotion", "intensity"}
+        self._touched |= {"emotion", "intensity"}
         self._end_crash("replaced by a mood")
-        self._feel(emotion, self.intensity if emotion == NEUTRAL else intensity)
+        self._set_emotion(emotion, self.intensity if emotion == NEUTRAL else intensity)
         self.valence, self.arousal = valence, arousal
         return InputResult(
             {"valence": valence, "arousal": arousal, "emotion": emotion, "intensity": intensity}
@@ -129,7 +129,7 @@ class FaceControl:
 
     def look(self, x: float, y: float) -> InputResult:
         """Verb `look`."""
-        self._mine |= {"x", "y"}
+        self._touched |= {"x", "y"}
         self.x, self.y = x, y
         return InputResult({"x": x, "y": y})
 
@@ -142,12 +142,12 @@ class FaceControl:
             case "eye-y":
                 self.look(self.x, value)
             case "valence":
-                self.feel(value, self.arousal)
+                self.show_affect(value, self.arousal)
             case "arousal":
-                self.feel(self.valence, value)
+                self.show_affect(self.valence, value)
             case "intensity":
-                self._mine.add("intensity")
-                self._feel(self.emotion, value)
+                self._touched.add("intensity")
+                self._set_emotion(self.emotion, value)
             case _:
                 self.brightness = value
 
@@ -169,13 +169,13 @@ class FaceControl:
         if token == self._crash_token:
             self._end_crash(why)
 
-    def calm(self) -> None:
+    def rest(self) -> None:
         """Have the eyes open, and nobody but people say what the face shows."""
         self._blinks.open()
         self._lid = 1.0
-        self._wish = _NO_WISH
+        self._overlay = _NO_OVERLAY
 
-    def _feel(self, emotion: str, intensity: float) -> None:
+    def _set_emotion(self, emotion: str, intensity: float) -> None:
         self.emotion, self.intensity = emotion, intensity
         self.valence, self.arousal = emotion_affect(emotion, intensity)
 
@@ -186,15 +186,15 @@ class FaceControl:
 
     # -- what moves and modes want --------------------------------------------------------------
 
-    def lead(self, wish: FaceOverlay | None) -> None:
+    def set_overlay(self, wish: FaceOverlay | None) -> None:
         """What lies on top now; None when there is nothing."""
-        self._wish = wish or _NO_WISH
+        self._overlay = wish or _NO_OVERLAY
 
-    def begin_lead(self) -> None:
+    def begin_overlay(self) -> None:
         """Somebody new decides: what people touched before does not count against it."""
-        self._mine.clear()
-        self._wish = _NO_WISH
-        self._wished_crash = None
+        self._touched.clear()
+        self._overlay = _NO_OVERLAY
+        self._overlay_crash = None
 
     # -- what is shown --------------------------------------------------------------------------
 
@@ -203,12 +203,12 @@ class FaceControl:
         """Emotion and intensity as they are seen; neutral has none."""
         if self._crash is not None:
             return CRASH, 1.0
-        face = self._wish.face or _NO_FACE
+        face = self._overlay.face or _NO_CHANGE
         emotion, intensity = self.emotion, self.intensity
-        if face.emotion is not None and "emotion" not in self._mine:
+        if face.emotion is not None and "emotion" not in self._touched:
             emotion = face.emotion
             intensity = 1.0 if face.intensity is None else face.intensity
-        if face.intensity is not None and "intensity" not in self._mine:
+        if face.intensity is not None and "intensity" not in self._touched:
             intensity = face.intensity
         return emotion, 0.0 if emotion == NEUTRAL else min(1.0, max(0.0, intensity))
 
@@ -217,10 +217,10 @@ class FaceControl:
         """Where the eyes are seen to look, -1..1."""
         if self.led is not None:
             return self.led
-        face = self._wish.face or _NO_FACE
-        x = self.x if face.x is None or "x" in self._mine else face.x
-        y = self.y if face.y is None or "y" in self._mine else face.y
-        across, up = self._wish.glance
+        face = self._overlay.face or _NO_CHANGE
+        x = self.x if face.x is None or "x" in self._touched else face.x
+        y = self.y if face.y is None or "y" in self._touched else face.y
+        across, up = self._overlay.glance
         return min(1.0, max(-1.0, x + across)), min(1.0, max(-1.0, y + up))
 
     def step(self, dt: float, character: CurrentPersonality, may_blink: bool) -> None:
@@ -229,8 +229,10 @@ class FaceControl:
             self._crash += dt
             if self._crash >= CRASH_S:
                 self._end_crash("")
-        wished = (self._wish.face or _NO_FACE).emotion == CRASH and "emotion" not in self._mine
-        self._wished_crash = (self._wished_crash or 0.0) + dt if wished else None
+        wished = (
+            self._overlay.face or _NO_CHANGE
+        ).emotion == CRASH and "emotion" not in self._touched
+        self._overlay_crash = (self._overlay_crash or 0.0) + dt if wished else None
         by_itself = may_blink and self.blinks_by_itself
         self._lid = self._blinks.step(
             dt,
@@ -244,10 +246,10 @@ class FaceControl:
         emotion, intensity = self.shown
         x, y = self.eyes
         lid = self._lid
-        face = self._wish.face
+        face = self._overlay.face
         if face is not None and face.lid is not None:
             lid = min(lid, max(0.0, face.lid))
-        crash = self._wished_crash if self._crash is None else self._crash
+        crash = self._overlay_crash if self._crash is None else self._crash
         return FaceState(
             round(x, 3), round(y, 3), emotion, round(intensity, 3), round(lid, 3), crash
         )

@@ -1,4 +1,4 @@
-"""Who moves the joints: the pose people want, the one primary on it, the mode, and the changes.
+"""Who moves the joints: the pose people want, the one source on it, the mode, and the changes.
 
 Priorities and resumption are decided here; docs/explanation/decisions/010-layers-of-motion.md has
 them.
@@ -24,7 +24,7 @@ from woz_tui.motion.pose_sources import (
 )
 from woz_tui.motion.safety import finite_number
 
-# -- stance ---------------------------------------------------------------------------------------
+# -- desired ---------------------------------------------------------------------------------------
 # The pose that people want: one angle for each joint, and the zoom on top of them.
 #
 # It is what the joint controls and every gaze and pose write, what moves are played around, and
@@ -68,25 +68,25 @@ class DesiredPose:
         """Move a joint's own control."""
         shape = self._joints[joint]
         self._base[joint] = shape.within(shape.min + place * (shape.max - shape.min))
-        self._settle()
+        self._update()
 
     def turn_zoom(self, place: float) -> None:
         """Move the zoom's control."""
         self._zoom = 2.0 * place - 1.0
-        self._settle()
+        self._update()
 
     def take(self, angles: Mapping[str, float]) -> None:
         """Want these angles, zoom included; it gives way where it would not fit."""
         pose = {**self.pose, **angles}
         zoom = self._zoom if not self._shares else self._effective()
-        low, high = self._room(pose, -1.0)
+        low, high = self._zoom_range(pose, -1.0)
         self._zoom = min(high, max(low, zoom))
         for name, angle in pose.items():
             own = angle - self._zoom * self._reach * self._shares.get(name, 0.0)
             self._base[name] = self._joints[name].within(own)
-        self._settle()
+        self._update()
 
-    def _settle(self) -> None:
+    def _update(self) -> None:
         zoom = self._effective() * self._reach
         self.pose = {
             name: shape.within(self._base[name] + zoom * self._shares.get(name, 0.0))
@@ -95,10 +95,10 @@ class DesiredPose:
 
     def _effective(self) -> float:
         """The zoom as far as every joint can follow it."""
-        low, high = self._room(self._base, 1.0)
+        low, high = self._zoom_range(self._base, 1.0)
         return min(high, max(low, self._zoom))
 
-    def _room(self, pose: Mapping[str, float], sign: float) -> tuple[float, float]:
+    def _zoom_range(self, pose: Mapping[str, float], sign: float) -> tuple[float, float]:
         """Zooms, -1..1, that keep `pose + sign * zoom` inside all ranges; always about 0."""
         low, high = -1.0, 1.0
         for name, share in self._shares.items():
@@ -137,30 +137,30 @@ class JointController:
 
     Attributes:
         mode: Changed by `enter`, by `stop` and by the end of a demo.
-        stance: The pose people want.
-        primary: Who decides now.
-        here: The pose that was wanted last: where new lines begin.
+        desired: The pose people want.
+        source: Who decides now.
+        last_pose: The pose that was wanted last: where new lines begin.
     """
 
     def __init__(
         self,
         shape: BodyShape,
-        shaping: PoseFilter,
+        pose_filter: PoseFilter,
         pose: Mapping[str, float],
     ) -> None:
         self.mode = Mode.NORMAL
-        self.stance = DesiredPose(shape, pose)
-        self.primary: PoseSource = Hold()
-        self.here: dict[str, float] = dict(self.stance.pose)
+        self.desired = DesiredPose(shape, pose)
+        self.source: PoseSource = Hold()
+        self.last_pose: dict[str, float] = dict(self.desired.pose)
         self.easing = shape.easing
         self._shape = shape
-        self._shaping = shaping
+        self._pose_filter = pose_filter
         self._fade = CrossFade(shape.crossfade)
-        self._fresh = False
+        self._source_is_new = False
         #: The pose in which a mode began; it does not follow the controls.
         self._base: Mapping[str, float] | None = None
         self._lagging: Mapping[str, float] = {}
-        self._waited = 0.0
+        self._waited_s = 0.0
         self._ended: list[EndedInput] = []
         self._cues: tuple[SoundCue, ...] = ()
         self.notices: list[str] = []
@@ -169,47 +169,47 @@ class JointController:
 
     @property
     def base(self) -> Mapping[str, float]:
-        """The pose that the primary works on."""
-        return self.stance.pose if self._base is None else self._base
+        """The pose that the source works on."""
+        return self.desired.pose if self._base is None else self._base
 
     @property
     def move(self) -> str:
         """The move being played, or empty."""
-        return self.primary.name if isinstance(self.primary, MovePlayback) else ""
+        return self.source.name if isinstance(self.source, MovePlayback) else ""
 
     def turn(self, joint: str, place: float, by: str) -> None:
         """A joint's own control; in modes it only counts for the way back."""
-        self.stance.turn(joint, place)
-        self._let_go({joint}, by)
+        self.desired.turn(joint, place)
+        self._release_joints({joint}, by)
 
     def turn_zoom(self, place: float, by: str) -> None:
         """The zoom's control; in modes it only counts for the way back."""
-        self.stance.turn_zoom(place)
-        self._let_go({name for name, share in self._shape.zoom.items() if share}, by)
+        self.desired.turn_zoom(place)
+        self._release_joints({name for name, share in self._shape.zoom.items() if share}, by)
 
     def put(self, angles: Mapping[str, float], by: str) -> None:
         """Joints directly, under whatever is being played."""
-        self.stance.take(angles)
-        self._let_go(set(angles), by)
+        self.desired.take(angles)
+        self._release_joints(set(angles), by)
 
     def shift(self, angles: Mapping[str, float], by: str) -> None:
         """As `put`, but what is being played leans over to its new pose in the time of a fade."""
-        pose = self.stance.pose
+        pose = self.desired.pose
         before = {joint: pose[joint] for joint in angles}
         self.put(angles, by)
         for joint, angle in before.items():
-            self._fade.more(joint, angle - self.stance.pose[joint])
+            self._fade.more(joint, angle - self.desired.pose[joint])
 
-    def _let_go(self, joints: set[str], by: str) -> None:
+    def _release_joints(self, joints: set[str], by: str) -> None:
         """Take joints out of a line: they are where people want them now."""
-        line = self.primary
+        line = self.source
         if self.mode is not Mode.NORMAL or not isinstance(line, LinearMotion):
             return
         for joint in joints & line.joints:
             line.joints.discard(joint)
-            self._fade.add(joint, self.here[joint] - self.stance.pose[joint])
+            self._fade.add(joint, self.last_pose[joint] - self.desired.pose[joint])
         if not line.joints:
-            self._take(Hold(), f"replaced by {by}", fading=False)
+            self._set_source(Hold(), f"replaced by {by}", fading=False)
 
     # -- who decides ----------------------------------------------------------------------------
 
@@ -223,31 +223,31 @@ class JointController:
         """Go through poses, each in its seconds (0: the soonest), from where the body is."""
         easing = easing if easing in PEAK_SPEEDS else self.easing
         line = LinearMotion(name, legs_of(self._start(), goals, self._shape, easing), easing, token)
-        self._take(line, f"replaced by {name}")
+        self._set_source(line, f"replaced by {name}")
         for goal, _ in goals:
-            self.stance.take(goal)
+            self.desired.take(goal)
         return line
 
     def play(self, move: Move, speed: float, amplitude: float, token: int) -> MovePlayback:
         """Play a move around the pose of this moment, from its beginning."""
-        self._stay()
+        self._end_line_here()
         playing = MovePlayback(move, self._shape, speed, amplitude, token)
-        self._take(playing, f"replaced by {move.name}")
+        self._set_source(playing, f"replaced by {move.name}")
         return playing
 
-    def enter(self, mode: Mode, primary: PoseSource) -> None:
-        """Begin a mode: `primary` decides until the stop or its own end."""
-        base = self.here if isinstance(self.primary, LinearMotion) else self.stance.pose
-        self._take(primary, f"replaced by {mode.value}")
+    def enter(self, mode: Mode, source: PoseSource) -> None:
+        """Begin a mode: `source` decides until the stop or its own end."""
+        base = self.last_pose if isinstance(self.source, LinearMotion) else self.desired.pose
+        self._set_source(source, f"replaced by {mode.value}")
         self._base = dict(base)
         self.mode = mode
 
     def stop(self, why: str) -> None:
         """End whatever goes on and return to the pose wanted; a way back is not interrupted."""
-        if isinstance(self.primary, LinearMotion) and self.primary.returning:
+        if isinstance(self.source, LinearMotion) and self.source.returning:
             return
         seconds = RETURN_S if self.mode is not Mode.NORMAL else self._shape.crossfade
-        self._stay()
+        self._end_line_here()
         self._return(seconds, why)
 
     def freeze(self, why: str, joints: Mapping[str, float], still: bool) -> None:
@@ -255,92 +255,94 @@ class JointController:
 
         `still`: they are where people want them, but for the breath: then that pose remains.
         """
-        remains = still and isinstance(self.primary, Hold)
-        self._take(Hold(), why, fading=False)
+        remains = still and isinstance(self.source, Hold)
+        self._set_source(Hold(), why, fading=False)
         self._fade.clear()
         self._base, self.mode = None, Mode.NORMAL
-        self._shaping.restart(joints)
-        self.here = {name: self._shaping.undo(name, angle) for name, angle in joints.items()}
+        self._pose_filter.restart(joints)
+        self.last_pose = {
+            name: self._pose_filter.undo(name, angle) for name, angle in joints.items()
+        }
         if remains:
-            self._fade.begin(self.here, self.stance.pose, self.here)
+            self._fade.begin(self.last_pose, self.desired.pose, self.last_pose)
         else:
-            self.stance.take(self.here)
+            self.desired.take(self.last_pose)
 
     def restart(self, present: Mapping[str, float]) -> None:
         """Begin anew in this pose."""
         self.freeze("the joints are where they are", start_pose(self._shape, present), False)
 
     def drop(self, why: str) -> None:
-        """The primary failed: hold the pose that is wanted."""
+        """The source failed: hold the pose that is wanted."""
         self._base = None
         if self.mode is not Mode.NORMAL:
             self.mode = Mode.NORMAL
             self._return(RETURN_S, why)
         else:
-            self._take(Hold(), why)
+            self._set_source(Hold(), why)
 
-    def _stay(self) -> None:
+    def _end_line_here(self) -> None:
         """A line that is under way ends where it is."""
-        if isinstance(self.primary, LinearMotion):
+        if isinstance(self.source, LinearMotion):
             start = self._start()
-            self.stance.take({name: start[name] for name in self.primary.joints})
+            self.desired.take({name: start[name] for name in self.source.joints})
 
     def _return(self, seconds: float, why: str) -> None:
         """Lead back to the pose wanted, in a straight line."""
         self._base, self.mode = None, Mode.NORMAL
-        start, goal = self._start(), dict(self.stance.pose)
+        start, goal = self._start(), dict(self.desired.pose)
         if all(abs(start[name] - angle) < 1e-9 for name, angle in goal.items()):
-            self._take(Hold(), why)
+            self._set_source(Hold(), why)
             return
         legs = legs_of(start, [(goal, seconds)], self._shape, "linear")
-        self._take(LinearMotion("return", legs, "linear", returning=True), why)
+        self._set_source(LinearMotion("return", legs, "linear", returning=True), why)
 
     def _start(self) -> dict[str, float]:
         """Where lines begin: what was wanted last, or where a joint is that could not follow."""
         for joint, angle in self._lagging.items():
-            self.here[joint] = self._shaping.undo(joint, angle)
-            self._shaping.restart({joint: angle})
+            self.last_pose[joint] = self._pose_filter.undo(joint, angle)
+            self._pose_filter.restart({joint: angle})
         self._lagging = {}
-        return dict(self.here)
+        return dict(self.last_pose)
 
-    def _take(self, primary: PoseSource, why: str, *, fading: bool = True) -> None:
-        if self.primary.token:
-            self._ended.append(EndedInput(self.primary.token, why))
-        self.primary = primary
-        self._fresh = fading
-        self._waited = 0.0
+    def _set_source(self, source: PoseSource, why: str, *, fading: bool = True) -> None:
+        if self.source.token:
+            self._ended.append(EndedInput(self.source.token, why))
+        self.source = source
+        self._source_is_new = fading
+        self._waited_s = 0.0
 
     # -- every tick -----------------------------------------------------------------------------
 
     def step(self, moment: SourceContext) -> dict[str, float]:
         """The pose wanted now. An exception is the primary's; nothing has changed then."""
-        wanted = self.primary.step(moment)
-        if self._fresh:
-            self._fresh = False
-            lines = self.primary.joints if isinstance(self.primary, LinearMotion) else set()
-            self._fade.begin(self.here, wanted, set(wanted) - lines)
-        self.here = self._fade.over(wanted, moment.dt)
-        if isinstance(self.primary, MovePlayback):
-            self._cues = tuple(self.primary.cues)
-        return self.here
+        wanted = self.source.step(moment)
+        if self._source_is_new:
+            self._source_is_new = False
+            lines = self.source.joints if isinstance(self.source, LinearMotion) else set()
+            self._fade.begin(self.last_pose, wanted, set(wanted) - lines)
+        self.last_pose = self._fade.over(wanted, moment.dt)
+        if isinstance(self.source, MovePlayback):
+            self._cues = tuple(self.source.cues)
+        return self.last_pose
 
     def settle(self, dt: float, lagging: Mapping[str, float]) -> None:
         """After safety: `lagging` are joints that are elsewhere than wanted, and where they are."""
         self._lagging = lagging
-        primary = self.primary
-        if not primary.over:
+        source = self.source
+        if not source.over:
             return
-        if isinstance(primary, LinearMotion):
-            self._waited += dt
-            if not lagging.keys() & primary.joints or self._waited > PATIENCE_S:
-                self._take(Hold(), "", fading=False)
+        if isinstance(source, LinearMotion):
+            self._waited_s += dt
+            if not lagging.keys() & source.joints or self._waited_s > PATIENCE_S:
+                self._set_source(Hold(), "", fading=False)
             return
         if self.mode is not Mode.NORMAL:
             self.notices.append(f"the {self.mode.value} is over")
             self._return(RETURN_S, "")
-        elif isinstance(primary, MovePlayback) and primary.move.stays:
-            self.stance.take(self.here)
-            self._take(Hold(), "")
+        elif isinstance(source, MovePlayback) and source.move.stays:
+            self.desired.take(self.last_pose)
+            self._set_source(Hold(), "")
         else:
             self._return(self._shape.crossfade, "")
 

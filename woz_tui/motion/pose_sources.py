@@ -219,7 +219,7 @@ class PoseSource:
     #: Whether it has come to its own end.
     over = False
     #: What it wants of the face, as of the last step.
-    wish: FaceOverlay | None = None
+    face_overlay: FaceOverlay | None = None
 
     def step(self, moment: SourceContext) -> Mapping[str, float]:
         """The pose, in degrees, of every joint."""
@@ -352,7 +352,7 @@ class MovePlayback(PoseSource):
         for joint, angle in posture.joints.items():
             if joint in pose:
                 pose[joint] += size * angle
-        self.wish = FaceOverlay(posture.face, self._shared(posture.roles, size, pose))
+        self.face_overlay = FaceOverlay(posture.face, self._shared(posture.roles, size, pose))
         if not all(map(math.isfinite, pose.values())):
             raise ValueError(f"the move {self.name!r} wants an angle that is no number")
         return pose
@@ -390,7 +390,7 @@ class ObjectFollowing(PoseSource):
         if not all(map(math.isfinite, pose.values())):
             raise ValueError("tracking wants an angle that is no number")
         face = FaceChange(emotion=tracked.emotion or None, intensity=tracked.intensity)
-        self.wish = FaceOverlay(face)
+        self.face_overlay = FaceOverlay(face)
         return pose
 
 

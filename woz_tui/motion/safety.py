@@ -17,7 +17,7 @@ from woz_tui.motion.body_shape import JointShape
 #: where it stood; a tick that is late by less is caught up with.
 LONGEST_S = 0.1
 #: How many names of joints that do not exist are told a step.
-_TOLD = 16
+_MOST_NAMED = 16
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,16 +143,16 @@ class Safety:
         Joints that are left out, or of which there is no finite angle, stay where they are. One
         found outside its range may only come back in, at its speed.
         """
-        rejected = self._strangers(present)
+        rejected = self._unknown_joints(present)
         for name, joint in self._joints.items():
             if name not in present:
                 joint.stand(joint.position)
                 continue
             angle = finite_number(present[name])
             if angle is None:
-                rejected[name] = _why(present[name])
+                rejected[name] = _angle_problem(present[name])
             joint.stand(joint.position if angle is None else angle)
-        self._tell(rejected)
+        self._publish(rejected)
 
     def step(self, wanted: Mapping[str, object], dt: float) -> Mapping[str, float]:
         """The setpoints `dt` seconds after the last ones, in degrees.
@@ -160,7 +160,7 @@ class Safety:
         `wanted` may hold anything: what is no finite number is named in `rejected`. Of `dt`, no
         more than `LONGEST_S` counts; 0, a negative one and NaN change nothing.
         """
-        rejected = self._strangers(wanted)
+        rejected = self._unknown_joints(wanted)
         seconds = finite_number(dt)
         elapsed = min(seconds, LONGEST_S) if seconds is not None else 0.0
         if dt == math.inf:
@@ -168,17 +168,17 @@ class Safety:
         for name, joint in self._joints.items():
             angle = finite_number(wanted[name]) if name in wanted else None
             if angle is None:
-                rejected[name] = _why(wanted[name]) if name in wanted else "is missing"
+                rejected[name] = _angle_problem(wanted[name]) if name in wanted else "is missing"
             if elapsed > 0:
                 joint.step(angle, elapsed)
-        self._tell(rejected)
+        self._publish(rejected)
         return self.last
 
-    def _strangers(self, given: Iterable[object]) -> dict[str, str]:
-        strange = [name for name in given if name not in self._joints][:_TOLD]
+    def _unknown_joints(self, given: Iterable[object]) -> dict[str, str]:
+        strange = [name for name in given if name not in self._joints][:_MOST_NAMED]
         return {str(name)[:80]: "there is no such joint" for name in strange}
 
-    def _tell(self, rejected: Mapping[str, str]) -> None:
+    def _publish(self, rejected: Mapping[str, str]) -> None:
         self.rejected = rejected
         self.last: Mapping[str, float] = MappingProxyType(
             {name: one.position for name, one in self._joints.items()}
@@ -196,7 +196,7 @@ def finite_number(value: object) -> float | None:
     return converted if math.isfinite(converted) else None
 
 
-def _why(value: object) -> str:
+def _angle_problem(value: object) -> str:
     if isinstance(value, float):
         return f"{value} is no angle"
     return (

@@ -162,7 +162,7 @@ class Body(RenderedDriver):
         moves = settings.repertoire.moves
         changes = [*move_changes(self.loop.moves, moves)]
         if changes and not dry_run:
-            self.loop.learn(moves)
+            self.loop.set_moves(moves)
         return changes
 
     async def rest(self) -> None:

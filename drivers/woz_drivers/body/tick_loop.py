@@ -341,7 +341,7 @@ class BodyLoop:
         self._state = context.feed(STATE)
         self._seen = context.feed(SEEN, of=settings.camera) if settings.camera else None
         self._seen_serial = 0
-        self._sees = False
+        self._sighting_known = False
         self._lit: FacePicture | None = None
 
     # -- from the event loop ---------------------------------------------------------------------
@@ -352,11 +352,11 @@ class BodyLoop:
             self._touched = True
             return self.engine.apply(verb, args, hand)
 
-    def learn(self, moves: Mapping[str, Move]) -> None:
+    def set_moves(self, moves: Mapping[str, Move]) -> None:
         """Play these moves from now on; one under way goes on as it began."""
         with self._lock:
             self.moves = moves
-            self.engine.learn(moves)
+            self.engine.set_moves(moves)
 
     def drop(self, token: int) -> None:
         """End an input that takes time where it is now."""
@@ -405,7 +405,7 @@ class BodyLoop:
 
     def _step(self, now: float) -> None:
         with self._lock:
-            self._look(now)
+            self._read_feeds(now)
             tick = self.engine.tick(now)
             state = None
             if self._touched or tick.ended or self._state_due(now):
@@ -420,7 +420,7 @@ class BodyLoop:
                 self.at_rest,
             )
         )
-        self._light(tick)
+        self._publish_face(tick)
         if state is not None:
             self._state.put(state)
         if tick.ended:
@@ -431,7 +431,7 @@ class BodyLoop:
         if self._publishing.lateness_due(now):
             self._publishing.lateness(self._lateness.recent())
 
-    def _look(self, now: float) -> None:
+    def _read_feeds(self, now: float) -> None:
         """Take what servos and camera say."""
         if self._joining is not None:
             if self._touched:
@@ -445,13 +445,13 @@ class BodyLoop:
         seen = newest.value
         fresh = isinstance(seen, Sighting) and now - seen.t_us / 1e6 <= SEEN_S
         if fresh and newest.serial != self._seen_serial:
-            self._seen_serial, self._sees = newest.serial, True
+            self._seen_serial, self._sighting_known = newest.serial, True
             self.engine.see(seen)
-        elif not fresh and self._sees:
-            self._sees = False
+        elif not fresh and self._sighting_known:
+            self._sighting_known = False
             self.engine.see(None)
 
-    def _light(self, tick: Tick) -> None:
+    def _publish_face(self, tick: Tick) -> None:
         """Hand the face on, if it is another one than before."""
         if tick.face is None:
             return

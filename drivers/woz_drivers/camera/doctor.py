@@ -25,7 +25,7 @@ async def examine(probe: Probe) -> list[Finding]:
         taken = await _take(settings, words, probe)
     except DriverError as error:
         return [Finding("error", probe.name, error.what, error.remedy)]
-    return [_judge(probe.name, settings, taken)]
+    return [_finding(probe.name, settings, taken)]
 
 
 class _Capture:
@@ -63,7 +63,7 @@ async def _take(settings: CameraSettings, words: tuple[str, ...], probe: Probe) 
                 f"{words[0]} ended: {running.reason(status)}", "try the command in a terminal"
             )
     finally:
-        await running.gone()
+        await running.end()
     if not taken.total:
         raise DriverError(
             f"{words[0]} runs but delivered nothing within {_PATIENCE_S:g} s",
@@ -72,7 +72,7 @@ async def _take(settings: CameraSettings, words: tuple[str, ...], probe: Probe) 
     return taken
 
 
-def _judge(subject: str, settings: CameraSettings, taken: _Capture) -> Finding:
+def _finding(subject: str, settings: CameraSettings, taken: _Capture) -> Finding:
     size = settings.layout.size
     program, shape = settings.words[0], f"{settings.shape}, {size} bytes each"
     if len(taken.first) < size:
@@ -97,10 +97,12 @@ def _judge(subject: str, settings: CameraSettings, taken: _Capture) -> Finding:
             f"{program}: {rate:.1f} pictures a second ({shape}) instead of {settings.rate:g}",
             "its pictures probably have another size, format or rate",
         )
-    return Finding("ok", subject, f"{program}: {shape}; {_sight(settings, bytes(taken.first))}")
+    return Finding(
+        "ok", subject, f"{program}: {shape}; {_describe_first(settings, bytes(taken.first))}"
+    )
 
 
-def _sight(settings: CameraSettings, first: bytes) -> str:
+def _describe_first(settings: CameraSettings, first: bytes) -> str:
     picture = settings.layout.decode(first)
     blob = BlobFinder(settings.rule).find(picture)
     if blob is None:

@@ -40,7 +40,7 @@ class BodyFollower:
         self._fresh: bool | None = None
         self._now: Setpoints | None = None
 
-    def look(self, now: float) -> None:
+    def read_setpoints(self, now: float) -> None:
         """Take the newest setpoints; `now` is CLOCK_MONOTONIC in seconds. Says when they end."""
         newest = self._setpoints.latest().value
         fresh = isinstance(newest, Setpoints) and now - newest.t_us / 1e6 <= STALE_S
@@ -68,7 +68,7 @@ class BodyFollower:
         """Whether the body is where it may be left alone; None if it has not been sent there."""
         return self._now.at_rest if self._now is not None else None
 
-    def wanted(self, servo: Servo, elapsed: float) -> float:
+    def setpoint_for(self, servo: Servo, elapsed: float) -> float:
         """Where the body wants the joint now; where it stands if the body says nothing."""
         target = self._target(servo)
         if target is None:
@@ -99,9 +99,9 @@ class BodyFollower:
         newest = self._setpoints.latest().value
         return newest.zeros.get(joint, 0.0) if isinstance(newest, Setpoints) else 0.0
 
-    def tell(self, servos: Iterable[Servo], now: float) -> None:
+    def publish_positions(self, servos: Iterable[Servo], now: float) -> None:
         """Let the body know where its joints are, and which of them are held."""
-        ready = [servo for servo in servos if servo.standing is ServoStatus.READY]
+        ready = [servo for servo in servos if servo.status is ServoStatus.READY]
         self._present.put(
             JointPositions(
                 round(now * 1e6),

@@ -88,10 +88,10 @@ class ServoChain(ServoUpkeep):
             for servo in silent:
                 self._check(servo, fresh=True)
         if len(self._silent()) == len(self.servos):
-            raise self._nobody()
+            raise self._nobody_answers()
 
     def _silent(self) -> list[Servo]:
-        return [one for one in self.servos.values() if one.standing is ServoStatus.SILENT]
+        return [one for one in self.servos.values() if one.status is ServoStatus.SILENT]
 
     def _check(self, servo: Servo, *, fresh: bool) -> bool:
         try:
@@ -100,9 +100,9 @@ class ServoChain(ServoUpkeep):
             servo.lose(silent.what, silent.remedy)
         except UnfitError as unfit:
             servo.lose(unfit.what, unfit.remedy, ServoStatus.UNFIT)
-        return servo.standing is not ServoStatus.SILENT
+        return servo.status is not ServoStatus.SILENT
 
-    def _nobody(self) -> DeviceLostError:
+    def _nobody_answers(self) -> DeviceLostError:
         ids = {servo.joint.id for servo in self.servos.values()}
         found = self.wire.scan(ids)
         where = f"{self.settings.port} at {self.settings.baud} baud"
@@ -132,13 +132,13 @@ class ServoChain(ServoUpkeep):
         """
         wanted = {name for frame in frames for name in frame.joints}
         move.left_out = {
-            name: self._why_not(self.servos[name])
+            name: self._reason_not_to_move(self.servos[name])
             for name in sorted(wanted)
             if not self.servos[name].moves
         }
         able = sorted(wanted - set(move.left_out))
         if not able:
-            raise self._unable(move.left_out)
+            raise self._refusal(move.left_out)
         start = {name: self.servos[name].setpoint for name in able}
         limits = {name: self.servos[name].limits for name in able}
         planned = plan_motion(start, frames, limits, self.settings.profile)
@@ -153,12 +153,12 @@ class ServoChain(ServoUpkeep):
     def follow(self, targets: Mapping[str, float], *, relative: bool) -> dict[str, float]:
         """Let joints follow targets in degrees, or step by them; returns the targets as bounded."""
         left_out = {
-            name: self._why_not(self.servos[name])
+            name: self._reason_not_to_move(self.servos[name])
             for name in targets
             if not self.servos[name].moves
         }
         if len(left_out) == len(targets):
-            raise self._unable(left_out)
+            raise self._refusal(left_out)
         accepted = {}
         for name, value in targets.items():
             servo = self.servos[name]
@@ -193,7 +193,7 @@ class ServoChain(ServoUpkeep):
         unknown = [
             servo.label
             for servo in self.servos.values()
-            if servo.torque and servo.standing is not ServoStatus.READY
+            if servo.torque and servo.status is not ServoStatus.READY
         ]
         if unknown:
             raise DriverError(
@@ -206,7 +206,7 @@ class ServoChain(ServoUpkeep):
         failed = {}
         for name in names:
             servo = self.servos[name]
-            if servo.standing is not ServoStatus.READY:
+            if servo.status is not ServoStatus.READY:
                 failed[name] = servo.trouble
                 continue
             self._take_over(name, "" if on else "had its torque switched off")
@@ -246,33 +246,33 @@ class ServoChain(ServoUpkeep):
         self._write(everything=refresh)
         self._end_moves(now)
         if self._following is not None:
-            self._following.tell(self.servos.values(), now)
+            self._following.publish_positions(self.servos.values(), now)
         self._probe(now)
         self.one_chore(now)
 
     def _read(self) -> None:
-        for table, group in self._tables(lambda servo: servo.standing is ServoStatus.READY).items():
+        for table, group in self._tables(lambda servo: servo.status is ServoStatus.READY).items():
             if table.protocol == 1:
                 for servo in group:
                     self._read_status(servo, table)
                 continue
             found = self.wire.read_group((servo.joint.id for servo in group), table.present)
             for servo in group:
-                self._found(servo, found.get(servo.joint.id))
+                self._take_position(servo, found.get(servo.joint.id))
 
     def _read_status(self, servo: Servo, table: ControlTable) -> None:
         """Position and torque together: no goal may go to a servo that has lost its power."""
         block = table.status_block()
         answer = self.wire.read(servo.joint.id, block)
         if answer is None:
-            self._found(servo, None)
+            self._take_position(servo, None)
             return
-        self._found(servo, table.present.within(block, answer.data))
+        self._take_position(servo, table.present.within(block, answer.data))
         self.check_torque(servo, table, answer)
 
-    def _found(self, servo: Servo, raw: int | None) -> None:
+    def _take_position(self, servo: Servo, raw: int | None) -> None:
         if raw is None:
-            self._missed(servo)
+            self._count_miss(servo)
             return
         servo.misses = 0
         assert servo.calibration is not None
@@ -280,7 +280,7 @@ class ServoChain(ServoUpkeep):
         if not servo.torque:
             servo.settle()  # a limp joint's setpoint follows the hand that moves it
 
-    def _missed(self, servo: Servo) -> None:
+    def _count_miss(self, servo: Servo) -> None:
         servo.misses += 1
         if servo.misses >= MISSES:
             self._take_over(servo.name, "no longer answers")
@@ -289,7 +289,7 @@ class ServoChain(ServoUpkeep):
 
     def _advance(self, now: float, elapsed: float) -> None:
         if self._following is not None:
-            self._following.look(now)
+            self._following.read_setpoints(now)
         for servo in self.servos.values():
             if not servo.moves:
                 continue
@@ -297,7 +297,7 @@ class ServoChain(ServoUpkeep):
             if servo.track is not None:
                 wanted = servo.track.at(now - servo.track_began)
             elif self._following is not None:
-                wanted = self._following.wanted(servo, elapsed)
+                wanted = self._following.setpoint_for(servo, elapsed)
             elif servo.follow is not None:
                 wanted = servo.follow.step(servo.setpoint, elapsed)
                 if servo.follow.arrived(wanted):
@@ -354,13 +354,13 @@ class ServoChain(ServoUpkeep):
                 self._probes.append(servo)
         while self._probes:
             servo = self._probes.popleft()
-            if servo.standing is ServoStatus.SILENT:
+            if servo.status is ServoStatus.SILENT:
                 if self._check(servo, fresh=False):
-                    self._back(servo)
+                    self._notify_back(servo)
                 return
 
-    def _back(self, servo: Servo) -> None:
-        if servo.standing is ServoStatus.READY:
+    def _notify_back(self, servo: Servo) -> None:
+        if servo.status is ServoStatus.READY:
             held = "and still holds" if servo.torque else "and is limp"
             self._context.notice("info", f"{servo.label} answers again {held}")
 
@@ -396,14 +396,14 @@ class ServoChain(ServoUpkeep):
         if move.done.done():
             return
         if move.plan is not None and move.left_out and not move.joints and not move.taken:
-            move.done.set_exception(self._unable(move.left_out))
+            move.done.set_exception(self._refusal(move.left_out))
         else:
             move.done.set_result(None)
 
-    def _why_not(self, servo: Servo) -> str:
-        return servo.trouble if servo.standing is not ServoStatus.READY else "torque is off"
+    def _reason_not_to_move(self, servo: Servo) -> str:
+        return servo.trouble if servo.status is not ServoStatus.READY else "torque is off"
 
-    def _unable(self, left_out: Mapping[str, str]) -> DriverError:
+    def _refusal(self, left_out: Mapping[str, str]) -> DriverError:
         reasons = sorted(set(left_out.values()))
         names = ", ".join(sorted(left_out))
         if reasons == ["torque is off"]:

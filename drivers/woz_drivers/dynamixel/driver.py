@@ -226,7 +226,7 @@ class DynamixelServos(Driver):
         """Names of those that are still silent after `REBOOT_S`."""
 
         def silent(chain: ServoChain, _now: float) -> list[str]:
-            return [n for n in names if chain.servos[n].standing is not ServoStatus.READY]
+            return [n for n in names if chain.servos[n].status is not ServoStatus.READY]
 
         missing = await self._ask(silent)
         looks = round(REBOOT_S / REBOOT_LOOK_S)
@@ -270,7 +270,7 @@ class DynamixelServos(Driver):
             await asyncio.sleep(LOOK_S)
             before, held = held, await self._ask(_held)
             moved = any(abs(held[name] - before.get(name, 0.0)) > STILL for name in held)
-            # A slow start looks like standing still; only the body knows that it has more to go.
+            # A slow start looks like status still; only the body knows that it has more to go.
             under_way = moved or following.at_rest is False
             since = 0.0 if under_way else since + LOOK_S
 
@@ -305,7 +305,7 @@ def _named(job: Job) -> list[str]:
 
 
 def _may_hold(servo: Servo) -> bool:
-    return servo.torque or servo.standing is ServoStatus.READY
+    return servo.torque or servo.status is ServoStatus.READY
 
 
 def _sent(plan: MotionPlan, move: PlannedMove) -> dict[str, Any]:
@@ -328,5 +328,5 @@ def _sent(plan: MotionPlan, move: PlannedMove) -> dict[str, Any]:
 def _frozen(chain: ServoChain, _now: float) -> StopReport | None:
     chain.freeze()
     servos = chain.servos.values()
-    ready = tuple(servo.name for servo in servos if servo.standing is ServoStatus.READY)
+    ready = tuple(servo.name for servo in servos if servo.status is ServoStatus.READY)
     return StopReport(ready) if len(ready) < len(servos) else None

@@ -124,14 +124,14 @@ class ServoLoop:
                 self.holding = any(servo.torque for servo in chain.servos.values())
             self.online = False
             if self.following is not None:
-                self.following.tell((), time.monotonic())
+                self.following.publish_positions((), time.monotonic())
             chain.fail_all(DeviceLostError("the servo driver let go of the port"))
             wire.close()
 
     def _begin(self, chain: ServoChain) -> None:
         first, self._first = self._first, False
         if first and self._settings.torque:
-            ready = [s.name for s in chain.servos.values() if s.standing is ServoStatus.READY]
+            ready = [s.name for s in chain.servos.values() if s.status is ServoStatus.READY]
             for name, why in chain.set_torque(ready, on=True).items():
                 self._context.notice("error", f"no torque on {name}: {why}")
         elif not first:
@@ -180,7 +180,7 @@ class ServoLoop:
     def _publish(self, chain: ServoChain) -> None:
         self._context.health(*report(self._settings, chain.servos.values()))
         for servo in chain.servos.values():
-            if servo.standing is ServoStatus.READY:
+            if servo.status is ServoStatus.READY:
                 # In a body's degrees, so that it can be held against the body's setpoint.
                 zero = self.following.zero(servo.name) if self.following is not None else 0.0
                 present = round(servo.present - zero, 3)

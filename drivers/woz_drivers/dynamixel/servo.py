@@ -120,7 +120,7 @@ class Servo:
 
     name: str
     joint: JointSettings
-    standing: ServoStatus = ServoStatus.SILENT
+    status: ServoStatus = ServoStatus.SILENT
     trouble: str = "has not answered yet"
     remedy: str = ""
     model: ServoModel | None = None
@@ -149,7 +149,7 @@ class Servo:
     @property
     def moves(self) -> bool:
         """Whether a setpoint would have any effect."""
-        return self.standing is ServoStatus.READY and self.torque
+        return self.status is ServoStatus.READY and self.torque
 
     def hold(self) -> None:
         """Nothing drives the setpoint any more: it stays where it is."""
@@ -162,10 +162,10 @@ class Servo:
         self.hold()
         self.setpoint = self.present
 
-    def lose(self, why: str, remedy: str, standing: ServoStatus = ServoStatus.SILENT) -> None:
+    def lose(self, why: str, remedy: str, status: ServoStatus = ServoStatus.SILENT) -> None:
         """It cannot be used until it has been checked again."""
         self.hold()
-        self.standing = standing
+        self.status = status
         self.trouble = why
         self.remedy = remedy
         self.misses = 0
@@ -253,7 +253,7 @@ def check(wire: ServoWire, servo: Servo, settings: ServoSettings, *, fresh: bool
     servo.written = None
     servo.torque = keep
     servo.misses = 0
-    servo.standing, servo.trouble, servo.remedy = ServoStatus.READY, "", ""
+    servo.status, servo.trouble, servo.remedy = ServoStatus.READY, "", ""
 
 
 def _model(joint: JointSettings, protocol: int, number: int) -> ServoModel:

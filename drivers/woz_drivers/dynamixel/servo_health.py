@@ -67,7 +67,7 @@ class ServoUpkeep(abc.ABC):
         if not self._chores and now >= self._next_round:
             self._next_round = now + ROUND_S
             for servo in self.servos.values():
-                if servo.standing is ServoStatus.READY:
+                if servo.status is ServoStatus.READY:
                     self._chores.append(lambda servo=servo: self._status(servo))  # type: ignore[misc]
                     self._chores.append(lambda servo=servo: self._sensors(servo))  # type: ignore[misc]
         if self._chores:
@@ -76,7 +76,7 @@ class ServoUpkeep(abc.ABC):
     # -- alarms, torque, watchdog --------------------------------------------------------------
 
     def _status(self, servo: Servo) -> None:
-        if servo.standing is not ServoStatus.READY or servo.model is None:
+        if servo.status is not ServoStatus.READY or servo.model is None:
             return
         table = servo.model.table
         answer = self.wire.read(servo.joint.id, table.status_block())
@@ -144,7 +144,7 @@ class ServoUpkeep(abc.ABC):
     # -- heat, load, voltage -------------------------------------------------------------------
 
     def _sensors(self, servo: Servo) -> None:
-        if servo.standing is not ServoStatus.READY or servo.model is None:
+        if servo.status is not ServoStatus.READY or servo.model is None:
             return
         table = servo.model.table
         block = table.sensor_block()

@@ -33,7 +33,7 @@ async def examine(subject: str, settings: LedFaceSettings) -> Finding:
     face = _OpenFace(settings)
     try:
         await face.next_event()  # the port is open, or cannot be
-        return await _asked(subject, settings, face)
+        return await _examined(subject, settings, face)
     except DeviceLostError as error:
         return Finding("error", subject, error.what, error.remedy)
     finally:
@@ -83,7 +83,7 @@ class _OpenFace:
         return None
 
 
-async def _asked(subject: str, settings: LedFaceSettings, face: _OpenFace) -> Finding:
+async def _examined(subject: str, settings: LedFaceSettings, face: _OpenFace) -> Finding:
     where = f"{settings.port} at {settings.baud} baud"
     first = None
     for _ in range(round(_PATIENCE_S / _ANSWER_S)):
@@ -103,10 +103,12 @@ async def _asked(subject: str, settings: LedFaceSettings, face: _OpenFace) -> Fi
     if wrong:
         return Finding("error", subject, f"{where}: {wrong[0]}", wrong[1])
     answers = [answer for _ in range(_HELLOS) if (answer := await face.hello())]
-    return _judged(subject, where, device, [seconds for _, seconds in answers], face.reader.damaged)
+    return _finding(
+        subject, where, device, [seconds for _, seconds in answers], face.reader.damaged
+    )
 
 
-def _judged(
+def _finding(
     subject: str, where: str, device: FaceDevice, latencies: list[float], damaged: int
 ) -> Finding:
     missing = _HELLOS - len(latencies)

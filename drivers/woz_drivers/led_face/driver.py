@@ -126,12 +126,12 @@ class LedFace(PassiveDriver):
             settings.baud,
             on_open=self._opened,
             on_bytes=self._received,
-            on_trouble=self._troubled,
+            on_trouble=self._lost,
         )
-        self._talk = FaceLink(
+        self._link = FaceLink(
             settings.wired,
             self._send,
-            self._tell,
+            self._show_state,
             # A little less than the pause, so that a tick that comes early is not in vain.
             interval_us=round(950_000 / settings.rate),
         )
@@ -188,24 +188,24 @@ class LedFace(PassiveDriver):
     async def _keep_showing(self) -> None:
         pause = 1 / (2 * self.settings.rate)
         while True:
-            self._look()
+            self._read_feed()
             self._step(self._pattern or self._wanted)
             await asyncio.sleep(pause)
 
     def _step(self, wanted: FacePicture) -> None:
         if self._line.connected:
-            self._talk.step(wanted, self._now())
+            self._link.step(wanted, self._now())
 
-    def _look(self) -> None:
+    def _read_feed(self) -> None:
         """Take the body's newest picture."""
         if self._lit is None:
             return
         latest = self._lit.latest()
         if latest.serial != self._seen and isinstance(latest.value, FacePicture):
             self._seen = latest.serial
-            self._take(latest.value)
+            self._take_picture(latest.value)
 
-    def _take(self, lit: FacePicture) -> None:
+    def _take_picture(self, lit: FacePicture) -> None:
         frame, settings = lit.frame, self.settings
         if (frame.width, frame.height) == (settings.width, settings.height):
             self._wanted = FacePicture(self._mounted(frame), lit.brightness * settings.brightness)
@@ -224,14 +224,14 @@ class LedFace(PassiveDriver):
     async def _say_goodbye(self) -> None:
         """The last picture; a second try is not worth waiting for."""
         settings = self.settings
-        if settings.afterwards == "last" or self._talk.state is not LinkState.TALKING:
+        if settings.afterwards == "last" or self._link.state is not LinkState.TALKING:
             return
         last = FacePicture(blank(*settings.wired), 0.0)
         if settings.afterwards == "asleep":
             last = FacePicture(self._mounted(sleeping_face(settings)), self._wanted.brightness)
         loop = asyncio.get_running_loop()
         end = loop.time() + _FAREWELL_S
-        while self._talk.shown != last and self._line.connected and loop.time() < end:
+        while self._link.shown != last and self._line.connected and loop.time() < end:
             self._step(last)
             await asyncio.sleep(0.01)
 
@@ -241,21 +241,21 @@ class LedFace(PassiveDriver):
         return self.context.clock.now_us()
 
     def _opened(self) -> None:
-        self._talk.begin(self._now())
+        self._link.begin(self._now())
 
     def _received(self, data: bytes) -> None:
-        self._talk.received(data, self._now())
+        self._link.received(data, self._now())
 
     def _send(self, data: bytes) -> None:
         with contextlib.suppress(DeviceLostError):  # whoever noticed the loss has told it
             self._line.write(data)
 
-    def _troubled(self, error: DeviceLostError) -> None:
+    def _lost(self, error: DeviceLostError) -> None:
         self._gone.set()
         self.context.health(Health.LOST, error.what, error.remedy)
 
-    def _tell(self) -> None:
-        talk = self._talk
+    def _show_state(self) -> None:
+        talk = self._link
         if talk.state is not LinkState.TALKING:
             self._gone.set()
         self.context.health(
@@ -265,5 +265,5 @@ class LedFace(PassiveDriver):
     def _need_face(self) -> None:
         if not self._line.connected:
             raise DeviceLostError(f"{self.settings.port} is not open", "see its state")
-        if self._talk.state is not LinkState.TALKING:
-            raise DeviceLostError(self._talk.detail, self._talk.remedy)
+        if self._link.state is not LinkState.TALKING:
+            raise DeviceLostError(self._link.detail, self._link.remedy)

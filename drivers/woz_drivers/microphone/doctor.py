@@ -59,7 +59,7 @@ async def _record(settings: MicrophoneSettings, words: tuple[str, ...], probe: P
                 f"{words[0]} ended: {running.reason(status)}", await _devices(words[0], probe)
             )
     finally:
-        await running.gone()
+        await running.end()
     if not heard:
         raise DriverError(
             f"{words[0]} runs but delivered nothing within {_PATIENCE_S:g} s",

@@ -58,8 +58,8 @@ class Microphone(PassiveDriver):
         self._blocks = self._fresh_blocks()
         self._levels: list[float] = []
         self._learning: _Learning | None = None
-        self._heard = 0
-        self._wondered = False
+        self._blocks_heard = 0
+        self._warned = False
         self._resume: asyncio.TimerHandle | None = None
         self._source: ByteStream | None = None
         words = settings.transcriber
@@ -101,7 +101,7 @@ class Microphone(PassiveDriver):
         command = StreamCommand(
             settings.words, self.context.folder, "no sound", _CHECK, least=settings.block_bytes
         )
-        listener = StreamListener(self._begun, self._received, self._stale, self._lose)
+        listener = StreamListener(self._begun, self._received, self._stale, self._lost)
         self._source = ByteStream(command, self.context.clock, listener)
         self._source.start()
         if self._transcriber is not None:
@@ -111,7 +111,7 @@ class Microphone(PassiveDriver):
         """Learn the room."""
         if job.verb != room_threshold.NAME:
             raise RejectedError(f"{self.name} is a microphone; it cannot {job.verb}")
-        if self._source is None or not self._source.running or not self._heard:
+        if self._source is None or not self._source.running or not self._blocks_heard:
             raise DeviceLostError(
                 f"{self.name} delivers no sound", "see the driver's health for the reason"
             )
@@ -129,7 +129,7 @@ class Microphone(PassiveDriver):
         if self._source is not None:
             await self._source.close()
             self._source = None
-        self._forget_pause()
+        self._cancel_pause()
         self._break_off("the session ended")
         await self._segments.close()
 
@@ -140,7 +140,7 @@ class Microphone(PassiveDriver):
         self._speaking.forget()
         self._segments.forget()
         self._levels = []
-        self._heard = 0
+        self._blocks_heard = 0
 
     def _stale(self, why: str) -> None:
         self._break_off(why)
@@ -153,8 +153,8 @@ class Microphone(PassiveDriver):
         if ended is not None:
             self._segments.ended(ended, f"the sound stopped: {why}")
 
-    def _lose(self, trouble: DriverError) -> None:
-        self._forget_pause()
+    def _lost(self, trouble: DriverError) -> None:
+        self._cancel_pause()
         self.context.health(Health.LOST, trouble.what, trouble.remedy)
         self._stale(trouble.what)
         if self._learning is not None:
@@ -171,13 +171,13 @@ class Microphone(PassiveDriver):
 
     def _take(self, block: bytes) -> None:
         settings = self.settings
-        if not self._heard:
+        if not self._blocks_heard:
             self.context.health(
                 Health.CONNECTED,
                 f"{settings.words[0]}, {settings.rate} Hz, {settings.format},"
                 f" {settings.channels} channel{'s' if settings.channels > 1 else ''}",
             )
-        self._heard += 1
+        self._blocks_heard += 1
         samples = settings.samples(block)
         level = self._speaking.take(samples)
         self.context.sensor(SENSOR, self._speaking.state, self._reason(level))
@@ -185,7 +185,7 @@ class Microphone(PassiveDriver):
         if self._learning is not None:
             self._learning.take(level)
         self._levels.append(level)
-        if self._heard * BLOCK_S * settings.publish >= 1 + self._published():
+        if self._blocks_heard * BLOCK_S * settings.publish >= 1 + self._published():
             self._publish()
 
     def _cut(self, samples: pcm_audio.Samples, level: float) -> None:
@@ -193,22 +193,22 @@ class Microphone(PassiveDriver):
         event = self._speaking.event
         self._segments.happened(event, self._speaking.earliest)
         if isinstance(event, SpeechEnd):
-            self._wonder(event.cut)
+            self._warn_if_endless(event.cut)
 
-    def _wonder(self, cut: bool) -> None:
+    def _warn_if_endless(self, cut: bool) -> None:
         """Say once that somebody speaks without a pause, or that it is not speech at all."""
-        if cut and not self._wondered:
+        if cut and not self._warned:
             self.context.notice(
                 "warning",
                 f"loud for {self.settings.longest:g} s without a pause: is that speech?",
                 "if not, play listen_room while nobody speaks, or raise threshold",
                 tells=("loudness",),
             )
-        self._wondered = cut
+        self._warned = cut
 
     def _published(self) -> int:
         """How many values were due before this block."""
-        return int((self._heard - 1) * BLOCK_S * self.settings.publish)
+        return int((self._blocks_heard - 1) * BLOCK_S * self.settings.publish)
 
     def _publish(self) -> None:
         levels, self._levels = self._levels, []
@@ -233,14 +233,14 @@ class Microphone(PassiveDriver):
         """Let a source that is faster than real time wait."""
         if self._source is None:
             return
-        ahead = self._heard * BLOCK_S - self._source.lasted_us / 1_000_000
+        ahead = self._blocks_heard * BLOCK_S - self._source.lasted_us / 1_000_000
         if ahead > _AHEAD_S:
-            self._forget_pause()
+            self._cancel_pause()
             self._source.hold(True)
             loop = asyncio.get_running_loop()
             self._resume = loop.call_later(ahead - _AHEAD_S, self._source.hold, False)
 
-    def _forget_pause(self) -> None:
+    def _cancel_pause(self) -> None:
         """It has begun anew, or ended: nothing is to go on any more."""
         if self._resume is not None:
             self._resume.cancel()

@@ -139,14 +139,14 @@ class Transcriber:
         try:
             async with asyncio.timeout(self._limit_s):
                 status = await running.wait()
-                await running.said_all()
+                await running.output_ended()
         except TimeoutError:
             raise DriverError(
                 f"{program} took longer than {self._limit_s:g} s",
                 "take a smaller model, or raise transcribe_limit",
             ) from None
         finally:
-            await running.gone()
+            await running.end()
         if status:
             raise DriverError(f"{program} ended: {running.reason(status)}")
         return one_line(said.decode("utf-8", "replace"))

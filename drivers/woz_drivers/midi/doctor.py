@@ -24,13 +24,13 @@ def examine(
 ) -> list[Finding]:
     """What there is to say; never raises. `dev` and `proc` are where the system lists devices."""
     return [
-        *_there(subject, dev, proc),
-        _usable(subject, settings, folder, dev, proc),
-        *_unmapped(subject, settings),
+        *_devices(subject, dev, proc),
+        _opened(subject, settings, folder, dev, proc),
+        *_free_controls(subject, settings),
     ]
 
 
-def _there(subject: str, dev: Path, proc: Path) -> list[Finding]:
+def _devices(subject: str, dev: Path, proc: Path) -> list[Finding]:
     found = []
     for device in devices.present_devices(dev, proc):
         name = f"{device.path}: {device.name or device.card}"
@@ -42,7 +42,7 @@ def _there(subject: str, dev: Path, proc: Path) -> list[Finding]:
     return found
 
 
-def _usable(subject: str, settings: MidiSettings, folder: Path, dev: Path, proc: Path) -> Finding:
+def _opened(subject: str, settings: MidiSettings, folder: Path, dev: Path, proc: Path) -> Finding:
     panel = settings.panel
     wanted = settings.device or panel.device or LAYOUTS[panel.layout].device
     try:
@@ -54,7 +54,7 @@ def _usable(subject: str, settings: MidiSettings, folder: Path, dev: Path, proc:
     return Finding("ok", subject, f"{path} can be opened{lights}")
 
 
-def _unmapped(subject: str, settings: MidiSettings) -> list[Finding]:
+def _free_controls(subject: str, settings: MidiSettings) -> list[Finding]:
     controls = mapped_controls(settings)
     free = [it.name for it in controls if it.free]
     used = f"{len(controls) - len(free)} controls do something"

@@ -66,7 +66,7 @@ class MidiPanel(PassiveDriver):
             context.folder,
             on_open=self._opened,
             on_bytes=self._received,
-            on_trouble=self._troubled,
+            on_trouble=self._lost,
         )
         self._watch: asyncio.Task[None] | None = None
         self._moved: dict[str, int] = {}
@@ -127,7 +127,7 @@ class MidiPanel(PassiveDriver):
         """Begin to look for the panel."""
         self.context.health(Health.CONNECTING, "looking for the panel")
         self._port.start()
-        self._watch = asyncio.create_task(self._look_on())
+        self._watch = asyncio.create_task(self._keep_looking())
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Take over."""
@@ -168,7 +168,7 @@ class MidiPanel(PassiveDriver):
             self._port.write(self._layout.begin)
         self._look()
 
-    def _troubled(self, error: DeviceLostError) -> None:
+    def _lost(self, error: DeviceLostError) -> None:
         for knob in self._knobs.values():
             knob.pickup.forget()
         for button in self._buttons.values():
@@ -197,7 +197,7 @@ class MidiPanel(PassiveDriver):
             knob = self._knobs[it.name]
             knob.take(message.value, state)
             if knob.waiting:
-                self._hint(it, state)
+                self._explain_waiting(it, state)
 
     def _ask(self, ask: Ask, done: Any) -> None:
         self.context.ask(ask, done)
@@ -210,7 +210,7 @@ class MidiPanel(PassiveDriver):
         value = feed.latest().value if feed is not None else None
         return value if isinstance(value, BodyState) else None
 
-    def _hint(self, it: MappedControl, state: BodyState | None) -> None:
+    def _explain_waiting(self, it: MappedControl, state: BodyState | None) -> None:
         """Once: why the first control that is touched moves nothing."""
         if self._hinted:
             return
@@ -228,7 +228,7 @@ class MidiPanel(PassiveDriver):
 
     # -- showing -------------------------------------------------------------------------------
 
-    async def _look_on(self) -> None:
+    async def _keep_looking(self) -> None:
         while True:
             await asyncio.sleep(LOOK_S)
             self._look()
@@ -237,7 +237,7 @@ class MidiPanel(PassiveDriver):
         """Compare the hands with the robot, switch lights, show what is new."""
         for knob in self._knobs.values():
             knob.look(self._state(knob.fitted.on))
-        lit = [name for name, button in self._buttons.items() if self._is_lit(button)]
+        lit = [name for name, button in self._buttons.items() if self._lit(button)]
         if self._with_lights and self._port.ready:
             self._port.write(self._lights.bytes_for(lit))
         waiting = {
@@ -256,7 +256,7 @@ class MidiPanel(PassiveDriver):
             ControlsMoved(values=moved, waiting=list(waiting), targets=targets, lit=lit)
         )
 
-    def _is_lit(self, button: PanelButton) -> bool:
+    def _lit(self, button: PanelButton) -> bool:
         if button.fitted.mapped.stop == "all":
             return self._stopped
         return button.on(self._state(button.fitted.on))

@@ -63,7 +63,7 @@ class SimulatedPepper:
         """End it and what it started."""
         ended, self._child = self._child, None
         if ended is not None:
-            await ended.gone()
+            await ended.end()
 
     async def _start(self, line: asyncio.Future[bytes]) -> Child:
         said = b""

@@ -46,7 +46,7 @@ class Rangefinder(PassiveDriver):
         self._out_of_range = 0
         self._accepted = 0
         self._why = ""
-        self._heard = b""
+        self._last_bytes = b""
         self._valid_us = 0
         self._counted_us = 0
         self._line = SerialLine(
@@ -54,7 +54,7 @@ class Rangefinder(PassiveDriver):
             settings.real_baud,
             on_open=self._opened,
             on_bytes=self._received,
-            on_trouble=self._troubled,
+            on_trouble=self._lost,
         )
         self._watch: asyncio.Task[None] | None = None
 
@@ -89,21 +89,21 @@ class Rangefinder(PassiveDriver):
         self._out_of_range = 0
         self._accepted = 0
         self._why = ""
-        self._heard = b""
+        self._last_bytes = b""
         self._valid_us = self._counted_us = self.context.clock.now_us()
         settings = self.settings
         self.context.health(
             Health.CONNECTED, f"{settings.port}, {settings.framing}, {settings.real_baud} baud"
         )
 
-    def _troubled(self, error: DeviceLostError) -> None:
+    def _lost(self, error: DeviceLostError) -> None:
         self.context.health(Health.LOST, error.what, error.remedy)
         self.context.sensor(SENSOR, "stale", error.what)
 
     # -- values --------------------------------------------------------------------------------
 
     def _received(self, data: bytes) -> None:
-        self._heard = (self._heard + data)[-16:]
+        self._last_bytes = (self._last_bytes + data)[-16:]
         for measurement in self._decoder.feed(data):
             self._measured(measurement)
 
@@ -121,7 +121,7 @@ class Rangefinder(PassiveDriver):
             return
         self._accepted += 1
         self._why = ""
-        self._heard = b""
+        self._last_bytes = b""
         self._valid_us = self.context.clock.now_us()
         self.context.sensor(SENSOR, "ok")
         self.context.reading(SENSOR, verdict.metres, unit="m", raw=measurement.raw)
@@ -133,12 +133,12 @@ class Rangefinder(PassiveDriver):
                 continue
             now = self.context.clock.now_us()
             if now - self._counted_us >= _COUNT_US:
-                self._count((now - self._counted_us) / 1_000_000)
+                self._publish_rate((now - self._counted_us) / 1_000_000)
                 self._counted_us = now
             if now - self._valid_us >= self.settings.stale_after * 1_000_000:
                 self.context.sensor(SENSOR, "stale", self._silence())
 
-    def _count(self, seconds: float) -> None:
+    def _publish_rate(self, seconds: float) -> None:
         self.context.reading(RATE, self._accepted / seconds, unit="Hz")
         self.context.reading(BAD, float(self._decoder.bad + self._out_of_range))
         self._accepted = 0
@@ -146,13 +146,13 @@ class Rangefinder(PassiveDriver):
     def _silence(self) -> str:
         """Why there is no valid value."""
         settings = self.settings
-        if not self._heard:
+        if not self._last_bytes:
             return f"{settings.port} sends nothing; check the sensor's power and wiring"
         if self._why:
             return self._why
         if self._decoder.bad:
             return (
                 f"what comes is not {settings.framing} at {settings.real_baud} baud:"
-                f" {self._heard!r}; check framing and baud"
+                f" {self._last_bytes!r}; check framing and baud"
             )
         return "the sensor fell silent"

@@ -138,7 +138,7 @@ class Speech(Driver):
     async def stop(self, scope: Scope) -> None:
         """Fall silent: every program that makes or plays sound for a job is killed."""
         if scope is Scope.ALL:
-            await self._hush()
+            await self._silence()
 
     async def close(self) -> None:
         """End everything."""
@@ -146,9 +146,9 @@ class Speech(Driver):
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
-        await self._hush()
+        await self._silence()
 
-    async def _hush(self) -> None:
+    async def _silence(self) -> None:
         for running in list(self._audible):
             running.kill()
         jobs = set(self._jobs)
@@ -160,7 +160,7 @@ class Speech(Driver):
 
     @contextlib.contextmanager
     def _counted(self) -> Iterator[None]:
-        """Let `_hush` find the running job."""
+        """Let `_silence` find the running job."""
         task = asyncio.current_task()
         assert task is not None
         self._jobs.add(task)

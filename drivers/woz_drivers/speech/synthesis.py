@@ -139,7 +139,7 @@ async def finish(running: Child, seconds: float) -> None:
             "try its command in a terminal; check whether another program uses the sound device",
         ) from error
     finally:
-        await running.gone()
+        await running.end()
     if status != 0:
         raise DriverError(
             f"{running.program} failed: {running.reason(status)}",

@@ -125,12 +125,14 @@ class RequestHandlers:
             return _refused(client, request, error)
         return Reply(ref=request.ref, ok=True, run=run)
 
-    def _carry(self, client: ClientConnection, request: AnyRequest) -> str:
-        session = self._session
-        run, stale = "", self._stale(request)
+    def _carry(self, client: ClientConnection, request: AnyRequest) -> str:  # noqa: PLR0912, PLR0915
+        """Carry `request` out; the id of the run or command that it has begun."""
+        session, study = self._session, self._session.study
+        run, stale, tells = "", self._stale(request), self._tells(client)
         match request:
-            case AskAction():
-                run = self._action(client, request, stale)
+            case AskAction(action=action, source=source, key=key, when_busy=when_busy):
+                origin = RequestOrigin(source, key, client.name)
+                run = session.play(action, origin, when_busy, stale)
             case AskVerb():
                 run = self._verb(client, request, stale)
             case AskScript():
@@ -139,42 +141,34 @@ class RequestHandlers:
                 session.release(source, stale)
             case _ if stale and (undone := _undone(request)):
                 session.refuse(undone, stale)
-            case AskCancel() | AskEmptyQueue():
-                self._end(client, request)
+            case AskCancel(run=ended):
+                session.cancel(ended)
+            case AskEmptyQueue():
+                session.empty_queue(f"{client.role} {client.name}")
             case AskSet(participant=participant, condition=condition, trial=trial):
                 session.set(participant, condition, trial)
-            case AskMarker() | AskNote() | AskMistake():
-                self._write(client, request)
+            case AskMarker(text=text):
+                session.mark(text, client.role, tells)
+            case AskNote(text=text):
+                session.note(text, tells)
+            case AskMistake(run=wrong, text=text):
+                session.mistake(wrong, text, tells)
             case AskLock(panel=panel, locked=locked):
                 session.lock(panel, locked)
             case AskProfile(profile=profile, source=source):
                 session.use_profile(profile, source)
                 self.on_panels()
             case AskEnd(reason=reason):
-                session.end_tells = self._tells(client)
+                session.end_tells = tells
                 self.on_end(reason)
-            case _:
-                self._study(client, request)
-        return run
-
-    def _end(self, client: ClientConnection, request: AskCancel | AskEmptyQueue) -> None:
-        match request:
-            case AskCancel(run=wanted):
-                self._session.cancel(wanted)
-            case AskEmptyQueue():
-                self._session.empty_queue(f"{client.role} {client.name}")
-
-    def _study(self, client: ClientConnection, request: AnyRequest) -> None:
-        study = self._session.study
-        if self._session.ended:
-            raise RequestError("the session is ending")
-        match request:
-            case AskPhase(phase=phase, source=by, key=key):
-                self._session.phase(phase, RequestOrigin(by, key, client.name))
+            case _ if session.ended:
+                raise RequestError("the session is ending")
+            case AskPhase(phase=phase, source=source, key=key):
+                session.phase(phase, RequestOrigin(source, key, client.name))
             case AskAssign(participant=participant, order=order):
                 study.assign(participant, order)
             case AskTrial(what=what, text=text):
-                study.trial(what, text, self._tells(client))
+                study.trial(what, text, tells)
             case AskQuestionnaire(questionnaire=name, what=what, source=source):
                 by = PARTICIPANT if client.role == PARTICIPANT else source
                 study.questioning.begin_or_end(name, what, by)
@@ -188,30 +182,13 @@ class RequestHandlers:
                 study.check(check, ok, text, client.role)
             case _:
                 raise RequestError(f"{type(request).__name__} cannot be used here")
-
-    def _write(self, client: ClientConnection, request: AskMarker | AskNote | AskMistake) -> None:
-        tells = self._tells(client)
-        match request:
-            case AskMarker(text=text):
-                self._session.mark(text, client.role, tells)
-            case AskNote(text=text):
-                self._session.note(text, tells)
-            case AskMistake(run=wrong, text=text):
-                self._session.mistake(wrong, text, tells)
+        return run
 
     def _tells(self, client: ClientConnection) -> tuple[str, ...]:
         """What words of this client may tell: one that sees all may write of the condition."""
         design = self._session.experiment.study.design
         blinds = design is not None and bool(design.blind)
         return ("condition",) if blinds and client.view is None else ()
-
-    def _action(self, client: ClientConnection, request: AskAction, stale: str) -> str:
-        return self._session.play(
-            request.action,
-            RequestOrigin(request.source, request.key, client.name),
-            request.when_busy,
-            stale,
-        )
 
     def _script(self, client: ClientConnection, request: AskScript, stale: str) -> str:
         if request.to is not None:

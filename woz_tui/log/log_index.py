@@ -133,26 +133,19 @@ def _headed(path: Path, source: BinaryIO, size: int, damage: Damage) -> None:
 
 def _indexed(source: BinaryIO, entry: IndexEntry) -> SampleBlock:
     """A block of which the index says what is in it."""
-    return SampleBlock(_Checked(source, entry), entry.first_us, entry.last_us, entry.lasts)
+    checked = False
 
-
-class _Checked:
-    """Reads a block; the first time also whether the index is right about it."""
-
-    def __init__(self, source: BinaryIO, entry: IndexEntry) -> None:
-        self._source = source
-        self._entry = entry
-        self._checked = False
-
-    def __call__(self) -> bytes:
+    def read() -> bytes:
         """The bytes, none if the file can be read no longer. Raises `StaleIndexError`."""
-        entry = self._entry
-        data = _piece(self._source, entry.size, entry.offset)
-        if data and not self._checked:
+        nonlocal checked
+        data = _piece(source, entry.size, entry.offset)
+        if data and not checked:  # whether the index is right about it
             if entry_of(entry.offset, data) != entry:
                 raise StaleIndexError
-            self._checked = True
+            checked = True
         return data
+
+    return SampleBlock(read, entry.first_us, entry.last_us, entry.lasts)
 
 
 def _open(path: Path, opened: ExitStack) -> BinaryIO | None:

@@ -114,14 +114,9 @@ def _recorder(session: Session) -> Finding:
 
 def _identity(session: Session) -> Finding:
     identity = session.identity
-    missing = [
-        name
-        for name, value, wanted in (
-            ("participant", identity.participant, True),
-            ("condition", identity.condition, bool(session.experiment.conditions)),
-        )
-        if wanted and not value
-    ]
+    missing = [] if identity.participant else ["participant"]
+    if session.experiment.conditions and not identity.condition:
+        missing.append("condition")
     if missing:
         return Finding("warning", "session", f"no {' and no '.join(missing)} set", "choose it")
     condition = session.study.label(identity.condition)

@@ -21,8 +21,8 @@ Stretch = tuple[int, int]
 
 @dataclass(frozen=True, slots=True)
 class Agreement:
-    """One tier. `table`: how many bins the one coder gave the first code and the other the second;
-    an empty code is none.
+    """The agreement in one tier. `table`: how many bins the one coder gave the first code and the
+    other the second; an empty code is none.
     """
 
     tier: str
@@ -30,12 +30,12 @@ class Agreement:
 
     @property
     def codes(self) -> list[str]:
-        """All codes of both, none last."""
+        """All codes of both coders; the empty one, for no code, comes last."""
         return sorted({code for pair in self.table for code in pair}, key=lambda it: (not it, it))
 
     @property
     def bins(self) -> int:
-        """How many there are."""
+        """The number of bins."""
         return sum(self.table.values())
 
     @property
@@ -74,7 +74,7 @@ def coded_spans(timeline: Timeline, *, every: bool = False) -> list[Stretch]:
 
 
 def code_ends(codes: Sequence[Code], timeline: Timeline) -> list[int | None]:
-    """When each of one coder's codes, given by time, is over; None: it is a moment."""
+    """Returns when each of one coder's codes, given by time, ends; None for a moment."""
     borders = [piece.end for piece in timeline.pieces]
     found: list[int | None] = []
     for at, code in enumerate(codes):
@@ -90,7 +90,7 @@ def code_ends(codes: Sequence[Code], timeline: Timeline) -> list[int | None]:
 def agreements(
     one: Sequence[Code], other: Sequence[Code], within: Iterable[Stretch], bin_us: int = BIN_US
 ) -> list[Agreement]:
-    """Of each tier that either of two coders has used."""
+    """The agreement in each tier that either of two coders has used."""
     within = list(within)
     found = []
     for tier in tiers_of([*one, *other]):

@@ -36,7 +36,7 @@ _cell = lru_cache(maxsize=4096, typed=True)(cell)
 
 
 class TableFiles:
-    """Takes one session after the other and keeps none of them; `finish` completes the files.
+    """Writes the tables of one session after the other; `finish` completes the files.
 
     Args:
         opened: Opens a new text file by its name, line ends as they are given.
@@ -61,7 +61,7 @@ class TableFiles:
         return writer
 
     def add(self, figures: SessionFigures) -> None:
-        """All figures of one session."""
+        """Write all figures of one session."""
         for table in FIGURES:
             self.write(table, figures, table.rows(figures))
         self._wide += rounds_wide(figures)
@@ -71,14 +71,14 @@ class TableFiles:
     def write(
         self, table: TableDefinition[Any], figures: SessionFigures, rows: Iterable[object]
     ) -> None:
-        """Rows of one session."""
+        """Write rows of one session to a table."""
         columns = [(column.cell, column.type == "string") for column in table.columns]
         self._writers[table.name].writerows(
             [_cell(of(figures, row), text=text) for of, text in columns] for row in rows
         )
 
     def finish(self) -> None:
-        """After the last session."""
+        """Write the wide table and the data dictionary, then close the files."""
         items = [name for row in self._wide for name in row if "." in name]
         wide = answers_wide(dict.fromkeys(items))
         writer = self._begun(wide)
@@ -90,7 +90,7 @@ class TableFiles:
         self.close()
 
     def close(self) -> None:
-        """Whatever happened: close the files."""
+        """Close the files; also after an error."""
         self._files.close()
 
 
@@ -100,7 +100,7 @@ _NONE: Any = None
 
 @contextmanager
 def table_files(folder: Path) -> Iterator[TableFiles]:
-    """The tables in a folder that may be there already; files of these names are replaced.
+    """Opens the tables in a folder that may exist already; files of these names are replaced.
 
     Raises:
         OSError: The folder cannot be made or a file not be written.

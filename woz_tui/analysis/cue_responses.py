@@ -40,7 +40,7 @@ Placed = tuple[Context, CueRow]
 
 
 class _Answers:
-    """Which acts answer which cues: as the experiment file says (`answers`), else speech."""
+    """Decides which acts answer which cues: as the experiment file says, else speech."""
 
     def __init__(self, timeline: Timeline) -> None:
         self._verbs = timeline.state.study.settings.answers
@@ -95,20 +95,20 @@ class _Cues:
         self.found: list[Placed] = []
 
     def act(self, act: WizardAct) -> None:
-        """The wizard does something: it may answer what is open."""
+        """The wizard does something: it may answer open cues."""
         self._acts.append(act)
         for cue_type in [*self._open]:
             if self._answers.by(act, cue_type):
                 self._answer(self._open.pop(cue_type), act)
 
     def border(self, _: object) -> None:
-        """Another trial, condition or participant, or a break: what comes now answers nothing."""
+        """Closes all cues: another trial, condition or participant begins, or a break."""
         while self._open:
             cue = self._open.pop(next(iter(self._open)))
             self._close(cue, "missed" if self._late(cue) else "cut")
 
     def finish(self) -> None:
-        """The log is over."""
+        """The log has ended."""
         self.border(None)
 
     def speaks(self, spoken: e.UtteranceEpisode) -> None:
@@ -116,16 +116,16 @@ class _Cues:
         self._supersede("speech")
 
     def spoke(self, spoken: e.UtteranceEpisode) -> None:
-        """Has spoken: the line of it comes later than the end."""
+        """The visitor has spoken: the line that says so comes later than the end of the speech."""
         end = self.t if spoken.end is None else spoken.end
         self._give("speech", end, f"utterance {spoken.segment}", spoken.begin)
 
     def waits(self, state: e.ModelStateEpisode) -> None:
-        """The engagement model comes to a state in which the visitor waits."""
+        """The engagement model enters a state in which the visitor waits."""
         self._give("engagement", self.t, state.state, 0)
 
     def waited(self, state: e.ModelStateEpisode) -> None:
-        """And leaves it, or is switched off."""
+        """The engagement model leaves that state, or is switched off."""
         self._supersede("engagement")
 
     def marker(self, marker: m.Marker) -> None:
@@ -191,7 +191,7 @@ class _Cues:
 def cues_of(
     timeline: Timeline, acts: Sequence[WizardAct], window_us: int, waiting: Collection[str]
 ) -> list[Placed]:
-    """All cues but those of a training, as they were over."""
+    """Finds all cues but those of a training, in the order in which they were over."""
     cues = _Cues(timeline, window_us)
     lines: list[tuple[int, int, Callable[[Any], None], Any]] = [
         (act.begin, act.seq, cues.act, act) for act in acts
@@ -223,7 +223,7 @@ def cues_of(
 
 
 def trained_cues(timeline: Timeline) -> Iterator[Placed]:
-    """The cues of a training, as it judged them."""
+    """The cues of a training, as the training judged them."""
     for cue in timeline.of(e.CueEpisode):
         given = CueRow(
             **context_fields(cue.context),
@@ -252,7 +252,7 @@ def trained_cues(timeline: Timeline) -> Iterator[Placed]:
 
 
 def training_of(timeline: Timeline, cues: Sequence[Placed]) -> TrainingFigures | None:
-    """How the `trained_cues` were judged; None if this was no training."""
+    """Counts how the `trained_cues` were judged; None if this was no training."""
     given = timeline.of(e.CueEpisode)
     answers = [cue.answered for cue in given if cue.answered is not None]
     answers += [answer for _, answer in moments(timeline, m.CueAnswered)]

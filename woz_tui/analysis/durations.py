@@ -31,7 +31,7 @@ def mean_and_sd(values: Sequence[float]) -> tuple[float | None, float | None]:
 
 
 class Durations:
-    """Durations in whole microseconds, none below 0, in rising order once something is asked.
+    """A list of durations in whole microseconds, none below 0, sorted when it is read.
 
     Every figure of an empty one is None.
     """
@@ -45,18 +45,18 @@ class Durations:
             self.add(value)
 
     def add(self, value: int) -> None:
-        """Take one more; what no clock can have said is brought to the nearest possible value."""
+        """Add one; what no clock can have measured is brought to the nearest possible value."""
         self._values.append(value if 0 <= value <= LATEST_TIME else 0 if value < 0 else LATEST_TIME)
         self._ordered = False
 
     def extend(self, other: Durations) -> None:
-        """Take all of another one."""
+        """Add all of another list."""
         self._values.extend(other._values)
         self._ordered = False
 
     @property
     def values(self) -> Sequence[int]:
-        """All of them, rising."""
+        """All durations, sorted."""
         if not self._ordered:
             self._values = array("q", sorted(self._values))
             self._ordered = True
@@ -64,7 +64,7 @@ class Durations:
 
     @property
     def n(self) -> int:
-        """How many."""
+        """The number of durations."""
         return len(self._values)
 
     @property
@@ -89,12 +89,12 @@ class Durations:
 
     @property
     def total(self) -> int:
-        """All together; 0 if there are none."""
+        """The sum; 0 if there are none."""
         return sum(self._values)
 
     @property
     def mean(self) -> float | None:
-        """Their mean."""
+        """The mean."""
         return self.total / self.n if self.n else None
 
     @property

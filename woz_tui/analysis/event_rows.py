@@ -63,13 +63,13 @@ class LastingRow(ContextRow):
 
     @property
     def duration(self) -> int:
-        """How long it was."""
+        """How long it lasted."""
         return self.end - self.begin
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CueRow(ContextRow):
-    """Something that wants an answer, and what the wizard made of it.
+    """An event that needs an answer, and how the wizard answered it.
 
     Attributes:
         cue_type: One of `CUE_TYPES`.
@@ -110,7 +110,7 @@ class TrialRow:
 
     @property
     def duration(self) -> int | None:
-        """How long it was; None: it never ended."""
+        """How long it lasted; None: it has no end in the log."""
         return None if self.end is None else self.end - self.begin
 
     @property
@@ -138,7 +138,7 @@ class PhaseRow(ContextRow):
 
     @property
     def duration(self) -> int | None:
-        """How long it was; None: its end is not in the log."""
+        """How long it lasted; None: it has no end in the log."""
         return None if self.end is None else self.end - self.begin
 
 
@@ -301,7 +301,7 @@ class ConsoleRow:
 
 
 def context_fields(context: Context) -> dict[str, Any]:
-    """Participant, condition, trial and phase, as rows have them."""
+    """The fields of a context, as `ContextRow` has them."""
     return {
         "participant": context.participant,
         "condition": context.condition,
@@ -311,12 +311,12 @@ def context_fields(context: Context) -> dict[str, Any]:
 
 
 def value_text(value: m.Json) -> str:
-    """A setting's or an argument's value: a text as it is, anything else as JSON has it."""
+    """The value of a setting or an argument: a text as it is, anything else as JSON."""
     return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
 
 
 def moments(timeline: Timeline, kind: type[M]) -> Iterator[tuple[Context, M]]:
-    """Messages of a kind that stand for themselves, each with its context."""
+    """All single messages of a kind, each with its context."""
     for each in timeline.of(e.MomentEpisode):
         if isinstance(each.message, kind):
             yield each.context, each.message
@@ -409,7 +409,7 @@ def _with_parts(names: list[str], parts: Mapping[str, list[str]]) -> tuple[str, 
 
 
 def marks(timeline: Timeline) -> Iterator[MarkRow]:
-    """Markers but those of the preflight list, notes and mistakes."""
+    """Markers except those of the preflight list, notes and mistakes."""
     for each in timeline.of(e.MomentEpisode):
         match each.message:
             case m.Marker() as marker if marker.source != PREFLIGHT:
@@ -421,7 +421,7 @@ def marks(timeline: Timeline) -> Iterator[MarkRow]:
 
 
 def visits(timeline: Timeline) -> list[VisitRow]:
-    """Stays in states and engagements as they were, by when they were over."""
+    """Unclipped stays in states and engagements, by when they ended."""
     found = [_visit(each, each.state) for each in timeline.of(e.ModelStateEpisode)]
     found += [_visit(each, ENGAGED_VISIT) for each in timeline.of(e.EngagementEpisode)]
     return sorted(found, key=lambda visit: visit.end)
@@ -494,7 +494,7 @@ def _setting(each: e.SettingEpisode) -> SettingRow:
 
 
 def rounds(timeline: Timeline) -> Iterator[RoundRow]:
-    """Each time a questionnaire was put to somebody."""
+    """Each time a questionnaire was given to somebody."""
     for each, number in _numbered(timeline):
         started = each.started
         yield RoundRow(
@@ -569,7 +569,7 @@ def restrictions(timeline: Timeline) -> Iterator[RestrictionRow]:
 
 
 def shapings(timeline: Timeline) -> Iterator[ShapingRow]:
-    """Each change of how answers were held back."""
+    """Each change of how answers were delayed."""
     for _, line in moments(timeline, m.ShapingChanged):
         yield ShapingRow(line.t, line.floor_us, line.jitter_us, tuple(line.cues))
 
@@ -592,12 +592,12 @@ WizardAct = e.ActionEpisode | e.CommandEpisode
 
 
 def of_robot(command: e.CommandEpisode) -> bool:
-    """Whether it went to a robot, not to the session itself or the engagement model."""
+    """Whether a command went to a robot, not to the session itself or the engagement model."""
     return command.request.driver not in PERFORMERS
 
 
 def is_direct(command: e.CommandEpisode) -> bool:
-    """Whether it went to a robot and belonged to no action."""
+    """Whether a command went to a robot and belonged to no action."""
     return not command.request.run and of_robot(command)
 
 
@@ -612,5 +612,5 @@ def acts_of(timeline: Timeline) -> list[WizardAct]:
 
 
 def id_of(act: WizardAct) -> str:
-    """The id of its run, or of the command."""
+    """The id of an action's run, or of a command."""
     return act.request.run if isinstance(act, e.ActionEpisode) else act.request.command

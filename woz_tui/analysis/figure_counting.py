@@ -60,7 +60,7 @@ _NO_START = m.SessionStart(
 def figures_of(
     timeline: Timeline, options: FigureOptions = DEFAULTS, path: str = "", stem: str = ""
 ) -> SessionFigures:
-    """All figures of a session whose timeline is finished; of its log see `wholeness`."""
+    """Computes the figures of a session whose timeline is finished, without `wholeness`."""
     state = timeline.state
     start, assigned, ended = state.start or _NO_START, state.study.assigned, state.end
     trials = tuple(event_rows.trials(timeline))
@@ -133,7 +133,7 @@ def figures_of(
 
 
 class _Counting:
-    """Adds up what happened, by participant, condition and run of a trial."""
+    """Adds up a session by participant, condition and run of a trial."""
 
     def __init__(self, timeline: Timeline) -> None:
         self._timeline = timeline
@@ -144,7 +144,7 @@ class _Counting:
             self.at(span.context).us += span.end - span.begin
 
     def at(self, context: Context) -> Tally:
-        """Where it counts."""
+        """The tally in which a context counts."""
         found = self._of.get(id(context))
         if found is None:
             inside = self._timeline.inside(context)
@@ -161,12 +161,12 @@ class _Counting:
 
     @property
     def tallies(self) -> list[Tally]:
-        """All in the order in which they came; those in which nothing was are left out."""
+        """All tallies in the order in which they came, without empty ones."""
         found = [tally for tally in self._tallies.values() if not tally.empty]
         return found or [*self._tallies.values()][:1] or [Tally(participant="", condition="")]
 
     def count(self, acts: Sequence[WizardAct]) -> None:
-        """Everything but cues."""
+        """Count everything but cues."""
         self._acts(acts)
         self._actions()
         self._commands()
@@ -236,7 +236,7 @@ class _Counting:
                     self._transition(moment.context, change)
 
     def _lost_mistakes(self) -> None:
-        """Those that label an act whose lines are lost; not a knob on its way."""
+        """Counts mistakes whose action is not in the log; a passing command is none."""
         timeline = self._timeline
         found = {
             each.run: context
@@ -309,7 +309,7 @@ class _Counting:
         tally.forced += change.forced
 
     def _settings(self) -> None:
-        """Each moment counts once, however many settings are known, or differ."""
+        """Counts each moment once, however many settings are known, or differ."""
         parts = self._timeline.contexts.parts
         settings = self._timeline.of(e.SettingEpisode)
         for begin, end in _together(each for each in settings if each.differs is not None):
@@ -321,7 +321,7 @@ class _Counting:
 
 
 def _together(episodes: Iterable[e.Episode]) -> Iterator[tuple[int, int]]:
-    """The times in which at least one of the episodes, given by their beginning, went on."""
+    """Joins episodes, given by their beginning, into the times in which at least one went on."""
     begin = end = 0
     for each in episodes:
         if each.begin > end:
@@ -377,7 +377,7 @@ def _parts(
 def _listed(
     cues: Iterable[tuple[Context, CueRow]], counted: Callable[[Context], bool]
 ) -> list[CueRow]:
-    """All cues by time, with whether they count."""
+    """All cues by time, each with whether it counts."""
     found = [cue if counted(context) else replace(cue, counted=False) for context, cue in cues]
     return sorted(found, key=lambda cue: cue.t)
 

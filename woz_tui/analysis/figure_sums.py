@@ -70,11 +70,11 @@ class PartSums:
 
     @property
     def empty(self) -> bool:
-        """Whether nothing was in it."""
+        """Whether nothing was counted."""
         return not any(getattr(self, name) for name in _SUMS)
 
     def add(self, other: PartSums) -> None:
-        """Take all of another one."""
+        """Add the sums of another one."""
         for name in _SUMS:
             match getattr(self, name), getattr(other, name):
                 case int() as number, more:
@@ -106,7 +106,7 @@ class Tally(PartSums):
 
 
 def sum_tallies(tallies: Iterable[Tally]) -> PartSums:
-    """All of them in one."""
+    """Adds up all tallies."""
     total = PartSums()
     for tally in tallies:
         total.add(tally)
@@ -122,7 +122,7 @@ def part_figures(
     counted: bool = True,
     scope: str = SESSION,
 ) -> PartFigures:
-    """It as a part of the figures."""
+    """Makes the figures of a part out of its sums."""
     verbs = sorted({verb for verb, _ in total.ends})
     return PartFigures(
         **_same(total, PartFigures)

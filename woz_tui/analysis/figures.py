@@ -76,7 +76,7 @@ class VerbTimes:
 
     @property
     def commands(self) -> int:
-        """How many."""
+        """The number of commands."""
         return sum(self.ends.values())
 
 
@@ -89,17 +89,17 @@ class Reactions:
 
     @property
     def cues(self) -> int:
-        """How many."""
+        """The number of cues."""
         return sum(self.results.values())
 
     @property
     def answered(self) -> int:
-        """Answered in time."""
+        """The number that was answered in time."""
         return self.results.get("answered", 0)
 
     @property
     def missed(self) -> int:
-        """Not answered in time."""
+        """The number that was not answered in time."""
         return self.results.get("missed", 0)
 
 
@@ -202,7 +202,7 @@ class PartFigures:
 
     @property
     def outcomes(self) -> ActionOutcomes:
-        """Of all actions."""
+        """How all actions ended."""
         return sum_outcomes(self.counts)
 
     @property
@@ -235,7 +235,7 @@ class PartFigures:
 
 
 def sum_outcomes(counts: Sequence[ActionCount]) -> ActionOutcomes:
-    """All of them together."""
+    """The sum over all rows."""
     ends = [[getattr(count.outcomes, end) for end in ENDS] for count in counts]
     return ActionOutcomes(*map(sum, zip(*ends, strict=True))) if ends else ActionOutcomes()
 
@@ -259,7 +259,7 @@ class TrainingFigures:
 
 @dataclass(frozen=True, slots=True)
 class LogIntegrity:
-    """Whether the log is whole. `sentences` tell everything that is wrong; empty: it is whole.
+    """Whether the log is complete. `sentences` name everything that is wrong; empty: nothing is.
 
     Attributes:
         ended: The session was ended properly.
@@ -342,6 +342,6 @@ class SessionFigures:
 
     @property
     def differences(self) -> list[SettingRow]:
-        """Times in which a setting was other than asked for, the earliest first."""
+        """Times in which a setting differed from the requested value, the earliest first."""
         found = [each for each in self.settings if each.differs]
         return sorted(found, key=attrgetter("begin", "driver", "setting"))

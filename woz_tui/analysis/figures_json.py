@@ -12,7 +12,7 @@ from woz_tui.analysis.participant_groups import GroupedSessions
 
 
 def plain(value: Any) -> Any:
-    """Any figure: rows as objects, times of many as their spread (microseconds), the rest as is.
+    """Figures as values for JSON: rows as objects, durations as their spread (microseconds).
 
     Parts have the main figures of docs/reference/report.md besides, under `main`.
     """
@@ -31,7 +31,7 @@ def plain(value: Any) -> Any:
 
 
 def grouped(found: GroupedSessions) -> list[dict[str, Any]]:
-    """Each experiment's conditions and scales."""
+    """The conditions and scales of each experiment."""
     return [
         {
             "experiment": experiment,

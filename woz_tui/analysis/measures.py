@@ -43,7 +43,7 @@ def milliseconds(us: float | None) -> float | None:
 
 
 def reactions(part: PartFigures, sort: str = ALL_CUES) -> Reactions:
-    """To the cues of a sort; empty ones if there were none."""
+    """The reactions to the cues of a sort; empty ones if there were none."""
     return part.reactions.get(sort, _NONE)
 
 
@@ -257,5 +257,5 @@ def title_of(name: str) -> str:
 
 
 def measured(part: PartFigures) -> dict[str, float | None]:
-    """All of them, by name."""
+    """All main figures of a part, by name."""
     return {measure.name: measure.of(part) for measure in MEASURES}

@@ -66,7 +66,7 @@ class Paragraph:
 
 
 def paragraphs(facts: StudyFacts) -> list[Paragraph]:
-    """All that the logs tell; paragraphs without a sentence are left out."""
+    """Everything that the logs say; paragraphs without a sentence are left out."""
     found = [
         Paragraph("Participants and sessions", tuple(_sessions(facts))),
         Paragraph("Wizards", tuple(_wizards(facts))),
@@ -376,7 +376,7 @@ def _minutes(us: float) -> str:
 
 
 def _spread(series: Durations, form: Callable[[float], str], unit: str) -> str:
-    """Of a series that is not empty."""
+    """Median, 95 % quantile and longest of durations that are not empty."""
     median, p95, most = (series.quantile(share) or 0.0 for share in (0.5, 0.95, 1.0))
     return (
         f"{form(median)} {unit} in the median (95 % quantile {form(p95)} {unit},"

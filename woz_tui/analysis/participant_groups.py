@@ -68,7 +68,7 @@ class TrainingRow:
 
 @dataclass(slots=True)
 class GroupedSessions:
-    """Takes sessions one after the other and keeps their main figures alone."""
+    """Collects the main figures of sessions, one after the other."""
 
     rows: list[ConditionRow] = field(default_factory=list)
     #: Trainings of wizards, and re-runs: no sessions of participants.
@@ -81,7 +81,7 @@ class GroupedSessions:
     _sessions: Counter[str] = field(default_factory=Counter)
 
     def add(self, figures: SessionFigures) -> None:
-        """One more session."""
+        """Add a session."""
         experiment = experiment_of(figures)
         if figures.wholeness.sentences:
             who = " ".join(filter(None, (figures.session, figures.participant))) or figures.stem
@@ -122,11 +122,11 @@ class GroupedSessions:
 
     @property
     def sessions(self) -> int:
-        """How many there are of any kind."""
+        """The number of sessions of any kind."""
         return self._sessions.total() + len(self.trainings) + len(self.reruns)
 
     def sessions_of(self, experiment: str) -> int:
-        """How many of its sessions there are, without trainings and re-runs."""
+        """The number of an experiment's sessions, without trainings and re-runs."""
         return self._sessions[experiment]
 
     @property
@@ -135,11 +135,13 @@ class GroupedSessions:
         return list(dict.fromkeys(row.experiment for row in self.rows))
 
     def versions(self, experiment: str) -> int:
-        """How many versions of its file there were."""
+        """The number of versions of an experiment's file."""
         return len(self._hashes.get(experiment, ()))
 
     def of(self, experiment: str) -> list[ConditionRow]:
-        """Its rows, by participant, condition and session; time outside of trials comes last."""
+        """The rows of an experiment by participant, condition and session; time outside of trials
+        comes last.
+        """
         rows = [row for row in self.rows if row.experiment == experiment]
         return sorted(
             rows,
@@ -172,7 +174,7 @@ class _Item:
 
 
 def experiment_of(figures: SessionFigures) -> str:
-    """The name by which sessions belong together: that of the file, wherever it lay."""
+    """The experiment to which a session belongs: the name of its file, without folders."""
     return figures.experiment.replace("\\", "/").rsplit("/", 1)[-1]
 
 
@@ -206,7 +208,7 @@ def _by_participant(rows: Iterable[ConditionRow], name: str) -> dict[str, list[f
 
 
 def _who(participant: str, session: str) -> str:
-    """Sessions without a participant's code are told apart by their own."""
+    """The participant's code; without one, the session's."""
     return participant or f"session {session}"
 
 

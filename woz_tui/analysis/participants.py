@@ -60,7 +60,9 @@ def condition_text(condition: str, scope: str) -> str:
 
 
 def excluded_sentence(rows: Iterable[tuple[str, bool]]) -> str:
-    """A sentence about rows (participant, counted) that no mean contains; empty without any."""
+    """Names the participants that no mean includes, given rows of (participant, counted); empty if
+    there are none.
+    """
     names = sorted({who for who, counted in rows if not counted})
     reasons = ["time before a participant was set"] if "" in names else []
     reasons += [f"{who} (less than {SLIP_US / 1e6:g} s and nothing played)" for who in names if who]
@@ -68,5 +70,5 @@ def excluded_sentence(rows: Iterable[tuple[str, bool]]) -> str:
 
 
 def counted_parts(parts: Iterable[PartFigures]) -> list[PartFigures]:
-    """Those that means contain: of somebody who took part, and not outside of trials."""
+    """The parts that means include: of somebody who took part, and not outside of trials."""
     return [part for part in parts if part.in_means]

@@ -30,7 +30,7 @@ _CUT = frozenset({EpisodeOutcome.STOPPED, EpisodeOutcome.SUPERSEDED})
 
 @dataclass(frozen=True, slots=True)
 class PlayedAct:
-    """Something that was done: an action by its name, or a command that belongs to none.
+    """An action by its name, or a command that belongs to none.
 
     Attributes:
         id: Its run or command in its own log.
@@ -63,7 +63,7 @@ class PlayedAct:
 
 @dataclass
 class PlayedSession:
-    """What of a log can be compared.
+    """The acts of a log, to be compared with those of another one.
 
     Attributes:
         name: What its files are called, without their endings.
@@ -86,7 +86,7 @@ class PlayedSession:
 
 
 def played_session(name: str, messages: Iterable[m.AnyMessage]) -> PlayedSession:
-    """What was played, out of a log's messages; samples may be left out.
+    """Reads the acts out of a log's messages; samples may be left out.
 
     What the engagement model was told is left out, and what it had the robot do is in.
     """
@@ -162,7 +162,7 @@ def _end(episode: Episode) -> str:
 
 
 def _strokes(acts: Iterable[PlayedAct], runs: Container[str]) -> Iterator[PlayedAct]:
-    """The acts, of each stream of setpoints one."""
+    """The acts, with one for each stream of setpoints."""
     last: PlayedAct | None = None
     begun: PlayedAct | None = None
     for act in acts:

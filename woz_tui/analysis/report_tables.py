@@ -45,14 +45,14 @@ _DEFINITIONS = {title_of(name): name for name in DEFINED}
 
 
 class LogText(str):
-    """Words of a person or of an experiment file, which may hold any character."""
+    """Words of a person or of an experiment file: they may hold any character."""
 
     __slots__ = ()
 
 
 @dataclass(frozen=True, slots=True)
 class ReportTable:
-    """A table without rows is not shown.
+    """A table of the report; it is not shown if it has no rows.
 
     Attributes:
         words: So many of the first columns hold words; the others hold figures.
@@ -276,7 +276,7 @@ def settings(figures: SessionFigures) -> ReportTable:
 
 
 def _values(values: Iterable[Json]) -> LogText:
-    """Each once."""
+    """Up to three different values."""
     found = list(dict.fromkeys(map(value_text, values)))
     return LogText(", ".join(found[:_VALUES] + ["..."] * (len(found) > _VALUES)))
 
@@ -394,7 +394,7 @@ def condition_rows(rows: Sequence[ConditionRow]) -> ReportTable:
 
 
 def condition_totals(totals: Sequence[ConditionTotal]) -> ReportTable:
-    """Figures down, conditions across."""
+    """Means of the main figures: a row for each figure, a column for each condition."""
     heads = [LogText(f"{each.condition or 'none'} (n = {each.participants})") for each in totals]
     rows = [
         [
@@ -412,7 +412,7 @@ def condition_totals(totals: Sequence[ConditionTotal]) -> ReportTable:
 
 
 def _total(total: Total | None, participants: int = 0, measure: Measure | None = None) -> str:
-    """Mean, deviation, and of how many people if those are not all."""
+    """Mean, standard deviation, and the number of people if it is not all of them."""
     if total is None or total.mean is None:
         return NONE
     mean, sd = (
@@ -424,7 +424,7 @@ def _total(total: Total | None, participants: int = 0, measure: Measure | None =
 
 
 def item_totals(items: Sequence[ItemTotal]) -> ReportTable:
-    """Scales of questionnaires down, conditions across."""
+    """Means of questionnaire scales: a row for each item, a column for each condition."""
     conditions = list(dict.fromkeys(item.condition for item in items))
     rows: dict[tuple[str, ...], dict[str, Total]] = {}
     for item in items:

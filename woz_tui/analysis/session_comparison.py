@@ -46,7 +46,7 @@ def align(
 
 
 def _longest(a: Sequence[str], b: Sequence[str]) -> list[tuple[int, int]]:
-    """By a table: how many are common from each pair of places on."""
+    """Finds the longest common subsequence with a table of common lengths."""
     rows = [[0] * (len(b) + 1)]
     for name in reversed(a):
         below, row = rows[-1], [0] * (len(b) + 1)
@@ -67,7 +67,7 @@ def _longest(a: Sequence[str], b: Sequence[str]) -> list[tuple[int, int]]:
 
 
 def _in_pieces(a: Sequence[str], b: Sequence[str], pieces: int) -> list[tuple[int, int]]:
-    """Both cut into so many pieces, and each aligned with its counterpart."""
+    """Cuts both into so many pieces, and aligns each with its counterpart."""
     found = []
     for piece in range(pieces):
         i, i_end = (len(a) * n // pieces for n in (piece, piece + 1))
@@ -77,7 +77,7 @@ def _in_pieces(a: Sequence[str], b: Sequence[str], pieces: int) -> list[tuple[in
 
 
 def rising(numbers: Sequence[int]) -> list[int]:
-    """Places of a longest rising part of `numbers`, all of which are different."""
+    """Indices of a longest rising subsequence of `numbers`, all of which are different."""
     tops: list[int] = []
     ends: list[int] = []
     before: list[int] = []
@@ -110,7 +110,7 @@ class ActPair:
 
     @property
     def differences(self) -> list[str]:
-        """In what else they differ, in words."""
+        """What else differs, in words."""
         found = []
         if self.a.args != self.b.args:
             found.append(f"asked {_words(self.a.args)}, then {_words(self.b.args)}")
@@ -137,7 +137,7 @@ class Shifts:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A and B beside each other.
+    """What two logs, A and B, have in common and where they differ.
 
     Attributes:
         by: commands, if the logs say which is which; else names.
@@ -171,12 +171,12 @@ class Comparison:
 
     @property
     def shifts(self) -> Shifts | None:
-        """How their times lie to each other; None if they share nothing."""
+        """How much later B was than A; None if they share nothing."""
         return shifts_of(self.pairs)
 
 
 def compare(a: PlayedSession, b: PlayedSession) -> Comparison:
-    """Put B beside A."""
+    """Compare log B with log A."""
     sides = _sides(a, b)
     return _by_commands(*sides) if sides is not None else _by_names(a, b)
 
@@ -199,7 +199,7 @@ class _Side:
         return [act for act in self.log.commands if act.began >= 0 and act.end != "refused"]
 
     def origin(self, act: PlayedAct) -> str:
-        """What it is called in the log that both come from; empty: it is not from there."""
+        """The id of an act in the log that both come from; empty: it is not from there."""
         return act.original if self.again else act.id
 
     def late(self, act: PlayedAct) -> int:
@@ -212,7 +212,7 @@ class _Side:
 
 
 def _sides(a: PlayedSession, b: PlayedSession) -> tuple[_Side, _Side] | None:
-    """As what they stand to each other; None: neither comes from the other."""
+    """The roles of two logs to each other; None: neither comes from the other."""
     if b.original and b.original == a.name:
         return _Side(a, again=False), _Side(b, again=True)
     if a.original and a.original == b.name:

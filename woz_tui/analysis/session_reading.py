@@ -35,7 +35,7 @@ class LineCount:
         self.short = 0
 
     def take(self, item: AnyMessage | LogLine) -> None:
-        """The next of the log, unknown ones too."""
+        """The next line of the log, unknown ones included."""
         if type(item) is Checkpoint:
             self.short = max(self.short, item.lines - self._lines)
         if type(item) not in _NO_ACTIONS:
@@ -45,7 +45,7 @@ class LineCount:
 def integrity_of(
     figures: SessionFigures, damage: Damage, files: LogFiles, roll: LineCount
 ) -> LogIntegrity:
-    """As far as one pass over the actions in `files` can tell."""
+    """Checks the log as far as one pass over the actions in `files` can."""
     sentences = damage.sentences()
     if not figures.schema:
         sentences.append(NO_BEGINNING)
@@ -73,7 +73,7 @@ def integrity_of(
 def with_verification(
     integrity: LogIntegrity, path: Path, places: Iterable[Path] | None
 ) -> LogIntegrity:
-    """The same after checking every number and checksum, samples too."""
+    """Adds what a check of every number and checksum finds, samples included."""
     found = verify(path, places=places).sentences()
     more = [sentence for sentence in found if sentence not in integrity.sentences]
     return replace(integrity, sentences=(*integrity.sentences, *more), verified=True)
@@ -110,7 +110,7 @@ class SessionReport:
 
 @dataclass(frozen=True, slots=True)
 class ReportExtras:
-    """What is to be found out besides the figures.
+    """What to read besides the figures.
 
     Attributes:
         timeline: Its lanes.

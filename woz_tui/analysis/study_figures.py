@@ -30,7 +30,7 @@ class WizardTraining:
 
 @dataclass(slots=True)
 class StudyFacts:
-    """All of it; grows with each session. Times are microseconds.
+    """All facts of one experiment; grows with each session. Times are microseconds.
 
     Attributes:
         sessions: Sessions with participants; trainings and re-runs are not among them.
@@ -87,7 +87,7 @@ class StudyFacts:
     lost: int = 0
 
     def add(self, figures: SessionFigures) -> None:
-        """One more session, in whatever order."""
+        """Add a session, in any order."""
         if figures.training is not None:
             self._practised(figures, figures.training)
         elif figures.rerun_of:
@@ -174,7 +174,7 @@ class StudyFacts:
 
     @property
     def participants(self) -> set[str]:
-        """All of them."""
+        """The codes of all participants."""
         return set().union(*self.people.values())
 
     @property
@@ -200,6 +200,6 @@ class Studies:
     found: dict[str, StudyFacts] = field(default_factory=dict)
 
     def add(self, figures: SessionFigures) -> None:
-        """One more session."""
+        """Add a session, in any order."""
         name = experiment_of(figures)
         self.found.setdefault(name, StudyFacts(name, figures.window_us)).add(figures)

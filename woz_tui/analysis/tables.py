@@ -70,12 +70,12 @@ class TableDefinition(Generic[Row]):
 
 
 def _nothing(_: SessionFigures) -> tuple[()]:
-    """Of tables whose rows are no figures: whoever reads the log has them."""
+    """No rows: those of this table are written by whoever reads the log."""
     return ()
 
 
 def _value(value: Json) -> Cell:
-    """Numbers stay numbers, so that no guard stands before a negative one."""
+    """A setting's value: numbers stay numbers, so that no guard is put before a negative one."""
     return value if isinstance(value, int | float) else value_text(value)
 
 
@@ -97,7 +97,7 @@ def _text(name: str, meaning: str, of: str = "") -> Column[Any]:
 
 
 def rounded(value: float | None) -> Cell:
-    """A figure with the digits that count, a whole one without a dot."""
+    """A number with nine decimals at most; a whole one without a dot."""
     if not isinstance(value, float):
         return value
     return int(value) if value.is_integer() and abs(value) < 1e15 else round(value, 9)
@@ -137,7 +137,7 @@ _CONDITION = _text("condition", "the condition at this time")
 
 
 def wall_time(text: str) -> datetime | None:
-    """A moment of the wall clock, in UTC; None if the log does not say or dates were taken out."""
+    """Parses a wall clock time, in UTC; None if the log does not say or dates were taken out."""
     try:
         wall = datetime.fromisoformat(text)
         return wall.astimezone(UTC) if wall.tzinfo else wall.replace(tzinfo=UTC)

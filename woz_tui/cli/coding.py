@@ -41,7 +41,7 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print it; 1 if there is nothing to compare."""
+    """Print codes or agreement; 1 if there is nothing to compare."""
     from woz_tui.log.coding_file import CodingError  # noqa: PLC0415
 
     return with_error_sentences(lambda: _run(arguments), CodingError, who="woz coding")

@@ -58,7 +58,7 @@ def _run(arguments: Namespace) -> int:
 
 
 def _read(path: Path) -> PlayedSession | None:
-    """A log's acts; None after saying why there are none. Damage is named, and borne."""
+    """Reads a log's acts; None after printing why there are none. Damage is printed, too."""
     damage = Damage()
     try:
         name = files_of(path).stem

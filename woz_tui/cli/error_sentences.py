@@ -26,7 +26,9 @@ def os_error_text(error: OSError) -> str:
 
 
 def is_output_error(error: Exception) -> bool:
-    """Whether what is printed can go nowhere: that is told at the end, for all commands alike."""
+    """Whether standard output cannot be written: that is reported at the end, for all commands
+    alike.
+    """
     if not isinstance(error, OSError):
         return False
     full = error.errno in (errno.ENOSPC, errno.EIO, errno.EDQUOT) and error.filename is None
@@ -52,7 +54,7 @@ def with_error_sentences(
 
 
 def _sentences(error: Exception, who: str, more: tuple[type[Exception], ...]) -> str | None:
-    """The error in sentences; None if it is a mistake of the program."""
+    """The error in sentences; None if it is a bug of the program."""
     # Here, so that what needs no explanation starts without them.
     from woz_tui.config.experiment import ExperimentError  # noqa: PLC0415
     from woz_tui.drivers.plugins import PluginError  # noqa: PLC0415

@@ -55,7 +55,7 @@ def stdin_as_log(file: BinaryIO, first: bytes = b"", most: int = MAX_BYTES) -> I
 
 
 def _write(folder: Path, file: BinaryIO, first: bytes, most: int) -> None:
-    """Each line into the file in which it would be beside the robot."""
+    """Writes each line into the file in which the recorder would have written it."""
     with (
         (folder / str(FileName(_STEM))).open("wb") as actions,
         (folder / str(FileName(_STEM, samples=True))).open("wb") as samples,

@@ -109,7 +109,7 @@ def _report(arguments: argparse.Namespace) -> int:
 
 
 def _print_written(arguments: argparse.Namespace, *, nothing: bool) -> None:
-    """A page of no session is not written: what is there already may be an earlier one."""
+    """Prints which files were written. A page of no session is not: an older one may be there."""
     if arguments.csv:
         print(f"woz report: wrote {arguments.csv}", file=sys.stderr)
     if arguments.html and nothing:
@@ -120,7 +120,7 @@ def _print_written(arguments: argparse.Namespace, *, nothing: bool) -> None:
 
 
 class SessionReader:
-    """The sessions that somebody named; what cannot be read is kept as a sentence."""
+    """Reads the sessions that were named; what cannot be read is kept as a sentence."""
 
     def __init__(self, arguments: argparse.Namespace) -> None:
         from woz_tui.analysis.session_sources import sessions_in  # noqa: PLC0415
@@ -130,7 +130,7 @@ class SessionReader:
         self._seen: dict[tuple[str, ...], str] = {}
 
     def reports(self, extras: ReportExtras) -> Iterator[SessionReport]:
-        """One after the other; only one is in memory at a time."""
+        """Reads one session after the other; only one is in memory at a time."""
         from woz_tui.analysis.session_reading import read_report  # noqa: PLC0415
 
         options = options_of(self._arguments)
@@ -157,14 +157,14 @@ class SessionReader:
         return True
 
     def print_problems(self, command: str) -> int:
-        """Say what was wrong; the exit code."""
+        """Print what was wrong; returns the exit code."""
         for problem in self.problems:
             print(f"{command}: {problem}", file=sys.stderr)
         return 1 if self.problems else 0
 
 
 def options_of(arguments: argparse.Namespace) -> FigureOptions:
-    """How figures are to be computed."""
+    """The options of the figures, from those of the command line."""
     from woz_tui.analysis.cue_responses import WAITING  # noqa: PLC0415
     from woz_tui.analysis.figure_counting import FigureOptions  # noqa: PLC0415
 

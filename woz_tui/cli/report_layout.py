@@ -81,7 +81,7 @@ Block = list[RenderableType]
 
 @dataclass(frozen=True, slots=True)
 class ReportPage:
-    """Where it is printed, and with which signs."""
+    """Where the report is printed, and with which signs."""
 
     console: TextConsole
     signs: TextSigns
@@ -97,11 +97,11 @@ class ReportPage:
         return self.width >= 130
 
     def say(self, text: str | Text = "", style: str = "") -> None:
-        """One line or more; what is too long goes on in the next one."""
+        """Print text; what is too long for a line goes on in the next one."""
         self.console.print(text, style=style)
 
     def head(self, text: str) -> None:
-        """What comes now."""
+        """Print a heading."""
         self.say()
         self.say(text, style="bold")
 
@@ -127,7 +127,7 @@ class ReportPage:
         return [*block, *([more] * (left > 0))] if found.rows else []
 
     def put(self, *blocks: Block) -> None:
-        """Blocks one after the other; two beside each other where there is room."""
+        """Print blocks one after the other; two beside each other where there is room."""
         blocks = tuple(filter(None, blocks))
         if self.wide and len(blocks) == 2:
             grid = Table.grid(padding=(0, _BETWEEN, 0, 0), pad_edge=False)
@@ -140,12 +140,14 @@ class ReportPage:
             self.console.print("", *_pieces(block, self.width), sep="\n")
 
     def trouble(self, text: str) -> None:
-        """Something that is wrong with the data."""
+        """Print a warning about the data."""
         self.say(f"{self.signs.warning} {text}", style="yellow")
 
 
 def report_page(stream: TextIO | None = None, width: int | None = None) -> ReportPage:
-    """For `stream`, by default standard output; a sign that it cannot show becomes another one."""
+    """Opens a page on `stream`, by default standard output; signs that it cannot show become
+    others.
+    """
     file = raw_stream(sys.stdout) if stream is None else stream
     if isinstance(file, io.TextIOWrapper):
         file.reconfigure(errors="replace")
@@ -195,7 +197,7 @@ def fitted(made: Table, room: int) -> list[Table]:
 
 
 def _widths(column: Column) -> tuple[int, int]:
-    """Of a column's longest word, and of its longest line."""
+    """The widths of a column's longest word and of its longest line."""
     lines = [line for cell in (column.header, *column.cells) for line in str(cell).split("\n")]
     words = [word for line in lines for word in line.split()]
     # A figure is no sentence: it stays with its unit.

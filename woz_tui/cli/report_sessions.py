@@ -56,7 +56,7 @@ def show_session(page: ReportPage, report: SessionReport, top: int = TOP) -> Non
 
 
 def title(page: ReportPage, figures: SessionFigures) -> None:
-    """Who, what, when, with which software; and what is wrong with the log."""
+    """Print who, what, when, with which software; and what is wrong with the log."""
     who = [
         figures.participant or "no participant",
         figures.condition or "no condition",
@@ -160,7 +160,7 @@ def latency_bars(times: Durations, width: int, signs: TextSigns) -> list[Text]:
 
 
 def bars(rows: Sequence[tuple[str, int]], width: int, signs: TextSigns) -> list[Text]:
-    """Labels and counts; the longest bar takes all the room that there is."""
+    """Draws labels, counts and bars; the longest bar takes all the room that there is."""
     left = max((len(label) for label, _ in rows), default=0)
     most = max((count for _, count in rows), default=0)
     digits = len(str(most))

@@ -59,13 +59,13 @@ class _Cells(list[tuple[str, str]]):
 
 @dataclass(frozen=True, slots=True)
 class CellScale:
-    """Which cell a moment falls into."""
+    """Maps times to cells."""
 
     duration_us: int
     width: int
 
     def cell(self, t: int) -> int:
-        """0 to `width` - 1."""
+        """The cell of a moment: 0 to `width` - 1."""
         return min(self.width - 1, t * self.width // max(1, self.duration_us))
 
     def begins(self, cell: int) -> float:
@@ -82,7 +82,7 @@ class CellScale:
 
 
 def picture(timeline: TimelineDrawing, width: int, signs: TextSigns) -> list[Text]:
-    """All lanes with their names, the axis of time, and what the signs mean."""
+    """Draws all lanes with their names, the axis of time, and a legend."""
     names = min(_NAMES_AT_MOST, max((len(lane.name) for lane in timeline.lanes), default=0))
     scale = CellScale(timeline.duration_us, max(10, width - names - 1))
     lines = [
@@ -204,7 +204,7 @@ def axis(scale: CellScale, left: int, signs: TextSigns) -> list[Text]:
 
 
 def _legend(timeline: TimelineDrawing, width: int, signs: TextSigns) -> list[Text]:
-    """What the signs mean that are there, in as many lines as it takes."""
+    """Explains the signs that occur, in as many lines as it takes."""
     sorts = {lane.sort for lane in timeline.lanes}
     marks = {instant.sort for lane in timeline.lanes for instant in lane.instants}
     words: list[tuple[str, str, str]] = []

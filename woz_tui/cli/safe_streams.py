@@ -36,7 +36,7 @@ class _Cleaned:
 
 
 def clean_streams() -> None:
-    """From now on what is printed is cleaned, to the end of the process: a traceback, too."""
+    """Clean everything that is printed from now on, to the end of the process: tracebacks, too."""
     sys.stdout = _cleaned(sys.stdout)
     sys.stderr = _cleaned(sys.stderr)
 
@@ -46,7 +46,9 @@ def _cleaned(stream: TextIO | None) -> Any:
 
 
 def raw_stream(stream: TextIO) -> TextIO:
-    """The stream itself, for who writes a terminal's sequences; texts among them need `clean`."""
+    """The stream itself, for code that writes a terminal's sequences; texts among them need
+    `clean`.
+    """
     return cast(TextIO, getattr(stream, "rich_proxied_file", stream))
 
 

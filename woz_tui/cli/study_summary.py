@@ -25,7 +25,7 @@ _WHENS = {
 
 
 def study_lines(experiment: Experiment) -> Iterator[tuple[str, str]]:
-    """What it is about, and the sentence; nothing without any of these sections."""
+    """Yields subjects and sentences about the study; nothing without any of these sections."""
     study, conditions = experiment.study, experiment.conditions
     for name, texts in experiment.by_condition.items():
         yield f"{{{name}}}", "; ".join(f'{each}: "{text}"' for each, text in texts.items())
@@ -71,7 +71,7 @@ def _phase(phase: Phase, experiment: Experiment) -> str:
 
 
 def as_json(experiment: Experiment) -> dict[str, Json]:
-    """The same for programs: the sections, and the design's orders."""
+    """The study for programs: its sections, and the design's orders."""
     study = experiment.study
     sections: dict[str, Json] = msgspec.to_builtins(study_settings(experiment))
     for now in ("assigned", "planned", "trial", "running", "on_break", "due"):

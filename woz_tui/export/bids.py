@@ -37,7 +37,7 @@ spreadsheet takes them for a formula."""
 
 @dataclass(slots=True)
 class _Run:
-    """What one session has of one participant; `stem` begins all its files."""
+    """What one session has of one participant; the names of its files begin with `stem`."""
 
     place: str
     stem: str
@@ -50,7 +50,7 @@ class _Run:
 
 
 class BidsExporter(Exporter):
-    """One dataset for all sessions."""
+    """Writes one dataset for all sessions."""
 
     meaning = "a dataset in the Brain Imaging Data Structure"
     about = _ABOUT
@@ -66,7 +66,7 @@ class BidsExporter(Exporter):
         self._runs: dict[str, list[_Run]] = {}
 
     def add(self, session: ExportSession, source: LogSource) -> list[str]:
-        """One session: of each participant in it, what happened under their code."""
+        """Writes one session: for each participant, what happened under their code."""
         codes = session.participants
         if not codes or any(not event.participant for event in session.events):
             codes = [*codes, ""]
@@ -121,7 +121,7 @@ class BidsExporter(Exporter):
         return run
 
     def finish(self, summaries: list[SessionSummary]) -> None:
-        """What describes the dataset as a whole."""
+        """Writes the files that describe the dataset as a whole."""
         scans: dict[str, list[list[str]]] = {}
         for runs in self._runs.values():
             for number, run in enumerate(runs, start=1):
@@ -138,7 +138,7 @@ class BidsExporter(Exporter):
         super().finish(summaries)
 
     def _named(self, run: _Run, number: int, *, alone: bool) -> None:
-        """A run that is the only one needs no number."""
+        """Removes the number from the files of a run that is the only one."""
         if not alone:
             return
         written = self._folder.path / run.path(number)
@@ -170,7 +170,7 @@ def _task(session: ExportSession) -> str:
 
 
 def _common(session: ExportSession) -> dict[str, Any]:
-    """What every sidecar of a session says."""
+    """The fields that every sidecar of a session has."""
     start = session.start
     software = start.software if start else {}
     return {
@@ -239,7 +239,7 @@ def write_events(
     events: Iterable[ExportEvent],
     common: Mapping[str, Any],
 ) -> None:
-    """`<stem>_events.tsv` and its sidecar."""
+    """Writes `<stem>_events.tsv` and its sidecar."""
     events = list(events)
     columns = _columns(EVENTS, _OF_EVENTS)
     rows = (
@@ -266,7 +266,7 @@ def write_answers(
     answers: Iterable[AnswerRow],
     common: Mapping[str, Any],
 ) -> None:
-    """`<stem>_beh.tsv` and its sidecar: answers to questionnaires."""
+    """Writes `<stem>_beh.tsv` and its sidecar: answers to questionnaires."""
     columns = _columns(ANSWERS, _OF_ANSWERS)
     rows = (
         [bids_cell(of.cell(session.figures, answer), text=of.type == "string") for of in columns]
@@ -280,7 +280,7 @@ def write_answers(
 def write_table(
     folder: OutputFolder, name: str, columns: Iterable[str], rows: Iterable[Iterable[str]]
 ) -> None:
-    """A file of tab-separated cells with a row of names."""
+    """Writes a file of tab-separated cells with a row of names."""
     with folder.text(name) as file:
         file.write("\t".join(columns) + "\n")
         for row in rows:
@@ -288,7 +288,7 @@ def write_table(
 
 
 def write_json(folder: OutputFolder, name: str, content: Mapping[str, Any]) -> None:
-    """A JSON file."""
+    """Writes a JSON file."""
     folder.write(name, json.dumps(content, indent=2, ensure_ascii=False) + "\n")
 
 

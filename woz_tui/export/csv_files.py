@@ -34,7 +34,7 @@ the end of a row. An empty cell: there is no such value. {GUARDED}"""
 
 
 class CsvExporter(Exporter):
-    """All sessions in the same tables."""
+    """Writes all sessions into the same tables."""
 
     meaning = "tidy tables with a data dictionary"
     about = _ABOUT
@@ -46,7 +46,7 @@ class CsvExporter(Exporter):
         self._tables = TableFiles(folder.text, [EVENTS, *samples])
 
     def add(self, session: ExportSession, source: LogSource) -> list[str]:
-        """One session."""
+        """Writes one session."""
         self._tables.add(session.figures)
         self._tables.write(EVENTS, session.figures, session.events)
         if not self._options.samples:
@@ -61,10 +61,10 @@ class CsvExporter(Exporter):
             yield msgspec.structs.replace(reading, text=PLACEHOLDER) if private else reading
 
     def finish(self, summaries: list[SessionSummary]) -> None:
-        """The data dictionary and the README."""
+        """Writes the data dictionary and the README."""
         self._tables.finish()
         super().finish(summaries)
 
     def close(self) -> None:
-        """Whatever happened: close the files."""
+        """Close the files; also after an error."""
         self._tables.close()

@@ -55,13 +55,13 @@ that."""
 
 
 class EafExporter(Exporter):
-    """One file a session."""
+    """Writes one file for each session."""
 
     meaning = "ELAN"
     about = _ABOUT
 
     def add(self, session: ExportSession, source: LogSource) -> list[str]:
-        """One session, with its sound."""
+        """Writes one session, with its sound."""
         notes: list[str] = []
         media = self._media(session, notes)
         shift = min(0, self._options.offset)
@@ -121,7 +121,7 @@ def _in_milliseconds(span: TierSpan, shift: int) -> TierSpan:
 def document(
     session: ExportSession, tiers: list[Tier], media: Iterable[Medium], notes: Iterable[str]
 ) -> ET.Element:
-    """The whole document."""
+    """Builds the document."""
     started = session.started
     root = ET.Element(
         "ANNOTATION_DOCUMENT",

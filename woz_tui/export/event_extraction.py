@@ -92,7 +92,7 @@ _ENVELOPE = frozenset({"seq", "t", "ts", "kind"})
 
 
 def moment(seq: int, t: int, kind: str, fields: Mapping[str, Any]) -> ExportEvent:
-    """A line as an event without a duration. What has no column is among its details."""
+    """Makes an event without a duration out of a line. Fields without a column become details."""
     label, text = _LABEL_AND_TEXT.get(kind, ("", ""))
     event = ExportEvent(
         seq=seq, begin=t, kind=kind, label=_text(fields, label), text=_text(fields, text)
@@ -175,7 +175,7 @@ class EventExtractor:
             self.session.events.append(moment(line.seq, t, line.kind, line.fields))
 
     def finish(self, codings: Codings | None = None) -> None:
-        """The log is over: put what happened into the session, in order, and what coders set."""
+        """Ends the log: puts the events into the session, in order, with the codes of coders."""
         session, timeline = self.session, self._timeline
         timeline.finish()
         session.duration = max(session.duration, timeline.end)
@@ -280,13 +280,13 @@ class EventExtractor:
         return event
 
     def _stray(self, found: MomentEpisode) -> ExportEvent | None:
-        """A line that belongs to nothing; other moments have been taken already."""
+        """A line that belongs to nothing else; other moments are events already."""
         if not isinstance(found.message, _PARTS):
             return None
         return moment(found.seq, found.begin, found.label, self._fields(found.message))
 
     def _fields(self, message: m.Message | None) -> Mapping[str, Any]:
-        """What may be shown of a line that belongs to an event."""
+        """The fields of a line that may be shown."""
         return {} if message is None else self._lines.get(message.seq, {})
 
     def _text(self, message: m.Message | None, name: str) -> str:
@@ -316,7 +316,7 @@ class EventExtractor:
                     yield event
 
     def _codes(self, codings: Codings) -> Iterator[ExportEvent]:
-        """What coders set in replays; it stands in no line of the log."""
+        """The codes that coders set in replays; they are in no line of the log."""
         for coder in sorted(codings.by_coder):
             codes = codings.of(coder)
             for code, end in zip(codes, code_ends(codes, self._timeline), strict=True):

@@ -91,7 +91,7 @@ class ExportEvent(InContext):
 
 @dataclass(frozen=True, slots=True)
 class SoundClip:
-    """Recorded sound of the visitor, and where on the session's axis it begins."""
+    """A sound file of the visitor, and where on the session's axis it begins."""
 
     path: Path
     begin: int
@@ -99,7 +99,7 @@ class SoundClip:
 
 @dataclass(slots=True, kw_only=True)
 class ExportSession:
-    """All of a session but its samples.
+    """A session without its samples.
 
     Attributes:
         name: Of its own among all sessions of an export; its files are called so.

@@ -63,14 +63,16 @@ def export(
 
 
 def _summary(session: ExportSession, notes: list[str]) -> SessionSummary:
-    """Keeps no events: those of hundreds of sessions would fill the memory."""
+    """Summarises a session and drops its events, which would fill the memory over hundreds of
+    sessions.
+    """
     summary = SessionSummary(session, notes, session.participants, len(session.events))
     session.events, session.figures = [], NO_FIGURES
     return summary
 
 
 def _keep_sources(sources: Sequence[LogSource], out: Path) -> None:
-    """Replacing a folder must not delete the logs from which it is made."""
+    """Refuses an output folder that holds logs to be exported: replacing it would delete them."""
     for source in sources:
         for path in source.files.paths:
             if path.resolve().is_relative_to(out.resolve()):

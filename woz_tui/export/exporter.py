@@ -29,7 +29,7 @@ _UNREDACTED = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExportOptions:
-    """How to export.
+    """Options of an export.
 
     Attributes:
         redact: Take out texts, dates and sound.
@@ -48,7 +48,7 @@ class ExportOptions:
 
 @dataclass(slots=True)
 class SessionSummary:
-    """What is worth knowing of the export of one session; `notes` are sentences."""
+    """What the export of one session reports; `notes` are sentences."""
 
     session: ExportSession
     notes: list[str] = field(default_factory=list)
@@ -72,10 +72,10 @@ class Exporter(abc.ABC):
 
     @abc.abstractmethod
     def add(self, session: ExportSession, source: LogSource) -> list[str]:
-        """One session. What could not be exported of it, in sentences."""
+        """Writes one session and returns, in sentences, what could not be exported of it."""
 
     def finish(self, summaries: list[SessionSummary]) -> None:
-        """Whatever comes after the last session: the README."""
+        """Writes the README after the last session."""
         parts = [
             f"{SIGN} {__version__}",
             _TIMES,

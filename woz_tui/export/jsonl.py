@@ -25,14 +25,14 @@ anew: they say that this copy is whole, and nothing of the log from which it was
 
 
 class JsonlExporter(Exporter):
-    """Two files a session."""
+    """Writes two files for each session."""
 
     meaning = "one log, with its segments joined"
     about = _ABOUT
     takes_samples = True
 
     def add(self, session: ExportSession, source: LogSource) -> list[str]:
-        """One session. It is read again: what is no event is copied too."""
+        """Copies one session. The log is read again: lines that are no events are copied too."""
         actions = self._folder.binary(f"{session.name}.jsonl")
         samples = self._folder.binary(f"{session.name}.samples.jsonl")
         with actions, samples:
@@ -43,7 +43,7 @@ class JsonlExporter(Exporter):
 
 
 def _wordless(line: LogLine) -> bool:
-    """Whether it is plain to see that there is nothing to redact, as in most samples."""
+    """Whether a line clearly needs no redaction, as most samples."""
     return isinstance(line.message, Reading) and _NO_WORDS.issuperset(line.fields)
 
 
@@ -66,7 +66,7 @@ class _Copy:
         self._lines += 1
 
     def _anew(self, kind: str, fields: Mapping[str, Any]) -> dict[str, Any] | None:
-        """Fields that are others in the copy; None: the line is as it was."""
+        """The fields that differ in the copy; None: the line is copied as it is."""
         match kind:
             case "session.start" if self._redact:
                 return {"redacted": True}

@@ -23,7 +23,7 @@ _encoder = msgspec.json.Encoder()
 
 
 class ExportError(Exception):
-    """What was asked for cannot be done; `remedy` says what to do."""
+    """The export cannot be done; `remedy` says what to do."""
 
     def __init__(self, reason: str, remedy: str = "") -> None:
         super().__init__(f"{reason}\n{remedy}" if remedy else reason)
@@ -115,7 +115,7 @@ def _logs_in(folder: Path) -> list[Path]:
 
 
 def read_session(source: LogSource, *, redact: bool = False) -> ExportSession:
-    """All of a session but its samples. Damage never raises: `damage` of the session names it."""
+    """Reads a session without its samples. Damage never raises: it is in `damage`."""
     damage = Damage()
     session = ExportSession(name=source.files.stem, log=source.log, redacted=redact)
     extractor = EventExtractor(session, source.log.parent)
@@ -139,7 +139,7 @@ def read_session(source: LogSource, *, redact: bool = False) -> ExportSession:
 
 
 def _codings(source: LogSource, damage: list[str]) -> Codings:
-    """What coders set in replays of it."""
+    """The codes that coders set in replays of the log."""
     try:
         codings = read_codings(coding_path(source.log))
     except CodingError:
@@ -197,7 +197,9 @@ class UniqueNames:
         self._given: set[str] = set()
 
     def unique(self, preferred: str) -> str:
-        """`wanted`, or with a number behind it. Case does not tell names apart, nor do disks."""
+        """`preferred`, or with a number behind it. Upper and lower case are not told apart, as on
+        disks.
+        """
         name, number = preferred, 1
         while name.casefold() in self._given:
             number += 1

@@ -97,7 +97,7 @@ def _is_export(path: Path) -> bool:
 
 
 def _replace(draft: Path, path: Path) -> None:
-    """Give `draft` its name; what had it before goes only after that."""
+    """Gives `draft` the name `path`; an older folder of that name is deleted after that."""
     if not path.exists():
         draft.rename(path)
         return

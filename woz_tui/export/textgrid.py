@@ -32,13 +32,13 @@ that. Line ends and tabs in texts are shown as ␊ and ␉."""
 
 
 class TextGridExporter(Exporter):
-    """One file a session."""
+    """Writes one file for each session."""
 
     meaning = "Praat"
     about = _ABOUT
 
     def add(self, session: ExportSession, source: LogSource) -> list[str]:
-        """One session, with its sound."""
+        """Writes one session, with its sound."""
         length, notes = 0, list[str]()
         if self._options.sound:
             length, notes = write_sound(session, self._folder, f"{session.name}.wav")

@@ -75,7 +75,7 @@ NO_PANEL = "actions"
 
 
 def tiers_of(session: ExportSession) -> list[Tier]:
-    """Everything of a session that is put on tiers, times in microseconds. Spans of a tier may
+    """Puts the events of a session on tiers, times in microseconds. Spans of a tier may
     overlap still: see `without_overlaps`. Tiers with nothing on them are left out.
     """
     panels: dict[str, Tier] = {}
@@ -109,7 +109,7 @@ def _span(event: ExportEvent) -> TierSpan:
 
 
 def _words(event: ExportEvent) -> str:
-    """What stands in an annotation."""
+    """The text of an annotation."""
     match event.kind:
         case "command" | "speech" | "note" | "marker" | "break" | "code":
             parts = [event.text]
@@ -136,7 +136,7 @@ def _words(event: ExportEvent) -> str:
 
 
 def _marks(event: ExportEvent) -> str:
-    """What is unusual: an outcome, a mistake."""
+    """What is unusual, in brackets: an outcome other than done, a mistake."""
     marks = [event.outcome] if event.outcome not in ("", "done") else []
     marks += ["mistake"] if event.mistake else []
     return f"[{', '.join(marks)}]" if marks else ""

@@ -62,7 +62,7 @@ class ModelStatus:
     _disengaged: m.EngagementChanged | None = None
 
     def copy(self) -> ModelStatus:
-        """The same, to go on from here without changing this one."""
+        """An independent copy."""
         return copy.copy(self)
 
     @property
@@ -87,7 +87,7 @@ class ModelStatus:
 
     @property
     def lines(self) -> Iterator[m.Message]:
-        """The messages from which it becomes the same again; they may repeat, in no order."""
+        """The messages from which a copy can be rebuilt; they may repeat, in no order."""
         lines: tuple[m.Message | None, ...] = (
             *(self._removal, self._appeared, self.settings),
             *(self._before, self._switched_off, self._switched_on, self._disengaged),
@@ -98,7 +98,7 @@ class ModelStatus:
             yield from self.engaged.lines
 
     def open(self) -> Iterator[Episode]:
-        """What goes on."""
+        """Episodes that have not ended."""
         for episode in (self.stay, self.engaged, self.off):
             if episode is not None:
                 yield episode

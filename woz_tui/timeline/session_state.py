@@ -62,7 +62,7 @@ class DriverState(msgspec.Struct, frozen=True):
 
 @dataclass(slots=True)
 class SessionState:
-    """Takes messages in the order of the log and always knows what holds now.
+    """The state of a session, kept up to date by its messages in the order of the log.
 
     `take` returns the episodes that a message ends or begins, in this order, and keeps only those
     that go on: memory is bounded. It never raises, whatever is missing, doubled or out of order.
@@ -137,7 +137,7 @@ class SessionState:
 
     @property
     def context(self) -> Context:
-        """To whom and what this moment belongs."""
+        """The participant, condition and trial of this moment."""
         return self.study.context
 
     @property
@@ -154,7 +154,7 @@ class SessionState:
         return "" if fresh and changed.state == "stale" else changed.state
 
     def copy(self) -> SessionState:
-        """The same, to go on from here without changing this one."""
+        """An independent copy."""
         other = object.__new__(SessionState)
         for name in _FIELDS:
             value = getattr(self, name)
@@ -186,13 +186,13 @@ class SessionState:
                     yield from value.lines
 
     def _values(self) -> Iterator[object]:
-        """What its public attributes and tables hold."""
+        """The values of its public attributes and tables."""
         for name in _PUBLIC:
             value = getattr(self, name)
             yield from value.values() if type(value) is dict else (value,)
 
     def open(self) -> Iterator[Episode]:
-        """All episodes that go on."""
+        """All episodes that have not ended."""
         for part in (self.study, self.model, self.robots):
             yield from part.open()
         yield from (value for value in self._values() if isinstance(value, Episode))
@@ -200,7 +200,7 @@ class SessionState:
     # -- messages ---------------------------------------------------------------------------------
 
     def take(self, message: m.Message) -> Iterable[Episode]:
-        """Work a message in; the episodes that it ends (those have an `end`) or begins."""
+        """Apply a message; returns the episodes that it ends (those have an `end`) or begins."""
         case = CASES.get(type(message))
         if case is None:  # of another version
             return ()
@@ -217,7 +217,7 @@ class SessionState:
         return [*changes]  # a case that makes several may be a generator: it does its work here
 
     def finish(self) -> list[Episode]:
-        """The log is over: what goes on is cut at its last moment."""
+        """The log has ended: open episodes are cut at its last moment."""
         return [replace(each, end=max(each.begin, self.t), cut=True) for each in self.open()]
 
     def _moment(self, message: m.Message) -> tuple[Episode]:
@@ -229,7 +229,9 @@ class SessionState:
         )
 
     def _begin(self, table: dict[K, E], key: K, episode: E) -> tuple[Episode, ...]:
-        """Keep what begins; what has the same id, or is too much, has ended without a line."""
+        """Stores a new episode; an older one of the same id, or one too many, has ended without a
+        line.
+        """
         before = table.pop(key, None)
         if before is None and len(table) >= MOST_KEPT:
             before = table.pop(next(iter(table)))
@@ -339,7 +341,7 @@ class SessionState:
         return (*ended, *self.model.switch(message, self.t))
 
     def _stray(self, message: m.Ack) -> tuple[Episode, ...]:
-        """Of a passing command, or of one whose request is not in the log."""
+        """Handles an ack of a passing command, or of one whose request is not in the log."""
         return () if message.command in self._passing else self._moment(message)
 
     def _mistake(self, message: m.Mistake) -> Iterable[Episode]:
@@ -363,7 +365,7 @@ class SessionState:
         return self._moment(message)
 
     def _confirmed(self, message: m.StopConfirmed) -> Iterable[Episode]:
-        """It belongs to the earliest press that none has confirmed."""
+        """A confirmation belongs to the earliest press that has none."""
         waiting = [
             (press.pressed.seq, scope, at)
             for scope, stop in self.stops.items()
@@ -459,7 +461,7 @@ class SessionState:
         yield from self._begin(self.speaking, key, spoken)
 
     def _speech_ended(self, message: m.SpeechEnded) -> Iterator[Episode]:
-        """Of one that was cut this is the true end: it comes once more."""
+        """Ends an utterance; of one that was cut this is the true end: it is returned once more."""
         key = (message.driver, message.segment)
         earlier = self._finished.pop(key, None)
         spoken = self.speaking.pop(key, None) or earlier
@@ -473,7 +475,7 @@ class SessionState:
         yield self._keep_finished(spoken)
 
     def _speech_text(self, message: m.SpeechText) -> Iterator[Episode]:
-        """It usually comes when the utterance is over, which then comes once more."""
+        """The text usually comes after the utterance's end, which is then returned once more."""
         key = (message.driver, message.segment)
         if key in self.speaking:
             self.speaking[key] = replace(self.speaking[key], text=message)
@@ -482,7 +484,7 @@ class SessionState:
         yield self._keep_finished(replace(spoken, text=message))
 
     def _lone_utterance(self, message: m.SpeechEnded | m.SpeechText) -> UtteranceEpisode:
-        """One of which the log has only this line."""
+        """An utterance of which the log has only this line."""
         return UtteranceEpisode(
             begin=self.t,
             end=self.t,
@@ -608,7 +610,7 @@ def _last_of(name: str, key: str) -> _Case:
 
 
 def _as_moment(case: _Case) -> _Case:
-    """The same, and it is a moment."""
+    """As `case`, and the message is a moment."""
 
     def both(state: SessionState, message: m.Message) -> Iterable[Episode]:
         case(state, message)
@@ -618,7 +620,7 @@ def _as_moment(case: _Case) -> _Case:
 
 
 def _pass_over(state: SessionState, message: m.Message) -> None:
-    """It says something of the log, not of the session."""
+    """Ignores a message about the log, not about the session."""
 
 
 _FIELDS = tuple(each.name for each in fields(SessionState))

@@ -42,7 +42,7 @@ class RobotSettings:
     _open: dict[str, dict[_Key, SettingEpisode | ConflictEpisode]] = field(default_factory=dict)
 
     def copy(self) -> RobotSettings:
-        """The same, to go on from here without changing this one."""
+        """An independent copy."""
         held = {driver: dict(episodes) for driver, episodes in self._open.items()}
         return RobotSettings(dict(self.shown), dict(self.lost), dict(self._back), held)
 
@@ -53,18 +53,18 @@ class RobotSettings:
 
     @property
     def lines(self) -> Iterator[m.Message]:
-        """The messages from which it becomes the same again, but for when each setting began."""
+        """The messages from which a copy can be rebuilt, except for when each setting began."""
         yield from self.shown.values()
         yield from self.lost.values()
         yield from self._back.values()
 
     def open(self) -> Iterator[Episode]:
-        """What goes on."""
+        """Episodes that have not ended."""
         for episodes in self._open.values():
             yield from episodes.values()
 
     def show(self, message: m.SettingsShown, t: int) -> Iterator[Episode]:
-        """A driver publishes what its robot has.
+        """A driver publishes its robot's settings.
 
         The line of its coming back may be missing, or later: a robot from which a difference was
         read is there.
@@ -76,19 +76,19 @@ class RobotSettings:
             yield from self._compare(message.driver, t, message.seq)
 
     def lose(self, message: m.DriverHealth, t: int) -> Iterator[Episode]:
-        """A driver's robot is lost: nothing is known of its settings any more."""
+        """A driver's robot is lost: its settings are unknown from now on."""
         if message.driver not in self.lost:
             keep_latest(self.lost, message.driver, message)
             self._back.pop(message.driver, None)
             yield from self._compare(message.driver, t, message.seq)
 
     def find(self, message: m.DriverConnected, t: int) -> Iterator[Episode]:
-        """It is back: its last message holds again."""
+        """A robot is connected again: its last settings hold again."""
         if self.lost.pop(message.driver, None) is not None:
             yield from self._compare(message.driver, t, message.seq)
 
     def _compare(self, driver: str, t: int, seq: int) -> Iterator[Episode]:
-        """End what is not so any more, begin what is so now."""
+        """Ends episodes that no longer hold, begins new ones."""
         now = {} if driver in self.lost else _found(self.shown.get(driver), t, seq)
         if driver not in self._open and len(self._open) >= MOST_KEPT:
             return
@@ -119,7 +119,7 @@ def _same(one: SettingEpisode | ConflictEpisode, other: SettingEpisode | Conflic
 def _found(
     shown: m.SettingsShown | None, t: int, seq: int
 ) -> dict[_Key, SettingEpisode | ConflictEpisode]:
-    """All that a line says; nothing without a line."""
+    """The settings and conflicts in a message; nothing without a message."""
     if shown is None:
         return {}
     driver, found = shown.driver, dict[_Key, SettingEpisode | ConflictEpisode]()

@@ -108,7 +108,7 @@ class StudyState:
     _sources: dict[str, m.Message] = field(default_factory=dict)
 
     def copy(self) -> StudyState:
-        """The same, to go on from here without changing this one."""
+        """An independent copy."""
         other = copy.copy(self)
         for name in ("phases", "checks", "had", "_rounds", "_sources"):
             setattr(other, name, dict(getattr(self, name)))
@@ -197,7 +197,7 @@ class StudyState:
 
     @property
     def lines(self) -> Iterator[m.Message]:
-        """The messages from which it becomes the same again; they may repeat, in no order."""
+        """The messages from which a copy can be rebuilt; they may repeat, in no order."""
         yield from self._sources.values()
         yield from self.checks.values()
         yield from self.had.values()
@@ -211,7 +211,7 @@ class StudyState:
             yield from episode.lines
 
     def open(self) -> Iterator[Episode]:
-        """What goes on."""
+        """Episodes that have not ended."""
         for episode in (self.trial, self.phase, self.in_break, self.questionnaire):
             if episode is not None:
                 yield episode
@@ -248,7 +248,7 @@ class StudyState:
         self._enter()
 
     def _somebody(self, participant: str, message: m.Message) -> None:
-        """Another participant begins anew, and has had no questionnaire."""
+        """Sets the participant; another one begins anew, and has had no questionnaire."""
         if "participant" in self._sources and participant == self.participant:
             return
         self.participant = participant
@@ -339,7 +339,7 @@ class StudyState:
         self.phase, self.phases = None, {}
 
     def begin_break(self, message: m.BreakStarted, t: int) -> Iterator[Episode]:
-        """What happens now belongs to no trial."""
+        """A break begins: what happens now belongs to no trial."""
         yield from self._cut("in_break", t)
         self.in_break = BreakEpisode(begin=t, seq=message.seq, started=message)
         self._enter()
@@ -389,7 +389,7 @@ class StudyState:
         return [replace(current, end=t, outcome=message.reason, ended=message)]
 
     def _cut(self, name: str, t: int) -> Iterator[Episode]:
-        """The episode that this attribute holds has ended without a line."""
+        """Ends the episode that this attribute holds without a line in the log."""
         episode = getattr(self, name)
         setattr(self, name, None)
         if episode is not None:

@@ -111,7 +111,7 @@ class Timeline:
         return trial is None or trial.counts
 
     def take(self, message: m.Message) -> None:
-        """The next message; `finish` must not have been called."""
+        """Add the next message; `finish` must not have been called."""
         state, study = self.state, self.state.study
         before, first = study.context, state.begin is None
         due = study.due if isinstance(message, _PASSES) else []
@@ -155,7 +155,7 @@ class Timeline:
         self._ended.append(spoken)
 
     def finish(self) -> None:
-        """The log is over."""
+        """The log has ended: makes `episodes` complete."""
         self.unanswered += self.state.study.open_at_end()
         found = [*self._ended, *self.state.finish()]
         found.sort(key=attrgetter("begin", "seq"))
@@ -174,7 +174,7 @@ def _whose(context: Context) -> tuple[object, ...]:
 
 
 def _add_mistakes(episodes: list[Episode]) -> None:
-    """Actions and commands get the line that calls them a mistake, also when they were over."""
+    """Adds to actions and commands the line that calls them a mistake, also after their end."""
     mistakes = [
         each.message
         for each in episodes
@@ -196,7 +196,7 @@ def _add_mistakes(episodes: list[Episode]) -> None:
 
 
 def timeline_of(messages: Iterable[m.Message]) -> Timeline:
-    """The timeline of messages that are in memory or come from anywhere."""
+    """Builds the finished timeline of messages."""
     timeline = Timeline()
     for message in messages:
         timeline.take(message)

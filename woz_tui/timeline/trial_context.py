@@ -13,7 +13,7 @@ AT_ONCE_US = 1000
 
 
 class Context(msgspec.Struct, frozen=True, kw_only=True):
-    """To whom and what a moment belongs.
+    """The participant, condition, trial and phase to which a moment belongs.
 
     `participant` and `condition` are codes, empty while nobody has set one. `trial` is the trial's
     number, None outside of trials and in breaks. `run` tells trials of one number apart: it is the
@@ -64,11 +64,11 @@ class Contexts:
         self._contexts.append(context)
 
     def rename_first(self, context: Context) -> None:
-        """Let `context` hold from the very beginning."""
+        """Replace the first context."""
         self._contexts[0] = context
 
     def spans(self, until: int) -> tuple[ContextSpan, ...]:
-        """All of them, the last one up to `until`; some may have no length."""
+        """All contexts with their times, the last one up to `until`; some may have no length."""
         ends = [*(t for t, _ in self._begins[1:]), until]
         return tuple(
             ContextSpan(begin, end, context, seq)

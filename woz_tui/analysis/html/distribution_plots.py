@@ -48,7 +48,7 @@ def distribution(series: Durations, title: str) -> Markup:
 
 
 def _bin(series: Durations) -> int:
-    """The width of a bin, a round number: wide enough that few values lie beyond the last one."""
+    """The width of a bin: a round number, so that few values lie beyond the last bin."""
     if not series.p95:
         return 1_000
     least = max(series.p95 * 1.25 / _BINS, 1)
@@ -86,7 +86,7 @@ def _line(x: float, style: str) -> Markup:
 
 
 def transitions(table: Mapping[str, Mapping[str, int]]) -> Markup:
-    """From which state (row) into which (column), how often; darker is more often."""
+    """A table of how often each state (row) led to each other (column); darker is more often."""
     states = _states(table)
     most = max((number for row in table.values() for number in row.values()), default=0)
     if not most:

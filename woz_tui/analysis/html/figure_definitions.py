@@ -39,12 +39,12 @@ def table(found: ReportTable) -> Markup | None:
 
 
 def wide(content: Markup, name: str) -> Markup:
-    """What may be wider than the page, and then scrolls."""
+    """A box that scrolls where its content is wider than the page."""
     return tag("div", content, class_="wide", tabindex=0, role="region", aria_label=name)
 
 
 def glossary() -> Markup:
-    """All definitions."""
+    """The definitions of all figures on the page."""
     entries = [
         (tag("dt", title_of(name), id=f"about-{name}"), tag("dd", prose(BY_NAME[name].meaning)))
         for name in DEFINED

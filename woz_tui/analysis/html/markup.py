@@ -55,7 +55,7 @@ def tag(name: str, *children: Child, **attributes: Attribute) -> Markup:
 
 
 def joined(*children: Child) -> Markup:
-    """One after the other."""
+    """All children, one after the other."""
     return Markup("".join(_flat(children)))
 
 

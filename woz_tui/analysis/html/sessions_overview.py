@@ -19,7 +19,7 @@ from woz_tui.analysis.timeline_lanes import LANES
 
 
 def overview(found: Sequence[SessionEntry]) -> Markup | None:
-    """What stands above the sessions; None for a single one."""
+    """The section above the sessions; None for a single session."""
     if len(found) < 2:
         return None
     damaged = [entry for entry in found if entry.figures.wholeness.sentences]
@@ -87,7 +87,7 @@ def _cells(entry: SessionEntry, part: PartFigures) -> Iterator[Markup]:
 
 
 def _totals(found: Sequence[SessionEntry]) -> Iterator[Markup | None]:
-    """What the conditions of each experiment amount to."""
+    """The tables of means by condition, for each experiment."""
     grouped = GroupedSessions()
     for entry in found:
         grouped.add(entry.figures)
@@ -127,7 +127,7 @@ assert {lane for band in _BANDS for lane in band} <= set(LANES)
 
 
 def strip(lanes: Sequence[TimelineRow], duration_us: int, longest_us: int, title: str) -> Markup:
-    """One session; `longest_us` is how long the longest on the page lasts."""
+    """The course of one session; `longest_us` is the length of the longest one on the page."""
     scale = PictureScale(longest_us, 0, _WIDTH)
     height = len(_BANDS) * _BAND
     back = tag("rect", x=0, y=0, width=scale.x(duration_us), height=height, class_="back")
@@ -157,7 +157,7 @@ def ruler(longest_us: int) -> Markup:
 def _band(
     lanes: Sequence[TimelineRow], sorts: Sequence[str], y: float, scale: PictureScale
 ) -> Markup:
-    """One path for each look; a pixel is drawn once, however much happened in it."""
+    """One path for each style; a pixel is drawn once, however much happened in it."""
     paths: dict[str, list[str]] = {}
     reached: dict[str, float] = {}
     for item in (item for row in lanes if row.sort in sorts for item in row.items):

@@ -128,7 +128,7 @@ def _known_sort(sort: str) -> str:
 def page_data(
     timeline: TimelineDrawing, lanes: Sequence[TimelineRow], zero: str
 ) -> dict[str, object]:
-    """What the page's script draws from; see assets/04-lanes.js. Times in seconds."""
+    """The data from which the page's script draws; see assets/04-lanes.js."""
     return {
         "end": _seconds(timeline.duration_us),
         "zero": zero,
@@ -175,7 +175,9 @@ def _mean(values: Sequence[float | None]) -> float | None:
 
 
 def curve_range(points: Sequence[tuple[int, float | None]]) -> tuple[float, float] | None:
-    """What the picture's axis spans: from 0, or below, to the largest; None without values."""
+    """The range of a curve's axis: from 0, or the least value below it, to the largest; None
+    without values.
+    """
     there = [value for _, value in points if value is not None]
     return (min(0.0, *there, 0.0), max(*there, 0.0)) if there else None
 

@@ -30,7 +30,7 @@ class PictureScale:
     width: float = WIDTH - GUTTER - RIGHT
 
     def x(self, us: float) -> float:
-        """Where `us` is."""
+        """The place of `us`."""
         return self.left + us / max(self.duration_us, 1) * self.width
 
     def ticks(self, room: float = 76) -> Iterator[tuple[float, str]]:
@@ -48,7 +48,7 @@ class PictureScale:
 
 
 def picture(timeline: TimelineDrawing, lanes: Sequence[TimelineRow], title: str) -> Markup:
-    """The whole session as an SVG element."""
+    """Draws the session as an SVG element."""
     scale = PictureScale(timeline.duration_us)
     drawn: list[Markup] = []
     y: float = RULER
@@ -107,7 +107,7 @@ def _title(text: str, y: float, height: float) -> Markup:
 
 
 def cut(text: str, room: float) -> str:
-    """As much of `text` as `room` pixels take."""
+    """As many letters of `text` as have room in `room` pixels."""
     letters = int(room / _LETTER)
     return text if len(text) <= letters else text[: max(letters - 1, 0)] + "…"
 

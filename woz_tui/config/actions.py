@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from woz_tui.config.annotated_decoder import names_of, read_partly
 from woz_tui.config.experiment import Action, Panel, Step, Wait
 from woz_tui.config.experiment_file import ActionEntry, PanelEntry
 from woz_tui.config.keys.chords import KeyNameError, normal_key
+from woz_tui.config.problems import quoted
 from woz_tui.config.session_verbs import WAIT
 from woz_tui.config.verb_calls import CallReader, Vocabulary
-from woz_tui.config.yaml_cursor import Cursor, read_seconds, read_text
+from woz_tui.config.yaml_cursor import Cursor, read_seconds, read_text, texts_of
 from woz_tui.config.yaml_nodes import ListNode, ScalarNode
 from woz_tui.drivers.fields import Range
 
@@ -24,10 +25,32 @@ _LONGEST_WAIT = Range(0.0, 3600.0, "s")
 
 @dataclass(frozen=True, slots=True)
 class ActionDraft:
-    """An action with the path under which the file has it, for checks across the file."""
+    """An action with where the file has it, for checks across the file."""
 
-    path: str
+    cursor: Cursor
     action: Action
+
+    @property
+    def entries(self) -> dict[str, Cursor]:
+        """What the file says of it, by name."""
+        return dict(self.cursor.entries())
+
+
+def check_actions(
+    names: Cursor | None, actions: Mapping[str, Action], purpose: str = "be played"
+) -> list[tuple[Cursor, Action]]:
+    """Report names of actions that do not exist or are locked; return the others with places."""
+    found = []
+    for entry, name in texts_of(names):
+        action = actions.get(name)
+        if action is None:
+            near = entry.report.hint(name, actions, or_list="actions are")
+            entry.error(f"there is no action {quoted(name)}{near}")
+        elif action.locked:
+            entry.warning(f"{quoted(name)} is locked and cannot {purpose}")
+        else:
+            found.append((entry, action))
+    return found
 
 
 class StepReader:
@@ -90,7 +113,7 @@ class PanelReader:
             return None
         fields = {name: table.pop(name) for name in ACTION_FIELDS if name in table}
         return ActionDraft(
-            cursor.path,
+            cursor,
             Action(
                 name=entry.name or entry.label,
                 label=entry.label or entry.name,

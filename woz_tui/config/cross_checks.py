@@ -10,28 +10,44 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from woz_tui.config.actions import ActionDraft
+from woz_tui.config.actions import ActionDraft, check_actions
 from woz_tui.config.annotated_decoder import values_with_note
 from woz_tui.config.command_remarks import SECRET, hidden_arguments
-from woz_tui.config.experiment import Action, Experiment, FilePosition
+from woz_tui.config.experiment import Experiment, FilePosition
 from woz_tui.config.keys.keymap import FileKeys, typeable
 from woz_tui.config.problems import ProblemReport, join, quoted
 from woz_tui.config.robots import DriverRequests, Robots, VerbOffer
+from woz_tui.config.yaml_cursor import Cursor, check_different, texts_of
 from woz_tui.drivers.contract import Argument, Ask, Verb
 from woz_tui.drivers.fields import Port, Range
 from woz_tui.protocol.messages import Json
 
 
 def check_across(
-    experiment: Experiment, drafts: Sequence[ActionDraft], report: ProblemReport
+    experiment: Experiment,
+    table: Mapping[str, Cursor],
+    drafts: Sequence[ActionDraft],
+    report: ProblemReport,
 ) -> None:
-    """Check what no single entry can know of; `drafts` are all actions with their paths."""
+    """Check what no single entry can know of; `table`: the file's top level; `drafts`: all actions
+    with their places.
+    """
     _ports(experiment, report)
-    _panel_titles(experiment, report)
-    _names(drafts, report)
-    _keys(drafts, experiment.keyboard, report)
-    _script(experiment, report)
-    _then(drafts, report)
+    panels = table["panels"].items() if "panels" in table else ()
+    titles = [
+        (panel, name)
+        for panel in panels
+        for _, name in texts_of(dict(panel.entries()).get("title"))
+    ]
+    check_different(titles, "a panel", ("title",))
+    named = [(draft.cursor, draft.action.name) for draft in drafts]
+    check_different(named, "an action", ("name", "label"))
+    _keys(drafts, experiment.keyboard)
+    actions = {draft.action.name: draft.action for draft in drafts}
+    if experiment.script:
+        check_actions(table["script"], actions)
+    for draft in drafts:
+        check_actions(draft.entries.get("then"), actions)
 
 
 def _ports(experiment: Experiment, report: ProblemReport) -> None:
@@ -48,39 +64,6 @@ def _ports(experiment: Experiment, report: ProblemReport) -> None:
             owner.setdefault(port, spec.name)
 
 
-def _panel_titles(experiment: Experiment, report: ProblemReport) -> None:
-    first: dict[str, int] = {}
-    for index, panel in enumerate(experiment.panels):
-        if not panel.title:
-            continue
-        if panel.title in first:
-            report.error_at(
-                f"panels[{index}].title",
-                f"{quoted(panel.title)} is already a panel's title (line {first[panel.title]})",
-            )
-        first.setdefault(panel.title, panel.place.line)
-
-
-def _names(drafts: Sequence[ActionDraft], report: ProblemReport) -> None:
-    first: dict[str, Action] = {}
-    for draft in drafts:
-        name = draft.action.name
-        if not name:
-            continue
-        if name in first:
-            path = f"{draft.path}.name"
-            if (
-                report.place(path) == draft.action.place
-            ):  # no name of its own: the label counts as one
-                path = f"{draft.path}.label"
-            report.error_at(
-                path,
-                f"{quoted(name)} is already the name of an action (line {first[name].place.line});"
-                " give one of them another name: ...",
-            )
-        first.setdefault(name, draft.action)
-
-
 def check_covers(
     experiment: Experiment, verbs: Collection[str] | None, report: ProblemReport
 ) -> None:
@@ -92,48 +75,24 @@ def check_covers(
                 report.error_at(path, f"no driver offers {quoted(verb)}{report.hint(verb, verbs)}")
 
 
-def _keys(drafts: Sequence[ActionDraft], layout: str, report: ProblemReport) -> None:
+def _keys(drafts: Sequence[ActionDraft], layout: str) -> None:
     """Two things on one key, in the file's order."""
     keys = FileKeys(layout)
     for draft in drafts:
-        key, path = draft.action.key, f"{draft.path}.key"
-        if not key:
+        key, cursor = draft.action.key, draft.entries.get("key")
+        if not key or cursor is None:
             continue
         if forbidden := keys.forbidden(key):
-            report.error_at(path, f"{forbidden}; choose another key")
+            cursor.error(f"{forbidden}; choose another key")
         elif taken := keys.taken(key):
-            report.error_at(path, taken)
+            cursor.error(taken)
         else:
             keys.take(key, draft.action.label, draft.action.place)
             if not typeable(key, layout):
-                report.warning_at(
-                    path,
+                cursor.warning(
                     f"the {layout} keyboard has no key for {key!r}; it gets a reserve key"
-                    " (set your layout with keyboard:)",
+                    " (set your layout with keyboard:)"
                 )
-
-
-def _script(experiment: Experiment, report: ProblemReport) -> None:
-    actions = {action.name: action for panel in experiment.panels for action in panel.actions}
-    for index, name in enumerate(experiment.script):
-        path = f"script[{index}]"
-        if name not in actions:
-            near = report.hint(name, actions)
-            report.error_at(path, f"there is no action {quoted(name)}{near}")
-        elif actions[name].locked:
-            report.warning_at(path, f"{quoted(name)} is locked and cannot be played")
-
-
-def _then(drafts: Sequence[ActionDraft], report: ProblemReport) -> None:
-    actions = {draft.action.name: draft.action for draft in drafts}
-    for draft in drafts:
-        for name in draft.action.then:
-            path = f"{draft.path}.then"
-            if name not in actions:
-                near = report.hint(name, actions)
-                report.error_at(path, f"there is no action {quoted(name)}{near}")
-            elif actions[name].locked:
-                report.warning_at(path, f"{quoted(name)} is locked and cannot be played")
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,14 +32,14 @@ from woz_tui.config.engagement import (
     SoundSettings,
 )
 from woz_tui.config.experiment import Action, Call, Engagement, ParallelCalls, Step, Wait
-from woz_tui.config.problems import ProblemReport, join, quoted
+from woz_tui.config.problems import ProblemReport, quoted
 from woz_tui.config.robots import Robots
 from woz_tui.config.sensor_names import published_names
 from woz_tui.config.session_verbs import ENGAGEMENT, ENGAGEMENT_VERBS
 from woz_tui.config.sign_values import SENSOR
 from woz_tui.config.verb_calls import Vocabulary
 from woz_tui.config.yaml_cursor import Cursor, read_text
-from woz_tui.config.yaml_nodes import ListNode, MappingNode, ScalarNode
+from woz_tui.config.yaml_nodes import ListNode, ScalarNode
 from woz_tui.drivers.contract import LEARN_FACE, SPEECH, SPEECH_TEXT
 from woz_tui.drivers.fields import OneOf
 from woz_tui.protocol.messages import Json
@@ -152,11 +152,8 @@ def _only_verbs(cursor: Cursor) -> Cursor | None:
             if name == "steps"
             else "belongs to actions of panels; put one there and name it here"
         )
-    if not strange or not isinstance(cursor.node, MappingNode):
-        return cursor
-    kept = {name: node for name, node in cursor.node.entries.items() if name not in strange}
-    node = MappingNode(cursor.node.place, kept, cursor.node.keys)
-    return Cursor(node, cursor.path, cursor.place, cursor.report) if kept else None
+    verbs = [name for name, _ in cursor.entries() if name not in strange]
+    return cursor.only(verbs) if verbs or not strange else None
 
 
 def _effect(state: str, steps: tuple[Step, ...], cursor: Cursor) -> Action:
@@ -199,7 +196,7 @@ def check_engagement(
     engagement: Engagement, robots: Robots, drafts: Sequence[ActionDraft], report: ProblemReport
 ) -> None:
     """Report what does not fit together; `drafts` are all actions of the panels."""
-    _names(engagement, drafts, report)
+    _names(engagement, drafts)
     _confirmation(engagement.settings, report)
     if robots.incomplete:
         return
@@ -214,20 +211,14 @@ def check_engagement(
     _handshake(engagement.settings, robots, published, report)
 
 
-def _names(engagement: Engagement, drafts: Sequence[ActionDraft], report: ProblemReport) -> None:
+def _names(engagement: Engagement, drafts: Sequence[ActionDraft]) -> None:
     taken = {effect_name(state) for state in engagement.effects}
     for draft in drafts:
         if draft.action.name in taken:
-            path = next(
-                path
-                for name in ("name", "label", "")
-                if report.has_place(path := join(draft.path, name), draft.action.place.file)
-                or not name
-            )
-            report.error_at(
-                path,
+            entries = draft.entries
+            entries.get("name", entries.get("label", draft.cursor)).error(
                 f"{quoted(draft.action.name)} is what {SECTION}.on_enter calls its own action;"
-                " choose another name",
+                " choose another name"
             )
 
 

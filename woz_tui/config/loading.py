@@ -155,7 +155,7 @@ class _ExperimentDecoder:
         check_asks(robots, vocabulary.own, actions, self._report)
         if engagement is not None:
             check_engagement(engagement, robots, panels.drafts, self._report)
-        cross_checks.check_across(experiment, panels.drafts, self._report)
+        cross_checks.check_across(experiment, table, panels.drafts, self._report)
         cross_checks.check_covers(experiment, known.verbs if known.complete else None, self._report)
         return replace(experiment, warnings=tuple(self._report.warnings))
 

@@ -11,10 +11,11 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
+from woz_tui.config.actions import check_actions
 from woz_tui.config.annotated_decoder import read_entries
 from woz_tui.config.experiment import Action, Phase
 from woz_tui.config.problems import quoted
-from woz_tui.config.yaml_cursor import Cursor, texts_of
+from woz_tui.config.yaml_cursor import Cursor, check_different, texts_of
 from woz_tui.config.yaml_nodes import ListNode
 
 
@@ -32,14 +33,9 @@ def read_phases(
         for entry, phase in read_entries(cursor, "a list of phases", Phase)
     ]
     names = [phase.name for _, phase in found]
-    first: dict[str, int] = {}
+    check_different([(entry, phase.name) for entry, phase in found], "a phase", ("name", "title"))
     for entry, phase in found:
         table = dict(entry.entries())
-        if phase.name in first:
-            table.get("name", table.get("title", entry)).error(
-                f"{quoted(phase.name)} is already the name of a phase (line {first[phase.name]})"
-            )
-        first.setdefault(phase.name, entry.place.line)
         _check_names(table.get("panels"), panels, "panel")
         _check_names(table.get("after"), names, "phase")
         for field in ("script", "on_enter"):
@@ -56,14 +52,8 @@ def _check_names(cursor: Cursor | None, known: Collection[str], what: str) -> No
 
 
 def _check_actions(cursor: Cursor | None, actions: Mapping[str, Action], phase: Phase) -> None:
-    for entry, name in texts_of(cursor):
-        action = actions.get(name)
-        if action is None:
-            near = entry.report.hint(name, actions)
-            entry.error(f"there is no action {quoted(name)}{near}")
-        elif action.locked:
-            entry.warning(f"{quoted(name)} is locked and cannot be played")
-        elif phase.panels and action.panel not in phase.panels:
+    for entry, action in check_actions(cursor, actions):
+        if phase.panels and action.panel not in phase.panels:
             panel = f"the panel {quoted(action.panel)} is not in front in this phase"
             entry.warning(f"{panel}; add it to panels: [...]")
 

@@ -20,6 +20,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from woz_tui.config.actions import check_actions
 from woz_tui.config.annotated_decoder import (
     INVALID,
     read_entries,
@@ -42,6 +43,7 @@ from woz_tui.config.study import (
 )
 from woz_tui.config.yaml_cursor import (
     Cursor,
+    check_different,
     missing,
     one_or_more,
     read_filled,
@@ -69,7 +71,8 @@ def read_questionnaires(cursor: Cursor | None) -> tuple[Questionnaire, ...]:
         (entry, _questionnaire(entry, read))
         for entry, read in read_entries(cursor, "a list of questionnaires", QuestionnaireEntry)
     ]
-    _different([(entry, each.name) for entry, each in found], "a questionnaire", "title")
+    named = [(entry, each.name) for entry, each in found]
+    check_different(named, "a questionnaire", ("name", "title"))
     return tuple(each for _, each in found)
 
 
@@ -104,7 +107,7 @@ def _items(cursor: Cursor | None, scale: ScaleEntry) -> tuple[QuestionnaireItem,
     if cursor is not None and entries == []:
         cursor.error("an item is missing here")
     found = [(entry, _item(entry, scale)) for entry in entries or ()]
-    _different([(entry, item.name) for entry, item in found], "an item", "question")
+    check_different([(entry, item.name) for entry, item in found], "an item", ("name", "question"))
     return tuple(item for _, item in found)
 
 
@@ -165,19 +168,6 @@ def _name(entry: Cursor, made_of: str, sentence: str) -> str:
     hint = f", such as {near!r}" if near else ""
     cursor.error(f"a name in logs and tables has letters, digits, - and _, 40 at most{hint}")
     return ""
-
-
-def _different(named: Sequence[tuple[Cursor, str]], what: str, made_of: str) -> None:
-    """Report names that stand twice, where they stand; `made_of`: what unnamed ones come from."""
-    first: dict[str, int] = {}
-    for entry, name in named:
-        if name and name in first:
-            table = dict(entry.entries())
-            table.get("name", table.get(made_of, entry)).error(
-                f"{quoted(name)} is already the name of {what}"
-                f" (line {first[name]}); give one of them another name: ..."
-            )
-        first.setdefault(name, entry.place.line)
 
 
 # -- design ----------------------------------------------------------------------------------------
@@ -358,10 +348,4 @@ def _check_training(cursor: Cursor | None, actions: Mapping[str, Action]) -> Non
     """Names of actions that there are not, or that are locked."""
     cues = dict(cursor.entries()).get("cues") if cursor is not None else None
     for entry in cues.items() if cues is not None else ():
-        for answer, name in texts_of(dict(entry.entries()).get("answers")):
-            action = actions.get(name)
-            if action is None:
-                near = answer.report.hint(name, actions, or_list="actions are")
-                answer.error(f"there is no action {quoted(name)}{near}")
-            elif action.locked:
-                answer.warning(f"{quoted(name)} is locked and cannot be an answer")
+        check_actions(dict(entry.entries()).get("answers"), actions, "be an answer")

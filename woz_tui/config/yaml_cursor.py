@@ -7,7 +7,7 @@ finds the other errors too.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -167,6 +167,21 @@ def texts_of(cursor: Cursor | None) -> Iterator[tuple[Cursor, str]]:
             text = entry.node.text if isinstance(entry.node, ScalarNode) else ""
             if text.strip():
                 yield entry, text
+
+
+def check_different(
+    named: Iterable[tuple[Cursor, str]], what: str, keys: Sequence[str] = ("name",)
+) -> None:
+    """Report names that stand twice, at the first of the `keys` that an entry has."""
+    first: dict[str, int] = {}
+    for entry, name in named:
+        if name and name in first:
+            table = dict(entry.entries())
+            next((table[key] for key in keys if key in table), entry).error(
+                f"{quoted(name)} is already the {keys[0]} of {what} (line {first[name]});"
+                f" give one of them another {keys[0]}: ..."
+            )
+        first.setdefault(name, entry.place.line)
 
 
 def read_word(cursor: Cursor, choices: Iterable[str], expected: str = "one of") -> str | None:

@@ -247,7 +247,7 @@ async def test_the_torque_stays_while_the_body_is_on_a_slow_way_to_rest(tmp_path
         await until(lambda: it.bus.servo(11).torque)
         await it.ticks(2)
         rest = asyncio.create_task(it.driver.rest())
-        await it.ticks(60)  # more than twice as long as status still takes to be believed
+        await it.ticks(60)  # more than twice as long as standing still takes to be believed
         assert it.bus.servo(11).torque
         assert not rest.done()
         body.put(Setpoints(later, {"pan": 0.0}, at_rest=True))

@@ -8,6 +8,7 @@ import select
 import shutil
 import sys
 import termios
+import textwrap
 import time
 import tty
 from collections.abc import Callable, Iterator, Mapping
@@ -208,14 +209,9 @@ def keyboard() -> Iterator[Keys]:
 
 def _lines(entries: list[str], width: int) -> Iterator[str]:
     """Entries side by side, none of them broken in two unless it is wider than the screen."""
-    line = ""
-    for entry in entries:
-        if line and len(line) + 3 + len(entry) > width:
-            yield line
-            line = ""
-        line = f"{line}   {entry}" if line else entry
-    if line:
-        yield line
+    joined = "   ".join(entry.replace(" ", "\0") for entry in entries)
+    for line in textwrap.wrap(joined, width, break_long_words=False, break_on_hyphens=False):
+        yield line.replace("\0", " ")
 
 
 def _ready(descriptor: int, seconds: float) -> bool:

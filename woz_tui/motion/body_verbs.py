@@ -1,4 +1,4 @@
-"""Everything a body can be asked for: its verbs, and the row of the modes' table each belongs to.
+"""The verbs and controls of a body, and the mode rule that each follows.
 
 The bus, a script for `woz render` and the engine share these: an input is a verb and its arguments.
 """

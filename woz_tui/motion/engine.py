@@ -1,6 +1,6 @@
-"""The body's engine: to_json what people want, asked for the setpoints of a moment.
+"""The body's engine: takes inputs by verb, and gives setpoints and the face tick by tick.
 
-From the inside out: the primary's pose, cross-faded; compression; smoothing; breathing; safety.
+From the inside out: the pose of one source, cross-faded; compression; smoothing; breathing; safety.
 Same shape, moves, seed and inputs at the same ticks: same setpoints and same pictures.
 """
 
@@ -69,7 +69,7 @@ class UsableAngles:
     left_out: dict[str, Json] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Json]:
-        """For an answer, as the servos' driver tells it."""
+        """As an answer has it, like that of the servos' driver."""
         sent: dict[str, Json] = {"joints": {k: round(v, 3) for k, v in self.joints.items()}}
         if self.clamped:
             sent["clamped"] = self.clamped
@@ -243,7 +243,7 @@ class Engine:
         self._frozen = why or "stop"
 
     def resume(self) -> None:
-        """Stir again, in the pose where it stands."""
+        """Move again, from the pose where it stands."""
         self._frozen = ""
 
     def drop(self, token: int, why: str = "cut short") -> None:
@@ -325,9 +325,8 @@ class Engine:
         yaw = (yaw + args["yaw"] + 180.0) % 360.0 - 180.0
         pitch = min(90.0, max(-90.0, pitch - args["pitch"]))
         aim = self._chain.aim_along(yaw, pitch, pose)
-        if (
-            self._joint_controller.move
-        ):  # the arrow keys turn whoever dances, and do not end the dance
+        if self._joint_controller.move:
+            # The arrow keys turn a body that dances, and do not end the dance.
             self._joint_controller.shift(aim.joints, "nudge")
             return InputResult(_with_gaze_error(UsableAngles(dict(aim.joints)).to_json(), aim))
         return self._look_at(aim, "nudge", NUDGE_S, args)
@@ -341,8 +340,8 @@ class Engine:
         easing = args.get("easing", self._shape.easing)
         line = self._joint_controller.go(name, goals, self._token(), easing)
         late = line.seconds - sum(seconds for _, seconds in goals)
-        to_json = [goal.to_json() for goal, _ in poses]
-        sent: dict[str, Json] = to_json[0] if name != "poses" else {"poses": list(to_json)}
+        answers = [goal.to_json() for goal, _ in poses]
+        sent: dict[str, Json] = answers[0] if name != "poses" else {"poses": list(answers)}
         sent["seconds"] = round(line.seconds, 3)
         if late > 1e-9 and all(seconds > 0.0 for _, seconds in goals):
             sent["late_s"] = round(late, 3)
@@ -401,7 +400,7 @@ class Engine:
         return InputResult({"mode": mode.value})
 
     def _end_activities(self, why: str) -> None:
-        """What the stop ends besides what moves the joints."""
+        """End what the stop ends besides the source of the pose."""
         self._face.stop(why)
         self._face.begin_overlay()
         if self._joint_controller.mode is Mode.SACCADE:
@@ -615,7 +614,7 @@ class Engine:
         )
 
     def values(self) -> dict[str, Json]:
-        """Everything that can be said about the body but for its joints."""
+        """The body's state but for its joints, by name, as messages and logs have it."""
         face, personality = self._face, self._personality
         emotion, intensity = face.shown
         return {
@@ -638,7 +637,7 @@ class Engine:
 
 
 def _with_gaze_error(sent: Mapping[str, Json], aim: Aim) -> dict[str, Json]:
-    """What is answered, and how far the head's gaze misses if it cannot get there."""
+    """The answer, with the angle by which the gaze misses a target that it cannot reach."""
     if aim.reachable:
         return dict(sent)
     return {**sent, "reachable": False, "error_deg": round(aim.error_deg, 2)}

@@ -1,4 +1,4 @@
-"""What goes into an engine and what comes out of it, but for the inputs' own shapes."""
+"""What an engine gives back: results of inputs, and ticks."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from woz_tui.protocol.messages import Json
 
 @dataclass(frozen=True, slots=True)
 class InputResult:
-    """What became of an input.
+    """What an engine did with an input.
 
     `sent` is what was really taken, after clamping. An input that takes time has a `token`, which
     some later tick names in `ended`, and `seconds` if it is known how long.

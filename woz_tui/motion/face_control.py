@@ -1,4 +1,4 @@
-"""What the face shows: emotion, gaze, lids, brightness, and who wrote each of them last.
+"""State of the face: emotion, gaze, lids, brightness, from people and from moves.
 
 People write an emotion in four ways (by name, by intensity, as a mood, as a breakdown) and they
 all write the same thing: the last one counts, and everything that shows it follows. What a move
@@ -170,7 +170,7 @@ class FaceControl:
             self._end_crash(why)
 
     def rest(self) -> None:
-        """Have the eyes open, and nobody but people say what the face shows."""
+        """Open the eyes and drop the overlay."""
         self._blinks.open()
         self._lid = 1.0
         self._overlay = _NO_OVERLAY
@@ -187,11 +187,11 @@ class FaceControl:
     # -- what moves and modes want --------------------------------------------------------------
 
     def set_overlay(self, wish: FaceOverlay | None) -> None:
-        """What lies on top now; None when there is nothing."""
+        """Lay this over what people have set; None: nothing."""
         self._overlay = wish or _NO_OVERLAY
 
     def begin_overlay(self) -> None:
-        """Somebody new decides: what people touched before does not count against it."""
+        """A new source of the pose begins: its overlay wins over what people set before."""
         self._touched.clear()
         self._overlay = _NO_OVERLAY
         self._overlay_crash = None
@@ -255,7 +255,7 @@ class FaceControl:
         )
 
     def ended(self) -> list[EndedInput]:
-        """What ended since this was asked last."""
+        """Inputs that ended since the last call."""
         ended, self._ended = self._ended, []
         return ended
 

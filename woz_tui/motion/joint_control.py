@@ -1,4 +1,4 @@
-"""Who moves the joints: the pose people want, the one source on it, the mode, and the changes.
+"""Decides which source moves the joints in which mode, and leads over from one to the next.
 
 Priorities and resumption are decided here; docs/explanation/decisions/010-layers-of-motion.md has
 them.
@@ -24,7 +24,7 @@ from woz_tui.motion.pose_sources import (
 )
 from woz_tui.motion.safety import finite_number
 
-# -- desired ---------------------------------------------------------------------------------------
+# -- desired pose ----------------------------------------------------------------------------------
 # The pose that people want: one angle for each joint, and the zoom on top of them.
 #
 # It is what the joint controls and every gaze and pose write, what moves are played around, and
@@ -133,12 +133,12 @@ ARRIVED, PATIENCE_S = 0.5, 2.0
 
 
 class JointController:
-    """Wants one pose at a time, in degrees.
+    """The pose that joints shall have, in degrees, from one source at a time.
 
     Attributes:
         mode: Changed by `enter`, by `stop` and by the end of a demo.
         desired: The pose people want.
-        source: Who decides now.
+        source: What decides about the pose now.
         last_pose: The pose that was wanted last: where new lines begin.
     """
 
@@ -352,6 +352,6 @@ class JointController:
         return cues
 
     def ended(self) -> list[EndedInput]:
-        """What ended since this was asked last."""
+        """Inputs that ended since the last call."""
         ended, self._ended = self._ended, []
         return ended

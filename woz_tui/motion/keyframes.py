@@ -9,8 +9,9 @@ order, each added to what is below or taking its place, with a share from 0 to 1
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from woz_tui.motion.easing import EASINGS
 from woz_tui.motion.move import FaceChange, Posture, SoundCue
@@ -193,7 +194,7 @@ class MoveLayer:
         return max(frames, self.samples.length if self.samples is not None else 0.0)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class KeyframeMove:
     """A move of layers. Muted layers count for its length, so muting changes nobody's timing."""
 
@@ -202,34 +203,41 @@ class KeyframeMove:
     layers: tuple[MoveLayer, ...]
     beats: bool = False
     stays: bool = False
-    length: float = field(init=False)
-    cues: tuple[SoundCue, ...] = field(init=False)
-    _playing: tuple[_LayerTracks, ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        heard = [layer for layer in self.layers if not layer.muted and layer.share > 0]
-        derived = {
-            "length": max((layer.length for layer in self.layers), default=0.0),
-            "cues": tuple(sorted(_cues(heard), key=lambda cue: cue.at)),
-            "_playing": tuple(_LayerTracks.of(layer) for layer in heard),
-        }
-        for name, value in derived.items():
-            object.__setattr__(self, name, value)
+        self.at(0.0)  # the tracks are worked out now, and not in a body's first tick
+
+    @cached_property
+    def length(self) -> float:
+        """Where the longest layer ends, in seconds or beats."""
+        return max((layer.length for layer in self.layers), default=0.0)
+
+    @cached_property
+    def cues(self) -> tuple[SoundCue, ...]:
+        """The sounds of all layers that are heard, in order."""
+        cues = (
+            SoundCue(frame.at, frame.sound, frame.volume * layer.share)
+            for layer in self._heard
+            for frame in layer.frames
+            if frame.sound
+        )
+        return tuple(sorted(cues, key=lambda cue: cue.at))
+
+    @property
+    def _heard(self) -> list[MoveLayer]:
+        return [layer for layer in self.layers if not layer.muted and layer.share > 0]
+
+    @cached_property
+    def _tracks(self) -> tuple[_LayerTracks, ...]:
+        return tuple(_LayerTracks.of(layer) for layer in self._heard)
 
     def at(self, place: float) -> Posture:
         """What it wants at `place`; before the beginning and after the end as there."""
         place = min(self.length, max(0.0, place))
         mixed = _LayerMix()
-        for layer in self._playing:
+        for layer in self._tracks:
             layer.onto(mixed, place)
         return mixed.posture()
-
-
-def _cues(layers: list[MoveLayer]) -> Iterator[SoundCue]:
-    for layer in layers:
-        for frame in layer.frames:
-            if frame.sound:
-                yield SoundCue(frame.at, frame.sound, frame.volume * layer.share)
 
 
 # -- playing ------------------------------------------------------------------------------------

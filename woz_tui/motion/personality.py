@@ -1,4 +1,4 @@
-"""How a body does what it does: its traits now, their ranges, and changes without a jump.
+"""The traits of a body: their values now, their ranges, and changes without a jump.
 
 Rates (tempo, speed) may change at once, because whoever uses them counts on from where it is.
 Sizes (compression, smoothing, amplitude) would move the body by themselves, so they are eased.

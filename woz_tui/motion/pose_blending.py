@@ -1,4 +1,4 @@
-"""What happens to a pose between those who want it and safety: cross-fade, range, inertia."""
+"""Breathing, cross-fades, compression and smoothing of a pose, before safety limits it."""
 
 from __future__ import annotations
 

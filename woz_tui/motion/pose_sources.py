@@ -1,4 +1,4 @@
-"""Who decides where the body wants to be: exactly one of these at a time.
+"""Sources of a body's pose, one at a time: holding, lines, moves, tracking, saccade following.
 
 Each is asked once a tick for the whole pose. None knows of ranges, speeds or of what was before:
 that is the layers' and safety's business.
@@ -184,7 +184,7 @@ INSTANT_S = 1e-9
 
 @dataclass(slots=True)
 class SourceContext:
-    """What a primary may look at.
+    """What a source of the pose may use.
 
     `dt` seconds since the last tick, `t` since the engine began; `base` the pose that it works
     on, `joints` where safety has let the joints come, all in degrees. `tempo` in Hz, `speed` and
@@ -203,14 +203,14 @@ class SourceContext:
 
 @dataclass(slots=True)
 class FaceOverlay:
-    """What a primary wants of the face; `glance` is added to where the eyes look, -1..1."""
+    """What a source wants of the face; `glance` is added to where the eyes look, -1..1."""
 
     face: FaceChange | None = None
     glance: tuple[float, float] = (0.0, 0.0)
 
 
 class PoseSource:
-    """One who decides; whoever does no more stays at the pose that people want."""
+    """Decides about the pose, tick by tick; by default the pose that people want."""
 
     #: 0 if nobody waits for its end.
     token = 0

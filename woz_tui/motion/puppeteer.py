@@ -32,7 +32,7 @@ MARGIN = 1
 
 @dataclass(frozen=True, slots=True)
 class FaceTarget:
-    """What the hand wants of the face: emotion and eyes (-1..1)."""
+    """The face as the hand has set it: emotion and eyes (-1..1)."""
 
     emotion: str = "neutral"
     intensity: float = 0.0
@@ -164,15 +164,11 @@ def trim_layer(layer: MoveLayer, start: float, end: float) -> MoveLayer:
     samples = layer.samples
     if samples is not None:
         first, last = round(start * samples.rate), round(end * samples.rate)
-        cut = {
-            group: {name: values[first : last + 1] for name, values in lists.items()}
-            for group, lists in (
-                ("roles", samples.roles),
-                ("joints", samples.joints),
-                ("face", samples.face),
-            )
-        }
-        samples = LayerSamples(samples.rate, cut["roles"], cut["joints"], cut["face"])
+        roles, joints, face = (
+            {name: values[first : last + 1] for name, values in lists.items()}
+            for lists in (samples.roles, samples.joints, samples.face)
+        )
+        samples = LayerSamples(samples.rate, roles, joints, face)
     frames = [
         replace(frame, at=round(max(0.0, frame.at - start), PLACE_DECIMALS))
         for frame in layer.frames

@@ -1,4 +1,4 @@
-"""What a body does, computed instead of performed: ticks of an engine in time of their own.
+"""Renders a script of inputs: the ticks of an engine in virtual time.
 
 The same engine, score and rate give the same ticks. An input takes effect at its very moment, also
 between two ticks of the rate, so that what follows does not depend on the rate.

@@ -1,4 +1,4 @@
-"""Last before the servos: whatever was wanted, this is what they may get.
+"""Limits every setpoint before it leaves for the servos: range, speed, acceleration.
 
 Every angle that leaves is finite, in range, and no further from the one before than speed and
 acceleration allow. Nothing asked from outside can change that, and nothing makes it raise.

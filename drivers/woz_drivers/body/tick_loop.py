@@ -156,7 +156,7 @@ BUSY_S = 3.0
 
 
 class LimpJointWatch:
-    """Says when the engine must begin anew at the pose in which the servos are.
+    """Finds out when the engine must begin anew at the pose in which the servos are.
 
     While no joint is held, hands may move them; the engine then goes on from where they were left.
     What is asked of the body in the meantime, to rehearse it, is not disturbed.
@@ -170,7 +170,7 @@ class LimpJointWatch:
         self._busy_until = float("-inf")
 
     def touched(self, now: float) -> None:
-        """Somebody has asked something of the body."""
+        """An input has come: ignore hands for a while."""
         self._busy_until = now + BUSY_S
 
     def place(self, now: float, state: BodyState) -> Mapping[str, float] | None:

@@ -60,7 +60,7 @@ class BodyFollower:
 
     @property
     def still(self) -> bool:
-        """Whether there is nobody to follow now."""
+        """Whether no fresh setpoints are there to follow."""
         return self._now is None
 
     @property

@@ -270,7 +270,7 @@ class DynamixelServos(Driver):
             await asyncio.sleep(LOOK_S)
             before, held = held, await self._ask(_held)
             moved = any(abs(held[name] - before.get(name, 0.0)) > STILL for name in held)
-            # A slow start looks like status still; only the body knows that it has more to go.
+            # A slow start looks like standing still; only the body knows that it has more to go.
             under_way = moved or following.at_rest is False
             since = 0.0 if under_way else since + LOOK_S
 

@@ -1,4 +1,4 @@
-"""The conversation with a face of lights, without a port and without a clock of its own.
+"""The protocol with a face of lights: hellos, frames, confirmations; without port or clock.
 
 One packet is under way at a time: the small computer behind the lights reads while it shows
 nothing, and its buffer holds one packet. Whatever is wanted meanwhile waits; only the newest
@@ -41,7 +41,7 @@ REFRESH_US = 1_000_000
 
 
 class LinkState(enum.Enum):
-    """How well one understands each other."""
+    """How the connection to the face stands."""
 
     ASKING = "asking"
     SILENT = "silent"

@@ -1,4 +1,4 @@
-"""Segments of speech: told in order, with the times of their sound, kept as files if wanted."""
+"""Publishes segments of speech in order, with the times of their sound, and keeps their files."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ BLOCK_US = round(BLOCK_S * 1_000_000)
 #: The promptest block of this many, and of as many before them, tells what the clock said when the
 #: sound began: 5 s. A converter's clock drifts by a millisecond in that time at most.
 _WINDOW = 250
-#: The end of an utterance is told after this time at most, in seconds, file or no file: the robot
-#: reacts to it.
+#: The end of an utterance is published after this time at most, in seconds, file or no file: the
+#: robot reacts to it.
 _FILE_S = 0.15
 
 
@@ -38,9 +38,9 @@ class _Block:
 
 @dataclass(slots=True)
 class _PendingEnd:
-    """The end of a segment whose file may be on its way; the end is told without it when `late`."""
+    """The end of a segment whose file may be on its way; when `late` it is published without."""
 
-    told: SpeechEnded
+    message: SpeechEnded
     file: asyncio.Future[Path] | None
     name: str
     clock_us: int
@@ -67,15 +67,15 @@ class SpeechSegments:
         self._context = context
         self._keep = keep
         self._transcriber = transcriber
-        self._files = SegmentFiles(rate, self._unsafe)
+        self._files = SegmentFiles(rate, self._warn_unsafe)
         self._time = SoundClock()
         self._tape: deque[_Block] = deque()
         self._first = 0
         self._segment = 0
         self._began = 0
-        self._complained = False
-        self._unsafe_told = False
-        self._untold: deque[SpeechStarted | _PendingEnd] = deque()
+        self._warned_not_kept = False
+        self._warned_unsafe = False
+        self._unpublished: deque[SpeechStarted | _PendingEnd] = deque()
 
     def forget(self) -> None:
         """A new stream begins, with block 0."""
@@ -107,7 +107,7 @@ class SpeechSegments:
     def ended(self, event: SpeechEnd, detail: str) -> None:
         """A segment is over; `detail` says why, where it is not because of silence."""
         blocks = [self._tape[n - self._first] for n in range(event.first, event.last + 1)]
-        told = SpeechEnded(
+        message = SpeechEnded(
             driver=self._driver,
             segment=self._segment,
             began=self._began,
@@ -118,58 +118,58 @@ class SpeechSegments:
         name = f"{self._driver}-{self._segment:04d}.wav"
         media = self._context.media
         file = self._save(blocks, media / name)
-        ending = _PendingEnd(told, file, f"{media.name}/{name}", self._context.clock.now_us())
+        ending = _PendingEnd(message, file, f"{media.name}/{name}", self._context.clock.now_us())
         ending.late = not self._keep
         if file is not None and not ending.late:
-            file.add_done_callback(lambda _: self._tell())
+            file.add_done_callback(lambda _: self._publish())
             ending.timer = asyncio.get_running_loop().call_later(
-                _FILE_S, self._wait_no_more, ending
+                _FILE_S, self._give_up_file, ending
             )
-        self._untold.append(ending)
-        self._tell()
+        self._unpublished.append(ending)
+        self._publish()
 
     async def close(self) -> None:
-        """Tell what is left to tell, whatever the disk does; lent files are deleted."""
-        for told in self._untold:
-            if isinstance(told, _PendingEnd):
-                told.late = True
-        self._tell()
+        """Publish what is left, whatever the disk does; lent files are deleted."""
+        for message in self._unpublished:
+            if isinstance(message, _PendingEnd):
+                message.late = True
+        self._publish()
         if self._transcriber is not None:
             await self._transcriber.close()
         self._files.close()
 
-    # -- telling, in order ---------------------------------------------------------------------
+    # -- publishing, in order -------------------------------------------------------------------
 
     def _started(self, event: SpeechStart) -> None:
         self._segment += 1
         self._began = self._context.t(self._time.begins(event.first))
-        told = SpeechStarted(driver=self._driver, segment=self._segment, began=self._began)
-        self._untold.append(told)
-        self._tell()
+        message = SpeechStarted(driver=self._driver, segment=self._segment, began=self._began)
+        self._unpublished.append(message)
+        self._publish()
 
-    def _wait_no_more(self, ending: _PendingEnd) -> None:
+    def _give_up_file(self, ending: _PendingEnd) -> None:
         ending.late = True
-        self._tell()
+        self._publish()
 
-    def _tell(self) -> None:
-        """Tell what has happened, up to the first end whose file is still being written."""
-        while self._untold:
-            told = self._untold[0]
-            if isinstance(told, _PendingEnd) and not (told.late or _written(told)):
+    def _publish(self) -> None:
+        """Publish what has happened, up to the first end whose file is still being written."""
+        while self._unpublished:
+            message = self._unpublished[0]
+            if isinstance(message, _PendingEnd) and not (message.late or _written(message)):
                 return
-            self._untold.popleft()
-            if isinstance(told, _PendingEnd):
-                self._tell_end(told)
+            self._unpublished.popleft()
+            if isinstance(message, _PendingEnd):
+                self._publish_end(message)
             else:
-                self._context.tell(told)
+                self._context.tell(message)
 
-    def _tell_end(self, ending: _PendingEnd) -> None:
+    def _publish_end(self, ending: _PendingEnd) -> None:
         if ending.timer is not None:
             ending.timer.cancel()
         self._context.tell(self._with_file(ending))
         if self._transcriber is not None and ending.file is not None:
             back = None if self._keep else self._files.give_back
-            segment = ending.told.segment
+            segment = ending.message.segment
             self._transcriber.add(SpeechToTranscribe(segment, ending.file, ending.clock_us, back))
 
     # -- files ---------------------------------------------------------------------------------
@@ -182,36 +182,36 @@ class SpeechSegments:
 
     def _with_file(self, ending: _PendingEnd) -> SpeechEnded:
         """The end of a segment with its file, or with why there is none."""
-        told, file = ending.told, ending.file
+        message, file = ending.message, ending.file
         if not self._keep or file is None:
-            return told
+            return message
         if not file.done():
-            return _because(told, f"the disk is slow: {ending.name} is still being written")
+            return _with_detail(message, f"the disk is slow: {ending.name} is still being written")
         error = file.exception()
-        self._complain(error)
+        self._warn_not_kept(error)
         if error is not None:
-            return _because(told, f"not kept: {_reason(error)}")
-        return msgspec.structs.replace(told, file=ending.name)
+            return _with_detail(message, f"not kept: {_reason(error)}")
+        return msgspec.structs.replace(message, file=ending.name)
 
-    def _complain(self, error: BaseException | None) -> None:
+    def _warn_not_kept(self, error: BaseException | None) -> None:
         """Tell the wizard once, and again only after a file could be kept in between."""
-        if error is not None and not self._complained:
+        if error is not None and not self._warned_not_kept:
             self._context.notice(
                 "warning",
                 f"speech is not kept: {_reason(error)}",
                 "make room beside the log; everything else goes on",
             )
-        self._complained = error is not None
+        self._warned_not_kept = error is not None
 
-    def _unsafe(self, error: OSError) -> None:
+    def _warn_unsafe(self, error: OSError) -> None:
         """Tell the wizard once that the disk has not taken what it was given."""
-        if not self._unsafe_told:
+        if not self._warned_unsafe:
             self._context.notice(
                 "warning",
                 f"a file of speech may be lost in a power cut: {_reason(error)}",
                 "the disk may be failing: copy the recordings soon; everything else goes on",
             )
-        self._unsafe_told = True
+        self._warned_unsafe = True
 
 
 def _written(ending: _PendingEnd) -> bool:
@@ -219,9 +219,9 @@ def _written(ending: _PendingEnd) -> bool:
     return ending.file is None or ending.file.done()
 
 
-def _because(told: SpeechEnded, why: str) -> SpeechEnded:
-    detail = f"{told.detail}; {why}" if told.detail else why
-    return msgspec.structs.replace(told, detail=detail)
+def _with_detail(message: SpeechEnded, why: str) -> SpeechEnded:
+    detail = f"{message.detail}; {why}" if message.detail else why
+    return msgspec.structs.replace(message, detail=detail)
 
 
 def _reason(error: BaseException) -> str:

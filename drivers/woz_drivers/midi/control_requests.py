@@ -1,4 +1,4 @@
-"""From a control's values to what is asked of the session: never more than one at a time."""
+"""Turns the values of a panel's controls into requests to the session, one at a time."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ SETTLED_US = 250_000
 
 
 class RequestQueue:
-    """What is under way to the session; the latest waits for its turn, so none is lost at the end.
+    """Requests under way to the session; of those that come meanwhile the latest waits.
 
     Order is kept: what waits is sent when the one before has been answered.
     """

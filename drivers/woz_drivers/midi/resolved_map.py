@@ -1,6 +1,4 @@
-"""A panel whose map has been worked out: every control with what it sends, where it is and what it
-does.
-"""
+"""The controls of a panel: what each sends, where it is, and what it does."""
 
 from __future__ import annotations
 

@@ -117,7 +117,14 @@ def test_the_wheel_registers_command_and_drivers(packages: tuple[list[str], Path
 
 def test_the_sdist_has_what_a_packager_needs(packages: tuple[list[str], Path]) -> None:
     names = set(packages[0])
-    wanted = {"pyproject.toml", "README.md", "LICENSE", "CHANGELOG.md", "Makefile"}
+    wanted = {
+        "pyproject.toml",
+        "README.md",
+        "CONTRIBUTING.md",
+        "LICENSE",
+        "CHANGELOG.md",
+        "Makefile",
+    }
     wanted |= {
         "constraints.txt",
         "docs/reference/protocol.md",

@@ -46,8 +46,7 @@ class GoDialog(SearchDialog[TimelinePlace]):
 
     def first(self, typed: str) -> int:
         """The next one after now, as long as nothing is typed."""
-        now = self.picture.now(self.console_app.clock.now_us())
-        later = (n for n, place in enumerate(self.shown) if place.t > now)
+        later = (n for n, place in enumerate(self.shown) if place.t > self.now)
         return 0 if typed else next(later, len(self.shown) - 1)
 
     def line(self, item: TimelinePlace) -> Content:
@@ -147,7 +146,7 @@ class AboutDialog(ReportDialog):
 
     heading = "This log"
     hint = "ctrl+q closes"
-    wide = True
+    size_class = "wide"
 
     def lines(self) -> list[Row]:
         """One fact a line; what is missing in full sentences."""

@@ -6,7 +6,6 @@ from collections.abc import Iterable
 
 from rich.console import RenderableType
 from textual import events
-from textual.app import ComposeResult
 from textual.containers import Vertical
 from textual.widget import Widget
 
@@ -42,6 +41,7 @@ class CameraDialog(Dialog):
 
     heading = "Camera"
     hint = "tab next · + - size · enter file · ctrl+q"
+    size_class = "drawing"
     plays = True
     own_keys = frozenset((_NEXT, _BACK, _LARGER, _SMALLER, _TAKE))
 
@@ -54,15 +54,6 @@ class CameraDialog(Dialog):
         self._laid: tuple[CellArea, tuple[int, int]] | None = None
 
     # -- what it consists of -----------------------------------------------------------------
-
-    def compose(self) -> ComposeResult:
-        """The frame, words about the picture, the picture."""
-        self.styles.align = ("center", "top")
-        with Vertical(classes="dialog drawing", id="camera") as box:
-            box.border_title = self.heading
-            box.border_subtitle = self.glyphs.plain(self.hint)
-            box.styles.max_width, box.styles.max_height = "100vw", "100vh"
-            yield from self.body()
 
     def body(self) -> Iterable[Widget]:
         """Words in one line; beneath them the picture, in the way that suits the terminal."""
@@ -84,6 +75,7 @@ class CameraDialog(Dialog):
 
     def on_mount(self) -> None:
         """Begin to watch."""
+        self.styles.align = ("center", "top")
         self._lay_out()
         self.set_interval(_LOOK_S, self._look)
 
@@ -111,7 +103,8 @@ class CameraDialog(Dialog):
         if self._laid == (room, size):
             return
         self._laid = (room, size)
-        for box in self.query("#camera").results(Vertical):
+        for box in self.query(".dialog"):
+            box.styles.max_width, box.styles.max_height = "100vw", "100vh"
             box.styles.width = min(width, max(_NARROWEST, room.columns + _FRAME[0]))
             box.styles.height = room.rows + _FRAME[1] + _WORDS
         if self._view is not None and self._watching is not None:
@@ -179,8 +172,7 @@ class CameraDialog(Dialog):
         if watching.last is None:
             return ((trouble or "waiting for the first picture", "warn" if trouble else "muted"),)
         name: Row = ((f"{clean(watching.camera)} ", "title"),)
-        now = self.picture.now(self.console_app.clock.now_us())
-        age = max(0.0, (now - watching.last.t) / 1_000_000)
+        age = max(0.0, (self.now - watching.last.t) / 1_000_000)
         if age > STALE_S:
             why = f" {self.glyphs.middle} {trouble}" if trouble else ""
             return (*name, (f"stale {age:.1f} s{why}", "stale"))

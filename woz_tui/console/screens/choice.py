@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import ClassVar, Generic, TypeVar
+from collections.abc import Callable, Iterable, Sequence
+from typing import ClassVar, Generic, NamedTuple, TypeVar
 
 from textual.binding import Binding, BindingType
 from textual.content import Content
 from textual.widget import Widget
-from textual.widgets import Input, OptionList, Static
-from textual.widgets.option_list import Option
+from textual.widgets import OptionList, Static
 
 from woz_tui.console.cells import Row
 from woz_tui.console.screens.dialog import Dialog, EntryDialog, content
@@ -17,33 +16,46 @@ from woz_tui.console.screens.dialog import Dialog, EntryDialog, content
 T = TypeVar("T")
 
 
+class Offer(NamedTuple):
+    """One line of a list, and what it does; None: it only closes the dialog."""
+
+    text: Content
+    do: Callable[[], object] | None = None
+
+
 class ChoiceDialog(Dialog):
     """Lines of explanation, then the choices; arrows and enter."""
+
+    #: Which one is chosen at first.
+    first: int | None = None
 
     def lines(self) -> list[Row]:
         """What stands above the choices."""
         return []
 
-    def choices(self) -> Sequence[Content]:
-        """The choices, in their order."""
-        raise NotImplementedError
-
-    def chose(self, index: int) -> None:
-        """The wizard chose; the dialog is closed already."""
+    def choices(self) -> Sequence[Offer]:
+        """The choices, in their order; what they do happens once the dialog is closed."""
         raise NotImplementedError
 
     def body(self) -> Iterable[Widget]:
         """Explanation and list."""
-        lines = self.lines()
-        if lines:
+        if lines := self.lines():
             yield Static(content([*lines, ()]))
-        yield OptionList(*(Option(choice) for choice in self.choices()), id="choices")
+        self._offers = self.choices()
+        yield OptionList(*(offer.text for offer in self._offers), id="choices")
+
+    def on_mount(self) -> None:
+        """Begin at the first choice; a stop may have come before there is a list."""
+        for choices in self.query("#choices").results(OptionList):
+            if self.first is not None:
+                choices.highlighted = self.first
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """Close, then carry out."""
         event.stop()
         self.leave()
-        self.chose(event.option_index)
+        if (do := self._offers[event.option_index].do) is not None:
+            do()
 
 
 class SearchDialog(EntryDialog, Generic[T]):
@@ -53,7 +65,7 @@ class SearchDialog(EntryDialog, Generic[T]):
     the keys, so that a quick enter would take a line of the search before.
     """
 
-    wide = True
+    size_class = "wide"
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("up", "choose(-1)", priority=True),
         Binding("down", "choose(1)", priority=True),
@@ -78,7 +90,7 @@ class SearchDialog(EntryDialog, Generic[T]):
     def on_mount(self) -> None:
         """All there is."""
         if self.there:
-            self._search("")
+            self.changed("")
 
     def closing(self) -> None:
         """A search is no draft."""
@@ -93,16 +105,12 @@ class SearchDialog(EntryDialog, Generic[T]):
     def _list(self) -> OptionList:
         return self.query_one("#found", OptionList)
 
-    def on_input_changed(self, event: Input.Changed) -> None:
+    def changed(self, typed: str) -> None:
         """Narrow the list."""
-        event.stop()
-        if self.there:
-            self._search(event.value.strip())
-
-    def _search(self, typed: str) -> None:
+        typed = typed.strip()
         self.shown = self.matching(typed)
         self._list.clear_options()
-        self._list.add_options([Option(self.line(item)) for item in self.shown])
+        self._list.add_options([self.line(item) for item in self.shown])
         if self.shown:
             self._list.highlighted = self.first(typed)
 
@@ -114,9 +122,8 @@ class SearchDialog(EntryDialog, Generic[T]):
             around = wanted % count if abs(by) == 1 else max(0, min(count - 1, wanted))
             self._list.highlighted = around
 
-    def on_input_submitted(self, event: Input.Submitted) -> None:
+    def accept(self, typed: str) -> None:
         """Take what is chosen."""
-        event.stop()
         self._take(self._list.highlighted)
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:

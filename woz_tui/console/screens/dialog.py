@@ -18,7 +18,8 @@ from textual.css.styles import RulesMap
 from textual.screen import ModalScreen
 from textual.strip import Strip
 from textual.style import Style
-from textual.visual import RenderOptions, Visual
+from textual.suggester import Suggester
+from textual.visual import RenderOptions, Visual, VisualType
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
@@ -172,7 +173,8 @@ class Dialog(PartialScreen[None], ModalScreen[None]):
 
     heading: ClassVar[str] = ""
     hint: ClassVar[str] = "ctrl+q closes"
-    wide: ClassVar[bool] = False
+    #: Class of the frame: `wide`, `drawing`, or nothing for a narrow one.
+    size_class: ClassVar[str] = ""
     #: Whether the robot is played while it is open; it then has no keys of its own but these, in
     #: the normal form of keys. Whoever changes them calls the app's `give_keys`.
     plays: ClassVar[bool] = False
@@ -200,12 +202,27 @@ class Dialog(PartialScreen[None], ModalScreen[None]):
         """The terminal's signs."""
         return self.console_app.look.glyphs
 
+    @property
+    def now(self) -> int:
+        """The session's time, in microseconds."""
+        return self.picture.now(self.console_app.clock.now_us())
+
     def compose(self) -> ComposeResult:
         """The frame with its heading, the body, the hint on the lower edge."""
-        with Vertical(classes="dialog wide" if self.wide else "dialog") as box:
+        with Vertical(classes=f"dialog {self.size_class}") as box:
             box.border_title = self.heading
             box.border_subtitle = self.glyphs.plain(self.hint)
             yield from self.body()
+
+    def show_hint(self, hint: str) -> None:
+        """Write another hint on the lower edge."""
+        for box in self.query(".dialog"):
+            box.border_subtitle = self.glyphs.plain(hint)
+
+    def update(self, name: str, text: VisualType) -> None:
+        """Show `text` in the `Static` called `name`; a stop may come before there is one."""
+        for place in self.query(f"#{name}").results(Static):
+            place.update(text)
 
     def on_mount(self) -> None:
         """What has changed since the body was made is shown now."""
@@ -274,14 +291,39 @@ class ReportDialog(Dialog):
 
     def renew(self) -> None:
         """Say it again after something has changed; before it is composed there is no need."""
-        for report in self.query("#report").results(Static):
-            report.update(WrappedRows(self.lines(), self.indent))
+        self.update("report", WrappedRows(self.lines(), self.indent))
+
+
+class LiveReportDialog(ReportDialog):
+    """A dialog of text that follows what happens while it is open."""
+
+    _shown: Sequence[Row] = ()
+
+    def refreshed(self) -> None:
+        """Show a change at once."""
+        if (rows := self.lines()) != self._shown:
+            self._shown = rows
+            self.renew()
+
+
+class Completion(Suggester):
+    """Pale letters behind what is typed: `complete` gives the whole text, or None."""
+
+    def __init__(self, complete: Callable[[str], str | None]) -> None:
+        super().__init__(use_cache=False, case_sensitive=True)
+        self._complete = complete
+
+    async def get_suggestion(self, value: str) -> str | None:
+        """As the text field asks for it."""
+        return self._complete(value)
 
 
 class EntryDialog(Dialog):
     """A dialog with one text field whose text is kept as a draft until it is sent."""
 
     placeholder: ClassVar[str] = ""
+    #: What enter sends where nothing is typed; empty: it only closes.
+    default: ClassVar[str] = ""
     _back = 0
 
     @property
@@ -335,6 +377,30 @@ class EntryDialog(Dialog):
         self.entry.value = text
         self.entry.cursor_position = len(text) if caret is None else caret
 
+    def on_input_changed(self, event: Input.Changed) -> None:
+        """Follow what is typed."""
+        event.stop()
+        if self.there:
+            self.changed(event.value)
+
+    def changed(self, typed: str) -> None:
+        """What stands in the field is new."""
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Enter was pressed."""
+        event.stop()
+        self.accept(event.value.strip())
+
+    def accept(self, typed: str) -> None:
+        """Carry out what was typed, forget it and close."""
+        if text := typed or self.default:
+            self.submit(text)
+        self.sent()
+
+    def submit(self, text: str) -> None:
+        """Carry out what was typed."""
+        raise NotImplementedError
+
     def sent(self) -> None:
         """The text did its work: forget it and close."""
         self.entry.value = ""
@@ -358,5 +424,4 @@ class FormDialog(Dialog):
 
     def complain(self, wrong: str) -> None:
         """Say what is wrong in the field `#wrong`; nothing, if nothing is."""
-        for place in self.query("#wrong").results(Static):
-            place.update(plain(wrong))
+        self.update("wrong", plain(wrong))

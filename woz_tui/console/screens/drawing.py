@@ -8,8 +8,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from textual import events
-from textual.app import ComposeResult
-from textual.containers import Vertical
 from textual.widget import Widget
 
 from woz_tui.console.cells import Cells, Row
@@ -22,19 +20,13 @@ _NEXT, _BACK = "tab", "shift+tab"
 class DrawingDialog(Dialog):
     """One of several drawings; tab shows the next."""
 
+    size_class = "drawing"
     plays = True
     own_keys = frozenset((_NEXT, _BACK))
 
     def __init__(self) -> None:
         super().__init__()
         self._chosen = 0
-
-    def compose(self) -> ComposeResult:
-        """The frame, and cells to draw in."""
-        with Vertical(classes="dialog drawing") as box:
-            box.border_title = self.heading
-            box.border_subtitle = self.glyphs.plain(self.hint)
-            yield from self.body()
 
     def body(self) -> Iterable[Widget]:
         """Cells as large as the frame."""
@@ -63,11 +55,8 @@ class DrawingDialog(Dialog):
     def refreshed(self) -> None:
         """Draw what has changed."""
         for cells in self.query("#drawing").results(Cells):
-            app = self.console_app
-            now = app.picture.now(app.clock.now_us())
-            frame = PaintFrame(cells.size.width, cells.size.height, now, self.glyphs)
-            count = self.count()
-            if count:
+            frame = PaintFrame(cells.size.width, cells.size.height, self.now, self.glyphs)
+            if count := self.count():
                 cells.show(self.rows(self._chosen % count, frame))
             else:
                 cells.show([((line, "muted"),) for line in self.nothing().splitlines()])

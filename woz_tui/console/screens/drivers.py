@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from woz_tui.console.cells import Row
-from woz_tui.console.screens.dialog import ReportDialog
+from woz_tui.console.screens.dialog import LiveReportDialog
 
 _LOOKS = {"connected": "good", "connecting": "warn", "lost": "bad", "faulted": "bad"}
 _SIGNS = {"connected": "yes", "connecting": "driver", "lost": "error", "faulted": "warning"}
 
 
-class DriversDialog(ReportDialog):
+class DriversDialog(LiveReportDialog):
     """Health, detail and remedy; follows what happens while it is open."""
 
     heading = "Drivers"
     hint = "arrows scroll · ctrl+q closes"
-    wide = True
+    size_class = "wide"
     indent = 4
 
     def lines(self) -> list[Row]:
@@ -30,14 +30,3 @@ class DriversDialog(ReportDialog):
                     rows.append(((f"    {text}", tone),))
             rows.append(())
         return rows or [(("This session has no drivers.", "muted"),)]
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._shown: list[Row] = []
-
-    def refreshed(self) -> None:
-        """Show a change at once."""
-        now = self.lines()
-        if now != self._shown:
-            self._shown = now
-            self.renew()

@@ -84,7 +84,6 @@ class EngagementDialog(DrawingDialog):
         self._steers = steers
         self.own_keys = _TAKE | KEYS if steers else _TAKE
         self.console_app.give_keys()
-        for box in self.query(".dialog"):
-            box.border_subtitle = self.glyphs.plain(_HINTS[steers])
-            box.set_class(steers, "-steers")
+        self.show_hint(_HINTS[steers])
+        self.query(".dialog").set_class(steers, "-steers")
         self.refreshed()

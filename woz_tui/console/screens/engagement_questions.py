@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import partial
 
-from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
@@ -18,7 +18,7 @@ from woz_tui.console.engagement.wizard_overrides import (
     override_request,
     verb_request,
 )
-from woz_tui.console.screens.choice import ChoiceDialog
+from woz_tui.console.screens.choice import ChoiceDialog, Offer
 from woz_tui.console.screens.dialog import (
     ConsoleApp,
     Dialog,
@@ -74,20 +74,21 @@ class ForceDialog(ChoiceDialog):
         here = clean(shown.state) if shown is not None else "not known"
         return [(("from ", "muted"), (here, "strong"), ("; the log marks it as forced", "muted"))]
 
-    def choices(self) -> Sequence[Content]:
+    def choices(self) -> Sequence[Offer]:
         """Outcomes that leave the state first, then every other state."""
         shown = self.picture.engaged.shown
         self._from = shown.state if shown is not None else ""
-        self._ways = forceable(shown)
         arrow = self.glyphs.next
         return [
-            plain(f"{fit(to, _OUTCOME)} {arrow} {state}" if state else f"{'':16} {arrow} {to}")
-            for to, state in self._ways
+            Offer(
+                plain(f"{fit(to, _OUTCOME)} {arrow} {state}" if state else f"{'':16} {arrow} {to}"),
+                partial(self._force, to, state),
+            )
+            for to, state in forceable(shown)
         ]
 
-    def chose(self, index: int) -> None:
+    def _force(self, to: str, state: str) -> None:
         """By its outcome; by its state if the model has moved on meanwhile."""
-        to, state = self._ways[index]
         shown = self.picture.engaged.shown
         moved = shown is not None and shown.state != self._from
         self.requests.ask(
@@ -101,6 +102,7 @@ class IdentityDialog(EntryDialog):
     heading = "Who is it?"
     hint = "enter says so · empty: unknown · ctrl+q closes"
     placeholder = "code of the visitor (never a name)"
+    default = "Unknown"
 
     def __init__(self, key: str = "") -> None:
         super().__init__()
@@ -113,12 +115,9 @@ class IdentityDialog(EntryDialog):
             told = ", ".join(clean(name) for name in reversed(known))
             yield Static(content([((f"known: {told}", "muted"),)]), classes="caption")
 
-    def on_input_submitted(self, event: Input.Submitted) -> None:
-        """Say it, and forget the draft."""
-        event.stop()
-        name = event.value.strip() or "Unknown"
-        self.requests.ask(verb_request("sense", {"sign": "identity", "value": name}, self._key))
-        self.sent()
+    def submit(self, text: str) -> None:
+        """Say it."""
+        self.requests.ask(verb_request("sense", {"sign": "identity", "value": text}, self._key))
 
 
 class VisitorDialog(FormDialog):

@@ -27,7 +27,7 @@ class FailuresDialog(ReportDialog):
 
     heading = "Failed"
     hint = "enter: seen, clear them · ctrl+q keeps them"
-    wide = True
+    size_class = "wide"
     indent = 9
     BINDINGS: ClassVar[list[BindingType]] = [Binding("enter", "see", priority=True)]
 
@@ -36,14 +36,11 @@ class FailuresDialog(ReportDialog):
         rows: list[Row] = []
         for failure in reversed(self.picture.unseen()):
             name = self.picture.label(failure.action) if failure.action else failure.what
-            rows.append(
-                (
-                    (f"{elapsed(failure.t):>7}  ", "muted"),
-                    (f"{self.glyphs.failed} {name}", "bad"),
-                )
-            )
             front = (" " * self.indent, "plain")
-            rows.append((front, (failure.reason or "no reason given", "plain")))
+            rows += [
+                ((f"{elapsed(failure.t):>7}  ", "muted"), (f"{self.glyphs.failed} {name}", "bad")),
+                (front, (failure.reason or "no reason given", "plain")),
+            ]
             if failure.remedy:
                 rows.append((front, (failure.remedy, "run")))
         return rows

@@ -20,7 +20,7 @@ class HelpDialog(ReportDialog):
 
     heading = "Keys"
     hint = "arrows scroll · ctrl+q closes"
-    wide = True
+    size_class = "wide"
     indent = KEY + 2
 
     def lines(self) -> list[Row]:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from textual.content import Content
 
 from woz_tui.console.cells import Row, clean
-from woz_tui.console.screens.choice import ChoiceDialog
+from woz_tui.console.screens.choice import ChoiceDialog, Offer
 from woz_tui.console.screens.trial import OfferDialog, progress
 from woz_tui.console.screens.typed import KeepTypedDialog, has_typed
 from woz_tui.console.study.study_view import StudyView
@@ -30,25 +30,26 @@ class LeaveDialog(ChoiceDialog):
             rows.append((("its name gets the participant's code at the end", "muted"),))
         return [*rows, *cut]
 
-    def choices(self) -> Sequence[Content]:
+    def choices(self) -> Sequence[Offer]:
         """Stay, leave it running, end it."""
         return [
-            Content("Stay"),
-            Content("Leave the session running (woz attach brings you back)"),
-            Content("End the session: the robot rests, the log is finished"),
+            Offer(Content("Stay")),
+            Offer(
+                Content("Leave the session running (woz attach brings you back)"),
+                lambda: self.console_app.exit("detached"),
+            ),
+            Offer(Content("End the session: the robot rests, the log is finished"), self._ask_due),
         ]
 
-    def chose(self, index: int) -> None:
-        """Carry it out; what is to be asked at the end is offered first, unless something is being
+    def _ask_due(self) -> None:
+        """End it; what is to be asked at the end is offered first, unless something is being
         asked: then the dialog has told of it.
         """
         study = self.picture.study
         due = study.unasked() if study.asked is None else []
-        if index == 1:
-            self.console_app.exit("detached")
-        elif index == 2 and due and self.picture.role == "wizard":
+        if due and self.picture.role == "wizard":
             self.console_app.open_dialog(OfferDialog(due[0], self._end))
-        elif index == 2:
+        else:
             self._end()
 
     def _end(self) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from textual.content import Content
 
 from woz_tui.console.cells import Row
-from woz_tui.console.screens.choice import ChoiceDialog
+from woz_tui.console.screens.choice import ChoiceDialog, Offer
 from woz_tui.console.screens.dialog import ConsoleApp
 from woz_tui.console.screens.typed import has_typed
 from woz_tui.log.file_names import current_path
@@ -47,21 +47,15 @@ class LostDialog(ChoiceDialog):
             ((_log(picture.log) or "(the log is not known)", "strong"),),
         ]
 
-    def choices(self) -> Sequence[Content]:
+    def choices(self) -> Sequence[Offer]:
         """Restart if somebody can, look on, leave."""
-        restart = [Content("Start the robot process again")] if self.console_app.restart else []
-        return [*restart, Content("Stay and read the screen"), Content("Leave the console")]
+        restart = Offer(Content("Start the robot process again"), self._restart)
+        return [*([restart] if self.console_app.restart else []), *_leaving(self, "lost")]
 
-    def chose(self, index: int) -> None:
-        """Carry it out."""
-        restart = self.console_app.restart
-        if restart is None:
-            index += 1
-        if index == 0 and restart is not None:
+    def _restart(self) -> None:
+        if (restart := self.console_app.restart) is not None:
             self.console_app.news("Robot process is starting again", "warn")
             restart()
-        elif index == 2:
-            self.console_app.exit("lost")
 
 
 class EndedDialog(ChoiceDialog):
@@ -80,11 +74,11 @@ class EndedDialog(ChoiceDialog):
             *([typed] if has_typed(self.picture) else []),
         ]
 
-    def choices(self) -> Sequence[Content]:
+    def choices(self) -> Sequence[Offer]:
         """Look on, or leave."""
-        return [Content("Stay and read the screen"), Content("Leave the console")]
+        return _leaving(self, "ended")
 
-    def chose(self, index: int) -> None:
-        """Carry it out."""
-        if index == 1:
-            self.console_app.exit("ended")
+
+def _leaving(dialog: ChoiceDialog, how: str) -> list[Offer]:
+    leave = Offer(Content("Leave the console"), lambda: dialog.console_app.exit(how))
+    return [Offer(Content("Stay and read the screen")), leave]

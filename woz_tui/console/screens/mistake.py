@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from textual.content import Content
+from collections.abc import Callable, Sequence
+from functools import partial
 
 from woz_tui.console.cells import Row, fit
 from woz_tui.console.event_sentences import EventLine
 from woz_tui.console.number_text import elapsed
-from woz_tui.console.screens.choice import ChoiceDialog
+from woz_tui.console.screens.choice import ChoiceDialog, Offer
 from woz_tui.console.screens.dialog import content
 from woz_tui.protocol.requests import AskMistake
 
@@ -31,22 +30,16 @@ class MistakeDialog(ChoiceDialog):
         """Only if there is nothing to choose from."""
         return [] if self._events() else [(("Nothing has been played yet.", "muted"),)]
 
-    def choices(self) -> Sequence[Content]:
-        """When, what, and whether it is labelled already."""
-        self._offered = self._events()
-        return [
-            content(
-                [
-                    (
-                        (f"{elapsed(event.t):>7}  ", "muted"),
-                        (fit(event.text, 40, self.glyphs.ellipsis), "plain"),
-                        ("  mistake" if event.mistake else f"  {event.mark}", "muted"),
-                    )
-                ]
-            )
-            for event in self._offered
-        ]
+    def choices(self) -> Sequence[Offer]:
+        """When, what, and whether it is labelled already; choosing labels it."""
+        return [Offer(content([self._row(event)]), self._label(event)) for event in self._events()]
 
-    def chose(self, index: int) -> None:
-        """Label it."""
-        self.requests.ask(AskMistake(run=self._offered[index].run))
+    def _row(self, event: EventLine) -> Row:
+        return (
+            (f"{elapsed(event.t):>7}  ", "muted"),
+            (fit(event.text, 40, self.glyphs.ellipsis), "plain"),
+            ("  mistake" if event.mistake else f"  {event.mark}", "muted"),
+        )
+
+    def _label(self, event: EventLine) -> Callable[[], None]:
+        return partial(self.requests.ask, AskMistake(run=event.run))

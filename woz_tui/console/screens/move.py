@@ -6,9 +6,8 @@ from collections.abc import Iterable, Sequence
 from typing import ClassVar
 
 from textual.binding import Binding, BindingType
-from textual.suggester import Suggester
 from textual.widget import Widget
-from textual.widgets import Input, Static
+from textual.widgets import Static
 
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.console_state import ConsoleState
@@ -17,7 +16,7 @@ from woz_tui.console.robot_settings.completion import (
     names_beginning,
     names_containing,
 )
-from woz_tui.console.screens.dialog import ConsoleApp, EntryDialog, content, plain
+from woz_tui.console.screens.dialog import Completion, ConsoleApp, EntryDialog, content, plain
 
 #: Lines of matching names under the field.
 MATCHES = 8
@@ -42,15 +41,6 @@ def open_move(app: ConsoleApp) -> None:
         app.news("No driver plays animations")
 
 
-class _Completer(Suggester):
-    def __init__(self, names: list[str]) -> None:
-        super().__init__(use_cache=False, case_sensitive=True)
-        self._names = names
-
-    async def get_suggestion(self, value: str) -> str | None:
-        return next(iter(names_beginning(value, self._names)), None) if value else None
-
-
 class MoveDialog(EntryDialog):
     """Type and play: enter plays the first name that holds what was typed, unless that is a path or
     a whole name; tab puts it in, arrows walk through what was played, ctrl+o takes another robot.
@@ -59,7 +49,7 @@ class MoveDialog(EntryDialog):
     heading = "Play"
     hint = "enter plays it · tab completes · arrows: history · ctrl+q closes"
     placeholder = "a part of an animation's name, or its whole path"
-    wide = True
+    size_class = "wide"
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("tab", "complete", priority=True),
         Binding("up", "history(-1)", priority=True),
@@ -87,12 +77,16 @@ class MoveDialog(EntryDialog):
         playing = players(self.picture)
         self._driver = playing[self._player % len(playing)] if playing else ""
         self._names = list(dict.fromkeys(known_moves(self.picture, self._driver)))
-        self.entry.suggester = _Completer(self._names)
+        self.entry.suggester = Completion(self._suggest)
         text = f"robot: {self._driver}  (ctrl+o: another)" if len(playing) > 1 else ""
-        self.query_one("#player", Static).update(plain(text))
-        self._show_matches(self.entry.value)
+        self.update("player", plain(text))
+        self.changed(self.entry.value)
 
-    def _show_matches(self, typed: str) -> None:
+    def _suggest(self, typed: str) -> str | None:
+        return next(iter(names_beginning(typed, self._names)), None) if typed else None
+
+    def changed(self, typed: str) -> None:
+        """Show what matches."""
         found = [name for name in names_containing(typed, self._names) if name != typed]
         taken = best_match(typed, self._names) if typed else ""
         rows: list[Row] = [
@@ -106,22 +100,12 @@ class MoveDialog(EntryDialog):
             rows.append(((more, "muted"),))
         elif typed and not found and typed not in self._names:
             rows.append((("  not in the list; it is sent as it is typed", "muted"),))
-        self.query_one("#matches", Static).update(content(rows))
+        self.update("matches", content(rows))
 
-    def on_input_changed(self, event: Input.Changed) -> None:
-        """Show what matches."""
-        event.stop()
-        if self.there:
-            self._show_matches(event.value)
-
-    def on_input_submitted(self, event: Input.Submitted) -> None:
-        """Play it; an empty line only closes."""
-        event.stop()
-        name = event.value.strip()
-        if name:
-            key = self.console_app.key_of("move")
-            self.requests.move(best_match(name, self._names), self._driver, key)
-        self.sent()
+    def submit(self, text: str) -> None:
+        """Play it."""
+        key = self.console_app.key_of("move")
+        self.requests.move(best_match(text, self._names), self._driver, key)
 
     def action_complete(self) -> None:
         """Take the first name that matches."""

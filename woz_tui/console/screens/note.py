@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from textual.widgets import Input
-
 from woz_tui.console.screens.dialog import EntryDialog
 from woz_tui.protocol.requests import AskNote
 
@@ -15,10 +13,6 @@ class NoteDialog(EntryDialog):
     hint = "enter writes it · ctrl+q closes"
     placeholder = "what you saw (codes, no names)"
 
-    def on_input_submitted(self, event: Input.Submitted) -> None:
-        """Send it; an empty one only closes."""
-        event.stop()
-        text = event.value.strip()
-        if text:
-            self.requests.ask(AskNote(text=text))
-        self.sent()
+    def submit(self, text: str) -> None:
+        """Send it."""
+        self.requests.ask(AskNote(text=text))

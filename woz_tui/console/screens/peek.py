@@ -8,20 +8,19 @@ from woz_tui.config.keys.textual_names import from_textual
 from woz_tui.console.bottom_rows import KEPT, step_words, upcoming
 from woz_tui.console.cells import Row
 from woz_tui.console.key_caps import KeyCap, caption, key_name
-from woz_tui.console.screens.dialog import ReportDialog
+from woz_tui.console.screens.dialog import LiveReportDialog
 from woz_tui.session.variables import HIDDEN_TEXT
 
 
-class PeekDialog(ReportDialog):
+class PeekDialog(LiveReportDialog):
     """Press a key: its action, what it says and each of its steps. Nothing is sent."""
 
     heading = "What a key would do"
     hint = "press a key: nothing is played · ctrl+q closes"
-    wide = True
+    size_class = "wide"
     indent = 2
     _action = ""
     _typed = ""
-    _shown: tuple[Row, ...] = ()
 
     def lines(self) -> list[Row]:
         """The action of the key pressed last; before, the script's next one."""
@@ -72,13 +71,6 @@ class PeekDialog(ReportDialog):
             rows.append(())
             rows += [((f"{n}. ", "muted"), (step, "plain")) for n, step in enumerate(steps, 1)]
         return rows
-
-    def refreshed(self) -> None:
-        """What it would do has changed, or it has been played meanwhile."""
-        rows = tuple(self.lines())
-        if rows != self._shown:
-            self._shown = rows
-            self.renew()
 
     def on_key(self, event: events.Key) -> None:
         """A key of an action, perhaps the second one of two; of the script; or of this dialog."""

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 from rich.cells import cell_len
 from textual.content import Content
-from textual.widgets import OptionList
 
 from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.number_text import elapsed
-from woz_tui.console.screens.choice import ChoiceDialog
+from woz_tui.console.screens.choice import ChoiceDialog, Offer
 from woz_tui.protocol.panels import PhaseView
 from woz_tui.protocol.requests import AskPhase
 
@@ -34,19 +34,22 @@ class PhasesDialog(ChoiceDialog):
     def _phases(self) -> Sequence[PhaseView]:
         return self.picture.settings.phases
 
-    def choices(self) -> Sequence[Content]:
-        """All phases of the file, in its order."""
-        self._offered = [*self._phases]
-        width = min(
-            TITLE, max((cell_len(clean(each.heading)) for each in self._offered), default=1)
-        )
+    def choices(self) -> Sequence[Offer]:
+        """All phases of the file, in its order; a refusal is shown above the hints."""
+        phases = self._phases
+        width = min(TITLE, max((cell_len(clean(each.heading)) for each in phases), default=1))
+        following = self.picture.session.study.next_phase(phases)
+        self.first = phases.index(following) if following is not None else None
         return [
-            Content.assemble(
-                (f"{self._mark(phase)} ", "bold"),
-                fit(clean(phase.heading), width, self.glyphs.ellipsis),
-                (f"  {self._about(phase)}", "$woz-muted"),
+            Offer(
+                Content.assemble(
+                    (f"{self._mark(phase)} ", "bold"),
+                    fit(clean(phase.heading), width, self.glyphs.ellipsis),
+                    (f"  {self._about(phase)}", "$woz-muted"),
+                ),
+                partial(self.requests.ask, AskPhase(phase=phase.name, source="key")),
             )
-            for phase in self._offered
+            for phase in phases
         ]
 
     def _mark(self, phase: PhaseView) -> str:
@@ -60,21 +63,10 @@ class PhasesDialog(ChoiceDialog):
         parts = []
         if study.phase is not None and study.phase.label == phase.name:
             parts.append("present")
-        elif not study.can_begin(phase, self._offered):
+        elif not study.can_begin(phase, self._phases):
             parts.append(f"after {' or '.join(map(picture.heading, phase.after))}")
         if phase.planned:
             parts.append(f"planned {elapsed(round(phase.planned * 1_000_000))}")
         if phase.panels:
             parts.append(", ".join(phase.panels))
         return clean("; ".join(parts))
-
-    def on_mount(self) -> None:
-        """Begin at the next one; a stop may have come before there is a list."""
-        following = self.picture.session.study.next_phase(self._phases)
-        for choices in self.query("#choices").results(OptionList):
-            if following is not None:
-                choices.highlighted = self._offered.index(following)
-
-    def chose(self, index: int) -> None:
-        """Ask for it; a refusal is shown above the hints."""
-        self.requests.ask(AskPhase(phase=self._offered[index].name, source="key"))

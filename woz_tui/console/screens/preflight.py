@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import os
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from typing import ClassVar
 
+import msgspec
 from textual import events
 from textual.binding import Binding, BindingType
 from textual.content import Content
@@ -34,25 +36,7 @@ _ORDER = {"error": 0, "warning": 1, "info": 2, "ok": 3}
 _SIGNS = {"ok": "done", "info": "info", "warning": "warning", "error": "error"}
 
 
-def finding_rows(data: object) -> list[tuple[str, str, str, str]]:
-    """Level, subject, text and remedy of each finding in a reply; anything else is left out."""
-    if not isinstance(data, list):
-        return []
-    return [
-        (
-            str(item.get("level", "info")),
-            str(item.get("subject", "")),
-            str(item.get("text", "")),
-            str(item.get("remedy", "")),
-        )
-        for item in data
-        if isinstance(item, dict)
-    ]
-
-
-def key_findings(
-    picture: ConsoleState, caps: Mapping[str, KeyCap]
-) -> list[tuple[str, str, str, str]]:
+def key_findings(picture: ConsoleState, caps: Mapping[str, KeyCap]) -> list[Finding]:
     """What the console itself knows: keys of the file that this terminal cannot send."""
     findings = []
     for panel in picture.panels:
@@ -60,8 +44,9 @@ def key_findings(
             cap = caps.get(action.name)
             if cap is not None and cap.why:
                 level = "info" if cap.reserve else "warning"
-                findings.append((level, f"key {action.key}", cap.why, f"for {action.label}"))
-    return findings or [("ok", "keys", "all keys of the file reach the robot", "")]
+                subject = f"key {action.key}"
+                findings.append(Finding(level, subject, cap.why, f"for {action.label}"))
+    return findings or [Finding("ok", "keys", "all keys of the file reach the robot")]
 
 
 def sign_findings(picture: ConsoleState) -> list[Finding]:
@@ -120,13 +105,13 @@ class PreflightDialog(ReportDialog):
 
     heading = "Preflight"
     hint = "enter checks again · arrows scroll · ctrl+q closes"
-    wide = True
+    size_class = "wide"
     indent = 17  # under the text, behind sign and subject
     BINDINGS: ClassVar[list[BindingType]] = [Binding("enter", "check", priority=True)]
 
     def __init__(self) -> None:
         super().__init__()
-        self._findings: list[tuple[str, str, str, str]] = []
+        self._findings: list[Finding] = []
         self._said = ""
         self._reply: Reply | None = None
         self._terminal: list[Finding] | None = None
@@ -148,8 +133,8 @@ class PreflightDialog(ReportDialog):
     def on_mount(self) -> None:
         """Ask at once."""
         self._look_again()
-        for box in self.query(".dialog") if self._shown else ():
-            box.border_subtitle = self.glyphs.plain(TICKING)
+        if self._shown:
+            self.show_hint(TICKING)
 
     def on_key(self, event: events.Key) -> None:
         """Space ticks as enter does; tab and a letter check again."""
@@ -214,13 +199,16 @@ class PreflightDialog(ReportDialog):
         reply, terminal = self._reply, self._terminal
         if reply is None or terminal is None:
             return
-        self._findings = [*finding_rows(reply.data)] if reply.ok else []
-        self._findings += [
-            (found.level, found.subject, found.text, found.remedy)
-            for found in (*terminal, *self._own(), *sign_findings(self.picture))
+        app = self.console_app
+        self._findings = [
+            *(msgspec.convert(reply.data, list[Finding]) if reply.ok else ()),
+            *terminal,
+            line_finding(app.feed.round_trip_us),
+            kind_finding(app.terminal),
+            *sign_findings(self.picture),
+            *key_findings(self.picture, app.caps),
         ]
-        self._findings += key_findings(self.picture, self.console_app.caps)
-        self._findings.sort(key=lambda found: _ORDER.get(found[0], len(_ORDER)))
+        self._findings.sort(key=lambda found: _ORDER.get(found.level, len(_ORDER)))
         self._judge()
         self.renew()
 
@@ -229,30 +217,25 @@ class PreflightDialog(ReportDialog):
         reply = self._reply
         if reply is None or self._terminal is None:
             return
-        errors = sum(level == "error" for level, *_ in self._findings)
-        warnings = sum(level == "warning" for level, *_ in self._findings)
+        levels = Counter(found.level for found in self._findings)
         unticked = len(self.picture.study.unticked())
         if not reply.ok:
             self._said = refusal_text(reply)
-        elif errors or warnings or unticked:
-            counts = ((errors, "error"), (warnings, "warning"))
+        elif levels["error"] or levels["warning"] or unticked:
+            counts = [(levels[word], word) for word in ("error", "warning")]
             told = [f"{n} {word}{'' if n == 1 else 's'}" for n, word in counts if n]
             told += [f"{unticked} of your own checks not ticked"] if unticked else []
             self._said = ", ".join(told)
         else:
             self._said = "everything is ready"
 
-    def _own(self) -> tuple[Finding, ...]:
-        app = self.console_app
-        return (line_finding(app.feed.round_trip_us), kind_finding(app.terminal))
-
     def lines(self) -> list[Row]:
         """The verdict, then every finding."""
         rows: list[Row] = [((self._said, "strong"),), ()]
-        for level, subject, text, remedy in self._findings:
-            sign = str(getattr(self.glyphs, _SIGNS.get(level, "info")))
-            look = _LOOKS.get(level, "plain")
-            rows.append(((f"{sign} {subject:<14} ", look), (text, "plain")))
-            if remedy and level != "ok":
-                rows.append(((" " * self.indent, "plain"), (remedy, "run")))
+        for found in self._findings:
+            sign = str(getattr(self.glyphs, _SIGNS.get(found.level, "info")))
+            look = _LOOKS.get(found.level, "plain")
+            rows.append(((f"{sign} {found.subject:<14} ", look), (found.text, "plain")))
+            if found.remedy and found.level != "ok":
+                rows.append(((" " * self.indent, "plain"), (found.remedy, "run")))
         return rows

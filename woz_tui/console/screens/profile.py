@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 from rich.cells import cell_len
 from textual.content import Content
@@ -10,7 +11,7 @@ from textual.widgets import OptionList
 
 from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.console_state import EVERYTHING
-from woz_tui.console.screens.choice import ChoiceDialog
+from woz_tui.console.screens.choice import ChoiceDialog, Offer
 from woz_tui.protocol.requests import AskProfile
 
 #: Cells of a profile's name at the most.
@@ -29,14 +30,18 @@ class ProfileDialog(ChoiceDialog):
             return [(("The stop, markers and notes count in each of them.", "muted"),)]
         return [(("The experiment file names no profiles.", "muted"),)]
 
-    def choices(self) -> Sequence[Content]:
+    def choices(self) -> Sequence[Offer]:
         """Everything first, then the file's; each with what it allows."""
         self._shown = self.picture.profiles
-        self._offered = self._shown.offered
-        return self._rows()
+        self._names = self._shown.offered
+        self.first = self._names.index(self._shown.current)
+        return [
+            Offer(row, partial(self._use, name))
+            for row, name in zip(self._rows(), self._names, strict=True)
+        ]
 
     def _rows(self) -> list[Content]:
-        names = [clean(name or EVERYTHING) for name in self._offered]
+        names = [clean(name or EVERYTHING) for name in self._names]
         width = min(NAME, max(map(cell_len, names)))
         in_use = f"{self.glyphs.yes} in use  "
         return [
@@ -45,13 +50,8 @@ class ProfileDialog(ChoiceDialog):
                 fit(shown, width, self.glyphs.ellipsis),
                 (f"  {clean(self._shown.words(name))}", "$woz-muted"),
             )
-            for name, shown in zip(self._offered, names, strict=True)
+            for name, shown in zip(self._names, names, strict=True)
         ]
-
-    def on_mount(self) -> None:
-        """Begin at the one in use; a stop may have come before there is a list."""
-        for choices in self.query("#choices").results(OptionList):
-            choices.highlighted = self._offered.index(self._shown.current)
 
     def refreshed(self) -> None:
         """Somebody else may change it while the list is open: the lines stay, the mark moves."""
@@ -62,8 +62,7 @@ class ProfileDialog(ChoiceDialog):
                 for index, row in enumerate(self._rows()):
                     choices.replace_option_prompt_at_index(index, row)
 
-    def chose(self, index: int) -> None:
+    def _use(self, name: str) -> None:
         """Ask for it, unless it is in use; a refusal is shown above the hints."""
-        name = self._offered[index]
         if name != self.picture.profiles.current:
             self.requests.ask(AskProfile(profile=name, source="key"))

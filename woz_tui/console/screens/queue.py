@@ -8,22 +8,18 @@ from woz_tui.console.cells import Row
 from woz_tui.console.command_text import command_words
 from woz_tui.console.key_caps import key_name
 from woz_tui.console.number_text import seconds
-from woz_tui.console.screens.dialog import ReportDialog
+from woz_tui.console.screens.dialog import LiveReportDialog
 from woz_tui.timeline.episodes import CommandEpisode
 
 
-class QueueDialog(ReportDialog):
+class QueueDialog(LiveReportDialog):
     """Follows the queues while it is open; the robot is played meanwhile."""
 
     heading = "Queue"
     hint = "keys play · ctrl+q closes"
-    wide = True
+    size_class = "wide"
     indent = 12
     plays = True
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._shown: list[Row] = []
 
     def lines(self) -> list[Row]:
         """A paragraph for each lane in which something waits."""
@@ -45,8 +41,7 @@ class QueueDialog(ReportDialog):
                 yield ((f"{'runs':>10}  ", "run"), (self._what(command), "run"))
 
     def _waits(self, command: CommandEpisode) -> Row:
-        local = self.console_app.clock.now_us()
-        waited = seconds(max(0, self.picture.now(local) - command.begin))
+        waited = seconds(self.now - command.begin)
         return ((f"{waited:>10}  ", "wait"), (self._what(command), "plain"))
 
     def _lane(self, command: CommandEpisode) -> str:
@@ -57,10 +52,3 @@ class QueueDialog(ReportDialog):
     def _what(self, command: CommandEpisode) -> str:
         request = command.request
         return self.picture.label(request.action) if request.action else command_words(request)
-
-    def refreshed(self) -> None:
-        """Show a change at once."""
-        now = self.lines()
-        if now != self._shown:
-            self._shown = now
-            self.renew()

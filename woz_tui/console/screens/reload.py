@@ -16,7 +16,7 @@ class ReloadDialog(ReportDialog):
 
     heading = "Read the experiment file again"
     hint = "ctrl+q closes, nothing changes"
-    wide = True
+    size_class = "wide"
     BINDINGS: ClassVar[list[BindingType]] = [Binding("enter", "apply", priority=True)]
 
     def __init__(self) -> None:
@@ -40,8 +40,7 @@ class ReloadDialog(ReportDialog):
             self._ready = True
             self._rows = [((f"{self.glyphs.info} {detail}", "plain"),) for detail in details]
         does = "enter applies this to the running session" if self._ready else "enter closes"
-        for box in self.query(".dialog"):
-            box.border_subtitle = self.glyphs.plain(f"{does} · ctrl+q: nothing changes")
+        self.show_hint(f"{does} · ctrl+q: nothing changes")
         self.renew()
 
     def lines(self) -> list[Row]:

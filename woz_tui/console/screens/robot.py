@@ -104,8 +104,7 @@ class RobotDialog(DrawingDialog):
     def _only_look(self) -> None:
         """In a replay nothing can be changed, and the other keys move through the log."""
         self.own_keys = frozenset((*_ROBOTS, *_LINES))
-        for box in self.query(".dialog"):
-            box.border_subtitle = self.glyphs.plain(_REPLAY_HINT)
+        self.show_hint(_REPLAY_HINT)
 
     def closing(self) -> None:
         """What is refused from now on is told on the main screen; the line is remembered, but not
@@ -264,17 +263,15 @@ class ValueDialog(EntryDialog):
         yield Static(plain(self.glyphs.plain(told)), classes="caption")
         yield Static("", id="wrong", classes="wrong")
 
-    def on_input_submitted(self, event: Input.Submitted) -> None:
-        """Set it; an empty field only closes."""
-        event.stop()
-        typed = event.value.strip()
+    def accept(self, typed: str) -> None:
+        """Set it; an empty field only closes, a wrong value stays."""
         if not typed:
             self.sent()
             return
         try:
             value = typed_value(self._line.setting, typed)
         except SettingValueError as wrong:
-            self.query_one("#wrong", Static).update(plain(str(wrong)))
+            self.update("wrong", plain(str(wrong)))
             return
         self.sent()
         self._asks.typed(self._driver, self._line, value)

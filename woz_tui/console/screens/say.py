@@ -7,9 +7,8 @@ from typing import ClassVar
 
 from rich.cells import cell_len
 from textual.binding import Binding, BindingType
-from textual.suggester import Suggester
 from textual.widget import Widget
-from textual.widgets import Input, Static
+from textual.widgets import Static
 
 from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.console_state import ConsoleState
@@ -21,7 +20,7 @@ from woz_tui.console.robot_settings.completion import (
     partial_tag,
     tag_offers,
 )
-from woz_tui.console.screens.dialog import EntryDialog, content, plain
+from woz_tui.console.screens.dialog import Completion, EntryDialog, content, plain
 from woz_tui.protocol.robot_outline import RobotOutline
 from woz_tui.session.variables import HIDDEN_TEXT
 
@@ -59,18 +58,6 @@ def utterances_of(picture: ConsoleState, said: Iterable[str]) -> list[str]:
     return list(dict.fromkeys([*reversed(list(said)), *told]))
 
 
-class _Completer(Suggester):
-    """What stands behind the caret at the end of the text, in pale letters."""
-
-    def __init__(self, dialog: SayDialog) -> None:
-        super().__init__(use_cache=False, case_sensitive=True)
-        self._dialog = dialog
-
-    async def get_suggestion(self, value: str) -> str | None:
-        whole, _ = self._dialog.completed(value, len(value))
-        return whole if whole is not None and whole.startswith(value) else None
-
-
 class SayDialog(EntryDialog):
     """Type and say: arrows walk through what was said, tab completes, ctrl+o changes the voice."""
 
@@ -78,7 +65,7 @@ class SayDialog(EntryDialog):
     hint = "enter says it · tab completes · arrows: history · ctrl+q closes"
     placeholder = "type what the robot shall say; { for variables"
     _WITH_TAGS = "type what the robot shall say; { for variables, \\ and ^ for tags"
-    wide = True
+    size_class = "wide"
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("tab", "complete", priority=True),
         Binding("up", "history(-1)", priority=True),
@@ -97,7 +84,7 @@ class SayDialog(EntryDialog):
         if not self.there:
             return
         self._utterances = utterances_of(self.picture, self.requests.said)
-        self.entry.suggester = _Completer(self)
+        self.entry.suggester = Completion(self._suggest)
         self.watch(self.entry, "selection", self._show_matches, init=False)  # the caret
         self._show_voice()
 
@@ -116,7 +103,7 @@ class SayDialog(EntryDialog):
             text = "No driver of this session can speak."
         elif len(voices) > 1:
             text = f"voice: {voices[self._voice]}  (ctrl+o: another)"
-        self.query_one("#voice", Static).update(plain(text))
+        self.update("voice", plain(text))
         self.entry.placeholder = self._WITH_TAGS if self._outline.tags else self.placeholder
         self._show_matches()
 
@@ -159,29 +146,23 @@ class SayDialog(EntryDialog):
         matches_widget.update(content(rows))
         matches_widget.display = bool(rows)
 
-    def on_input_changed(self, event: Input.Changed) -> None:
-        """Show what matches."""
-        event.stop()
-        if self.there:
-            self._number()
-            self._show_matches()
+    def _suggest(self, typed: str) -> str | None:
+        whole, _ = self.completed(typed, len(typed))
+        return whole if whole is not None and whole.startswith(typed) else None
 
-    def _number(self) -> None:
-        """Digits behind a tag that tab has put in are its number."""
+    def changed(self, typed: str) -> None:
+        """Show what matches; digits behind a tag that tab has put in are its number."""
         entry, before = self.entry, self._numbered
         self._numbered = before.goes_on(entry.value) if before is not None else None
         if self._numbered is not None and self._numbered.text != entry.value:
             self.put(self._numbered.text, self._numbered.caret)
+        self._show_matches()
 
-    def on_input_submitted(self, event: Input.Submitted) -> None:
-        """Say it; an empty line only closes."""
-        event.stop()
-        text = event.value.strip()
+    def submit(self, text: str) -> None:
+        """Say it."""
         voices = self._voices()
-        if text:
-            key = self.console_app.key_of("say")
-            self.requests.say(text, voices[self._voice] if len(voices) > 1 else "", key)
-        self.sent()
+        voice = voices[self._voice] if len(voices) > 1 else ""
+        self.requests.say(text, voice, self.console_app.key_of("say"))
 
     def action_complete(self) -> None:
         """Take what is suggested."""

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from textual.content import Content
 
 from woz_tui.console.cells import Row
-from woz_tui.console.screens.choice import ChoiceDialog
+from woz_tui.console.screens.choice import ChoiceDialog, Offer
 from woz_tui.console.screens.dialog import ConsoleApp
 from woz_tui.console.screens.trial import TrialDialog
 from woz_tui.protocol import messages as m
@@ -54,14 +54,10 @@ class BeginDialog(_Training):
             (("Answer each of them with the right key. Nothing moves.", "plain"),),
         ]
 
-    def choices(self) -> Sequence[Content]:
+    def choices(self) -> Sequence[Offer]:
         """Begin, or look at the keys first."""
-        return [Content("Begin"), Content("Look at the keys first; * begins")]
-
-    def chose(self, index: int) -> None:
-        """Begin."""
-        if index == 0:
-            self.requests.ask(AskTraining())
+        begin = Offer(Content("Begin"), lambda: self.requests.ask(AskTraining()))
+        return [begin, Offer(Content("Look at the keys first; * begins"))]
 
 
 class ScoreDialog(_Training):
@@ -82,11 +78,7 @@ class ScoreDialog(_Training):
             rows.append(((f"median reaction {told.median_us / 1_000_000:.2f} s", "plain"),))
         return rows
 
-    def choices(self) -> Sequence[Content]:
-        """Leave, or stay."""
-        return [Content("End the training"), Content("Stay and read the screen")]
-
-    def chose(self, index: int) -> None:
-        """End the session: nobody comes back to a training."""
-        if index == 0:
-            self.requests.end_session()
+    def choices(self) -> Sequence[Offer]:
+        """End the session, to which nobody comes back, or stay."""
+        end = Offer(Content("End the training"), self.requests.end_session)
+        return [end, Offer(Content("Stay and read the screen"))]

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import partial
 
 from textual import events
 from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Input, OptionList, Static
-from textual.widgets.option_list import Option
 
 from woz_tui.config.study import OVER
 from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.number_text import elapsed
-from woz_tui.console.screens.choice import ChoiceDialog
+from woz_tui.console.screens.choice import ChoiceDialog, Offer
 from woz_tui.console.screens.dialog import ConsoleApp, Dialog, content
 from woz_tui.console.study.questionnaires import OpenQuestionnaire
 from woz_tui.console.study.study_view import StudyView
@@ -49,7 +49,7 @@ class TrialDialog(Dialog):
         """Where the session stands, what can be done, a field for a word."""
         self._steps = trial_steps(self.picture.study)
         yield Static(content(self.lines()), id="stands")
-        yield OptionList(*(Option(self._line(step)) for step in self._steps), id="choices")
+        yield OptionList(*map(self._line, self._steps), id="choices")
         field = Input(placeholder="why, in a word (may stay empty)", id="why")
         field.display = False
         yield field
@@ -59,7 +59,7 @@ class TrialDialog(Dialog):
 
     def lines(self) -> list[Row]:
         """Trial or break with its time, the order of the conditions."""
-        study, now = self.picture.study, self._now()
+        study, now = self.picture.study, self.now
         first: Row = ((trial_status(study, now), "strong"),)
         rows: list[Row] = [first]
         if study.order:
@@ -70,16 +70,12 @@ class TrialDialog(Dialog):
             rows.append(((clean(told), "wait"),))
         return [*rows, ()]
 
-    def _now(self) -> int:
-        return self.picture.now(self.console_app.clock.now_us())
-
     def refreshed(self) -> None:
         """The time goes on."""
-        stood = trial_status(self.picture.study, self._now())
+        stood = trial_status(self.picture.study, self.now)
         if stood != self._stood:
             self._stood = stood
-            for place in self.query("#stands").results(Static):
-                place.update(content(self.lines()))
+            self.update("stands", content(self.lines()))
 
     # -- keys ---------------------------------------------------------------------------------
 
@@ -95,9 +91,7 @@ class TrialDialog(Dialog):
         if event.is_printable and event.character:
             event.stop()
             letters = " ".join(step.key for step in self._steps)
-            for box in self.query(".dialog"):
-                told = f"nothing on {clean(event.character)} · there are: {letters}"
-                box.border_subtitle = self.glyphs.plain(told)
+            self.show_hint(f"nothing on {clean(event.character)} · there are: {letters}")
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """So does enter."""
@@ -116,10 +110,7 @@ class TrialDialog(Dialog):
             field.display = True
             field.border_title = step.text
             field.focus()
-        for box in self.query(".dialog"):
-            box.border_subtitle = self.glyphs.plain(
-                f"{step.text}: enter does it · ctrl+q leaves it"
-            )
+        self.show_hint(f"{step.text}: enter does it · ctrl+q leaves it")
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """The word is there."""
@@ -148,24 +139,15 @@ class OfferDialog(ChoiceDialog):
         back = "It covers this screen; ctrl+q brings the console back."
         return [((clean(title), "strong"), (count, "muted")), ((back, "plain"),)]
 
-    def choices(self) -> list[Content]:
+    def choices(self) -> list[Offer]:
         """Where to ask it."""
-        elsewhere = bool(self.picture.study.participants)
-        self._ways: list[Callable[[], None]] = [
-            lambda: ask_questionnaire(self.console_app, self._asked, here=True),
-            *(
-                [lambda: ask_questionnaire(self.console_app, self._asked, here=False)]
-                if elsewhere
-                else []
-            ),
-            self._otherwise or (lambda: None),
+        ask = partial(ask_questionnaire, self.console_app, self._asked)
+        there = Offer(Content("At the participant's terminal"), partial(ask, here=False))
+        return [
+            Offer(Content("Ask it here"), partial(ask, here=True)),
+            *([there] if self.picture.study.participants else []),
+            Offer(Content("Without it" if self._otherwise else "Later"), self._otherwise),
         ]
-        words = ["Ask it here", *(["At the participant's terminal"] if elsewhere else [])]
-        return [Content(word) for word in (*words, "Without it" if self._otherwise else "Later")]
-
-    def chose(self, index: int) -> None:
-        """Do so."""
-        self._ways[index]()
 
 
 # -- what can be done -----------------------------------------------------------------------------
@@ -251,9 +233,8 @@ def ask_questionnaire(app: ConsoleApp, name: str, *, here: bool) -> None:
     """Put a questionnaire to the participant, at this terminal or at theirs."""
 
     def answered(reply: Reply) -> None:
-        if not reply.ok:
-            app.requests.refused(reply)
-        elif here:
+        app.requests.refused(reply)
+        if reply.ok and here:
             app.do("questionnaire")
 
     app.requests.ask(AskQuestionnaire(questionnaire=name), answered)
@@ -282,9 +263,8 @@ def _leave(name: str) -> Callable[[ConsoleApp, str], None]:
 def _trial(what: str) -> Callable[[ConsoleApp, str], None]:
     def do(app: ConsoleApp, why: str) -> None:
         def over(reply: Reply) -> None:
-            if not reply.ok:
-                app.requests.refused(reply)
-            else:
+            app.requests.refused(reply)
+            if reply.ok:
                 offer_due(app)
 
         request = AskTrial(what=what, text=why)  # type: ignore[arg-type]

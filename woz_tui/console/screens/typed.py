@@ -34,7 +34,7 @@ class KeepTypedDialog(ReportDialog):
     heading = "Typed sentences"
     hint = "enter writes the copy · ctrl+q closes, nothing is written"
     ending_hint = "enter writes the copy and ends · n ends without · ctrl+q stays"
-    wide = True
+    size_class = "wide"
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("enter", "write", priority=True),
         Binding("n", "without", priority=True),
@@ -49,8 +49,7 @@ class KeepTypedDialog(ReportDialog):
     def on_mount(self) -> None:
         """Ask for the differences; say which keys end the session."""
         if self._then is not None:
-            for box in self.query(".dialog"):
-                box.border_subtitle = self.glyphs.plain(self.ending_hint)
+            self.show_hint(self.ending_hint)
         self.requests.ask(AskKeepTyped(dry_run=True), self._compared)
 
     def lines(self) -> list[Row]:

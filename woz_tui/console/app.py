@@ -370,7 +370,7 @@ class Console(ScreenApp):
             self._alt_told = True
             now = self.picture.now(self.clock.now_us())
             text = "This terminal sends escape with alt"
-            self.picture.events.append(EventLine(now, "warning", text, "escape is the stop"))
+            self.picture.events.append(EventLine("warning", text, "escape is the stop", now))
             self.paint()
 
     def _prefix(self, prefix: str) -> None:

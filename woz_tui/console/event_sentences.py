@@ -95,10 +95,10 @@ class EventLine:
     it ends.
     """
 
-    t: int
     mark: str
     text: str
     detail: str = ""
+    t: int = 0
     run: str = ""
     action: str = ""
     took_us: int | None = None
@@ -147,10 +147,31 @@ class EventLine:
             self.detail = outcome.reason
 
 
+#: Messages whose line needs nothing but their fields: mark, text, detail.
+_TEMPLATES: Mapping[type[m.Message], tuple[str, str, str]] = {
+    m.SessionEnd: ("info", "Session ended", "{0.reason}"),
+    m.StopReleased: ("info", "Stop released", "by {0.source}"),
+    m.DriverConnecting: ("driver", "{0.driver} connecting", "{0.detail}"),
+    m.DriverConnected: ("done", "{0.driver} connected", "{0.detail}"),
+    m.DriverLost: ("error", "{0.driver} lost", "{0.detail}"),
+    m.DriverFaulted: ("error", "{0.driver} faulted", "{0.detail}"),
+    m.LaneFaulted: ("error", "{0.driver}: {0.lane} hangs", "until its job ends"),
+    m.LaneRecovered: ("done", "{0.driver}: {0.lane} works again", ""),
+    m.ModeChanged: ("info", "{0.driver} mode {0.now}", "{0.why}"),
+    m.Note: ("note", "{0.text}", ""),
+    m.ConsoleLost: ("warning", "{0.role} disconnected", "{0.why}"),
+}
+
+
 def event_line(message: m.Message, shown: EventContext) -> EventLine | None:
     """The line for `message`, or None if it is not worth one."""
-    event = _TELLERS.get(type(message), _of_study)(message, shown)
+    if (template := _TEMPLATES.get(type(message))) is not None:
+        mark, text, detail = template
+        event: EventLine | None = EventLine(mark, text.format(message), detail.format(message))
+    else:
+        event = _TELLERS.get(type(message), _of_study)(message, shown)
     if event is not None:
+        event.t = message.t
         event.machine = type(message) in _OF_MACHINES or _by_robot(message)
     return event
 
@@ -166,7 +187,6 @@ def _requested(message: m.ActionRequested, shown: EventContext) -> EventLine | N
     source = _SOURCES.get(message.source, "")
     action = shown.action(message.action)
     return EventLine(
-        message.t,
         "running",
         shown.label(message.action),
         source,
@@ -186,7 +206,7 @@ def _command(message: m.Command, shown: EventContext) -> EventLine | None:
         return None  # its action has a line, or the panel's picture shows it
     if message.driver == "session" and message.verb in ("mark", "note"):
         return None  # so has the marker or the note
-    return EventLine(message.t, "running", command_words(message), run=message.command)
+    return EventLine("running", command_words(message), run=message.command)
 
 
 def _action_end(message: m.ActionEnd, shown: EventContext) -> EventLine | None:
@@ -197,24 +217,14 @@ def _action_end(message: m.ActionEnd, shown: EventContext) -> EventLine | None:
     if isinstance(message, m.ActionDone) or left:
         return None
     how = shown_outcome(OUTCOMES[type(message)])
-    return EventLine(message.t, how, shown.label(message.action), message.reason, run=message.run)
+    return EventLine(how, shown.label(message.action), message.reason, run=message.run)
 
 
 def _session(message: m.SessionChanged, shown: EventContext) -> EventLine | None:
-    parts = [
-        f"{name} {value}"
-        for name, value in (
-            ("participant", message.participant),
-            ("condition", message.condition),
-            ("trial", message.trial),
-        )
-        if value is not None
-    ]
-    return EventLine(message.t, "info", ", ".join(parts)) if parts else None
-
-
-def _session_end(message: m.SessionEnd, shown: EventContext) -> EventLine:
-    return EventLine(message.t, "info", "Session ended", message.reason)
+    fields = ("participant", "condition", "trial")
+    values = ((name, getattr(message, name)) for name in fields)
+    parts = [f"{name} {value}" for name, value in values if value is not None]
+    return EventLine("info", ", ".join(parts)) if parts else None
 
 
 def _recorder(message: m.RecorderState, shown: EventContext) -> EventLine | None:
@@ -222,21 +232,21 @@ def _recorder(message: m.RecorderState, shown: EventContext) -> EventLine | None
         return None
     mark = "warning" if message.level == "warn" else "error"
     if message.level == "failed":
-        return EventLine(message.t, mark, "Log is not written", message.detail)
+        return EventLine(mark, "Log is not written", message.detail)
     if message.detail:
-        return EventLine(message.t, mark, f"Log: {message.detail}", message.remedy)
-    return EventLine(message.t, mark, "Log falls behind", f"{message.lag_us / 1000:.0f} ms")
+        return EventLine(mark, f"Log: {message.detail}", message.remedy)
+    return EventLine(mark, "Log falls behind", f"{message.lag_us / 1000:.0f} ms")
 
 
 def _notice(message: m.Notice, shown: EventContext) -> EventLine:
     mark = message.level if message.level in ("info", "warning", "error") else "info"
-    return EventLine(message.t, mark, message.text, message.remedy)
+    return EventLine(mark, message.text, message.remedy)
 
 
 def _stop(message: m.StopPressed, shown: EventContext) -> EventLine:
     if message.scope != "all":
-        return EventLine(message.t, "stop", "Driving stopped", message.source)
-    return EventLine(message.t, "stop", "STOP", f"by {message.source}")
+        return EventLine("stop", "Driving stopped", message.source)
+    return EventLine("stop", "STOP", f"by {message.source}")
 
 
 def _confirmed(message: m.StopConfirmed, shown: EventContext) -> EventLine:
@@ -244,28 +254,8 @@ def _confirmed(message: m.StopConfirmed, shown: EventContext) -> EventLine:
         parts = shown.stop.parts_missing if shown.stop is not None else {}
         missing = "; ".join(missing_words(message.missing, message.unreached, parts))
         what, _, names = missing.partition(": ")
-        return EventLine(message.t, "error", what.capitalize(), names)
-    return EventLine(message.t, "stop", "Stop confirmed", f"in {message.elapsed_us / 1000:.0f} ms")
-
-
-def _released(message: m.StopReleased, shown: EventContext) -> EventLine:
-    return EventLine(message.t, "info", "Stop released", f"by {message.source}")
-
-
-def _driver(message: m.DriverHealth, shown: EventContext) -> EventLine:
-    health = str(message.__struct_config__.tag).removeprefix("driver.")
-    mark = {"lost": "error", "faulted": "error", "connected": "done"}.get(health, "driver")
-    return EventLine(message.t, mark, f"{message.driver} {health}", message.detail)
-
-
-def _lane_faulted(message: m.LaneFaulted, shown: EventContext) -> EventLine:
-    return EventLine(
-        message.t, "error", f"{message.driver}: {message.lane} hangs", "until its job ends"
-    )
-
-
-def _lane_recovered(message: m.LaneRecovered, shown: EventContext) -> EventLine:
-    return EventLine(message.t, "done", f"{message.driver}: {message.lane} works again")
+        return EventLine("error", what.capitalize(), names)
+    return EventLine("stop", "Stop confirmed", f"in {message.elapsed_us / 1000:.0f} ms")
 
 
 def _sensor(message: m.SensorChanged, shown: EventContext) -> EventLine | None:
@@ -275,7 +265,7 @@ def _sensor(message: m.SensorChanged, shown: EventContext) -> EventLine | None:
         return None
     mark = "warning" if message.state == "stale" else "done"
     text = f"{message.sensor} {message.state}"
-    return EventLine(message.t, mark, text, message.why, sensor=message.sensor)
+    return EventLine(mark, text, message.why, sensor=message.sensor)
 
 
 def _with_its_driver(message: m.SensorChanged, shown: EventContext) -> bool:
@@ -313,77 +303,62 @@ def explained(event: EventLine, message: m.DriverHealth, shown: EventContext) ->
 def _engagement(message: m.EngagementChanged, shown: EventContext) -> EventLine:
     told = state_sentence(message.now, message.visitor)
     if message.forced:
-        return EventLine(
-            message.t, "forced", told, f"by hand: {change_reason(message)}", model=True
-        )
-    return EventLine(message.t, "info", told, message.why, model=True)
+        return EventLine("forced", told, f"by hand: {change_reason(message)}", model=True)
+    return EventLine("info", told, message.why, model=True)
 
 
 def _speech(message: m.SpeechEnded, shown: EventContext) -> EventLine | None:
     """Only that nothing was kept of it; what it says comes later."""
     if not message.detail or message.file:
         return None
-    return EventLine(message.t, "warning", "Speech not saved", message.detail)
+    return EventLine("warning", "Speech not saved", message.detail)
 
 
 def _heard(message: m.SpeechText, shown: EventContext) -> EventLine:
     if message.text.strip():
-        return EventLine(message.t, "heard", f"“{message.text}”", "heard")
+        return EventLine("heard", f"“{message.text}”", "heard")
     mark = "warning" if message.detail else "info"
-    return EventLine(message.t, mark, "Speech not understood", message.detail)
+    return EventLine(mark, "Speech not understood", message.detail)
 
 
 def _visitor(message: m.VisitorChanged, shown: EventContext) -> EventLine:
     about = ", ".join(value for value in texts(message.about).values() if value)
     if message.what == "renamed" and message.was:
-        return EventLine(
-            message.t, "info", f"Visitor {message.was} is {message.visitor} now", about
-        )
+        return EventLine("info", f"Visitor {message.was} is {message.visitor} now", about)
     what = _VISITOR.get(message.what, message.what)
-    return EventLine(message.t, "info", f"Visitor {message.visitor} {what}".rstrip(), about)
-
-
-def _mode(message: m.ModeChanged, shown: EventContext) -> EventLine:
-    return EventLine(message.t, "info", f"{message.driver} mode {message.now}", message.why)
+    return EventLine("info", f"Visitor {message.visitor} {what}".rstrip(), about)
 
 
 def _marker(message: m.Marker, shown: EventContext) -> EventLine:
     _, coder, name = message.source.partition("coder ")
-    return EventLine(message.t, "marker", f"Code of {name}" if coder else "Marker", message.text)
-
-
-def _note(message: m.Note, shown: EventContext) -> EventLine:
-    return EventLine(message.t, "note", message.text)
+    return EventLine("marker", f"Code of {name}" if coder else "Marker", message.text)
 
 
 def _mistake(message: m.Mistake, shown: EventContext) -> EventLine:
     what = shown.label(message.action) if message.action else message.run
-    return EventLine(message.t, "note", f"Mistake: {what}", message.text)
+    return EventLine("note", f"Mistake: {what}", message.text)
 
 
 def _phase(message: m.PhaseChanged, shown: EventContext) -> EventLine:
     heading = shown.heading(message.phase)
-    return EventLine(message.t, "info", f"Phase {heading}" if heading else "No phase holds")
+    return EventLine("info", f"Phase {heading}" if heading else "No phase holds")
 
 
 def _lock(message: m.PanelLocked, shown: EventContext) -> EventLine | None:
     if message.source == "phase":
         return None  # the phase has a line
-    return EventLine(
-        message.t, "info", f"{message.panel} {'locked' if message.locked else 'unlocked'}"
-    )
+    return EventLine("info", f"{message.panel} {'locked' if message.locked else 'unlocked'}")
 
 
 def _profile(message: m.ProfileChanged, shown: EventContext) -> EventLine:
     return EventLine(
-        message.t,
         "info",
         f"Profile {message.profile}" if message.profile else "No profile: everything may be used",
     )
 
 
 def _reloaded(message: m.ExperimentReloaded, shown: EventContext) -> EventLine:
-    return EventLine(message.t, "info", "File reloaded", "; ".join(message.changes) or "no changes")
+    return EventLine("info", "File reloaded", "; ".join(message.changes) or "no changes")
 
 
 def _of_study(message: m.Message, shown: EventContext) -> EventLine | None:
@@ -395,18 +370,14 @@ def _of_study(message: m.Message, shown: EventContext) -> EventLine | None:
         names = shown.study.right_for(message)
         right = f"right: {' or '.join(map(shown.label, names))}" if names else ""
         line = line._replace(detail=", ".join(filter(None, (line.detail, right))))
-    return EventLine(message.t, *line) if line is not None else None
+    return EventLine(*line) if line is not None else None
 
 
 def _attached(message: m.ConsoleAttached, shown: EventContext) -> EventLine:
     what = f"{message.role} {message.name}".rstrip()
     if message.sees == "all" and shown.keeps:
-        return EventLine(message.t, "info", f"{what} attached", "it sees what is hidden from you")
-    return EventLine(message.t, "info", f"{what} attached", message.console)
-
-
-def _console_lost(message: m.ConsoleLost, shown: EventContext) -> EventLine:
-    return EventLine(message.t, "warning", f"{message.role} disconnected", message.why)
+        return EventLine("info", f"{what} attached", "it sees what is hidden from you")
+    return EventLine("info", f"{what} attached", message.console)
 
 
 _TELLERS: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]] = {
@@ -418,33 +389,22 @@ _TELLERS: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]]
     m.ActionSuperseded: _action_end,
     m.ActionRefused: _action_end,
     m.SessionChanged: _session,
-    m.SessionEnd: _session_end,
     m.RecorderState: _recorder,
     m.Notice: _notice,
     m.StopPressed: _stop,
     m.StopConfirmed: _confirmed,
-    m.StopReleased: _released,
-    m.DriverConnecting: _driver,
-    m.DriverConnected: _driver,
-    m.DriverLost: _driver,
-    m.DriverFaulted: _driver,
-    m.LaneFaulted: _lane_faulted,
-    m.LaneRecovered: _lane_recovered,
     m.SensorChanged: _sensor,
     m.EngagementChanged: _engagement,
     m.SpeechEnded: _speech,
     m.SpeechText: _heard,
     m.VisitorChanged: _visitor,
-    m.ModeChanged: _mode,
     m.Marker: _marker,
-    m.Note: _note,
     m.Mistake: _mistake,
     m.PanelLocked: _lock,
     m.PhaseChanged: _phase,
     m.ProfileChanged: _profile,
     m.ExperimentReloaded: _reloaded,
     m.ConsoleAttached: _attached,
-    m.ConsoleLost: _console_lost,
 }
 #: What machines tell of themselves, in events that are no faults.
 _OF_MACHINES = frozenset(

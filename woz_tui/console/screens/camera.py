@@ -75,7 +75,6 @@ class CameraDialog(Dialog):
 
     def on_mount(self) -> None:
         """Begin to watch."""
-        self.styles.align = ("center", "top")
         self._lay_out()
         self.set_interval(_LOOK_S, self._look)
 
@@ -104,7 +103,6 @@ class CameraDialog(Dialog):
             return
         self._laid = (room, size)
         for box in self.query(".dialog"):
-            box.styles.max_width, box.styles.max_height = "100vw", "100vh"
             box.styles.width = min(width, max(_NARROWEST, room.columns + _FRAME[0]))
             box.styles.height = room.rows + _FRAME[1] + _WORDS
         if self._view is not None and self._watching is not None:

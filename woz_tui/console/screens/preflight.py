@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import os
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -34,6 +35,15 @@ TICKING = "space ticks · c checks again · tab: findings · ctrl+q closes"
 #: What is to be mended stands on top.
 _ORDER = {"error": 0, "warning": 1, "info": 2, "ok": 3}
 _SIGNS = {"ok": "done", "info": "info", "warning": "warning", "error": "error"}
+
+
+def _findings(data: object) -> list[Finding]:
+    """Those of a reply; anything else in it is left out."""
+    found = []
+    for item in data if isinstance(data, list) else ():
+        with contextlib.suppress(msgspec.ValidationError):
+            found.append(msgspec.convert(item, Finding))
+    return found
 
 
 def key_findings(picture: ConsoleState, caps: Mapping[str, KeyCap]) -> list[Finding]:
@@ -201,7 +211,7 @@ class PreflightDialog(ReportDialog):
             return
         app = self.console_app
         self._findings = [
-            *(msgspec.convert(reply.data, list[Finding]) if reply.ok else ()),
+            *_findings(reply.data),
             *terminal,
             line_finding(app.feed.round_trip_us),
             kind_finding(app.terminal),

@@ -338,7 +338,7 @@ async def test_what_comes_while_it_ends_is_not_painted() -> None:
         ending = asyncio.create_task(seat.console._shutdown())
         while not ending.done():  # at every turn of the way out
             seat.clock.advance(1.0)
-            seat.console._surface.body._laid_out = None  # as if something needed more room now
+            seat.console._main_screen.body._laid_out = None  # as if something needed more room now
             seat.console.beat()
             await asyncio.sleep(0)
         await ending

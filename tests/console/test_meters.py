@@ -284,7 +284,7 @@ def test_unseen_failures_stay_on_the_list() -> None:
     assert len(shown) == 6
     assert shown[0].run == "r29"
     assert shown[-1].run == "bad"
-    picture.see_failures()
+    picture.runs.see_all()
     assert "bad" not in {event.run for event in listed_events(picture, 6)}
 
 

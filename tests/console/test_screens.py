@@ -122,7 +122,7 @@ async def test_failures_are_read_and_seen() -> None:
         assert "servo 2 (pitch) overloaded" in seat.drawn()
         await seat.press("enter")
         assert "failed" not in seat.text("StatusLines")
-        assert seat.console.picture.unseen() == []
+        assert seat.console.picture.runs.unseen() == []
         await seat.press("enter")
         assert seat.console.dialog is None
 

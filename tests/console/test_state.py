@@ -126,21 +126,21 @@ def test_a_failure_stays_until_it_is_seen() -> None:
     )
     later = NOW + 3_600_000_000
     assert state(picture, "Hello", later) is ButtonState.FAILED
-    (failure,) = picture.unseen()
+    (failure,) = picture.runs.unseen()
     assert (failure.reason, failure.remedy) == ("voice: no sound card", "plug it in")
-    picture.see_failures()
+    picture.runs.see_all()
     assert state(picture, "Hello", later) is ButtonState.READY
-    assert picture.unseen() == []
+    assert picture.runs.unseen() == []
 
 
 def test_what_was_seen_stays_seen_when_the_line_comes_back() -> None:
     failed = scenes.played("a1", "Hello", NOW, 1, how="failed", reason="broken")
     picture = begun(first=scenes.welcome(recent=failed))
-    assert len(picture.unseen()) == 1
-    picture.see_failures()
+    assert len(picture.runs.unseen()) == 1
+    picture.runs.see_all()
     picture.lose("closed")
     picture.take([scenes.welcome(recent=failed)], 0)
-    assert picture.unseen() == []
+    assert picture.runs.unseen() == []
     assert picture.lost == ""
 
 
@@ -150,7 +150,7 @@ def test_a_failure_that_worked_later_gives_the_button_back_but_is_not_forgotten(
         *scenes.played("a2", "Hello", NOW - 80_000_000, 1),
     )
     assert state(picture, "Hello") is ButtonState.READY
-    assert len(picture.unseen()) == 1
+    assert len(picture.runs.unseen()) == 1
 
 
 def test_refused_and_stopped_show_for_a_while() -> None:
@@ -320,7 +320,7 @@ def test_a_typed_utterance_is_an_event_of_its_own_and_its_failure_is_kept() -> N
     assert picture.events[-1].text == "“Good”"
     picture.take([m.Failed(command="c9", driver="voice", reason="no voice", t=NOW)], 0)
     assert picture.events[-1].mark == "failed"
-    assert [failure.reason for failure in picture.unseen()] == ["voice: no voice"]
+    assert [failure.reason for failure in picture.runs.unseen()] == ["voice: no voice"]
     assert not picture.runs.active
 
 

@@ -130,5 +130,5 @@ def test_a_shuffled_history_ends_every_run(shuffled: list[m.AnyMessage]) -> None
     picture = begun(*shuffled)
     again = begun(*shuffled, *shuffled)
     ended = {message.run for message in shuffled if isinstance(message, m.ActionEnd)}
-    assert {failure.run for failure in picture.unseen()} == {"a5"}
-    assert {failure.run for failure in again.unseen()} <= ended
+    assert {failure.run for failure in picture.runs.unseen()} == {"a5"}
+    assert {failure.run for failure in again.runs.unseen()} <= ended

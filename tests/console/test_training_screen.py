@@ -46,13 +46,13 @@ async def test_who_looks_at_the_keys_first_begins_it_later() -> None:
 @pytest.mark.parametrize("size", [(80, 24), (160, 50)])
 async def test_the_cue_stands_large_above_the_panels(size: tuple[int, int]) -> None:
     async with sitting(size=size) as seat:
-        assert not seat.console._surface.cue.display
+        assert not seat.console._main_screen.cue.display
         await seat.tell(RUNS)
         await seat.until(lambda: "first cue" in seat.text("CueBoard"))
         await seat.tell(CUE)
         board = seat.text("CueBoard")
         assert "How old is it?" in board
-        assert seat.console._surface.cue.size.height >= 3
+        assert seat.console._main_screen.cue.size.height >= 3
         assert "Hello" in seat.text("ActionPanels")
         await seat.tell(m.CueAnswered(cue="q1", judged="wrong", reaction_us=900_000, t=NOW))
         assert "How old is it?" not in seat.text("CueBoard")

@@ -356,9 +356,8 @@ class ActionPanels(Cells):
         super().__init__(id=id)
         self.board = PanelSelection({})
         self._arranged: PanelLayout | None = None
-        self._arranged_for: tuple[object, ...] = ()
-        self._needed = 1
-        self._needed_for: tuple[object, ...] = ()
+        self._front: tuple[PanelView, ...] = ()
+        self._layouts: dict[tuple[int, int, int], PanelLayout] = {}
 
     def paint(self, picture: ConsoleState, frame: PaintFrame) -> None:
         """Show the picture's panels as they stand."""
@@ -369,13 +368,20 @@ class ActionPanels(Cells):
             self.show(panel_rows(picture, frame, self.arranged(picture, frame), self.board))
 
     def arranged(self, picture: ConsoleState, frame: PaintFrame) -> PanelLayout:
-        """The arrangement, made anew only when the file or the size has changed."""
-        cap = cap_width(picture, self.board, frame.glyphs)
-        wanted = (picture.front, frame.width, frame.height, cap)
-        if self._arranged is None or wanted != self._arranged_for:
-            self._arranged_for = wanted
-            self._arranged = arrange(picture.front, frame.width, frame.height, cap)
+        """The arrangement for this size."""
+        self._arranged = self._layout(picture, frame.width, frame.height, frame.glyphs)
         return self._arranged
+
+    def _layout(
+        self, picture: ConsoleState, width: int, height: int, glyphs: Glyphs
+    ) -> PanelLayout:
+        """Made anew only where the file or the size has changed."""
+        if picture.front != self._front:
+            self._front, self._layouts = picture.front, {}
+        size = width, height, cap_width(picture, self.board, glyphs)
+        if size not in self._layouts:
+            self._layouts[size] = arrange(picture.front, *size)
+        return self._layouts[size]
 
     @property
     def page(self) -> str:
@@ -387,12 +393,8 @@ class ActionPanels(Cells):
 
     def needs(self, picture: ConsoleState, glyphs: Glyphs) -> int:
         """Lines in which all panels find room on one page of this width, as far as they do."""
-        wanted = (picture.front, self.size.width, MOST, cap_width(picture, self.board, glyphs))
-        if wanted != self._needed_for:
-            self._needed_for = wanted
-            found = arrange(picture.front, *wanted[1:])
-            self._needed = 1 + max((slot.row for slot in found.slots), default=0)
-        return self._needed
+        found = self._layout(picture, self.size.width, MOST, glyphs)
+        return 1 + max((slot.row for slot in found.slots), default=0)
 
     def walk(self, picture: ConsoleState, by: int) -> None:
         """Turn to the next page, or with a negative `by` to the one before; where there is one

@@ -105,14 +105,14 @@ class Console(ScreenApp):
         self._news_until = self._flash_until = 0
         self._stop_asked: int | None = None
         self._painted = 0
-        self._surface = MainScreen()
-        self._panels = self._surface.panels
+        self._main_screen = MainScreen()
+        self._panels = self._main_screen.panels
 
     # -- putting together ---------------------------------------------------------------------
 
     def compose(self) -> ComposeResult:
         """The main screen."""
-        yield from self._surface.compose()
+        yield from self._main_screen.compose()
 
     def begin(self) -> None:
         """Hear of keys, and lay out the screen."""
@@ -237,7 +237,7 @@ class Console(ScreenApp):
         repairs = [action.name for action in picture.settings.repairs]
         own = builtin_keys_with(repairs, self._builtins)
         self.keymap = key_map(picture.panels, self.terminal, picture.keyboard, own)
-        self._surface.repairs.keys = {
+        self._main_screen.repairs.keys = {
             name: self._key(name.replace(" ", "_", 1)) for name in repairs
         }
         self.caps = {name: cap_of(found) for name, found in self.keymap.actions.items()}
@@ -278,8 +278,8 @@ class Console(ScreenApp):
         keys = self._key("failures"), self._key("phase_next")
         line = StatusInfo(self.feed.line_ok, self.feed.round_trip_us, *keys)
         frame = functools.partial(self._frame, now)
-        self._surface.events.key = self._key("events")
-        self._surface.paint(self.picture, frame, line, bar, self.size)
+        self._main_screen.events.key = self._key("events")
+        self._main_screen.paint(self.picture, frame, line, bar, self.size)
         if self.dialog is not None and self.dialog.is_mounted:
             self.dialog.refreshed()
 
@@ -302,7 +302,7 @@ class Console(ScreenApp):
     def _measure(self) -> None:
         """Give all parts their places; each that has moved asks to be painted (`Cells.Resized`)."""
         base, glyphs = self.screen_stack[0], self.look.glyphs
-        self._surface.measure(self.size, base, self.picture, glyphs)
+        self._main_screen.measure(self.size, base, self.picture, glyphs)
 
     def on_resize(self) -> None:
         """Paint every cell: small and back in a moment is no change, but the window lost it."""
@@ -344,7 +344,7 @@ class Console(ScreenApp):
 
     def filter_events(self) -> None:
         """Show the next selection of the events."""
-        self._surface.events.turn()
+        self._main_screen.events.turn()
         self.paint()
 
     def _pressed(self, chord: str, action: str, ref: int) -> None:

@@ -45,7 +45,7 @@ SEQUENCE_LIMIT = 2048
 
 #: How the answer to the question for pictures begins (`camera.kitty.QUESTION`), how it ends, and
 #: how long it may be.
-GRAPHICS, _GRAPHICS_END, _GRAPHICS_LIMIT = b"\x1b_Gi=31;", b"\x1b\\", 256
+GRAPHICS, _ANSWER_END, _GRAPHICS_LIMIT = b"\x1b_Gi=31;", b"\x1b\\", 256
 
 #: The same for the question for the terminal's ground (`ground.QUESTION`); it may end with a bell.
 GROUND, _GROUND_LIMIT = b"\x1b]11;", 64
@@ -166,9 +166,9 @@ class Scanner:
             case _In.PASTE:
                 self._paste(byte)
             case _In.GRAPHICS:
-                self._graphics(byte)
+                self._answer(byte, GRAPHICS, _GRAPHICS_LIMIT)
             case _In.TERMINAL_GROUND:
-                self._terminal_ground(byte)
+                self._answer(byte, GROUND, _GROUND_LIMIT)
 
     # -- single bytes and characters ---------------------------------------------------------
 
@@ -256,30 +256,23 @@ class Scanner:
         elif len(self._held) == 6:
             self._tokens.append(Raw(self._release()))
 
-    def _graphics(self, byte: int) -> None:
+    def _answer(self, byte: int, begins: bytes, limit: int) -> None:
         """Nothing but the very answer, letter by letter: all else was a stop, and keys."""
         self._held.append(byte)
         held = self._held
-        if len(held) <= len(GRAPHICS):
-            if not GRAPHICS.startswith(held):
+        bell = byte == _BELL and begins == GROUND
+        if len(held) <= len(begins):
+            if not begins.startswith(held):
                 self._break_off()
-        elif held.endswith(_GRAPHICS_END):
-            said = bytes(held[len(GRAPHICS) : -len(_GRAPHICS_END)])
-            self._tokens.append(TerminalReply("graphics", (int(said == b"OK"),), self._release()))
-        elif len(held) > _GRAPHICS_LIMIT or held[-2] == _ESC or not (byte >= 0x20 or byte == _ESC):
-            self._break_off()
-
-    def _terminal_ground(self, byte: int) -> None:
-        """Nothing but the very answer, as in `_graphics`."""
-        self._held.append(byte)
-        held = self._held
-        if len(held) <= len(GROUND):
-            if not GROUND.startswith(held):
-                self._break_off()
-        elif byte == _BELL or held.endswith(_GRAPHICS_END):
-            said = bytes(held[len(GROUND) :]).rstrip(b"\x07\x1b\\")
-            self._tokens.append(TerminalReply("ground", _colour(said), self._release()))
-        elif len(held) > _GROUND_LIMIT or held[-2] == _ESC or not (byte >= 0x20 or byte == _ESC):
+        elif bell or held.endswith(_ANSWER_END):
+            told = bytes(held[len(begins) :]).rstrip(b"\x07\x1b\\")
+            if begins == GROUND:
+                self._tokens.append(TerminalReply("ground", _colour(told), self._release()))
+            else:
+                self._tokens.append(
+                    TerminalReply("graphics", (int(told == b"OK"),), self._release())
+                )
+        elif len(held) > limit or held[-2] == _ESC or not (byte >= 0x20 or byte == _ESC):
             self._break_off()
 
     def _complete(self, token: Token | None) -> None:

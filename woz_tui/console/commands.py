@@ -96,11 +96,9 @@ def _arrow(name: str, verb: str, argument: str, way: int, step: str) -> ConsoleC
             verb=verb,
             args={argument: way * float(getattr(press.steps, step))},
             source="key",
-            key=press.key,
-            age_us=press.age_us,
-            stale=press.stale,
             # A key held down moves on smoothly and leaves no steps behind when let go.
             when_busy="replace",
+            **press.fields,
         )
 
     return _row(name, sends=ask, verb=verb, found=False)
@@ -118,19 +116,16 @@ def _script(by: int) -> Run:
 
 
 def _next_phase(press: KeyPress) -> AskPhase:
-    return AskPhase(source="key", key=press.key, age_us=press.age_us, stale=press.stale)
+    return AskPhase(source="key", **press.fields)
 
 
 def _play_script(press: KeyPress) -> AskScript:
-    return AskScript(key=press.key, age_us=press.age_us, stale=press.stale)
+    return AskScript(**press.fields)
 
 
 def _repair(move: str, run: Run | None = None) -> ConsoleCommand:
     def ask(press: KeyPress) -> AskAction:
-        name = f"repair {move}"
-        return AskAction(
-            action=name, source="key", key=press.key, age_us=press.age_us, stale=press.stale
-        )
+        return AskAction(action=f"repair {move}", source="key", **press.fields)
 
     # What the screen carries out passes the keyboard twice, so it cannot count once there.
     return _row(f"repair_{move}", run, sends=None if run else ask, once=run is None)

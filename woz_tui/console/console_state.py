@@ -22,7 +22,7 @@ from woz_tui.console.engagement.wizard_overrides import toggled_text
 from woz_tui.console.event_sentences import EventLine, event_line, explained
 from woz_tui.console.message_feed import Incoming
 from woz_tui.console.replay.replay_state import ReplayState, updated
-from woz_tui.console.running_actions import ActiveRun, Failure, RunningActions, RunOutcome
+from woz_tui.console.running_actions import ActiveRun, RunningActions, RunOutcome
 from woz_tui.console.study.study_view import StudyView
 from woz_tui.console.view_models import STALE_US, ButtonState, ButtonView, DriverView, SensorView
 from woz_tui.protocol import messages as m
@@ -621,14 +621,6 @@ class ConsoleState:
     def is_stale(self, sensor: SensorView, now: int) -> bool:
         """Whether a sensor's value should look old."""
         return bool(self.lost) or sensor.is_stale(now, self.health(sensor.driver))
-
-    def unseen(self) -> list[Failure]:
-        """Failures the wizard has not acknowledged, oldest first."""
-        return self.runs.unseen()
-
-    def see_failures(self) -> None:
-        """The wizard has seen all failures there are."""
-        self.runs.see_all()
 
 
 def _under_way(run: ActiveRun, now: int, *, timed: bool) -> ButtonView:

@@ -66,51 +66,13 @@ Token = StopToken | Key | Paste | TerminalReply | Raw
 _SHIFT, _ALT, _CTRL = 1, 2, 4
 _SUPER, _HYPER, _META = 8, 16, 32
 
-_LETTERS = {
-    "A": "up",
-    "B": "down",
-    "C": "right",
-    "D": "left",
-    "F": "end",
-    "H": "home",
-    "P": "f1",
-    "Q": "f2",
-    "R": "f3",
-    "S": "f4",
-}
+_ARROWS = dict(zip("ABCDFH", ("up", "down", "right", "left", "end", "home"), strict=True))
+_LETTERS = _ARROWS | {letter: f"f{n}" for n, letter in enumerate("PQRS", 1)}
+#: Numbers of F1 and so on; a few between them belong to no key.
+_F_NUMBERS = (n for n in (*range(11, 35), *range(42, 46)) if n not in (16, 22, 27, 30))
 _TILDES = {
-    1: "home",
-    2: "insert",
-    3: "delete",
-    4: "end",
-    5: "pageup",
-    6: "pagedown",
-    7: "home",
-    8: "end",
-    11: "f1",
-    12: "f2",
-    13: "f3",
-    14: "f4",
-    15: "f5",
-    17: "f6",
-    18: "f7",
-    19: "f8",
-    20: "f9",
-    21: "f10",
-    23: "f11",
-    24: "f12",
-    25: "f13",
-    26: "f14",
-    28: "f15",
-    29: "f16",
-    31: "f17",
-    32: "f18",
-    33: "f19",
-    34: "f20",
-    42: "f21",
-    43: "f22",
-    44: "f23",
-    45: "f24",
+    **dict(enumerate(["home", "insert", "delete", "end", "pageup", "pagedown", "home", "end"], 1)),
+    **{number: f"f{n}" for n, number in enumerate(_F_NUMBERS, 1)},
 }
 _KEYPAD = {
     "j": "*",
@@ -126,24 +88,9 @@ NAMED = {9: "tab", 13: "enter", 27: "escape", 32: "space", 127: "backspace", 8: 
 #: The kitty protocol's keypad: the key it stands for.
 _KITTY = {
     **{57399 + digit: str(digit) for digit in range(10)},
-    57409: ".",
-    57410: "/",
-    57411: "*",
-    57412: "-",
-    57413: "+",
-    57414: "enter",
-    57415: "=",
-    57416: ",",
-    57417: "left",
-    57418: "right",
-    57419: "up",
-    57420: "down",
-    57421: "pageup",
-    57422: "pagedown",
-    57423: "home",
-    57424: "end",
-    57425: "insert",
-    57426: "delete",
+    **dict(enumerate((*"./*-+", "enter", "=", ","), 57409)),
+    **dict(enumerate(("left", "right", "up", "down", "pageup", "pagedown"), 57417)),
+    **dict(enumerate(("home", "end", "insert", "delete"), 57423)),
     **{57376 + offset: f"f{13 + offset}" for offset in range(23)},
 }
 #: Code points on the key C: Latin, and Cyrillic, whose layouts have another letter there.

@@ -59,7 +59,7 @@ def listed_events(picture: ConsoleState, height: int, view: str = ALL) -> list[E
     """
     listed = [event for event in picture.events if not event.model]
     events = [event for event in listed if _is_in(view, event)]
-    unseen = {failure.run for failure in picture.unseen()}
+    unseen = {failure.run for failure in picture.runs.unseen()}
     older = events[: max(0, len(events) - height)]
     pins = [event for event in older if event.run and event.run in unseen]
     pinned = pins[max(0, len(pins) - max(0, height) // 2) :]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import codecs
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,51 +70,6 @@ class Glyphs:
 class AsciiGlyphs(Glyphs):
     """For `TERM=linux`, whose font has few signs, and for encodings other than UTF-8."""
 
-    running: str = ">"
-    pause: str = "||"
-    queued: str = ":"
-    held: str = ":"
-    done: str = "+"
-    waits: str = ":"
-    failed: str = "X"
-    refused: str = "-"
-    stopped: str = "#"
-    replaced: str = "#"
-    locked: str = "x"
-    unreachable: str = "o"
-    info: str = "."
-    warning: str = "!"
-    error: str = "X"
-    note: str = "n"
-    marker: str = "*"
-    driver: str = "o"
-    stop: str = "#"
-    yes: str = "*"
-    no: str = "o"
-    stale: str = "~"
-    here: str = ">"
-    next: str = ">"
-    rule: str = "-"
-    track: str = "."
-    tick: str = "|"
-    bar: str = "#"
-    empty: str = "."
-    spot: str = "O"
-    target: str = "o"
-    position: str = "O"
-    ellipsis: str = "~"
-    dash: str = "-"
-    middle: str = "-"
-    degrees: str = "d"
-    up: str = "up"
-    down: str = "dn"
-    left: str = "lf"
-    right: str = "rt"
-    opening: str = '"'
-    closing: str = '"'
-    forced: str = "="
-    heard: str = ">"
-
     def plain(self, text: str) -> str:
         """Our own signs replaced; letters with accents stay, the terminal may know them."""
         return text.translate(_PLAIN)
@@ -128,7 +83,15 @@ class AsciiGlyphs(Glyphs):
 _PLAIN = str.maketrans({"“": '"', "”": '"', "…": "~", "→": ">", "·": "-", "°": "d", "●": "*"})
 
 UNICODE = Glyphs()
-ASCII = AsciiGlyphs()
+#: Each sign's stand-in, and another one where a sign has several meanings.
+_STAND_INS = str.maketrans("▶┃◷✓✗⊘■◇○·▲✎◆◌●▸→─┈│━░…°“”»", '>|:+X-#xo.!n*o*>>-.|#.~d"">')
+_OTHERS = {"spot": "O", "target": "o", "position": "O", "middle": "-", "forced": "="}
+_ARROWS = {"up": "up", "down": "dn", "left": "lf", "right": "rt"}
+ASCII = AsciiGlyphs(
+    **{field.name: str(field.default).translate(_STAND_INS) for field in fields(Glyphs)}
+    | _OTHERS
+    | _ARROWS
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from woz_tui.config.keys.console_keys import BuiltinKey
 from woz_tui.config.keys.terminals import STOPS
@@ -55,6 +55,11 @@ class KeyPress(NamedTuple):
     age_us: int = 0
     stale: bool = False
     steps: ArrowSizes = ArrowSizes()
+
+    @property
+    def fields(self) -> dict[str, Any]:
+        """What a request tells of the press that it stands for."""
+        return {"key": self.key, "age_us": self.age_us, "stale": self.stale}
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,16 +218,10 @@ class Keyboard:
     def _press(self, chord: str, age_us: int, stale: bool) -> bool:
         if self._is_held(chord):
             return True
-        prefix = self._take_prefix()
-        if prefix:
-            action = self._table.get(f"{prefix} {chord}")
-            if action is not None:
-                self._play(f"{prefix} {chord}", action, age_us, stale)
+        for keys in (f"{self._take_prefix()} {chord}".lstrip(), chord):
+            if (action := self._table.get(keys)) is not None:
+                self._play(keys, action, age_us, stale)
                 return True
-        action = self._table.get(chord)
-        if action is not None:
-            self._play(chord, action, age_us, stale)
-            return True
         if chord in self._prefixes:
             self._begin(chord, stale)
             return True

@@ -9,7 +9,7 @@ Bodies stand with the meters: beside them where it is narrow, under them elsewhe
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 from textual.app import ComposeResult
@@ -171,30 +171,28 @@ class CueBoard(Cells):
 
 def _centred(text: str, look: str, frame: PaintFrame) -> Row:
     shown = fit(frame.glyphs.plain(clean(text)), len(text), frame.glyphs.ellipsis)
-    return (
-        ((shown if len(shown) < frame.width else shown[: frame.width]).center(frame.width), look),
-    )
+    return ((shown[: frame.width].center(frame.width), look),)
 
 
 SMALL = "{0} x {1} is small: meters need 80 x 24, keys and stop do not"
 
 
-@dataclass(slots=True)
 class MainScreen:
     """Status on top, panels, meters and bodies, events, script, repairs, stop bar."""
 
-    status: StatusLines = field(default_factory=StatusLines)
-    cue: CueBoard = field(default_factory=CueBoard)
-    panels: ActionPanels = field(default_factory=ActionPanels)
-    meters: Meters = field(default_factory=Meters)
-    bodies: BodyPane = field(default_factory=BodyPane)
-    events: EventList = field(default_factory=EventList)
-    script: ScriptPane = field(default_factory=ScriptPane)
-    repairs: RepairRow = field(default_factory=RepairRow)
-    bar: StopBar = field(default_factory=StopBar)
-    small: Cells = field(default_factory=lambda: Cells(id="small"))
-    body: MainArea = field(default_factory=MainArea)
-    side: SidePane = field(default_factory=SidePane)
+    def __init__(self, bar: StopBar | None = None) -> None:
+        self.status = StatusLines()
+        self.cue = CueBoard()
+        self.panels = ActionPanels()
+        self.meters = Meters()
+        self.bodies = BodyPane()
+        self.events = EventList()
+        self.script = ScriptPane()
+        self.repairs = RepairRow()
+        self.bar = bar or StopBar()
+        self.small = Cells(id="small")
+        self.body = MainArea()
+        self.side = SidePane()
 
     def compose(self) -> ComposeResult:
         """All widgets in their order."""

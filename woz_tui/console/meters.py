@@ -267,10 +267,6 @@ def _is_named(part: str, wish: str) -> bool:
     return wish in (part, last) or wish.startswith(f"{part}.")
 
 
-def _stale(picture: ConsoleState, sensor: SensorView, frame: PaintFrame) -> bool:
-    return picture.is_stale(sensor, frame.now)
-
-
 # -- distance and loudness ----------------------------------------------------------------------
 
 
@@ -282,7 +278,7 @@ def _distance(picture: ConsoleState, name: str, frame: PaintFrame) -> list[Row]:
     if picture.perception.blurs("distance"):
         return [_coarse(picture, sensor, frame)]
     ticks = {track_cell(limit / FARTHEST, width): glyphs.tick for limit, _ in ZONES}
-    stale = _stale(picture, sensor, frame)
+    stale = picture.is_stale(sensor, frame.now)
     if sensor.value is None:
         text = age_note(sensor, frame) if stale else "nothing seen"
         look = "stale" if stale else "muted"
@@ -299,7 +295,7 @@ def _distance(picture: ConsoleState, name: str, frame: PaintFrame) -> list[Row]:
 
 def _coarse(picture: ConsoleState, sensor: SensorView, frame: PaintFrame) -> Row:
     """A blurred value in a word, on a track without marks."""
-    stale = _stale(picture, sensor, frame)
+    stale = picture.is_stale(sensor, frame.now)
     track_row: Row = ((frame.glyphs.track * track_width(frame), "faint"),)
     text = age_note(sensor, frame) if stale else sensor.text or "nothing seen"
     return meter_row(_short(sensor.name), track_row, text, "stale" if stale else "plain")
@@ -330,7 +326,7 @@ def _loudness(picture: ConsoleState, name: str, frame: PaintFrame, speech: str =
     if picture.perception.blurs("loudness"):
         return [_coarse(picture, sensor, frame)]
     glyphs, width = frame.glyphs, track_width(frame)
-    if sensor.value is None or _stale(picture, sensor, frame):
+    if sensor.value is None or picture.is_stale(sensor, frame.now):
         empty: Row = ((glyphs.track * width, "faint"),)
         return [meter_row(_short(name), empty, age_note(sensor, frame), "stale")]
     level = decibels(sensor.value)
@@ -369,14 +365,14 @@ def _verdicts(picture: ConsoleState, robot: str, frame: PaintFrame) -> list[Row]
             pieces.append((f"{frame.glyphs.middle} {word} {HIDDEN}", "faint"))
         else:
             yes = bool(FLAGS[name](sensor.value))
-            pieces.append(_verdict(yes, word, _stale(picture, sensor, frame), frame.glyphs))
+            pieces.append(_verdict(yes, word, picture.is_stale(sensor, frame.now), frame.glyphs))
         pieces.append(("  ", "plain"))
     who = picture.sensor(f"{robot}identity")
     if who is not None and picture.perception.hides("identity"):
         pieces.append((f"who {HIDDEN}", "faint"))
     elif who is not None:
         name = clean(who.text) or "unknown"
-        look = "stale" if _stale(picture, who, frame) else "plain" if who.text else "muted"
+        look = "stale" if picture.is_stale(who, frame.now) else "plain" if who.text else "muted"
         pieces.append((name, look))
     return [(name_piece(f"{robot}visitor"), *pieces)] if pieces else []
 

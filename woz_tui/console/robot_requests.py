@@ -92,10 +92,6 @@ class RobotRequests:
             hint = ": ".join(part for part in (key, reply.hint) if part)
             self._news(f"{reply.reason} ({hint})" if hint else reply.reason, "warn")
 
-    def play(self, action: str) -> None:
-        """Play an action that was found by typing."""
-        self.ask(r.AskAction(action=action, source="palette"))
-
     def say(self, text: str, on: str, key: str) -> None:
         """Say a typed utterance; `key` opened the dialog."""
         self.said = [*(old for old in self.said if old != text), text][-HISTORY:]

@@ -98,19 +98,15 @@ def _badge(picture: ConsoleState) -> Row:
 
 def _values(picture: ConsoleState, frame: PaintFrame) -> list[str]:
     """Who takes part, under which condition, in which trial, and so on."""
+    asked, start = picture.study.asked, picture.session.start
     found = (
         clean(picture.participant) or "no participant",
         clean(picture.condition) or ("no condition" if picture.conditions else ""),
         _trial(picture, frame),
-        _asked(picture),
-        _session_code(picture),
+        f"questions {asked.answered}/{len(asked.items)}" if asked is not None else "",
+        f"session {clean(start.session)}" if start is not None and start.session else "",
     )
     return [value for value in found if value]
-
-
-def _session_code(picture: ConsoleState) -> str:
-    start = picture.session.start
-    return f"session {clean(start.session)}" if start is not None and start.session else ""
 
 
 def _trial(picture: ConsoleState, frame: PaintFrame) -> str:
@@ -128,12 +124,6 @@ def _trial(picture: ConsoleState, frame: PaintFrame) -> str:
     if study.designed:
         return "no trial yet"
     return f"trial {picture.trial}" if picture.trial is not None else ""
-
-
-def _asked(picture: ConsoleState) -> str:
-    """How far a questionnaire is."""
-    asked = picture.study.asked
-    return f"questions {asked.answered}/{len(asked.items)}" if asked is not None else ""
 
 
 def _profile(picture: ConsoleState, frame: PaintFrame) -> Row:
@@ -222,7 +212,7 @@ def _drivers(picture: ConsoleState, glyphs: Glyphs) -> Row:
 
 
 def _failures(picture: ConsoleState, glyphs: Glyphs, key: str) -> Row:
-    count = len(picture.unseen())
+    count = len(picture.runs.unseen())
     if not count:
         return ()
     return ((f" {glyphs.failed} {count} failed: {key} ", "alarm"),)

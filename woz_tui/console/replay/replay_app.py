@@ -52,8 +52,8 @@ class ReplayConsole(Console):
     def __init__(self, feed: MessageFeed, keyboard: ReplayKeyboard, **options: Any) -> None:
         super().__init__(feed, keyboard, commands=COMMANDS, **options)
         self.inbox: _Inbox = _Inbox(self.wake)
-        self._surface = MainScreen(bar=TimeBar())
-        self._panels = self._surface.panels
+        self._main_screen = MainScreen(bar=TimeBar())
+        self._panels = self._main_screen.panels
         self._said_until = 0
         self._greeted = False
 

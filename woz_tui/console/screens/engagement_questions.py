@@ -58,15 +58,19 @@ def steer(app: ConsoleApp, order: Override, key: str = "") -> None:
         app.requests.ask(override_request(order, engaged, key))
 
 
-class ForceDialog(ChoiceDialog):
-    """States and outcomes; the log says that it was the wizard."""
-
-    heading = "Force"
-    hint = "arrows choose · enter forces it · ctrl+q closes"
+class _OverrideDialog(Dialog):
+    """Belongs to the key that opened it, which the log names."""
 
     def __init__(self, key: str = "") -> None:
         super().__init__()
         self._key = key
+
+
+class ForceDialog(_OverrideDialog, ChoiceDialog):
+    """States and outcomes; the log says that it was the wizard."""
+
+    heading = "Force"
+    hint = "arrows choose · enter forces it · ctrl+q closes"
 
     def lines(self) -> list[Row]:
         """Where it begins."""
@@ -96,17 +100,13 @@ class ForceDialog(ChoiceDialog):
         )
 
 
-class IdentityDialog(EntryDialog):
+class IdentityDialog(_OverrideDialog, EntryDialog):
     """Who it is, in place of a camera; an empty line means nobody who is known."""
 
     heading = "Who is it?"
     hint = "enter says so · empty: unknown · ctrl+q closes"
     placeholder = "code of the visitor (never a name)"
     default = "Unknown"
-
-    def __init__(self, key: str = "") -> None:
-        super().__init__()
-        self._key = key
 
     def below(self) -> Iterable[Widget]:
         """Those of whom this session knows."""
@@ -120,15 +120,11 @@ class IdentityDialog(EntryDialog):
         self.requests.ask(verb_request("sense", {"sign": "identity", "value": text}, self._key))
 
 
-class VisitorDialog(FormDialog):
+class VisitorDialog(_OverrideDialog, FormDialog):
     """Who stands there, from now on in the store; during a handshake that ends it well."""
 
     heading = "Visitor"
     hint = "tab next field · enter accepts · ctrl+q closes"
-
-    def __init__(self, key: str = "") -> None:
-        super().__init__()
-        self._key = key
 
     def body(self) -> Iterable[Widget]:
         """Code, and what the robot may want to know of them."""

@@ -16,7 +16,7 @@ def open_failures(app: ConsoleApp) -> None:
     """Show failures; on a lost connection, what can be done."""
     if app.picture.lost:
         open_lost(app)
-    elif app.picture.unseen():
+    elif app.picture.runs.unseen():
         app.open_dialog(FailuresDialog())
     else:
         app.news("No unseen failures")
@@ -34,7 +34,7 @@ class FailuresDialog(ReportDialog):
     def lines(self) -> list[Row]:
         """Newest first."""
         rows: list[Row] = []
-        for failure in reversed(self.picture.unseen()):
+        for failure in reversed(self.picture.runs.unseen()):
             name = self.picture.label(failure.action) if failure.action else failure.what
             front = (" " * self.indent, "plain")
             rows += [
@@ -47,6 +47,6 @@ class FailuresDialog(ReportDialog):
 
     def action_see(self) -> None:
         """All seen."""
-        self.picture.see_failures()
+        self.picture.runs.see_all()
         self.leave()
         self.console_app.paint()

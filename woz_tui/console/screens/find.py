@@ -20,7 +20,7 @@ from woz_tui.console.key_caps import KeyCap, caption, key_name
 from woz_tui.console.screens.choice import SearchDialog
 from woz_tui.console.screens.engagement_questions import steer
 from woz_tui.protocol.messages import Json
-from woz_tui.protocol.requests import AskLock, AskPhase, AskVerb
+from woz_tui.protocol.requests import AskAction, AskLock, AskPhase, AskVerb
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,11 +142,12 @@ class FindDialog(SearchDialog[SearchItem]):
             cap = self.console_app.caps.get(action.name, KeyCap(action.key))
             said = quoted(self.picture, action.name, self.glyphs)
             where = panel.title if not action.help else f"{panel.title}: {action.help}"
+            request = AskAction(action=action.name, source="palette")
             yield SearchItem(
                 action.label,
                 caption(cap, self.glyphs),
                 f"{said}  {where}".lstrip(),
-                functools.partial(self.requests.play, action.name),
+                functools.partial(self.requests.ask, request),
                 " ".join((action.label, action.help, panel.title)),
                 said,
                 acts=True,

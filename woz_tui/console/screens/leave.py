@@ -8,7 +8,7 @@ from textual.content import Content
 
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.screens.choice import ChoiceDialog, Offer
-from woz_tui.console.screens.trial import OfferDialog, progress
+from woz_tui.console.screens.trial import OfferDialog, progress, questionnaire_title
 from woz_tui.console.screens.typed import KeepTypedDialog, has_typed
 from woz_tui.console.study.study_view import StudyView
 from woz_tui.log.file_names import gets_participant
@@ -67,12 +67,10 @@ def cut_off(study: StudyView) -> list[str]:
         found.append(f"trial {study.trial.number} is running: the end makes it aborted")
     if study.asked is not None:
         found.append(f"{clean(study.asked.questionnaire.heading)}: {progress(study.asked)}")
-    found += [f"{clean(_title(study, name))} has not been answered" for name in study.unasked()]
+    found += [
+        f"{clean(questionnaire_title(study, name))} has not been answered"
+        for name in study.unasked()
+    ]
     if study.trial is None and study.last is not None and (left := study.trials_left):
         found.append(f"{left} of {study.planned} trials {'has' if left == 1 else 'have'} not begun")
     return found
-
-
-def _title(study: StudyView, name: str) -> str:
-    one = study.questionnaire(name)
-    return one.heading if one is not None else name

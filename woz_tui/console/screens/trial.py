@@ -12,7 +12,7 @@ from textual.widget import Widget
 from textual.widgets import Input, OptionList, Static
 
 from woz_tui.config.study import OVER
-from woz_tui.console.cells import Row, clean, fit
+from woz_tui.console.cells import Row, clean, fit_most
 from woz_tui.console.number_text import elapsed
 from woz_tui.console.screens.choice import ChoiceDialog, Offer
 from woz_tui.console.screens.dialog import ConsoleApp, Dialog, content
@@ -134,7 +134,7 @@ class OfferDialog(ChoiceDialog):
     def lines(self) -> list[Row]:
         """Which one."""
         one = self.picture.study.questionnaire(self._asked)
-        title = one.heading if one is not None else self._asked
+        title = questionnaire_title(self.picture.study, self._asked)
         count = f"  {len(one.items)} items" if one is not None else ""
         back = "It covers this screen; ctrl+q brings the console back."
         return [((clean(title), "strong"), (count, "muted")), ((back, "plain"),)]
@@ -163,7 +163,8 @@ def trial_steps(study: StudyView) -> list[TrialStep]:
         )
         found.append(TrialStep("l", "leave it unfinished", _leave(study.asked.name)))
     elif study.due:
-        found.append(TrialStep("q", f"ask: {_title(study, study.due[0])}", _offer(study.due[0])))
+        title = fit_most(questionnaire_title(study, study.due[0]), 50, "…")
+        found.append(TrialStep("q", f"ask: {title}", _offer(study.due[0])))
     if study.break_began is not None:
         found.append(TrialStep("r", "resume: the break is over", _trial("resume")))
     if study.trial is not None:
@@ -240,9 +241,10 @@ def ask_questionnaire(app: ConsoleApp, name: str, *, here: bool) -> None:
     app.requests.ask(AskQuestionnaire(questionnaire=name), answered)
 
 
-def _title(study: StudyView, name: str) -> str:
+def questionnaire_title(study: StudyView, name: str) -> str:
+    """Its heading; the name where the file does not have it any more."""
     one = study.questionnaire(name)
-    return fit(one.heading, min(50, len(one.heading))) if one is not None else name
+    return one.heading if one is not None else name
 
 
 def offer_due(app: ConsoleApp) -> None:

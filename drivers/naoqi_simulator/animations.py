@@ -24,11 +24,11 @@ class AnimationLibrary:
         self._started: dict[str, asyncio.Task[None]] = {}
         self._last: dict[str, str] = {}
 
-    def find(self, asked: str, method: str) -> str:
+    def find(self, requested: str, method: str) -> str:
         """The path of an animation; `[posture]` and `[robot]` are filled in. Raises Refused."""
-        path = asked.replace("[posture]", "Stand").replace("[robot]", "Pepper").strip("/")
+        path = requested.replace("[posture]", "Stand").replace("[robot]", "Pepper").strip("/")
         if path not in self.lengths:
-            raise CallRefusedError(f"{method}\n\tanimation {asked} is not installed")
+            raise CallRefusedError(f"{method}\n\tanimation {requested} is not installed")
         return path
 
     def any_of(self, tag: str, method: str) -> str:
@@ -54,29 +54,31 @@ class AnimationLibrary:
             self.done.append(path)
         self._world.body.posture = "Stand"
 
-    async def from_speech(self, how: str, asked: str) -> None:
+    async def from_speech(self, how: str, requested: str) -> None:
         """What a tag in a text asks for; what cannot be played is noted, and speech goes on."""
         try:
             if how in ("run", "runTag", "start", "startTag"):
-                await self._play(how, asked)
+                await self._play(how, requested)
             elif how in ("stop", "stopTag"):
-                self._world.going.end("animation", about=self._last.get(asked, asked))
+                self._world.going.end("animation", about=self._last.get(requested, requested))
             elif how in ("wait", "waitTag"):
-                if asked in self._started:
-                    await asyncio.wait({self._started[asked]})
+                if requested in self._started:
+                    await asyncio.wait({self._started[requested]})
             else:
-                self._world.note(f"ALAnimatedSpeech: ^{how}({asked}) is not simulated")
+                self._world.note(f"ALAnimatedSpeech: ^{how}({requested}) is not simulated")
         except CallRefusedError as refused:
             self._world.note(str(refused))
 
-    async def _play(self, how: str, asked: str) -> None:
+    async def _play(self, how: str, requested: str) -> None:
         method = "ALAnimatedSpeech::say"
-        path = self.any_of(asked, method) if how.endswith("Tag") else self.find(asked, method)
-        self._last[asked] = path
+        path = (
+            self.any_of(requested, method) if how.endswith("Tag") else self.find(requested, method)
+        )
+        self._last[requested] = path
         if how.startswith("run"):
             await self.run(path, method)
         else:
-            self._started[asked] = asyncio.ensure_future(self._noting(path))
+            self._started[requested] = asyncio.ensure_future(self._noting(path))
             await asyncio.sleep(0)
 
     async def _noting(self, path: str) -> None:
@@ -229,5 +231,7 @@ LENGTHS: Mapping[str, float] = MappingProxyType(
 
 def with_tag(tag: str) -> list[str]:
     """Paths of the animations that stand for a tag: those whose name is the tag and a number."""
-    wanted = tag.replace(" ", "").lower()
-    return [path for path in LENGTHS if path.rpartition("/")[2].partition("_")[0].lower() == wanted]
+    plain_tag = tag.replace(" ", "").lower()
+    return [
+        path for path in LENGTHS if path.rpartition("/")[2].partition("_")[0].lower() == plain_tag
+    ]

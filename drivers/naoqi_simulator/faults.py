@@ -60,7 +60,7 @@ class SimulatedFaults:
         self._healed.set()
         self._healed = asyncio.Event()
 
-    def there(self, kind: str) -> bool:
+    def active(self, kind: str) -> bool:
         """Whether this fault is there now."""
         return self._time.now() < self._until.get(kind, -1.0)
 
@@ -70,11 +70,11 @@ class SimulatedFaults:
 
     def names(self) -> list[str]:
         """All that are there now."""
-        return [kind for kind in LASTING if self.there(kind)]
+        return [kind for kind in LASTING if self.active(kind)]
 
     async def before(self, called: str) -> None:
         """What a call meets before it is carried out. Raises Refused."""
-        while self.there("deaf"):
+        while self.active("deaf"):
             healed = asyncio.ensure_future(self._healed.wait())
             left = asyncio.ensure_future(
                 self._time.sleep(min(3600.0, self._until["deaf"] - self._time.now()))
@@ -84,10 +84,10 @@ class SimulatedFaults:
             finally:
                 healed.cancel()
                 left.cancel()
-        if self.there("slow"):
+        if self.active("slow"):
             # Real milliseconds: a slow network does not know of the robot's pace.
             await asyncio.sleep(float(self.detail("slow") or 500) / 1000)
-        if self.there("refuse"):
+        if self.active("refuse"):
             methods, _, text = self.detail("refuse").partition("=")
             if called in methods.split(","):
                 raise CallRefusedError(text or f"{called.replace('.', '::')}\n\tnot now")

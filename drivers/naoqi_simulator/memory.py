@@ -88,7 +88,7 @@ class MemoryService(Service):
         return [key for key in self._store.keys() if part in key]  # noqa: SIM118 - no dict
 
     def _check(self) -> None:
-        if self._world.faults.there("invalid-signature"):
+        if self._world.faults.active("invalid-signature"):
             raise CallRefusedError("Invalid signature")
 
     def _or_none(self, key: str) -> Any:

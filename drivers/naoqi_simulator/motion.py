@@ -71,13 +71,13 @@ class MotionService(Service):
         The page "Stiffness control" (naoqi/motion/control-stiffness of NAOqi 2.5) forbids a
         Pepper's lower part, and names no single joints among what may be set.
         """
-        wanted = self._pairs("setStiffnesses", names, values)
+        by_joint = self._pairs("setStiffnesses", names, values)
         for name in flat(names):
             if name not in SET_STIFF:
                 raise CallRefusedError(
                     f"ALMotion::setStiffnesses\n\t{name} is not allowed on Pepper"
                 )
-        for joint, stiffness in wanted.items():
+        for joint, stiffness in by_joint.items():
             self._body.stiffness[joint] = min(1.0, max(0.0, float(stiffness)))
 
     @offers("getStiffnesses(m)[f]")
@@ -112,9 +112,9 @@ class MotionService(Service):
     @offers("changeAngles(mmf)v")
     def change_angles(self, names: Any, changes: Any, fraction: float) -> None:
         """As setAngles, from where the joints are."""
-        wanted = self._pairs("changeAngles", names, changes)
-        angles = [self._body.angle(joint) + float(by) for joint, by in wanted.items()]
-        self.set_angles(list(wanted), angles, fraction)
+        by_joint = self._pairs("changeAngles", names, changes)
+        angles = [self._body.angle(joint) + float(by) for joint, by in by_joint.items()]
+        self.set_angles(list(by_joint), angles, fraction)
 
     @offers("angleInterpolation(mmmb)v")
     async def angle_interpolation(
@@ -163,8 +163,8 @@ class MotionService(Service):
         self, names: Any, angles: Any, fraction: float
     ) -> None:
         """Move joints at a fraction of their full speed; returns when it is over."""
-        wanted = self._pairs("angleInterpolationWithSpeed", names, angles)
-        targets = {joint: float(angle) for joint, angle in wanted.items()}
+        by_joint = self._pairs("angleInterpolationWithSpeed", names, angles)
+        targets = {joint: float(angle) for joint, angle in by_joint.items()}
         if not 0 < fraction <= 1:
             raise CallRefusedError(
                 "ALMotion::angleInterpolationWithSpeed\n\tspeed must be within ]0, 1]"
@@ -200,12 +200,12 @@ class MotionService(Service):
             ) from None
 
     def _pairs(self, method: str, names: Any, values: Any) -> dict[str, Any]:
-        joints, given = self._joints(method, names), flat(values)
-        if len(given) == 1:
-            given = given * len(joints)
-        if len(given) != len(joints):
+        joints, flat_values = self._joints(method, names), flat(values)
+        if len(flat_values) == 1:
+            flat_values = flat_values * len(joints)
+        if len(flat_values) != len(joints):
             raise CallRefusedError(f"ALMotion::{method}\n\tlists do not have the same size")
-        return dict(zip(joints, given, strict=True))
+        return dict(zip(joints, flat_values, strict=True))
 
     def _end_all(self) -> None:
         """End every movement that a client asked for."""
@@ -218,7 +218,7 @@ class MotionService(Service):
     @offers("moveTo(fff)b")
     async def move_to(self, x: float, y: float, turn: float) -> bool:
         """Drive by x, y (m) and turn (rad); False if it did not get there."""
-        if self._world.faults.there("says-no") or not self._body.awake:
+        if self._world.faults.active("says-no") or not self._body.awake:
             return False
         self._world.going.end("move")
         seconds = max(math.hypot(x, y) / SPEED_M_S, abs(turn) / SPEED_RAD_S)
@@ -244,7 +244,7 @@ class MotionService(Service):
     @offers("move(fff)v")
     async def move(self, x: float, y: float, turn: float) -> None:
         """Drive with these speeds (m/s, m/s, rad/s) until stopped."""
-        if self._body.awake and not self._world.faults.there("says-no"):
+        if self._body.awake and not self._world.faults.active("says-no"):
             self._world.going.end("move")
             self._body.drive(x, y, turn, _FOR_EVER)
 

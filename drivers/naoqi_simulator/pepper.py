@@ -87,7 +87,7 @@ class PepperSimulator:
         """One look at what has changed, and what the robot does about it."""
         self.senses.tick()
         self.awareness.follow()
-        moody = self.world.options.moody or self.world.faults.there("moody")
+        moody = self.world.options.moody or self.world.faults.active("moody")
         if moody and self.world.random.random() < MOOD_PER_S * TICK_S:
             self.world.note(f"by itself: {self.life.drift()}")
 

@@ -24,7 +24,7 @@ class RobotPosture(Service):
         if not 0 < fraction <= 1:
             raise CallRefusedError("ALRobotPosture::goToPosture\n\tspeed must be within ]0, 1]")
         body = self._world.body
-        if not body.awake or self._world.faults.there("says-no"):
+        if not body.awake or self._world.faults.active("says-no"):
             return False
         # As the real one it is never at its fastest: half a second at the least.
         seconds = max(0.5, body.seconds_to(POSTURES[posture], fraction))

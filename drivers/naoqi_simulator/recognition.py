@@ -85,8 +85,8 @@ class SpeechRecognition(ExtractorService):
         """The robot has spoken: somebody who stands near answers, if it listens."""
         person = self._world.person()
         if self.on and person is not None and person.distance < NEAR_M:
-            said = reply(_called(person), self._sentence, self._world.random)
-            self._begin(said, ANSWERS_AFTER_S)
+            answer = reply(_called(person), self._sentence, self._world.random)
+            self._begin(answer, ANSWERS_AFTER_S)
 
     def _begin(self, text: str, after: float) -> None:
         if self._answering is not None:
@@ -97,16 +97,16 @@ class SpeechRecognition(ExtractorService):
         world = self._world
         await world.time.sleep(after)
         world.talks = True
-        self._tell(DETECTED, True)
+        self._publish(DETECTED, True)
         try:
             await world.time.sleep(speaking_s(text))
         finally:
             world.talks = False
-            self._tell(DETECTED, False)
+            self._publish(DETECTED, False)
         if self.vocabulary:
-            self._tell(RECOGNIZED, self._recognised(text))
+            self._publish(RECOGNIZED, self._recognised(text))
 
-    def _tell(self, key: str, value: Any) -> None:
+    def _publish(self, key: str, value: Any) -> None:
         if self.on and not self._paused:
             self._world.store.raise_event(key, value)
 

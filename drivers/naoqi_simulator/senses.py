@@ -135,8 +135,8 @@ class SensorKeys:
 
     def visible(self) -> list[int]:
         """Numbers of the people seen."""
-        seen = self._on("ALPeoplePerception", "ALGazeAnalysis", "ALFaceDetection")
-        person = self._world.person() if seen else None
+        watching = self._on("ALPeoplePerception", "ALGazeAnalysis", "ALFaceDetection")
+        person = self._world.person() if watching else None
         return [FIRST_ID + person.number] if person else []
 
     def of_person(self, key: str) -> Any:
@@ -189,9 +189,9 @@ class SensorKeys:
             return list(self._last.get(SOUND, []))
         yaw = self._world.body.angle("HeadYaw")
         located = [person.angle - yaw, 0.0, 0.8, 0.6]
-        heard = [self.stamp(), located, [0.0, 0.0, 1.2, 0.0, 0.0, yaw], [0.0] * 6]
-        self._last[SOUND] = heard
-        return heard
+        sound_value = [self.stamp(), located, [0.0, 0.0, 1.2, 0.0, 0.0, yaw], [0.0] * 6]
+        self._last[SOUND] = sound_value
+        return sound_value
 
     def stamp(self) -> list[int]:
         """Seconds and microseconds of the robot's clock."""
@@ -204,13 +204,13 @@ class SensorKeys:
         self._changed(LOOKING, self.looking())
         faces, sound = self.faces(), self.sound()
         if faces or self._last.get(FACES):
-            self._world.store.tell(FACES, faces)
+            self._world.store.notify(FACES, faces)
         self._last[FACES] = faces
         person = self._world.person()
         if sound and person is not None and person.talking:
-            self._world.store.tell(SOUND, sound)
+            self._world.store.notify(SOUND, sound)
 
     def _changed(self, key: str, value: Sequence[int]) -> None:
         if self._last.get(key, []) != value:
             self._last[key] = value
-            self._world.store.tell(key, value)
+            self._world.store.notify(key, value)

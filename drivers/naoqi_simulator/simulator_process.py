@@ -157,12 +157,12 @@ def parser() -> argparse.ArgumentParser:
 
 def main(arguments: list[str] | None = None, hosting: Hosting = ServiceHost) -> int:
     """Run until SIGTERM, SIGINT, or the end of the orders."""
-    given = parser().parse_args(arguments)
-    if given.server == "qi":
+    parsed = parser().parse_args(arguments)
+    if parsed.server == "qi":
         sys.stderr.write("--server qi: the package qi is not used; it serves by itself\n")
     out = _own_output()
     try:
-        asyncio.run(_serve(given, out, hosting))
+        asyncio.run(_serve(parsed, out, hosting))
     except (OSError, ValueError) as error:
         sys.stderr.write(f"{error}\n")
         return 2
@@ -180,25 +180,25 @@ def _own_output() -> int:
     return out
 
 
-async def _serve(given: argparse.Namespace, out: int, hosting: Hosting) -> None:
+async def _serve(parsed: argparse.Namespace, out: int, hosting: Hosting) -> None:
     loop = asyncio.get_running_loop()
     options = SimulatorOptions(
-        seed=given.seed,
-        visitors=given.visitors == "seeded",
-        life=given.life,
-        moody=given.moody,
-        invalid_signature=not given.subscriber,
-        version=given.naoqi,
-        files=given.files,
+        seed=parsed.seed,
+        visitors=parsed.visitors == "seeded",
+        life=parsed.life,
+        moody=parsed.moody,
+        invalid_signature=not parsed.subscriber,
+        version=parsed.naoqi,
+        files=parsed.files,
     )
-    pepper = PepperSimulator(SimulatedWorld(PacedTime(given.pace), options))
-    host, address = await start(pepper, given.host, given.port, hosting)
+    pepper = PepperSimulator(SimulatedWorld(PacedTime(parsed.pace), options))
+    host, address = await start(pepper, parsed.host, parsed.port, hosting)
     ended = asyncio.Event()
     for one in (signal.SIGTERM, signal.SIGINT):
         loop.add_signal_handler(one, ended.set)
     os.write(out, json.dumps({"address": address}).encode() + b"\n")
     tasks = {asyncio.ensure_future(pepper.live()), asyncio.ensure_future(ended.wait())}
-    if given.control:
+    if parsed.control:
         tasks.add(asyncio.ensure_future(StdinControl(pepper, out).run()))
     done, going = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     for task in going:
@@ -255,8 +255,8 @@ def _read_lines(loop: asyncio.AbstractEventLoop, lines: asyncio.Queue[bytes]) ->
     # The loop may be gone before the last line.
     with contextlib.suppress(RuntimeError):
         while data := os.read(0, 1 << 16):
-            *whole, rest = (rest + data).split(b"\n")
-            for line in whole:
+            *complete, rest = (rest + data).split(b"\n")
+            for line in complete:
                 if line.strip():
                     loop.call_soon_threadsafe(lines.put_nowait, line)
         loop.call_soon_threadsafe(lines.put_nowait, b"")

@@ -40,9 +40,9 @@ class SpeechVoice:
             self._event("TextStarted", 1)
             self._event("CurrentSentence", text)
             self._status(number, "started")
-            whole = await self._pieces(pieces, animations)
-            self._event("TextDone" if whole else "TextInterrupted", 1)
-            self._status(number, "done" if whole else "stopped")
+            complete = await self._pieces(pieces, animations)
+            self._event("TextDone" if complete else "TextInterrupted", 1)
+            self._status(number, "done" if complete else "stopped")
         return None
 
     def stop(self) -> None:
@@ -57,17 +57,17 @@ class SpeechVoice:
 
     async def _pieces(self, pieces: list[Piece], animations: AnimationLibrary) -> bool:
         generation, last = self._generation, self._world.going.last
-        whole = await last("speech", ONSET_S, "onset")
+        complete = await last("speech", ONSET_S, "onset")
         for piece in pieces:
-            if not whole or generation != self._generation:
+            if not complete or generation != self._generation:
                 return False
             if isinstance(piece, Animate):
                 await animations.from_speech(piece.how, piece.path)
             elif isinstance(piece, Pause):
-                whole = await last("speech", piece.seconds, "pause")
+                complete = await last("speech", piece.seconds, "pause")
             else:
-                whole = await self._words(piece)
-        return whole and generation == self._generation
+                complete = await self._words(piece)
+        return complete and generation == self._generation
 
     async def _words(self, words: Words) -> bool:
         said = {"text": words.text, **asdict(words.manner), "whole": False}

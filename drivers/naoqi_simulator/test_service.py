@@ -79,9 +79,9 @@ class TestService(Service):
             return
         knob = self._knobs.by_name.get(name)
         if knob is None or knob.write is None:
-            known = ", ".join(one for one, knob in self._knobs.by_name.items() if knob.write)
+            names = ", ".join(one for one, knob in self._knobs.by_name.items() if knob.write)
             raise CallRefusedError(
-                f"StandIn::set\n\tnothing to change under {name}; there is {known}"
+                f"StandIn::set\n\tnothing to change under {name}; there is {names}"
             )
         try:
             knob.write(decoded)
@@ -130,11 +130,11 @@ class TestService(Service):
             )
 
 
-def _placed(given: Mapping[str, Any]) -> SimulatedPerson:
+def _placed(description: Mapping[str, Any]) -> SimulatedPerson:
     fields = asdict(_DEFAULT)
-    if unknown := set(given) - set(fields):
+    if unknown := set(description) - set(fields):
         raise CallRefusedError(f"StandIn::person\n\tnobody has {', '.join(sorted(unknown))}")
-    for name, value in given.items():
+    for name, value in description.items():
         kind = type(fields[name])
         if type(value) is not kind and (kind, type(value)) != (float, int):
             raise CallRefusedError(

@@ -66,7 +66,7 @@ class _CurrentVisit:
     comes: float
     stays: float
     leaves: float
-    gone: float
+    ends: float
     distance: float
     angle: float
     name: str
@@ -82,15 +82,15 @@ class SimulatedVisitors:
 
     def at(self, seconds: float) -> SimulatedPerson | None:
         """Who is there after so many seconds of the robot."""
-        while not self._visits or self._visits[-1].gone <= seconds:
+        while not self._visits or self._visits[-1].ends <= seconds:
             self._visits.append(self._next())
-        visit = next(one for one in self._visits if seconds < one.gone)
-        return None if seconds < visit.comes else _seen(visit, seconds)
+        visit = next(one for one in self._visits if seconds < one.ends)
+        return None if seconds < visit.comes else _person_at(visit, seconds)
 
     def _next(self) -> _CurrentVisit:
         draw = self._random
         number = len(self._visits) + 1
-        comes = (self._visits[-1].gone if self._visits else 0.0) + draw.uniform(4.0, 10.0)
+        comes = (self._visits[-1].ends if self._visits else 0.0) + draw.uniform(4.0, 10.0)
         stays = comes + WALK_S
         doings = self._doings(stays, draw.randint(3, 6))
         leaves = doings[-1].until
@@ -111,7 +111,7 @@ class SimulatedVisitors:
         return tuple(doings)
 
 
-def _seen(visit: _CurrentVisit, now: float) -> SimulatedPerson:
+def _person_at(visit: _CurrentVisit, now: float) -> SimulatedPerson:
     sway = 0.05 * math.sin(now * 0.8)
     if now < visit.stays:
         share = (now - visit.comes) / WALK_S

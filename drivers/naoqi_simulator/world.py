@@ -58,16 +58,16 @@ class MemoryStore:
     def raise_event(self, key: str, value: Any) -> None:
         """Keep the value and tell everybody who listens."""
         self._data[key] = value
-        self.tell(key, value)
+        self.notify(key, value)
 
-    def tell(self, key: str, value: Any) -> None:
+    def notify(self, key: str, value: Any) -> None:
         """Tell everybody who listens, of a value that is provided."""
-        for hear in list(self._listeners.get(key, ())):
-            hear(value)
+        for listener in list(self._listeners.get(key, ())):
+            listener(value)
 
-    def listen(self, key: str, hear: Callable[[Any], None]) -> None:
+    def listen(self, key: str, listener: Callable[[Any], None]) -> None:
         """Hear this event from now on."""
-        self._listeners.setdefault(key, []).append(hear)
+        self._listeners.setdefault(key, []).append(listener)
 
     def keys(self) -> Iterable[str]:
         """All keys by name, but those provided by prefix."""

@@ -62,23 +62,23 @@ async def enter(connection: QiConnection, user: str, token: str, within: float) 
 
     Raises:
         LoginError: The other end does not let us in.
-        TimedOut: A name and a token were given, and no answer came.
-        ConnectionLost: It hung up.
+        CallTimeoutError: A name and a token were given, and no answer came.
+        ConnectionLostError: It hung up.
         ProtocolError: What came is no answer to this.
     """
     silence = within if user or token else min(_SILENCE, within)
     answer = await _first(connection, _greeting(user, token), silence)
     if answer is None or answer.kind != MessageKind.REPLY:
         return _without_login(connection, answer, user, token)
-    state, said = _read(connection, answer)
+    state, answer_fields = _read(connection, answer)
     if state == GO_ON:
-        token = _new_token(said)
-        answer = await _ask(connection, _greeting(user, token), within)
+        token = _new_token(answer_fields)
+        answer = await _call(connection, _greeting(user, token), within)
         if answer.kind != MessageKind.REPLY:
             raise LoginError(f"the robot refuses the login: {error_text(answer)}")
-        state, said = _read(connection, answer)
+        state, answer_fields = _read(connection, answer)
     if state != DONE:
-        raise LoginError(_why_refused(state, said))
+        raise LoginError(_why_refused(state, answer_fields))
     return Authenticated(token)
 
 
@@ -86,23 +86,23 @@ async def _first(
     connection: QiConnection, greeting: Mapping[str, Any], within: float
 ) -> QiMessage | None:
     """Return the answer to the greeting; None where capabilities came unasked, or nothing."""
-    asked = asyncio.ensure_future(_ask(connection, greeting, within))
-    told = asyncio.ensure_future(connection.capabilities_told())
+    asking = asyncio.ensure_future(_call(connection, greeting, within))
+    unasked = asyncio.ensure_future(connection.capabilities_known())
     try:
-        await asyncio.wait({asked, told}, return_when=asyncio.FIRST_COMPLETED)
-        if asked.done():
-            return asked.result()
+        await asyncio.wait({asking, unasked}, return_when=asyncio.FIRST_COMPLETED)
+        if asking.done():
+            return asking.result()
         return None
     except CallTimeoutError:
         if USER in greeting:
             raise
         return None
     finally:
-        for task in (asked, told):
+        for task in (asking, unasked):
             task.cancel()
 
 
-async def _ask(connection: QiConnection, greeting: Mapping[str, Any], within: float) -> QiMessage:
+async def _call(connection: QiConnection, greeting: Mapping[str, Any], within: float) -> QiMessage:
     return await connection.ask(0, 0, AUTHENTICATE, encode("{sm}", greeting), within)
 
 
@@ -115,8 +115,8 @@ def _without_login(
     connection: QiConnection, answer: QiMessage | None, user: str, token: str
 ) -> Authenticated:
     if user or token:
-        said = error_text(answer) if answer is not None else "it does not ask for one"
-        raise LoginError(f"the robot refuses the login: {said}")
+        answer_fields = error_text(answer) if answer is not None else "it does not ask for one"
+        raise LoginError(f"the robot refuses the login: {answer_fields}")
     with contextlib.suppress(
         ConnectionLostError
     ):  # the next call finds it, and knows the objection
@@ -127,25 +127,25 @@ def _without_login(
 
 
 def _read(connection: QiConnection, answer: QiMessage) -> tuple[int, Mapping[Any, Any]]:
-    said = decode("{sm}", answer.payload)
-    connection.learn(said)
-    state = said.get(STATE, DONE)
+    answer_fields = decode("{sm}", answer.payload)
+    connection.learn(answer_fields)
+    state = answer_fields.get(STATE, DONE)
     if not isinstance(state, int) or state not in (REFUSED, GO_ON, DONE):
         raise ProtocolError("the answer to the login has no state that is known")
-    return state, said
+    return state, answer_fields
 
 
-def _new_token(said: Mapping[Any, Any]) -> str:
-    token = said.get(NEW_TOKEN)
+def _new_token(answer_fields: Mapping[Any, Any]) -> str:
+    token = answer_fields.get(NEW_TOKEN)
     if not isinstance(token, str) or not token:
         raise LoginError("the robot wants another step of the login, which is not known here")
     return token
 
 
-def _why_refused(state: int, said: Mapping[Any, Any]) -> str:
+def _why_refused(state: int, answer_fields: Mapping[Any, Any]) -> str:
     if state == GO_ON:
         return "the robot wants a third step of the login, which is not known here"
-    reason = said.get(REASON)
+    reason = answer_fields.get(REASON)
     return f"the robot refuses the login: {reason or 'wrong name or password'}"
 
 
@@ -189,8 +189,8 @@ class Authenticator:
         """Open a connection and log in.
 
         Raises:
-            ConnectionLost: Nobody listens there, or TLS does not come about.
-            TimedOut: Nothing came within that many seconds.
+            ConnectionLostError: Nobody listens there, or TLS does not come about.
+            CallTimeoutError: Nothing came within that many seconds.
             LoginError: We are not let in.
             ProtocolError: Something else than qi messaging listens there.
         """

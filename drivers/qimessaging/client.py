@@ -50,16 +50,20 @@ class NaoqiClient:
     """
 
     def __init__(
-        self, connection: QiConnection, way_in: Authenticator, host: ObjectHost, timeout: float
+        self,
+        connection: QiConnection,
+        authenticator: Authenticator,
+        host: ObjectHost,
+        timeout: float,
     ) -> None:
         """Use a connection that has let us in; `open` makes it and the rest."""
         self._connection = connection
-        self._way_in = way_in
+        self._authenticator = authenticator
         self._host = host
         self._listener = ServiceListener(host, longest=_LONGEST_CALL, most=_MOST_CALLERS)
         self._timeout = timeout
         self._directory = ServiceInfo(DIRECTORY, DIRECTORY_SERVICE, "", 0, (), "")
-        self._found: dict[str, asyncio.Task[RemoteObject]] = {}
+        self._searches: dict[str, asyncio.Task[RemoteObject]] = {}
         self._elsewhere: dict[Endpoint, QiConnection] = {}
         self.lost: asyncio.Future[str] = connection.lost
 
@@ -87,22 +91,22 @@ class NaoqiClient:
             prepare: Called with the socket of each connection once we are let in: sets options.
 
         Raises:
-            ConnectionLost: Nobody listens there, TLS does not come about, or it hung up.
-            TimedOut: No answer came in time.
+            ConnectionLostError: Nobody listens there, TLS does not come about, or it hung up.
+            CallTimeoutError: No answer came in time.
             LoginError: The robot does not let us in.
             ProtocolError: Something else listens there.
         """
         services = ObjectHost()
-        way_in = Authenticator(tls, user, token, services.handle, prepare=prepare)
+        authenticator = Authenticator(tls, user, token, services.handle, prepare=prepare)
         endpoint = Endpoint(host, port, tls is not None)
         try:
             async with asyncio.timeout(timeout):
-                connection = await way_in.connect(endpoint, timeout)
-                this = cls(connection, way_in, services, timeout)
-                await this._begin()
+                connection = await authenticator.connect(endpoint, timeout)
+                client = cls(connection, authenticator, services, timeout)
+                await client._begin()
         except TimeoutError:
             raise CallTimeoutError(f"{endpoint} does not answer within {timeout:g} s") from None
-        return this
+        return client
 
     @property
     def local_host(self) -> str:
@@ -124,10 +128,10 @@ class NaoqiClient:
 
     async def service(self, name: str) -> RemoteObject:
         """Return a service, which is looked up once. Raises as `RemoteObject.call`."""
-        task = self._found.get(name)
+        task = self._searches.get(name)
         if task is None:
             task = asyncio.create_task(self._find(name))
-            self._found[name] = task
+            self._searches[name] = task
             task.add_done_callback(lambda done: self._forget_failed(name, done))
         try:
             return await asyncio.shield(task)
@@ -142,10 +146,10 @@ class NaoqiClient:
         A cancelled call is cancelled on the robot, too, where it lets itself be.
 
         Raises:
-            Refused: There is no such service or method, it does not take these arguments, it
+            RefusedError: There is no such service or method, it does not take these arguments, it
                 failed (`RemoteError`), or its process has gone (`ServiceLostError`).
-            TimedOut: No answer came within that many seconds; a late one is dropped.
-            ConnectionLost: The connection to the directory is lost.
+            CallTimeoutError: No answer came within that many seconds; a late one is dropped.
+            ConnectionLostError: The connection to the directory is lost.
         """
         found, left = await self._service_within(service, within)
         try:
@@ -158,15 +162,15 @@ class NaoqiClient:
             raise self._loss_of(service, error) from error
 
     async def listen(
-        self, service: str, signal: str, heard: Callable[..., None], within: float = TIMEOUT
+        self, service: str, signal: str, listener: Callable[..., None], within: float = TIMEOUT
     ) -> Unsubscribe:
-        """Call `heard(*values)` in the loop for each time the signal is emitted.
+        """Call `listener(*values)` in the loop for each time the signal is emitted.
 
         Raises as `call`.
         """
         found, left = await self._service_within(service, within)
         try:
-            return await found.listen(signal, heard, left)
+            return await found.listen(signal, listener, left)
         except ConnectionLostError as error:
             raise self._loss_of(service, error) from error
 
@@ -191,8 +195,8 @@ class NaoqiClient:
                 call it, over this connection.
 
         Raises:
-            Refused: The name is taken.
-            ConnectionLost: No address to listen on; otherwise as `call`.
+            RefusedError: The name is taken.
+            ConnectionLostError: No address to listen on; otherwise as `call`.
         """
         if listen and not self._listener.endpoints:
             try:
@@ -209,7 +213,7 @@ class NaoqiClient:
 
     async def close(self) -> None:
         """Let go. Never raises, never waits for the robot."""
-        for task in tuple(self._found.values()):
+        for task in tuple(self._searches.values()):
             task.cancel()
         for connection in tuple(self._elsewhere.values()):
             connection.end("closed")
@@ -224,8 +228,8 @@ class NaoqiClient:
         try:
             await self._meet_directory()
         except ConnectionLostError as error:
-            if self._way_in.objection:
-                raise LoginError(_refusal(self._way_in.objection)) from error
+            if self._authenticator.objection:
+                raise LoginError(_refusal(self._authenticator.objection)) from error
             raise
         except QiError as error:
             self._connection.end(str(error))
@@ -240,7 +244,7 @@ class NaoqiClient:
         self._directory = ServiceInfo.of(members)
         await directory.listen("serviceRemoved", self._removed, self._timeout)
         task = asyncio.create_task(_already(directory))
-        self._found[DIRECTORY] = task
+        self._searches[DIRECTORY] = task
         await task
 
     async def _find(self, name: str) -> RemoteObject:
@@ -255,7 +259,7 @@ class NaoqiClient:
     async def _reach(self, info: ServiceInfo) -> QiConnection:
         """Connect to the process in which a service lives, where that is not done yet."""
         peer = self._connection.address("peername")[0]
-        endpoints = reachable(info, peer, self._way_in.tls is not None)
+        endpoints = reachable(info, peer, self._authenticator.tls is not None)
         for endpoint in endpoints:
             if endpoint in self._elsewhere:
                 return self._elsewhere[endpoint]
@@ -269,7 +273,7 @@ class NaoqiClient:
         raise ServiceLostError(f"{info.name} cannot be reached: {why}")
 
     async def _connect_elsewhere(self, endpoint: Endpoint) -> QiConnection:
-        connection = await self._way_in.connect(endpoint, self._timeout)
+        connection = await self._authenticator.connect(endpoint, self._timeout)
         if endpoint in self._elsewhere:  # two services of one process were looked up at once
             connection.end("there is another")
             return self._elsewhere[endpoint]
@@ -281,25 +285,25 @@ class NaoqiClient:
 
     def _drop(self, endpoint: Endpoint, connection: QiConnection) -> None:
         self._elsewhere.pop(endpoint, None)
-        for name, task in tuple(self._found.items()):
+        for name, task in tuple(self._searches.items()):
             if _result(task) and task.result().connection is connection:
-                del self._found[name]
+                del self._searches[name]
 
     def _forget_failed(self, name: str, task: asyncio.Task[RemoteObject]) -> None:
-        if not _result(task) and self._found.get(name) is task:
-            del self._found[name]
+        if not _result(task) and self._searches.get(name) is task:
+            del self._searches[name]
 
-    def _removed(self, *said: Any) -> None:
+    def _removed(self, *values: Any) -> None:
         """Look a service up again that has left the directory; it may come back elsewhere.
 
         `said`: its number and its name.
         """
-        name = said[1] if len(said) == 2 else None
+        name = values[1] if len(values) == 2 else None
         if isinstance(name, str) and name != DIRECTORY:
-            self._found.pop(name, None)
+            self._searches.pop(name, None)
 
     async def _service_within(self, name: str, within: float) -> tuple[RemoteObject, float]:
-        task = self._found.get(name)
+        task = self._searches.get(name)
         if task is not None and _result(task):
             return task.result(), within
         loop = asyncio.get_running_loop()

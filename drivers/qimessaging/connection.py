@@ -34,7 +34,7 @@ CAPABILITIES: Final[Mapping[str, bool]] = {
 _MOST_WAITING: Final = 128 << 20
 
 #: Messages are taken for so long without a break, in seconds.
-_A_TURN_S: Final = 0.005
+_TURN_S: Final = 0.005
 
 _ANSWERS: Final = frozenset({MessageKind.REPLY, MessageKind.ERROR, MessageKind.CANCELED})
 _ASKING: Final = frozenset({MessageKind.CALL, MessageKind.POST, MessageKind.CANCEL})
@@ -60,12 +60,12 @@ class QiConnection(asyncio.Protocol):
         self._transport: asyncio.Transport | None = None
         self._numbers = itertools.count(1)
         self._pending: dict[int, asyncio.Future[QiMessage]] = {}
-        self._heard: dict[Source, MessageListener] = {}
+        self._listeners: dict[Source, MessageListener] = {}
         self._capabilities: dict[str, Any] = {}
-        self._told = asyncio.Event()
+        self._capabilities_set = asyncio.Event()
         self._reason = ""
         #: Messages that wait for their turn, and why what came behind them is none.
-        self._came: deque[QiMessage] = deque()
+        self._received: deque[QiMessage] = deque()
         self._broken = ""
         self._next: asyncio.Handle | None = None
         self._reads = True
@@ -86,20 +86,20 @@ class QiConnection(asyncio.Protocol):
             return
         try:
             for frame in self._reader.feed(data):
-                self._came.append(frame)
+                self._received.append(frame)
         except ProtocolError as error:
             self._broken = f"the other end does not keep to the protocol: {error}"
         if self._next is None:
-            self._take_some(_A_TURN_S)
+            self._process_received(_TURN_S)
 
     def eof_received(self) -> None:
         """Tell everybody who waits, in this very turn of the loop."""
-        self._take_some(math.inf)
+        self._process_received(math.inf)
         self._finish(self._reason or _loss(None))
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Tell everybody who waits that the connection broke."""
-        self._take_some(math.inf)
+        self._process_received(math.inf)
         self._finish(self._reason or _loss(exc))
 
     # What the rest of this package calls.
@@ -127,13 +127,13 @@ class QiConnection(asyncio.Protocol):
         """Take what the other end can do."""
         # Nothing else is ever asked for, and a robot could tell new ones for ever.
         self._capabilities |= {
-            name: told for name, told in capabilities.items() if name in CAPABILITIES
+            name: able for name, able in capabilities.items() if name in CAPABILITIES
         }
-        self._told.set()
+        self._capabilities_set.set()
 
-    async def capabilities_told(self) -> None:
+    async def capabilities_known(self) -> None:
         """Return once the other end has said what it can do, unasked or not."""
-        await self._told.wait()
+        await self._capabilities_set.wait()
 
     def send(self, frame: QiMessage) -> None:
         """Send a message. Raises `ConnectionLostError`."""
@@ -155,8 +155,8 @@ class QiConnection(asyncio.Protocol):
         A cancelled call is cancelled on the other end, too, where it lets itself be.
 
         Raises:
-            TimedOut: Nothing came within that many seconds; what comes later is dropped.
-            ConnectionLost: The connection ended meanwhile.
+            CallTimeoutError: Nothing came within that many seconds; what comes later is dropped.
+            ConnectionLostError: The connection ended meanwhile.
         """
         number = self._number()
         answer: asyncio.Future[QiMessage] = asyncio.get_running_loop().create_future()
@@ -174,18 +174,18 @@ class QiConnection(asyncio.Protocol):
         finally:
             self._pending.pop(number, None)
 
-    def hearer(self, source: Source) -> MessageListener | None:
+    def listener(self, source: Source) -> MessageListener | None:
         """Return who takes the events from there."""
-        return self._heard.get(source)
+        return self._listeners.get(source)
 
-    def hear(self, source: Source, hearer: MessageListener) -> None:
+    def add_listener(self, source: Source, listener: MessageListener) -> None:
         """Give all events from there to one, from now on."""
-        self._heard[source] = hearer
+        self._listeners[source] = listener
 
-    def unhear(self, source: Source, hearer: MessageListener) -> None:
+    def remove_listener(self, source: Source, listener: MessageListener) -> None:
         """Give events from there to this one no longer."""
-        if self._heard.get(source) is hearer:
-            del self._heard[source]
+        if self._listeners.get(source) is listener:
+            del self._listeners[source]
 
     def hang_up(self, reason: str) -> None:
         """Close the connection once what was sent last is out."""
@@ -215,7 +215,7 @@ class QiConnection(asyncio.Protocol):
                     )
                 )
 
-    def _take_some(self, seconds: float) -> None:
+    def _process_received(self, seconds: float) -> None:
         """Take what has come, for so long; go on in the next turn of the loop, and read no more
         until then: an end that sends thousands of messages holds up nobody else.
         """
@@ -223,12 +223,12 @@ class QiConnection(asyncio.Protocol):
         loop = self.lost.get_loop()
         until = loop.time() + seconds
         try:
-            while self._came and not self.lost.done():
+            while self._received and not self.lost.done():
                 with contextlib.suppress(ConnectionLostError):  # nobody is left to be answered
-                    self._take(self._came.popleft())
-                if self._came and loop.time() > until:
+                    self._take(self._received.popleft())
+                if self._received and loop.time() > until:
                     self._reading(False)
-                    self._next = loop.call_soon(self._take_some, seconds)
+                    self._next = loop.call_soon(self._process_received, seconds)
                     return
         except ProtocolError as error:
             self.end(f"the other end does not keep to the protocol: {error}")
@@ -251,9 +251,9 @@ class QiConnection(asyncio.Protocol):
             if answer is not None and not answer.done():
                 answer.set_result(frame)
         elif frame.kind == MessageKind.EVENT:
-            hearer = self._heard.get((frame.service, frame.object, frame.action))
-            if hearer is not None:
-                hearer.take(frame)
+            listener = self._listeners.get((frame.service, frame.object, frame.action))
+            if listener is not None:
+                listener.take(frame)
         elif frame.kind == MessageKind.CAPABILITY:
             self.learn(ValueDecoder(frame.payload).value("{sm}"))
         elif frame.kind in _ASKING:
@@ -273,8 +273,8 @@ class QiConnection(asyncio.Protocol):
         for answer in self._pending.values():
             if not answer.done():
                 answer.set_exception(ConnectionLostError(reason))
-        self._heard.clear()
-        self._came.clear()
+        self._listeners.clear()
+        self._received.clear()
         if self._next is not None:
             self._next.cancel()
 

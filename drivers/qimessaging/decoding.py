@@ -54,13 +54,13 @@ class ValueDecoder:
         """How many bytes have not been read."""
         return len(self._data) - self._at
 
-    def value(self, wanted: SignatureType | str) -> Any:
+    def value(self, signature: SignatureType | str) -> Any:
         """Read one value of that type. Raises `ProtocolError`."""
-        kind = parse(wanted) if isinstance(wanted, str) else wanted
+        kind = parse(signature) if isinstance(signature, str) else signature
         self._spend(1)
         number = _NUMBERS.get(kind.kind)
         if number is not None:
-            return number.unpack(self._take(number.size))[0]
+            return number.unpack(self._read_bytes(number.size))[0]
         if kind.kind == "s":
             return self._string()
         return self._nested(kind)
@@ -76,7 +76,7 @@ class ValueDecoder:
         self._depth -= 1
         return found
 
-    def _take(self, length: int) -> bytes:
+    def _read_bytes(self, length: int) -> bytes:
         end = self._at + length
         if end > len(self._data):
             raise ProtocolError(f"{length} bytes are announced, {self.rest} are there")
@@ -85,7 +85,7 @@ class ValueDecoder:
         return taken
 
     def _count(self) -> int:
-        return int(_LENGTH.unpack(self._take(4))[0])
+        return int(_LENGTH.unpack(self._read_bytes(4))[0])
 
     def _spend(self, count: int) -> None:
         self._left -= count
@@ -93,10 +93,10 @@ class ValueDecoder:
             raise ProtocolError("more values than a message of that length may hold")
 
     def _bool(self, _kind: SignatureType) -> bool:
-        return self._take(1) != b"\0"
+        return self._read_bytes(1) != b"\0"
 
     def _string(self) -> str | bytes:
-        raw = self._take(self._count())
+        raw = self._read_bytes(self._count())
         try:
             return raw.decode()
         except UnicodeDecodeError:
@@ -105,7 +105,7 @@ class ValueDecoder:
             return raw
 
     def _raw(self, _kind: SignatureType) -> bytes:
-        return self._take(self._count())
+        return self._read_bytes(self._count())
 
     def _nothing(self, _kind: SignatureType) -> None:
         return None
@@ -116,7 +116,7 @@ class ValueDecoder:
         number = _NUMBERS.get(element.kind)
         if number is not None:  # sound and coordinates come as long lists of numbers
             self._spend(count // _NUMBERS_A_VALUE)
-            packed = self._take(count * number.size)
+            packed = self._read_bytes(count * number.size)
             return [found[0] for found in number.iter_unpack(packed)]
         if count > self._left:
             raise ProtocolError(f"a list of {count} values is announced")

@@ -83,10 +83,10 @@ class ServiceDirectory:
     # Methods.
 
     def _service(self, caller: QiConnection, name: str) -> tuple[Any, ...]:
-        return self._told(self._ready[self.number(name)], caller)
+        return self._described(self._ready[self.number(name)], caller)
 
     def _services(self, caller: QiConnection) -> list[tuple[Any, ...]]:
-        return [self._told(info, caller) for _, info in sorted(self._ready.items())]
+        return [self._described(info, caller) for _, info in sorted(self._ready.items())]
 
     def _register(self, caller: QiConnection, members: tuple[Any, ...]) -> int:
         info = ServiceInfo.of(members)
@@ -107,15 +107,15 @@ class ServiceDirectory:
 
     def _update(self, members: tuple[Any, ...]) -> None:
         info = ServiceInfo.of(members)
-        for known in (self._ready, self._pending):
-            if info.service in known and info.service in self._owners:
-                known[info.service] = info
+        for services in (self._ready, self._pending):
+            if info.service in services and info.service in self._owners:
+                services[info.service] = info
                 return
         raise RefusedError(f"updateServiceInfo: Can't find service #{info.service}")
 
     # Inside.
 
-    def _told(self, info: ServiceInfo, caller: QiConnection) -> tuple[Any, ...]:
+    def _described(self, info: ServiceInfo, caller: QiConnection) -> tuple[Any, ...]:
         """Say where a service of ours is by the address at which the caller has come."""
         if info.service in self._owners:
             return info.members()

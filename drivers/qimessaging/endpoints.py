@@ -120,8 +120,8 @@ def reachable(service: ServiceInfo, peer: str, tls: bool) -> list[Endpoint]:
         peer: The address at which the directory's machine was reached.
         tls: Whether connections with TLS can be opened; without it they are left out.
     """
-    known = [each for each in map(_read, service.endpoints) if each is not None]
-    usable = [each for each in known if tls or not each.tls]
+    readable = [each for each in map(_read, service.endpoints) if each is not None]
+    usable = [each for each in readable if tls or not each.tls]
     at_home = is_loopback(peer)
     found = [each for each in usable if at_home or not is_loopback(each.host)]
     # Behind a forwarded port the robot's own addresses lead nowhere, its ports perhaps do.

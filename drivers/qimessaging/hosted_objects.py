@@ -99,7 +99,7 @@ class HostedObject:
         """Emit a signal to all who hear it.
 
         Raises:
-            Refused: There is no such signal.
+            RefusedError: There is no such signal.
             ProtocolError: The values do not fit it.
         """
         if signal not in self._uids:

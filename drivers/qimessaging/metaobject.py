@@ -163,7 +163,7 @@ class MetaObject:
         """Return the overload which these arguments fit best.
 
         Raises:
-            Refused: None fits; the text names what there is.
+            RefusedError: None fits; the text names what there is.
         """
         candidates = self.overloads(name)
         if len(candidates) == 1 and _takes(candidates[0], len(arguments)):

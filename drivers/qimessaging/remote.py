@@ -78,10 +78,10 @@ class RemoteObject:
         """Call the overload that fits and return its value; objects come as `RemoteObject`.
 
         Raises:
-            Refused: There is no such method, or it does not take these arguments.
+            RefusedError: There is no such method, or it does not take these arguments.
             RemoteError: The method failed; the text is the other end's.
-            TimedOut: No answer came within that many seconds.
-            ConnectionLost: The connection ended.
+            CallTimeoutError: No answer came within that many seconds.
+            ConnectionLostError: The connection ended.
         """
         chosen = self.meta.choose(method, args)
         reply = await self.ask(chosen.uid, _arguments(chosen, args), within)
@@ -90,12 +90,12 @@ class RemoteObject:
     async def listen(
         self, signal: str, heard: Callable[..., None], within: float = WITHIN
     ) -> Unsubscribe:
-        """Call `heard(*values)` for each time the signal, or the property, is set off.
+        """Call `listener(*values)` for each time the signal, or the property, is set off.
 
-        Raises as `call`. `heard` runs in the event loop, soon after the event has come.
+        Raises as `call`. `listener` runs in the event loop, soon after the event has come.
         """
         found = self.meta.signal(signal)
-        hearing = self.connection.hearer((self.service, self.object, found.uid))
+        hearing = self.connection.listener((self.service, self.object, found.uid))
         if not isinstance(hearing, SignalSubscription):
             hearing = SignalSubscription(self, found, within)
         return await hearing.join(heard)
@@ -152,7 +152,7 @@ class SignalSubscription:
         self._odd = False
         self._source = (remote.service, remote.object, signal.uid)
         self._loop = asyncio.get_running_loop()
-        remote.connection.hear(self._source, self)
+        remote.connection.add_listener(self._source, self)
         self._registered = asyncio.create_task(self._register(within))
         # Whoever waited for it may have given up; then its error is nobody's.
         self._registered.add_done_callback(lambda task: task.cancelled() or task.exception())
@@ -181,7 +181,7 @@ class SignalSubscription:
         try:
             await self._remote.ask(REGISTER_EVENT, self._registration(), within)
         except BaseException:
-            self._remote.connection.unhear(self._source, self)
+            self._remote.connection.remove_listener(self._source, self)
             raise
 
     def _registration(self) -> bytes:
@@ -195,7 +195,7 @@ class SignalSubscription:
         self._listeners.remove(listener)
         if self._listeners:
             return False
-        self._remote.connection.unhear(self._source, self)
+        self._remote.connection.remove_listener(self._source, self)
         return True
 
     def _take_back(self) -> None:

@@ -67,7 +67,7 @@ class QiServer:
         """Offer a service; also while listening.
 
         Raises:
-            Refused: There is a service of that name.
+            RefusedError: There is a service of that name.
             ProtocolError: A signature is wrong.
         """
         members: list[Member] = [*methods, *signals, *properties]

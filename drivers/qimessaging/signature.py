@@ -47,28 +47,28 @@ def parse(text: str) -> SignatureType:
     """Read the signature of exactly one value. Raises `ProtocolError`."""
     if len(text) > LONGEST:
         raise ProtocolError(f"a signature of {len(text)} characters; at most {LONGEST} are read")
-    return _known(text) if len(text) <= _REMEMBERED else _whole(text)
+    return _parse_cached(text) if len(text) <= _REMEMBERED else _parse_all(text)
 
 
-def _whole(text: str) -> SignatureType:
-    found, end = _one(text, 0, 0)
+def _parse_all(text: str) -> SignatureType:
+    parsed, end = _parse_type(text, 0, 0)
     if end != len(text):
         raise ProtocolError(f"{_short(text)} is more than one signature")
-    return found
+    return parsed
 
 
-_known = lru_cache(maxsize=512)(_whole)
+_parse_cached = lru_cache(maxsize=512)(_parse_all)
 
 
 def parse_members(text: str) -> tuple[SignatureType, ...]:
     """Read a method's or signal's parameters, `(..)`. Raises `ProtocolError`."""
-    found = parse(text)
-    if found.kind != "(":
+    parsed = parse(text)
+    if parsed.kind != "(":
         raise ProtocolError(f"{_short(text)} are no parameters: a tuple is needed")
-    return found.inner
+    return parsed.inner
 
 
-def _one(text: str, at: int, depth: int) -> tuple[SignatureType, int]:
+def _parse_type(text: str, at: int, depth: int) -> tuple[SignatureType, int]:
     if depth > DEEPEST:
         raise ProtocolError(f"a signature nests more deeply than {DEEPEST}")
     if at >= len(text):
@@ -78,18 +78,18 @@ def _one(text: str, at: int, depth: int) -> tuple[SignatureType, int]:
         end = _skip_annotation(text, at + 1)
         return _PLAIN[letter] if end == at + 1 else SignatureType(letter, text=text[at:end]), end
     if letter == "[":
-        element, end = _one(text, at + 1, depth + 1)
+        element, end = _parse_type(text, at + 1, depth + 1)
         end = _skip_annotation(text, _expect(text, end, "]"))
         return SignatureType("[", (element,), text=text[at:end]), end
     if letter == "{":
-        key, end = _one(text, at + 1, depth + 1)
-        value, end = _one(text, end, depth + 1)
+        key, end = _parse_type(text, at + 1, depth + 1)
+        value, end = _parse_type(text, end, depth + 1)
         end = _skip_annotation(text, _expect(text, end, "}"))
         return SignatureType("{", (key, value), text=text[at:end]), end
     if letter == "(":
         return _tuple(text, at, depth)
     if letter in _ONE_ELEMENT:
-        element, end = _one(text, at + 1, depth + 1)
+        element, end = _parse_type(text, at + 1, depth + 1)
         return SignatureType(_ONE_ELEMENT[letter], (element,), text=text[at:end]), end
     raise ProtocolError(f"{letter!r} in the signature {_short(text)} is no type")
 
@@ -98,7 +98,7 @@ def _tuple(text: str, at: int, depth: int) -> tuple[SignatureType, int]:
     members: list[SignatureType] = []
     end = at + 1
     while end < len(text) and text[end] != ")":
-        member, end = _one(text, end, depth + 1)
+        member, end = _parse_type(text, end, depth + 1)
         members.append(member)
     end = _expect(text, end, ")")
     after = _skip_annotation(text, end)

@@ -78,7 +78,7 @@ def parse(text: str) -> Address:
     return Address(host, port, secure, (user or USER) if secure else "")
 
 
-def seen(text: str) -> str:
+def without_password(text: str) -> str:
     """What everybody may see of `text`, which was given as an address: no password, and nothing
     that may be one because it stands where no port can. An address stays as it is.
     """
@@ -92,11 +92,11 @@ def seen(text: str) -> str:
         name, colon, _ = rest.partition(":")
         return f"{head}{name}:{HIDDEN}" if colon else text
     user, colon, _ = before.partition(":")
-    known = user if colon and _USER.fullmatch(user) else HIDDEN
-    return f"{head}{known}:{HIDDEN}@{_place_seen(place)}"
+    login = user if colon and _USER.fullmatch(user) else HIDDEN
+    return f"{head}{login}:{HIDDEN}@{_place_without_password(place)}"
 
 
-def _place_seen(place: str) -> str:
+def _place_without_password(place: str) -> str:
     try:
         _host_and_port(place, PORT)
     except RejectedError:

@@ -7,7 +7,7 @@ import difflib
 from collections.abc import Mapping
 
 from woz_drivers.pepper.memory import flag
-from woz_drivers.pepper.parts import LONG_S, CleanUpCalls, PepperPart, RobotCalls
+from woz_drivers.pepper.parts import LONG_S, PepperPart, RobotCalls
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import text
 from woz_tui.drivers.contract import (
@@ -35,7 +35,6 @@ class AnimationsPart(PepperPart):
 
     def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
-        self._endings = CleanUpCalls()
         self._playing = ""
 
     @classmethod
@@ -54,12 +53,13 @@ class AnimationsPart(PepperPart):
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Play it to its end."""
         path = path_of(text(job.args, "move"))
-        await self._endings.settled()
+        await self._clean_up.settled()
         self._playing = path
         try:
             await self._robot.call("ALAnimationPlayer", "run", path, within=LONG_S)
         except asyncio.CancelledError:
-            self._endings.send(self._end(path))  # until then it may go on, and a stop must reach it
+            # Until then it may go on, and a stop must reach it.
+            self._clean_up.send(self._end(path))
             raise
         except DriverError as error:
             self._playing = ""
@@ -84,10 +84,6 @@ class AnimationsPart(PepperPart):
     def lost(self) -> None:
         """What was played is not known to play any more."""
         self._playing = ""
-
-    async def close(self) -> None:
-        """End what is on its way."""
-        await self._endings.close()
 
     async def _end(self, path: str) -> None:
         """The job's cancelled call ends it where the robot listens to that; this ends it anyway."""
@@ -201,16 +197,16 @@ def path_of(name: str) -> str:
 
     Raises `RejectedError` for a name without a folder that nobody knows.
     """
-    wanted = name.strip().strip("/")
-    known = _ENDINGS.get(wanted.lower())
-    if known is not None:
-        return known
-    if "/" in wanted:
-        return wanted
+    requested = name.strip().strip("/")
+    standard_path = _ENDINGS.get(requested.lower())
+    if standard_path is not None:
+        return standard_path
+    if "/" in requested:
+        return requested
     short = [path.rpartition("/")[2] for path in MOVES]
-    near = difflib.get_close_matches(wanted, short, 1, 0.5)
+    near = difflib.get_close_matches(requested, short, 1, 0.5)
     hint = f"did you mean {near[0]!r}? " if near else ""
     raise RejectedError(
         f"there is no animation {name!r} among those that every Pepper has",
-        f"{hint}write the whole path of one that only your robot has, such as my_app/{wanted}",
+        f"{hint}write the whole path of one that only your robot has, such as my_app/{requested}",
     )

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from woz_drivers.pepper import memory
-from woz_drivers.pepper.parts import LOOK_S, PepperPart, RobotCalls, put_setting, read_back
+from woz_drivers.pepper.parts import LOOK_S, PepperPart, RobotCalls, read_back, write_setting
 from woz_drivers.pepper.robot_settings import SETTINGS, STATE_S, of_verb
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import number
@@ -36,7 +36,7 @@ class AutonomyPart(PepperPart):
     def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         #: Asked for last, by the robot file or by a command: set again after a loss.
-        self._asked = settings.initial_values(of_verb("autonomy", "collision").values())
+        self._desired = settings.initial_values(of_verb("autonomy", "collision").values())
 
     @classmethod
     def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
@@ -49,7 +49,7 @@ class AutonomyPart(PepperPart):
             Verb(
                 name,
                 summary,
-                tuple(one.taken() for one in of_verb(name).values()),
+                tuple(setting.taken() for setting in of_verb(name).values()),
                 lane=LANE,
                 limit_s=limit_s,
                 brief=True,
@@ -59,34 +59,35 @@ class AutonomyPart(PepperPart):
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Set what was named; the rest is set even if the robot refuses one of them."""
-        wanted = {name: value for name, value in job.args.items() if value is not None}
-        if not wanted:
+        changes = {name: value for name, value in job.args.items() if value is not None}
+        if not changes:
             raise RejectedError(
                 f"{job.verb} was given no setting", "name what to change and its value"
             )
         if job.verb == "collision":
-            wanted = {name: number(wanted, name) for name in wanted}
+            changes = {name: number(changes, name) for name in changes}
         elif job.verb != "autonomy":
             raise RejectedError(f"autonomy cannot {job.verb!r}")
-        refused = await self._set(wanted)
-        self._asked |= {name: value for name, value in wanted.items() if name not in refused}
+        refused = await self._set(changes)
+        self._desired |= {name: value for name, value in changes.items() if name not in refused}
         if refused:
             which = "; ".join(f"{name}: {error.what}" for name, error in refused.items())
-            kept = [name for name in wanted if name not in refused]
-            also = f"; {', '.join(kept)} did change" if kept else ""
+            changed = [name for name in changes if name not in refused]
+            also = f"; {', '.join(changed)} did change" if changed else ""
             remedies = dict.fromkeys(filter(None, (error.remedy for error in refused.values())))
             raise DriverError(
                 f"the robot did not change {which}{also}",
                 "; ".join(remedies) or "look at the robot's settings",
             )
-        return dict(wanted)
+        return dict(changes)
 
     async def connected(self) -> None:
         """Apply what the robot file says, or the wizard since; what the robot refuses is told."""
-        wanted = dict(self._asked)
-        if "state" in wanted and await self._state() == wanted["state"]:
-            del wanted["state"]  # said again, `disabled` sends a robot to rest that was woken since
-        for name, error in (await self._set(wanted)).items():
+        changes = dict(self._desired)
+        if "state" in changes and await self._state() == changes["state"]:
+            # Sent again, `disabled` sends a robot to rest that was woken since.
+            del changes["state"]
+        for name, error in (await self._set(changes)).items():
             self._context.notice("warning", f"{name} could not be set: {error.what}", error.remedy)
 
     async def read(self) -> Mapping[str, Json]:
@@ -102,18 +103,18 @@ class AutonomyPart(PepperPart):
         except DriverError:
             return None
 
-    async def _set(self, wanted: Mapping[str, Json]) -> dict[str, DriverError]:
+    async def _set(self, changes: Mapping[str, Json]) -> dict[str, DriverError]:
         """Set these, in the order of the table; returns what the robot refused, and why.
 
         Raises `DeviceLostError`.
         """
         refused: dict[str, DriverError] = {}
-        for name in filter(wanted.__contains__, SETTINGS):
+        for name in filter(changes.__contains__, SETTINGS):
             try:
-                await put_setting(self._robot, SETTINGS[name], wanted[name])
+                await write_setting(self._robot, SETTINGS[name], changes[name])
             except DeviceLostError:
                 raise
             except DriverError as error:
-                way = _BACK if (name, wanted[name]) == ("state", "solitary") else ""
-                refused[name] = DriverError(error.what, error.remedy or way)
+                remedy = _BACK if (name, changes[name]) == ("state", "solitary") else ""
+                refused[name] = DriverError(error.what, error.remedy or remedy)
         return refused

@@ -60,7 +60,7 @@ async def apart(work: Callable[[], _T]) -> _T:
     done: asyncio.Future[_T] = loop.create_future()
     done.add_done_callback(lambda over: over.cancelled() or over.exception())
 
-    def tell(result: _T | None, error: BaseException | None) -> None:
+    def settle(result: _T | None, error: BaseException | None) -> None:
         if done.done():
             return
         if error is not None:
@@ -75,7 +75,7 @@ async def apart(work: Callable[[], _T]) -> _T:
         except Exception as trouble:  # noqa: BLE001 - whoever waits is to know
             error = trouble
         try:
-            loop.call_soon_threadsafe(tell, result, error)
+            loop.call_soon_threadsafe(settle, result, error)
         except RuntimeError:
             return  # the loop has closed: nobody waits any more
 

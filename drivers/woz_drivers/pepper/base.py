@@ -8,12 +8,11 @@ from collections.abc import Mapping
 
 from woz_drivers.pepper.memory import items
 from woz_drivers.pepper.memory import number as number_of
-from woz_drivers.pepper.parts import LOOK_S, CleanUpCalls, PepperPart, RobotCalls, answers
+from woz_drivers.pepper.parts import LOOK_S, PepperPart, answers
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import number
 from woz_tui.drivers.contract import (
     Argument,
-    DriverContext,
     DriverError,
     Job,
     RejectedError,
@@ -38,10 +37,6 @@ class BasePart(PepperPart):
 
     name = "driving"
 
-    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
-        super().__init__(robot, settings, context)
-        self._endings = CleanUpCalls()
-
     @classmethod
     def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
         """`drive`."""
@@ -65,7 +60,7 @@ class BasePart(PepperPart):
         x, y, turn = (number(job.args, name) for name in ("x", "y", "turn"))
         if x == y == turn == 0.0:
             raise RejectedError("no distance and no turn is given", "give x, y or turn")
-        await self._endings.settled()
+        await self._clean_up.settled()
         # A robot that was silent for a while must not set off when it wakes from that.
         await self._robot.probe()
         if not await self._robot.call(MOTION, "robotIsWakeUp"):
@@ -84,16 +79,12 @@ class BasePart(PepperPart):
             await asyncio.sleep(ASK_S)  # the robot tells of no end: it has to be asked
         return (self.name,)
 
-    async def close(self) -> None:
-        """End what is on its way."""
-        await self._endings.close()
-
     async def _drive(self, x: float, y: float, turn: float, within: float) -> object:
         try:
             return await self._robot.call(MOTION, "moveTo", x, y, turn, within=within)
         except (asyncio.CancelledError, DriverError):
             # Cut short, or no answer in time: it must not drive on by itself.
-            self._endings.send(self._robot.call(MOTION, "stopMove"))
+            self._clean_up.send(self._robot.call(MOTION, "stopMove"))
             raise
 
     async def _why(self) -> tuple[str, str]:

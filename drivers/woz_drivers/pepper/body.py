@@ -7,14 +7,13 @@ from collections.abc import Callable, Mapping
 
 from woz_drivers.pepper import memory
 from woz_drivers.pepper.body_joints import checked, limb, native
-from woz_drivers.pepper.parts import LONG_S, Call, CleanUpCalls, PepperPart, RobotCalls, read_back
+from woz_drivers.pepper.parts import LONG_S, Call, PepperPart, RobotCalls, read_back
 from woz_drivers.pepper.robot_settings import SETTINGS, of_section
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import positive, text
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
-    DriverContext,
     DriverError,
     Job,
     RejectedError,
@@ -40,10 +39,6 @@ class BodyPart(PepperPart):
     """Joints and postures by ALMotion and ALRobotPosture."""
 
     name = "motion"
-
-    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
-        super().__init__(robot, settings, context)
-        self._endings = CleanUpCalls()
 
     @classmethod
     def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
@@ -77,22 +72,22 @@ class BodyPart(PepperPart):
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Move; ends when the robot is there."""
-        await self._endings.settled()
+        await self._clean_up.settled()
         match job.verb:
             case "posture":
                 speed = float(str(job.args.get("speed", DEFAULT_SPEED)))
-                return await self.take(text(job.args, "name"), speed)
+                return await self.take_posture(text(job.args, "name"), speed)
             case "pose":
                 return await self._pose(job)
             case "home":
                 seconds = max(positive(job.args, "seconds", 1.0), SHORTEST_S)
                 speed = min(max(DEFAULT_SPEED / seconds, SPEED.low or 0.0), 1.0)
-                return await self.take("Stand", round(speed, 3))
+                return await self.take_posture("Stand", round(speed, 3))
             case "torque":
                 return await self._torque(job)
         raise RejectedError(f"the body cannot {job.verb!r}")
 
-    async def take(self, posture: str, speed: float) -> dict[str, Json]:
+    async def take_posture(self, posture: str, speed: float) -> dict[str, Json]:
         """Go to a posture. Raises `DriverError` if the robot did not get there."""
         if not posture.strip():
             raise RejectedError("no posture was named", POSTURES)
@@ -110,7 +105,7 @@ class BodyPart(PepperPart):
     async def rest(self) -> None:
         """How the robot is left alone: the posture of the robot file, otherwise at rest."""
         if self._settings.posture:
-            await self.take(self._settings.posture, DEFAULT_SPEED)
+            await self.take_posture(self._settings.posture, DEFAULT_SPEED)
         else:
             await self._robot.call(MOTION, "rest", within=LONG_S)
 
@@ -124,10 +119,6 @@ class BodyPart(PepperPart):
     async def read(self) -> Mapping[str, Json]:
         """Whether the motors are on, and in which posture it is."""
         return await read_back(self._robot, of_section("Robot"))
-
-    async def close(self) -> None:
-        """End what is on its way."""
-        await self._endings.close()
 
     async def _pose(self, job: Job) -> dict[str, Json]:
         pose = checked(job.args.get("joints"))
@@ -165,7 +156,7 @@ class BodyPart(PepperPart):
         try:
             return await call
         except asyncio.CancelledError:
-            self._endings.send(end())
+            self._clean_up.send(end())
             raise
 
     async def _let_go(self, joints: list[str]) -> None:
@@ -185,15 +176,15 @@ async def hold(robot: RobotCalls, names: list[str]) -> None:
     its stiffness alone cannot be set; and where what the robot says of them makes no sense.
     """
     try:
-        said = await robot.call(MOTION, "getStiffnesses", names)
+        answer = await robot.call(MOTION, "getStiffnesses", names)
     except DeviceLostError:
         raise
     except DriverError:  # a NAOqi without it: a stiff head may be stiffened once more
         awake = all(limb(name) for name in names) or await robot.call(MOTION, "robotIsWakeUp")
-        said = [STIFF if limb(name) is None and awake else 0.0 for name in names]
-    told = memory.items(said)
-    now = [stiffness for one in told if (stiffness := memory.number(one)) is not None]
-    if len(now) != len(names) or len(told) != len(names):
+        answer = [STIFF if limb(name) is None and awake else 0.0 for name in names]
+    values = memory.items(answer)
+    now = [stiffness for value in values if (stiffness := memory.number(value)) is not None]
+    if len(now) != len(names) or len(values) != len(names):
         raise DriverError(
             f"the robot does not report whether {', '.join(names)} are stiff",
             "wake it: `torque: true`; else restart it",

@@ -15,7 +15,7 @@ from woz_drivers.pepper import camera_files
 from woz_drivers.pepper.background import Background, apart
 from woz_drivers.pepper.memory import item, number, within
 from woz_drivers.pepper.naoqi_link import RobotRefusedError, binary
-from woz_drivers.pepper.parts import CleanUpCalls, PepperPart, RobotCalls
+from woz_drivers.pepper.parts import PepperPart, RobotCalls
 from woz_drivers.pepper.settings import PepperSettings
 from woz_tui.drivers.contract import (
     DeviceLostError,
@@ -57,9 +57,8 @@ class CameraPart(PepperPart):
         #: What the live pictures are subscribed under, and with which resolution and rate.
         self._subscribed: tuple[str, tuple[int, int]] | None = None
         #: When the last of them came, in the loop's time.
-        self._came = 0.0
+        self._last_picture_s = 0.0
         self._trouble = ""
-        self._endings = CleanUpCalls()
 
     @classmethod
     def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
@@ -75,7 +74,7 @@ class CameraPart(PepperPart):
         """
         if job.verb != "picture":
             raise RejectedError(f"the camera cannot {job.verb}")
-        taken, t_us, moment = await self._take()
+        taken, t_us, moment = await self._capture()
         picture = Picture(t_us, taken.width, taken.height, taken.rgb)
         folder = self._place()
         name = f"picture-{camera_files.stamp(moment)}"
@@ -107,94 +106,106 @@ class CameraPart(PepperPart):
         """Let the camera go."""
         await self._watching.close()
         await self._unsubscribe()
-        await self._endings.settled()
-        await self._endings.close()
+        await super().close()
 
     # -- while somebody watches ----------------------------------------------------------------
 
     async def _watch(self) -> None:
         loop = asyncio.get_running_loop()
         while True:
-            wish = self._wish()
+            request = self._request()
             begun = loop.time()
-            if wish is None:
+            if request is None:
                 await self._unsubscribe()
                 await asyncio.sleep(_LOOK_S)
                 continue
             try:
-                await self._show(wish)
+                await self._show(request)
             except DriverError as error:
-                self._tell(error)
+                self._report(error)
                 await self._unsubscribe()
                 await asyncio.sleep(_TROUBLED_S)
                 continue
-            await asyncio.sleep(max(0.0, begun + 1 / wish.rate - loop.time()))
+            await asyncio.sleep(max(0.0, begun + 1 / request.rate - loop.time()))
 
-    def _wish(self) -> CameraWatched | None:
+    def _request(self) -> CameraWatched | None:
         """What is wanted now, by those who watch."""
-        wish = self._watched.latest().value
-        if not isinstance(wish, CameraWatched) or wish.until_us <= self._context.clock.now_us():
+        request = self._watched.latest().value
+        if (
+            not isinstance(request, CameraWatched)
+            or request.until_us <= self._context.clock.now_us()
+        ):
             return None
-        return wish if wish.rate > 0 and math.isfinite(wish.rate) else None
+        return request if request.rate > 0 and math.isfinite(request.rate) else None
 
-    async def _show(self, wish: CameraWatched) -> None:
-        size, rate = resolution(wish.width), max(1, min(math.ceil(wish.rate), _FASTEST))
+    async def _show(self, request: CameraWatched) -> None:
+        size, rate = resolution(request.width), max(1, min(math.ceil(request.rate), _FASTEST))
         loop = asyncio.get_running_loop()
         if self._subscribed is None or self._subscribed[1] != (size, rate):
             await self._unsubscribe()
             self._subscribed = (await self._subscribe(VIEW, size, rate), (size, rate))
-            self._came = loop.time()
-        came = frame(await self._robot.call("ALVideoDevice", "getImageRemote", self._subscribed[0]))
-        if isinstance(came, CameraFrame):
+            self._last_picture_s = loop.time()
+        received = frame(
+            await self._robot.call("ALVideoDevice", "getImageRemote", self._subscribed[0])
+        )
+        if isinstance(received, CameraFrame):
             now_us = self._context.clock.now_us()
-            self._pictures.put(Picture(now_us, came.width, came.height, came.rgb))
-            self._came, self._trouble = loop.time(), ""
-        elif loop.time() - self._came >= _PATIENCE_S:
-            raise DriverError(came, _NO_PICTURE)
+            self._pictures.put(Picture(now_us, received.width, received.height, received.rgb))
+            self._last_picture_s, self._trouble = loop.time(), ""
+        elif loop.time() - self._last_picture_s >= _PATIENCE_S:
+            raise DriverError(received, _NO_PICTURE)
 
-    def _tell(self, error: DriverError) -> None:
+    def _report(self, error: DriverError) -> None:
         """Say once why there are no pictures; that the robot is gone is told by others."""
         if not isinstance(error, DeviceLostError) and self._trouble != error.what:
             self._trouble = error.what
             self._context.notice("warning", f"no camera picture: {error.what}", error.remedy)
 
     async def _subscribe(self, name: str, size: int, rate: int) -> str:
-        said = await self._robot.call("ALVideoDevice", "subscribe", name, size, RGB, rate)
-        if not isinstance(said, str) or not said:
+        answer = await self._robot.call("ALVideoDevice", "subscribe", name, size, RGB, rate)
+        if not isinstance(answer, str) or not answer:
             raise DriverError(
                 "the camera has too many subscribers",
                 "restart the robot if no other program uses the camera",
             )
-        return said
+        return answer
 
     async def _unsubscribe(self) -> None:
-        held, self._subscribed = self._subscribed, None
-        if held is not None and self._robot.there:
+        subscription, self._subscribed = self._subscribed, None
+        if subscription is not None and self._robot.available:
             with contextlib.suppress(DriverError):  # removed at the next connection
-                await self._robot.call("ALVideoDevice", "unsubscribe", held[0], within=_FAREWELL_S)
+                await self._robot.call(
+                    "ALVideoDevice", "unsubscribe", subscription[0], within=_FAREWELL_S
+                )
 
     # -- a single one --------------------------------------------------------------------------
 
-    async def _take(self) -> tuple[CameraFrame, int, datetime]:
+    async def _capture(self) -> tuple[CameraFrame, int, datetime]:
         """A picture of 640 x 480 with the moment it came, of the clock and of the day."""
-        held = ""
+        subscription = ""
         try:
-            held = await self._subscribe(SINGLE, VGA, _SINGLE_RATE)
-            came = await self._first(held)
+            subscription = await self._subscribe(SINGLE, VGA, _SINGLE_RATE)
+            received = await self._first(subscription)
         finally:
-            words = ("unsubscribe", held) if held else ("unsubscribeAllInstances", SINGLE)
-            self._endings.send(self._robot.call("ALVideoDevice", *words, within=_FAREWELL_S))
-        return came, self._context.clock.now_us(), self._context.clock.wall()
+            words = (
+                ("unsubscribe", subscription)
+                if subscription
+                else ("unsubscribeAllInstances", SINGLE)
+            )
+            self._clean_up.send(self._robot.call("ALVideoDevice", *words, within=_FAREWELL_S))
+        return received, self._context.clock.now_us(), self._context.clock.wall()
 
-    async def _first(self, held: str) -> CameraFrame:
+    async def _first(self, subscription: str) -> CameraFrame:
         loop = asyncio.get_running_loop()
         until = loop.time() + _PATIENCE_S
         while True:
-            came = frame(await self._robot.call("ALVideoDevice", "getImageRemote", held))
-            if isinstance(came, CameraFrame):
-                return came
+            received = frame(
+                await self._robot.call("ALVideoDevice", "getImageRemote", subscription)
+            )
+            if isinstance(received, CameraFrame):
+                return received
             if loop.time() >= until:
-                raise DriverError(came, _NO_PICTURE)
+                raise DriverError(received, _NO_PICTURE)
             await asyncio.sleep(_LOOK_S)
 
     def _place(self) -> Path:
@@ -231,30 +242,32 @@ class CameraFrame:
     robot_s: float | None
 
 
-def frame(said: Any) -> CameraFrame | str:
+def frame(answer: Any) -> CameraFrame | str:
     """A picture, or why it is none.
 
     `[width, height, layers, colour space, s, us, bytes, ...]`; None while the camera has none.
     """
-    if said is None or said in ([], ()):
+    if answer is None or answer in ([], ()):
         return "the camera gives no picture"
-    width, height = (within(item(said, place), 1, _LARGEST) for place in (0, 1))
+    width, height = (within(item(answer, place), 1, _LARGEST) for place in (0, 1))
     if width is None or height is None:
         return "the camera's picture has no size"
     wide, high = int(width), int(height)
-    space = item(said, 3)
-    if item(said, 2) != 3 or space not in (RGB, _BGR):
+    space = item(answer, 3)
+    if item(answer, 2) != 3 or space not in (RGB, _BGR):
         which = number(space)
         return (
             f"the camera's picture is of an unknown kind{'' if which is None else f' ({which:g})'}"
         )
     try:
-        pixels = binary(item(said, 6))
+        pixels = binary(item(answer, 6))
     except (RobotRefusedError, UnicodeEncodeError):
         return "the camera's picture holds no pixels"
     if len(pixels) != 3 * wide * high:
         return f"the camera's picture is broken: {len(pixels)} bytes for {wide} x {high}"
-    return CameraFrame(wide, high, _red_first(pixels, space), _taken(item(said, 4), item(said, 5)))
+    return CameraFrame(
+        wide, high, _red_first(pixels, space), _taken(item(answer, 4), item(answer, 5))
+    )
 
 
 def _red_first(pixels: bytes, space: int) -> bytes:

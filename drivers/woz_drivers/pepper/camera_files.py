@@ -42,14 +42,14 @@ def keep(folder: Path, name: str, picture: Picture) -> Path:
     content = png(picture.width, picture.height, picture.rgb)
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        return _written(folder, name, content)
+        return _write_new(folder, name, content)
     except OSError as error:
         remedy = _REMEDIES.get(error.errno or 0, "check the disk")
         why = error.strerror or str(error)
         raise DriverError(f"the picture could not be kept in {folder}: {why}", remedy) from None
 
 
-def _written(folder: Path, name: str, content: bytes) -> Path:
+def _write_new(folder: Path, name: str, content: bytes) -> Path:
     part = folder / f".{name}.{secrets.token_hex(4)}.part"
     try:
         with os.fdopen(os.open(part, _NEW, 0o600), "wb") as file:  # a person may be on it
@@ -59,14 +59,14 @@ def _written(folder: Path, name: str, content: bytes) -> Path:
         for turn in itertools.count(1):
             path = folder / (f"{name}.png" if turn == 1 else f"{name}-{turn}.png")
             with contextlib.suppress(FileExistsError):
-                _take(part, path)
+                _claim(part, path)
                 return path
     finally:
         part.unlink(missing_ok=True)
     raise AssertionError("names never run out")
 
 
-def _take(part: Path, path: Path) -> None:
+def _claim(part: Path, path: Path) -> None:
     """Give the file its name. Raises `FileExistsError` if somebody else has it."""
     try:
         os.link(part, path)

@@ -13,7 +13,7 @@ from typing import Any
 from woz_drivers.pepper import memory
 from woz_drivers.pepper.address import Address, parse
 from woz_drivers.pepper.naoqi_link import LinkError, NaoqiLink, ServiceMissingError, open_link
-from woz_drivers.pepper.robot_line import ESSENTIAL, WANTED
+from woz_drivers.pepper.robot_line import ESSENTIAL, USED_SERVICES
 from woz_drivers.pepper.served_files import REMEDY, places
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.simulated_robot import SimulatedPepper
@@ -40,7 +40,7 @@ async def examine(probe: Probe) -> list[Finding]:
             Finding("warning", "robots", "names no robot", "write an address, or `simulated`")
         )
     examined = await asyncio.gather(*(_robot(text, probe) for text in settings.robots))
-    findings += [finding for one in examined for finding in one]
+    findings += [finding for robot_findings in examined for finding in robot_findings]
     findings += _default(settings, probe.folder)
     findings.append(_disk(settings, probe.folder))
     return findings
@@ -76,20 +76,20 @@ async def _visit(address: Address, link: NaoqiLink, settings: PepperSettings) ->
     if address.secure:
         findings.append(_certificate(address, link, settings))
     findings.append(_services(address, services))
-    for question in _ASKED:
+    for question in _CHECKS:
         if question.service in services:
-            findings.append(await _asked(address, link, question))
+            findings.append(await _check(address, link, question))
     return findings
 
 
 async def _line(address: Address, link: NaoqiLink) -> Finding:
     loop = asyncio.get_running_loop()
-    took = []
+    times_ms = []
     for _ in range(_QUESTIONS):
         begun = loop.time()
         await link.ask(_WITHIN_S)
-        took.append((loop.time() - begun) * 1000)
-    median, worst = statistics.median(took), max(took)
+        times_ms.append((loop.time() - begun) * 1000)
+    median, worst = statistics.median(times_ms), max(times_ms)
     text = f"answers in {median:.1f} ms (worst of {_QUESTIONS}: {worst:.1f} ms)"
     if median > _SLOW_MS:
         remedy = "use a cable, or a wireless network of its own on 5 GHz"
@@ -109,7 +109,7 @@ def _certificate(address: Address, link: NaoqiLink, settings: PepperSettings) ->
 
 
 def _services(address: Address, services: frozenset[str]) -> Finding:
-    missing = sorted(WANTED - services)
+    missing = sorted(USED_SERVICES - services)
     if not missing:
         return Finding("ok", address.shown, "all services are there")
     level = "error" if ESSENTIAL - services else "warning"
@@ -126,7 +126,7 @@ class _Question:
     judged: Callable[[Any], tuple[str, str, str]]
 
 
-async def _asked(address: Address, link: NaoqiLink, question: _Question) -> Finding:
+async def _check(address: Address, link: NaoqiLink, question: _Question) -> Finding:
     what = f"{question.service}.{question.method}"
     try:
         answer = await link.call(question.service, question.method, within=_WITHIN_S)
@@ -186,7 +186,7 @@ def _tablet(status: Any) -> tuple[str, str, str]:
     )
 
 
-_ASKED = (
+_CHECKS = (
     _Question("ALSystem", "systemVersion", lambda it: ("ok", f"runs NAOqi {_word(it)}", "")),
     _Question("ALSystem", "robotName", lambda it: ("ok", f"is called {_word(it)}", "")),
     _Question("ALBattery", "getBatteryCharge", _charge),
@@ -212,13 +212,14 @@ def _default(settings: PepperSettings, folder: Path) -> list[Finding]:
 
 def _disk(settings: PepperSettings, folder: Path) -> Finding:
     """Room for pictures and sounds on this machine."""
-    wanted = folder / settings.pictures
-    there = next((one for one in (wanted, *wanted.parents) if one.exists()), folder)
+    pictures_folder = folder / settings.pictures
+    paths = (pictures_folder, *pictures_folder.parents)
+    existing = next((path for path in paths if path.exists()), folder)
     try:
-        free = shutil.disk_usage(there).free
+        free = shutil.disk_usage(existing).free
     except OSError as error:
-        return Finding("warning", str(wanted), f"cannot be looked at: {error.strerror}")
+        return Finding("warning", str(pictures_folder), f"cannot be looked at: {error.strerror}")
     text = f"{free / 1e9:.1f} GB free for pictures and sounds"
     if free < _ROOM:
-        return Finding("warning", str(there), text, "delete what is no longer needed")
-    return Finding("ok", str(there), text)
+        return Finding("warning", str(existing), text, "delete what is no longer needed")
+    return Finding("ok", str(existing), text)

@@ -7,8 +7,7 @@ import contextlib
 import logging
 from collections.abc import Iterable, Mapping, Sequence
 
-from woz_drivers.pepper import doctor, outline, verbs
-from woz_drivers.pepper import text_remarks as written_as
+from woz_drivers.pepper import doctor, outline, text_remarks, verbs
 from woz_drivers.pepper.autonomy import AutonomyPart
 from woz_drivers.pepper.background import Background
 from woz_drivers.pepper.base import BasePart
@@ -57,7 +56,7 @@ class Pepper(Driver):
     def __init__(self, name: str, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(name, settings, context)
         self._connection = RobotConnection(
-            settings, context, on_connected=self._connected, on_lost=self._gone
+            settings, context, on_connected=self._connected, on_lost=self._lost
         )
         self._parts: tuple[PepperPart, ...] = tuple(
             kind(self._connection, settings, context) for kind in verbs.PARTS
@@ -65,7 +64,7 @@ class Pepper(Driver):
         self._by_verb = verbs.by_verb(self._parts, settings)
         self._reading = SettingsReader(self._connection, self._parts, settings, context)
         #: Whether it was there and went without being asked to: nobody knows what it does now.
-        self._astray = False
+        self._lost_unasked = False
         self._present = False
         #: While the settings are being applied after a connection, verbs wait: what the wizard
         #: wants must not be undone by what the file wants.
@@ -102,7 +101,7 @@ class Pepper(Driver):
     @classmethod
     def remarks(cls, settings: PepperSettings, written: Written) -> Iterable[Finding]:
         """What is odd about a command of an experiment file."""
-        return written_as.remarks(settings, written)
+        return text_remarks.remarks(settings, written)
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
@@ -155,7 +154,7 @@ class Pepper(Driver):
         parts = [part for part in self._parts if scope is Scope.ALL or isinstance(part, BasePart)]
         if not self._present:
             moving = [part.name for part in parts if isinstance(part, BasePart | BodyPart)]
-            return StopReport(missing=tuple(moving)) if self._astray else None
+            return StopReport(missing=tuple(moving)) if self._lost_unasked else None
         until = asyncio.get_running_loop().time() + STOP_S
         stops = self._stop_all(parts, scope)
         done, late = await asyncio.wait(stops, timeout=STOP_S)
@@ -223,7 +222,7 @@ class Pepper(Driver):
         for part in closing:
             if part.done() and not part.cancelled() and part.exception() is not None:
                 log.error("a part did not close", exc_info=part.exception())
-        self._present = self._astray = False
+        self._present = self._lost_unasked = False
         await self._connection.close()
 
     # -- the line --------------------------------------------------------------------------------
@@ -257,12 +256,12 @@ class Pepper(Driver):
                     f"{robot} was disconnected, but did not confirm its stop: {missing}",
                     "check the robot: its last movement may continue",
                 )
-            self._gone()
-        self._astray = False
+            self._lost()
+        self._lost_unasked = False
 
     async def _connected(self) -> None:
         """The robot is there, for the first time or again."""
-        self._present, self._astray = True, False
+        self._present, self._lost_unasked = True, False
         self._reading.begin()
         self._waits = self._stopped
         await self._apply(
@@ -285,10 +284,10 @@ class Pepper(Driver):
             elif isinstance(error, BaseException):
                 raise error
 
-    def _gone(self) -> None:
+    def _lost(self) -> None:
         if not self._present:
             return
-        self._present, self._astray = False, True
+        self._present, self._lost_unasked = False, True
         for part in self._parts:
             part.lost()
         self._reading.end()

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from woz_drivers.pepper import memory
-from woz_drivers.pepper.parts import CleanUpCalls, PepperPart, RobotCalls
+from woz_drivers.pepper.parts import PepperPart, RobotCalls
 from woz_drivers.pepper.robot_settings import SETTINGS
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import color as color_of
@@ -32,7 +32,7 @@ from woz_tui.drivers.fields import Range
 from woz_tui.protocol.messages import Json
 
 LEDS = "ALLeds"
-GROUP, ONE_LIGHT = "FaceLeds", "RightFaceLed1"
+GROUP, FIRST_LIGHT = "FaceLeds", "RightFaceLed1"
 LANE = "face"
 ANIMATIONS = ("steady", "blink", "intermittent")
 KINDS = ("rasta", "random", "rotate")
@@ -57,7 +57,6 @@ class EyesPart(PepperPart):
 
     def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
-        self._endings = CleanUpCalls()
         #: Shown last by command, undimmed; None: whatever the robot shows by itself.
         self._shown: EyeColor | None = None
         self._level = 1.0
@@ -108,7 +107,7 @@ class EyesPart(PepperPart):
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Show it; a fade and an animation take their time."""
-        await self._endings.settled()
+        await self._clean_up.settled()
         match job.verb:
             case "eyes":
                 return await self._color(job)
@@ -155,12 +154,12 @@ class EyesPart(PepperPart):
         """
         if self._shown is not None and (self._loop or self._animated):
             return {"eyes": self._shown.text, "eyes_brightness": round(self._level, 3)}
-        seen = EyeColor.read_back(await self._robot.ask(LEDS, "getIntensity", ONE_LIGHT))
-        if seen is None:
+        visible = EyeColor.read_back(await self._robot.ask(LEDS, "getIntensity", FIRST_LIGHT))
+        if visible is None:
             return {}
-        if self._shown is not None and seen.close_to(self._shown.dimmed(self._level)):
+        if self._shown is not None and visible.close_to(self._shown.dimmed(self._level)):
             return {"eyes": self._shown.text, "eyes_brightness": round(self._level, 3)}
-        return {"eyes": seen.text, "eyes_brightness": round(seen.brightness, 3)}
+        return {"eyes": visible.text, "eyes_brightness": round(visible.brightness, 3)}
 
     async def close(self) -> None:
         """End what blinks; the light stays."""
@@ -168,7 +167,7 @@ class EyesPart(PepperPart):
         self._end_loop()
         if loop is not None:
             await asyncio.wait([loop])
-        await self._endings.close()
+        await super().close()
 
     # -- verbs -----------------------------------------------------------------------------------
 
@@ -237,7 +236,7 @@ class EyesPart(PepperPart):
         try:
             await asyncio.shield(playing)
         except asyncio.CancelledError:
-            self._endings.send(self._after(playing, before))
+            self._clean_up.send(self._after(playing, before))
             raise
 
     async def _after(self, playing: asyncio.Task[object], before: EyeColor) -> None:
@@ -258,8 +257,8 @@ class EyesPart(PepperPart):
         """The colour asked for last, otherwise what is seen now."""
         if self._shown is not None:
             return self._shown
-        seen = EyeColor.read_back(await self._robot.call(LEDS, "getIntensity", ONE_LIGHT))
-        return WHITE if seen is None else seen
+        visible = EyeColor.read_back(await self._robot.call(LEDS, "getIntensity", FIRST_LIGHT))
+        return WHITE if visible is None else visible
 
     async def _repeat(self, animation: str) -> None:
         """Blink, or let the light come and go, until it is ended or the robot is gone."""
@@ -307,9 +306,9 @@ class EyeColor:
     @classmethod
     def read_back(cls, intensities: object) -> EyeColor | None:
         """From what `ALLeds.getIntensity` says of a light: blue, green, red. None: unreadable."""
-        told = [memory.number(part) for part in memory.items(intensities)]
-        parts = [min(max(part, 0.0), 1.0) for part in told if part is not None]
-        if len(parts) != 3 or len(told) != 3:
+        levels = [memory.number(part) for part in memory.items(intensities)]
+        parts = [min(max(part, 0.0), 1.0) for part in levels if part is not None]
+        if len(parts) != 3 or len(levels) != 3:
             return None
         blue, green, red = parts
         return cls(red, green, blue)

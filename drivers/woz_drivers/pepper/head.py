@@ -166,19 +166,19 @@ class HeadPart(PepperPart):
         match job.verb:
             case "gaze":
                 goal = await self._head.to(first, second)
-                asked = first, second
+                requested = first, second
             case "nudge":
                 goal = await self._head.by(first, second)
-                asked = goal
+                requested = goal
             case "hip":
                 # Its pitch is that of the legs against the torso: bent forward it is negative.
                 pitch, roll = await self._hip.by(-first, second)
-                goal = asked = (0.0 - pitch, roll)
+                goal = requested = (0.0 - pitch, roll)
             case _:
                 raise RejectedError(f"the head cannot {job.verb!r}")
         sent: dict[str, Json] = dict(zip(names, (round(angle, 3) for angle in goal), strict=True))
         clamped: dict[str, Json] = {
-            name: was for name, was, now in zip(names, asked, goal, strict=True) if was != now
+            name: was for name, was, now in zip(names, requested, goal, strict=True) if was != now
         }
         if clamped:
             sent["clamped"] = clamped

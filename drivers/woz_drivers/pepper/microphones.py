@@ -50,7 +50,7 @@ class MicrophonesPart(PepperPart):
         self._recording: _Recording | None = None
         self._listening: SoundRecording | None = None
         #: Those that ended without being waited for.
-        self._left: list[SoundRecording] = []
+        self._abandoned: list[SoundRecording] = []
 
     @classmethod
     def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
@@ -74,7 +74,7 @@ class MicrophonesPart(PepperPart):
         """A recording may go on without us; the file here ends."""
         recording, self._recording = self._recording, None
         if recording is not None:
-            self._tell_left(recording)
+            self._warn_recording(recording)
         listening, self._listening = self._listening, None
         if listening is not None:
             self._leave(listening)
@@ -83,26 +83,26 @@ class MicrophonesPart(PepperPart):
 
     async def read(self) -> Mapping[str, Json]:
         """What is under way."""
-        under_way = [
+        active = [
             *([f"recording {self._recording.path}"] if self._recording else []),
             *([f"listening to {self._listening.file}"] if self._listening else []),
         ]
-        return {"microphones": ", ".join(under_way) or "off"}
+        return {"microphones": ", ".join(active) or "off"}
 
     async def close(self) -> None:
         """End both; a robot that does not confirm it may record on, which is told."""
         if self._listening is not None:
             with contextlib.suppress(DriverError):  # it is written as far as it came
                 await self._end_listen()
-        for left in self._left:
-            await left.close()
+        for abandoned in self._abandoned:
+            await abandoned.close()
         recording = self._recording
         if recording is not None:
             try:
                 await self._end_record(within=_FAREWELL_S)
             except DriverError:
                 self._recording = None
-                self._tell_left(recording)
+                self._warn_recording(recording)
 
     # -- on the robot --------------------------------------------------------------------------
 
@@ -136,7 +136,7 @@ class MicrophonesPart(PepperPart):
         start = self._context.t(recording.t_us)
         return {"file": recording.path, "t": start, "seconds": round(seconds, 3)}
 
-    def _tell_left(self, recording: _Recording) -> None:
+    def _warn_recording(self, recording: _Recording) -> None:
         text = f"the robot may still be recording to {recording.path}"
         self._context.notice("warning", text, "when it is there again: record_sound off")
 
@@ -165,7 +165,7 @@ class MicrophonesPart(PepperPart):
 
     def _leave(self, listening: SoundRecording) -> None:
         listening.abandon()
-        self._left.append(listening)
+        self._abandoned.append(listening)
 
 
 # -- sent to this machine --------------------------------------------------------------------------
@@ -173,7 +173,7 @@ class MicrophonesPart(PepperPart):
 #: How the service of ours begins that the robot sends its sound to. Each has a name of its own: a
 #: robot that was cut off holds on to those of before for a while.
 SERVICE = "WozTuiMicrophones"
-_HEARD_HZ = 48000
+_RATE_HZ = 48000
 #: ALAudioDevice's number for the front microphone, and for samples channel by channel: no.
 _FRONT, _NOT_DEINTERLEAVED = 3, 0
 #: Sound has to come within this, in seconds.
@@ -204,12 +204,12 @@ class SoundRecording:
         Raises `DriverError` if none comes.
         """
         self._withdraw = await self._robot.serve(
-            self._service, {"processRemote": ("(iimr)", self._heard)}
+            self._service, {"processRemote": ("(iimr)", self._take_buffer)}
         )
         try:
             await self._robot.call(
                 *("ALAudioDevice", "setClientPreferences"),
-                *(self._service, _HEARD_HZ, _FRONT, _NOT_DEINTERLEAVED),
+                *(self._service, _RATE_HZ, _FRONT, _NOT_DEINTERLEAVED),
             )
             await self._robot.call("ALAudioDevice", "subscribe", self._service)
             async with asyncio.timeout(_COMES_WITHIN_S):
@@ -222,30 +222,30 @@ class SoundRecording:
         return {**self._about(), "channels": first.channels, "robot_time": first.robot_s}
 
     def _about(self) -> dict[str, Json]:
-        return {"file": self.file, "t": self._context.t(self._t_us), "rate": _HEARD_HZ}
+        return {"file": self.file, "t": self._context.t(self._t_us), "rate": _RATE_HZ}
 
-    def _heard(self, channels: Any, samples: Any, stamp_: Any, buffer: Any) -> None:
+    def _take_buffer(self, channels: Any, samples: Any, stamp_: Any, buffer: Any) -> None:
         """What the robot calls for each buffer."""
-        came = block(channels, samples, stamp_, buffer)
+        received = block(channels, samples, stamp_, buffer)
         if self._over:
             return
-        if isinstance(came, str) or (self._sound and came.channels != self._sound.channels):
+        if isinstance(received, str) or (self._sound and received.channels != self._sound.channels):
             self._bad += 1
             if self._bad == 1:
                 why = (
-                    came
-                    if isinstance(came, str)
-                    else f"{came.channels} channels instead of the number before"
+                    received
+                    if isinstance(received, str)
+                    else f"{received.channels} channels instead of the number before"
                 )
                 self._context.notice("warning", f"a part of the robot's sound is missing: {why}")
             return
         if self._sound is None:
-            lasted_us = came.samples * 1_000_000 // _HEARD_HZ
+            lasted_us = received.samples * 1_000_000 // _RATE_HZ
             self._t_us = self._context.clock.now_us() - lasted_us
-            self._sound = SoundFile(self._path, _HEARD_HZ, came.channels, self._failed)
+            self._sound = SoundFile(self._path, _RATE_HZ, received.channels, self._failed)
             self._sound.begin()
-            self._first.set_result(came)
-        self._sound.put(came.data)
+            self._first.set_result(received)
+        self._sound.write_block(received.data)
 
     def _failed(self, why: str) -> None:
         text = f"the robot's sound is not kept any more, {self.file}: {why}"
@@ -256,14 +256,14 @@ class SoundRecording:
         await self._leave()
         if self._sound is None:
             return {"file": ""}
-        written = await self._sound.finish()
-        if written.trouble:
+        progress = await self._sound.finish()
+        if progress.trouble:
             raise DriverError(
-                f"{self.file} ends too early, after {written.frames / _HEARD_HZ:.1f} s:"
-                f" {written.trouble}",
+                f"{self.file} ends too early, after {progress.frames / _RATE_HZ:.1f} s:"
+                f" {progress.trouble}",
                 "check the disk",
             )
-        seconds = round(written.frames / _HEARD_HZ, 3)
+        seconds = round(progress.frames / _RATE_HZ, 3)
         return {**self._about(), "seconds": seconds, "missing": self._bad}
 
     async def _leave(self) -> None:
@@ -310,7 +310,7 @@ _WAITING = 200
 #: A WAV file's header has 32 bits for its length.
 _LONGEST = 2**32 - 2**16
 #: How long the end of a file is waited for, in seconds.
-_WRITTEN_WITHIN_S = 2.0
+_FINISHED_WITHIN_S = 2.0
 _NEW = os.O_CREAT | os.O_EXCL | os.O_RDWR | os.O_CLOEXEC
 
 
@@ -361,7 +361,7 @@ class SoundFile:
     rate: int
     channels: int
     failed: Callable[[str], None]
-    _written: WriteProgress = field(default_factory=WriteProgress)
+    _progress: WriteProgress = field(default_factory=WriteProgress)
     _blocks: queue.SimpleQueue[bytes | None] = field(default_factory=queue.SimpleQueue)
     _done: asyncio.Future[None] = field(
         default_factory=lambda: asyncio.get_running_loop().create_future()
@@ -373,9 +373,9 @@ class SoundFile:
         name = "pepper sound"
         threading.Thread(target=self._run, args=(loop,), name=name, daemon=True).start()
 
-    def put(self, data: bytes) -> None:
+    def write_block(self, data: bytes) -> None:
         """Have it written; what comes after a trouble is left out."""
-        if self._written.trouble:
+        if self._progress.trouble:
             return
         if self._blocks.qsize() >= _WAITING:
             self._fail("the disk does not answer")
@@ -389,14 +389,14 @@ class SoundFile:
     async def finish(self) -> WriteProgress:
         """Return when everything is written, or could not be. A disk that hangs is left alone."""
         self.end()
-        await asyncio.wait([self._done], timeout=_WRITTEN_WITHIN_S)
-        if not self._done.done() and not self._written.trouble:
-            self._written.trouble = "the disk does not answer"
-        return self._written
+        await asyncio.wait([self._done], timeout=_FINISHED_WITHIN_S)
+        if not self._done.done() and not self._progress.trouble:
+            self._progress.trouble = "the disk does not answer"
+        return self._progress
 
     def _fail(self, why: str) -> None:
-        if not self._written.trouble:
-            self._written.trouble = why
+        if not self._progress.trouble:
+            self._progress.trouble = why
             self.failed(why)
 
     def _run(self, loop: asyncio.AbstractEventLoop) -> None:
@@ -426,10 +426,10 @@ class SoundFile:
                     raise OverflowError("a WAV file cannot be longer; listen again for another one")
                 sound.writeframes(data)
                 file.flush()
-                self._still_there(file.fileno())
-                self._written.frames += len(data) // (_WIDTH * self.channels)
+                self._check_not_removed(file.fileno())
+                self._progress.frames += len(data) // (_WIDTH * self.channels)
 
-    def _still_there(self, fd: int) -> None:
+    def _check_not_removed(self, fd: int) -> None:
         """What is written into a file that was removed is nowhere. Raises `OSError`."""
         try:
             same = os.path.samestat(self.path.stat(), os.fstat(fd))

@@ -145,9 +145,9 @@ async def open_link(
         raise wrong_password(address, settings.password, bool(secret)) from None
     except errors.QiError as error:
         if watch.refused:
-            raise wrong_certificate(address, watch.found) from None
+            raise wrong_certificate(address, watch.fingerprint) from None
         raise _not_opened(address, error, secret) from None
-    return NaoqiLink(client, watch.found)
+    return NaoqiLink(client, watch.fingerprint)
 
 
 def _not_opened(address: Address, error: errors.QiError, secret: Secret) -> DeviceLostError:
@@ -178,7 +178,7 @@ class CertificateWatch:
 
     def __init__(self, trusted: str) -> None:
         self._trusted = trusted.replace(":", "").strip().lower()
-        self.found = ""
+        self.fingerprint = ""
         self.refused = False
         self.context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
         self.context.check_hostname = False
@@ -186,18 +186,18 @@ class CertificateWatch:
         self.context.sslobject_class = self._watching()
 
     def _watching(self) -> type[ssl.SSLObject]:
-        look = self._look
+        check = self._check_certificate
 
         class Watched(ssl.SSLObject):
             def do_handshake(self) -> None:
                 super().do_handshake()
-                look(self.getpeercert(binary_form=True) or b"")
+                check(self.getpeercert(binary_form=True) or b"")
 
         return Watched
 
-    def _look(self, certificate: bytes) -> None:
-        self.found = hashlib.sha256(certificate).hexdigest()
-        self.refused = bool(self._trusted) and self.found != self._trusted
+    def _check_certificate(self, certificate: bytes) -> None:
+        self.fingerprint = hashlib.sha256(certificate).hexdigest()
+        self.refused = bool(self._trusted) and self.fingerprint != self._trusted
         if self.refused:
             refusal = ssl.SSLError("another certificate than the trusted one")
             refusal.reason = str(refusal)
@@ -244,7 +244,7 @@ class NaoqiLink:
         return frozenset(info.name for info in infos)
 
     async def listen(self, service: str, signal: str, heard: Callable[..., None]) -> Unsubscribe:
-        """Call `heard(*values)` in the loop whenever the signal is emitted. Raises as `call`."""
+        """Call `listener(*values)` in the loop whenever the signal is emitted. Raises as `call`."""
         what = f"{service}.{signal}"
         within = _LISTENS_WITHIN_S
         subscribing = self._client.listen(service, signal, heard, within + _BEYOND_S)
@@ -266,7 +266,8 @@ class NaoqiLink:
         from here.
         """
         hosted = HostedObject(
-            HostedMethod(one, takes, "v", run) for one, (takes, run) in methods.items()
+            HostedMethod(method_name, takes, "v", run)
+            for method_name, (takes, run) in methods.items()
         )
         registering = self._client.register(name, hosted)
         served = await self._in_time(registering, _LISTENS_WITHIN_S, _DIRECTORY, name)
@@ -297,12 +298,12 @@ class NaoqiLink:
             raise ServiceMissingError(f"{service} has just ended on the robot") from None
         except errors.ProtocolError as error:
             raise RobotRefusedError(
-                f"{what}: its answer cannot be read: {words(str(error))}"
+                f"{what}: its answer cannot be read: {readable(str(error))}"
             ) from None
         except errors.QiError as error:
             if _ABSENT.search(str(error)):
                 raise ServiceMissingError(f"the robot has no service {service} now") from None
-            raise RobotRefusedError(f"{what}: {words(str(error))}") from None
+            raise RobotRefusedError(f"{what}: {readable(str(error))}") from None
 
 
 async def resolved(address: Address) -> tuple[str, int]:
@@ -335,7 +336,7 @@ def binary(value: Any) -> bytes:
     raise RobotRefusedError(f"bytes were expected, but the robot gave {type(value).__name__}")
 
 
-def words(text: str) -> str:
+def readable(text: str) -> str:
     """What a robot says of an error, in one line, without the listing of its program."""
     line = " ".join(text.partition("\n\nAt:")[0][: 4 * _READABLE].split())
     shown = "".join(sign if sign.isprintable() else "�" for sign in line)
@@ -353,7 +354,7 @@ def unreachable(address: Address, number: int | None, text: str) -> DeviceLostEr
     if number in _NOBODY:
         remedy = "is the robot on, and is this machine in its network?"
         return DeviceLostError(f"{where} does not answer", remedy)
-    reason = words(text) or (os.strerror(number) if number else "no reason given")
+    reason = readable(text) or (os.strerror(number) if number else "no reason given")
     return DeviceLostError(
         f"{where} cannot be reached: {reason}", "check its power and the network"
     )
@@ -367,9 +368,11 @@ def unknown_host(address: Address) -> DeviceLostError:
     )
 
 
-def wrong_password(address: Address, variable: str, given: bool) -> ConnectionRefusedByRobotError:
+def wrong_password(
+    address: Address, variable: str, has_password: bool
+) -> ConnectionRefusedByRobotError:
     """The robot does not take user and password."""
-    if not given:
+    if not has_password:
         return ConnectionRefusedByRobotError(
             f"{address.shown} wants a password for the user {address.user or 'nao'}",
             f"set the environment variable {variable} before `woz` is started, and write the"
@@ -381,9 +384,9 @@ def wrong_password(address: Address, variable: str, given: bool) -> ConnectionRe
     )
 
 
-def wrong_certificate(address: Address, found: str) -> ConnectionRefusedByRobotError:
+def wrong_certificate(address: Address, fingerprint: str) -> ConnectionRefusedByRobotError:
     """Another certificate than the trusted one."""
     return ConnectionRefusedByRobotError(
         f"{address.shown} shows another certificate than `trusted` says",
-        f"is it the right robot? if so, set `trusted: {found}`",
+        f"is it the right robot? if so, set `trusted: {fingerprint}`",
     )

@@ -18,7 +18,7 @@ def outline(settings: PepperSettings) -> dict[str, Json]:
     robots = tuple(dict.fromkeys((*settings.robots, SIMULATED)))
     named = {**SETTINGS, "robot": replace(SETTINGS["robot"], choices=robots)}
     return RobotOutline(
-        settings=[one.line() for one in named.values()],
+        settings=[setting.line() for setting in named.values()],
         robots=list(robots),
         moves=list(MOVES),
         tags=tags.offered(),

@@ -58,7 +58,7 @@ class RobotCalls(Protocol):
         """
         ...
 
-    async def listen(self, service: str, signal: str, heard: Callable[..., None]) -> Unsubscribe:
+    async def listen(self, service: str, signal: str, listener: Callable[..., None]) -> Unsubscribe:
         """Hear a signal until the connection is lost (a part listens again in `connected`)."""
         ...
 
@@ -67,7 +67,7 @@ class RobotCalls(Protocol):
         ...
 
     @property
-    def there(self) -> bool:
+    def available(self) -> bool:
         """Whether it is connected and answers."""
         ...
 
@@ -94,6 +94,7 @@ class PepperPart:
         self._robot = robot
         self._settings = settings
         self._context = context
+        self._clean_up = CleanUpCalls()
 
     @classmethod
     def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
@@ -132,14 +133,15 @@ class PepperPart:
 
     async def close(self) -> None:
         """Let go: end tasks, close files, unsubscribe. Never raises."""
+        await self._clean_up.close()
 
 
 async def together(*calls: Any) -> list[Any]:
     """All at once; the first failure is raised when all have ended."""
     done = await asyncio.gather(*calls, return_exceptions=True)
-    for one in done:
-        if isinstance(one, BaseException):
-            raise one
+    for result in done:
+        if isinstance(result, BaseException):
+            raise result
     return done
 
 
@@ -159,27 +161,31 @@ async def answers(calls: Mapping[str, Call]) -> dict[str, Any]:
 
     Raises `DeviceLostError` when nothing at all was answered because the robot is gone.
     """
-    said = await asyncio.gather(*calls.values(), return_exceptions=True)
-    found = {}
-    for name, answer in zip(calls, said, strict=True):
+    results = await asyncio.gather(*calls.values(), return_exceptions=True)
+    answered = {}
+    for name, answer in zip(calls, results, strict=True):
         if not isinstance(answer, BaseException):
-            found[name] = answer
+            answered[name] = answer
         elif not isinstance(answer, DriverError):
             raise answer
-    if not found and said and all(isinstance(answer, DeviceLostError) for answer in said):
-        raise DeviceLostError(str(said[0]))
-    return found
+    if not answered and results and all(isinstance(answer, DeviceLostError) for answer in results):
+        raise DeviceLostError(str(results[0]))
+    return answered
 
 
 async def read_back(robot: RobotCalls, settings: Iterable[RobotSetting]) -> dict[str, Json]:
     """These settings as the robot has them, by name; what makes no sense is left out."""
-    asked = {one.name: one for one in settings if one.get}
-    said = await answers({name: robot.ask(*one.get) for name, one in asked.items()})
-    understood = {name: _UNDERSTOOD[asked[name].kind](value) for name, value in said.items()}
+    readable_settings = {setting.name: setting for setting in settings if setting.get}
+    results = await answers(
+        {name: robot.ask(*setting.get) for name, setting in readable_settings.items()}
+    )
+    understood = {
+        name: _UNDERSTOOD[readable_settings[name].kind](value) for name, value in results.items()
+    }
     return {name: value for name, value in understood.items() if value is not None}
 
 
-def put_setting(robot: RobotCalls, setting: RobotSetting, value: Json) -> Call:
+def write_setting(robot: RobotCalls, setting: RobotSetting, value: Json) -> Call:
     """Set it on the robot."""
     if setting.kind == "number":
         value = float(str(value))
@@ -187,8 +193,8 @@ def put_setting(robot: RobotCalls, setting: RobotSetting, value: Json) -> Call:
 
 
 def _number(value: Any) -> float | None:
-    found = memory.number(value)
-    return None if found is None else round(found, 3)
+    number = memory.number(value)
+    return None if number is None else round(number, 3)
 
 
 _UNDERSTOOD: Mapping[str, Callable[[Any], Json]] = {
@@ -203,9 +209,9 @@ async def apply(context: DriverContext, calls: Mapping[str, Call]) -> list[str]:
 
     Returns what was set. Raises `DeviceLostError` if the robot went away meanwhile.
     """
-    said = await asyncio.gather(*calls.values(), return_exceptions=True)
+    results = await asyncio.gather(*calls.values(), return_exceptions=True)
     done = []
-    for name, answer in zip(calls, said, strict=True):
+    for name, answer in zip(calls, results, strict=True):
         if isinstance(answer, DriverError) and not isinstance(answer, DeviceLostError):
             context.notice("warning", f"{name} could not be set: {answer.what}", answer.remedy)
         elif isinstance(answer, BaseException):

@@ -28,9 +28,9 @@ from woz_tui.protocol.messages import SpeechEnded, SpeechStarted, SpeechText
 SERVICE = "ALSpeechRecognition"
 DETECTED, RECOGNIZED = "SpeechDetected", "WordRecognized"
 #: How often the robot is asked whether somebody speaks, in seconds.
-LOOK_S = 0.1
+POLL_S = 0.1
 #: What was said is known so long after its end at the latest, in microseconds.
-_KNOWN_US = 2_000_000
+_TEXT_WITHIN_US = 2_000_000
 _FAREWELL_S = 0.5
 #: A phrase is looked at up to here, in characters.
 _LONGEST = 200
@@ -43,7 +43,7 @@ class RecognitionPart(PepperPart):
 
     def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
-        self._asking = MemoryQuery(robot)
+        self._query = MemoryQuery(robot)
         self._polling = Background("reading the robot's speech recognition", context)
         self._segment = 0
         #: When the segment under way began; None: nobody speaks.
@@ -64,7 +64,7 @@ class RecognitionPart(PepperPart):
         if not self._settings.recognition.phrases:
             return
         await self._polling.close()
-        self._asking.forget()
+        self._query.forget()
         try:
             await self._begin()
         except DeviceLostError:
@@ -92,7 +92,7 @@ class RecognitionPart(PepperPart):
         await self._polling.close()
         if self._began_us is not None:
             self._end("the session ended")
-        if self._settings.recognition.phrases and self._robot.there:
+        if self._settings.recognition.phrases and self._robot.available:
             with contextlib.suppress(DriverError):
                 await self._robot.call(SERVICE, "unsubscribe", NAME, within=_FAREWELL_S)
 
@@ -118,12 +118,12 @@ class RecognitionPart(PepperPart):
     async def _poll(self) -> None:
         while True:
             with contextlib.suppress(DeviceLostError):  # the connection says when it is there again
-                await self._look()
-            await asyncio.sleep(LOOK_S)
+                await self._poll_once()
+            await asyncio.sleep(POLL_S)
 
-    async def _look(self) -> None:
+    async def _poll_once(self) -> None:
         """Ask once, and tell what is new. Raises `DeviceLostError`."""
-        values = await self._asking.values((DETECTED, RECOGNIZED))
+        values = await self._query.values((DETECTED, RECOGNIZED))
         speaks = flag(values[DETECTED]) is True
         if not speaks:
             self._lingers = False
@@ -134,7 +134,7 @@ class RecognitionPart(PepperPart):
             await self._forget()
         if phrase and confidence >= self._settings.recognition.confidence:
             self._lingers = speaks
-            self._tell_text(phrase)
+            self._publish_text(phrase)
             return
         if not speaks and self._began_us is not None:
             self._end()
@@ -162,16 +162,16 @@ class RecognitionPart(PepperPart):
             )
         )
 
-    def _tell_text(self, phrase: str) -> None:
+    def _publish_text(self, phrase: str) -> None:
         """The text of the segment under way, of the last one, or else of one of its own."""
-        late = self._awaited and self._now() - self._ended_us < _KNOWN_US
+        late = self._awaited and self._now() - self._ended_us < _TEXT_WITHIN_US
         if self._began_us is None and not late:
             self._start()
         if self._began_us is not None:
             self._end()
         self._awaited = False
-        took = self._now() - self._ended_us
-        text = SpeechText(driver="", segment=self._segment, text=phrase, took_us=took)
+        delay_us = self._now() - self._ended_us
+        text = SpeechText(driver="", segment=self._segment, text=phrase, took_us=delay_us)
         self._context.tell(text)
 
     def _now(self) -> int:

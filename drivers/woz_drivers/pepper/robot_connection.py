@@ -101,12 +101,12 @@ class RobotConnection:
     def start(self) -> None:
         """Begin with the first robot, if the settings say so; return at once."""
         if not self._settings.connect or not self._settings.robots:
-            self._tell(Health.LOST, self._why)
+            self._report(Health.LOST, self._why)
             return
         try:
             self._keep(parse(self._settings.robots[0]))
         except RejectedError as error:
-            self._tell(Health.FAULTED, DeviceLostError(f"robots: {error.what}", error.remedy))
+            self._report(Health.FAULTED, DeviceLostError(f"robots: {error.what}", error.remedy))
 
     async def connect(self, robot: str = "") -> None:
         """Take another robot (empty: the first of the settings); return when it is there.
@@ -114,12 +114,12 @@ class RobotConnection:
         Raises `RejectedError` for what is no address, `DeviceLostError` if the first attempt fails;
         it is tried again even so.
         """
-        first = await self._whole(self._taken(self.named(robot)))
+        first = await self._to_the_end(self._change_to(self.named(robot)))
         await asyncio.shield(first)
 
     async def disconnect(self) -> None:
         """Let the robot go, and do not look for it until `connect`."""
-        await self._whole(self._left())
+        await self._to_the_end(self._release())
 
     def leaving(self, leaves: bool) -> None:
         """Whether this robot is about to be let go: then only what ends something is sent to it."""
@@ -146,7 +146,7 @@ class RobotConnection:
     # -- for the parts: `parts.Robot` ----------------------------------------------------------
 
     @property
-    def there(self) -> bool:
+    def available(self) -> bool:
         """Whether it is connected and answers."""
         return self._line is not None and not self._line.pulse.silent
 
@@ -169,7 +169,7 @@ class RobotConnection:
                 await line.pulse.fresh()
             line.refuse_if_leaving(what)
             value = await line.link.call(service, method, *args, within=within)
-        line.pulse.heard()
+        line.pulse.sign_of_life()
         return value
 
     async def ask(self, service: str, method: str, *args: Any) -> Any:
@@ -191,7 +191,7 @@ class RobotConnection:
         line = self._need()
 
         def come(*values: Any) -> None:
-            line.pulse.heard()
+            line.pulse.sign_of_life()
             heard(*values)
 
         with self._in_words(line, f"{service}.{signal}"):
@@ -219,19 +219,19 @@ class RobotConnection:
             raise ServiceAbsentError(
                 str(missing), "after its start they come one by one; else it is without"
             ) from None
-        except RobotRefusedError as said:
-            raise DriverError(f"the robot refused {said}") from None
+        except RobotRefusedError as refusal:
+            raise DriverError(f"the robot refused {refusal}") from None
         except UnansweredError:
             raise DeviceLostError(
                 f"the robot did not answer {what} in time; it may still do it",
                 "stop it if it moves unexpectedly",
             ) from None
-        except LinkClosedError as gone:
-            raise line.lost(str(gone)) from None
+        except LinkClosedError as closed:
+            raise line.lost(str(closed)) from None
 
     # -- keeping it ----------------------------------------------------------------------------
 
-    async def _whole(self, change: Coroutine[Any, Any, _T]) -> _T:
+    async def _to_the_end(self, change: Coroutine[Any, Any, _T]) -> _T:
         """Carry a change of robot to its end, even if a stop comes while one is let go: else none
         would be looked for, and the last that was told would be that the old one is there.
         """
@@ -241,7 +241,7 @@ class RobotConnection:
         task.add_done_callback(lambda done: done.cancelled() or done.exception())
         return await asyncio.shield(task)
 
-    async def _taken(self, address: Address) -> asyncio.Future[None]:
+    async def _change_to(self, address: Address) -> asyncio.Future[None]:
         async with self._changing:
             if self._closed:
                 raise DeviceLostError("the session is over")
@@ -250,7 +250,7 @@ class RobotConnection:
             )
             return self._keep(address)
 
-    async def _left(self) -> None:
+    async def _release(self) -> None:
         shown = self.robot or "no robot"
         async with self._changing:
             why = DeviceLostError(
@@ -258,7 +258,7 @@ class RobotConnection:
             )
             await self._let_go(why)
             self._address = None
-            self._tell(Health.LOST, why)
+            self._report(Health.LOST, why)
 
     def _keep(self, address: Address) -> asyncio.Future[None]:
         """Look after this robot from now on; the result is that of the first attempt."""
@@ -266,15 +266,15 @@ class RobotConnection:
         first.add_done_callback(lambda done: done.cancelled() or done.exception())
         self._address = address
         self._keeper = asyncio.create_task(self._keeping(address, first))
-        self._keeper.add_done_callback(lambda keeper: self._kept(keeper, first))
+        self._keeper.add_done_callback(lambda keeper: self._keeper_ended(keeper, first))
         return first
 
-    def _kept(self, keeper: asyncio.Task[None], first: asyncio.Future[None]) -> None:
+    def _keeper_ended(self, keeper: asyncio.Task[None], first: asyncio.Future[None]) -> None:
         """Nobody waits for it any more, and a mistake of ours does not end it in silence."""
         error = None if keeper.cancelled() else keeper.exception()
         if error is not None:
             what = f"the connection ended because of an error in this program: {error!r}"
-            self._tell(
+            self._report(
                 Health.FAULTED, DeviceLostError(what, "take the robot again; please report it")
             )
         self._failed(first, self._why)
@@ -301,14 +301,14 @@ class RobotConnection:
                 line = await self._opened(address)
             except ConnectionRefusedByRobotError as refused:
                 self._failed(first, refused)
-                self._tell(Health.FAULTED, refused)
+                self._report(Health.FAULTED, refused)
                 return
             except DriverError as error:
                 self._failed(first, error)
-                self._tell(Health.LOST, error)
+                self._report(Health.LOST, error)
             else:
-                was_there = await self._served(line, first)
-                pause = _FIRST_PAUSE_S if was_there else pause
+                was_ready = await self._served(line, first)
+                pause = _FIRST_PAUSE_S if was_ready else pause
             await asyncio.sleep(pause)
             pause = min(2 * pause, _LONGEST_PAUSE_S)
 
@@ -323,26 +323,26 @@ class RobotConnection:
         try:
             line.why = await line.until_lost(getting_ready)
             self._failed(first, line.why)
-            self._tell(Health.LOST, line.why)
+            self._report(Health.LOST, line.why)
         finally:
-            was_there = self._line is line
+            was_ready = self._line is line
             self._line = None
             getting_ready.cancel()
             await line.link.close()
             await asyncio.gather(getting_ready, return_exceptions=True)
-            if was_there:
+            if was_ready:
                 self._on_lost()
-        return was_there
+        return was_ready
 
     async def _get_ready(self, line: RobotLine, first: asyncio.Future[None]) -> None:
         """Wait for its services, silence it, let calls through, have the settings applied."""
         address = line.address
-        known = self._absent.get(address, frozenset())
-        self._absent[address] = await until_services(line, known, self._starting)
+        missing_before = self._absent.get(address, frozenset())
+        self._absent[address] = await until_services(line, missing_before, self._starting)
         if address in self._met:
             await silence(line)
         else:
-            self._tell_certificate(line)
+            self._report_certificate(line)
         self._met.add(address)
         self._line = line
         await self.files.connected()
@@ -364,7 +364,7 @@ class RobotConnection:
         if not first.done():
             first.set_result(None)
 
-    def _tell_certificate(self, line: RobotLine) -> None:
+    def _report_certificate(self, line: RobotLine) -> None:
         """Once for each robot on a secured line of which the file does not say what to trust."""
         found = line.link.certificate
         if found and not self._settings.trusted:
@@ -384,6 +384,6 @@ class RobotConnection:
         if not first.done():
             first.set_exception(error)
 
-    def _tell(self, health: Health, error: DriverError) -> None:
+    def _report(self, health: Health, error: DriverError) -> None:
         self._why = DeviceLostError(error.what, error.remedy)
         self._context.health(health, error.what, error.remedy)

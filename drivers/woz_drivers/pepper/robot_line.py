@@ -50,7 +50,7 @@ _SILENT_WITHIN_S = 1.0
 #: Without these there is nothing to play.
 ESSENTIAL = frozenset({"ALMemory", "ALMotion", "ALTextToSpeech"})
 #: What the driver uses; a robot may be without some of them.
-WANTED = ESSENTIAL | {
+USED_SERVICES = ESSENTIAL | {
     *("ALAnimatedSpeech", "ALAnimationPlayer", "ALRobotPosture", "ALLeds", "ALTabletService"),
     *("ALAutonomousLife", "ALBasicAwareness", "ALAutonomousBlinking"),
     *("ALListeningMovement", "ALSpeakingMovement"),
@@ -116,22 +116,24 @@ async def silence(line: RobotLine) -> None:
     known to work.
     """
     calls = (line.link.call(*halt, within=_SILENT_WITHIN_S) for halt in _SILENCE)
-    done = await asyncio.gather(*calls, return_exceptions=True)
-    for one in done:
+    results = await asyncio.gather(*calls, return_exceptions=True)
+    for result in results:
         # A robot that refuses has nothing to end there.
-        if isinstance(one, BaseException) and not isinstance(one, RobotRefusedError):
-            raise one
-    line.pulse.heard()
+        if isinstance(result, BaseException) and not isinstance(result, RobotRefusedError):
+            raise result
+    line.pulse.sign_of_life()
 
 
 async def until_services(
-    line: RobotLine, known: frozenset[str], waiting: Callable[[RobotLine, frozenset[str]], None]
+    line: RobotLine,
+    missing_before: frozenset[str],
+    waiting: Callable[[RobotLine, frozenset[str]], None],
 ) -> frozenset[str]:
     """Wait while services come up; returns those that this robot seems to be without.
 
     Args:
         line: The connection.
-        known: What was missing last time: not waited for.
+        missing_before: What was missing last time: not waited for.
         waiting: Told of what is waited for, whenever that changes.
     """
     loop = asyncio.get_running_loop()
@@ -139,16 +141,16 @@ async def until_services(
     changed = loop.time()
     while True:
         try:
-            there = await line.link.services(_ANSWERS_WITHIN_S)
+            available = await line.link.services(_ANSWERS_WITHIN_S)
         except UnansweredError:
             continue
-        line.pulse.heard()
-        if WANTED - there != missing:
-            missing = frozenset(WANTED - there)
+        line.pulse.sign_of_life()
+        if USED_SERVICES - available != missing:
+            missing = frozenset(USED_SERVICES - available)
             changed = loop.time()
-            if missing - known:
+            if missing - missing_before:
                 waiting(line, missing)
-        late = loop.time() - changed > _COMES_WITHIN_S or missing <= known
+        late = loop.time() - changed > _COMES_WITHIN_S or missing <= missing_before
         if not missing or (late and not missing & ESSENTIAL):
             return missing
         await asyncio.sleep(_LOOK_S)
@@ -165,9 +167,9 @@ ALERT_S, ALERT_BEAT_S = 2.0, 0.012
 #: A question open for longer means: silent, nothing is sent, in seconds.
 SILENT_S = 0.25
 #: A question open for so long means: gone, in seconds; less with a lazy heartbeat, so that both
-#: together stay below `KNOWN_S`.
+#: together stay below `NOTICED_S`.
 ANSWER_S = 1.0
-KNOWN_S = 1.9
+NOTICED_S = 1.9
 #: If this process itself slept for so long, the answer may lie in its own socket, in seconds.
 _OVERSLEPT_S = 0.1
 
@@ -187,10 +189,10 @@ class Heartbeat:
         self._link = link
         self._loop = asyncio.get_running_loop()
         self._heartbeat = heartbeat
-        self._patience = min(ANSWER_S, KNOWN_S - heartbeat)
-        self._heard = self._loop.time()
+        self._patience = min(ANSWER_S, NOTICED_S - heartbeat)
+        self._last_sign_s = self._loop.time()
         self._question: asyncio.Task[None] | None = None
-        self._asked = 0.0
+        self._asked_at_s = 0.0
         self._alert_until = 0.0
         #: Since when nothing was heard with a question open.
         self._unanswered: float | None = None
@@ -201,10 +203,10 @@ class Heartbeat:
         since = self._unanswered
         return since is not None and self._loop.time() - since > SILENT_S
 
-    def heard(self) -> None:
+    def sign_of_life(self) -> None:
         """Something came from the robot."""
-        self._heard = self._loop.time()
-        self._unanswered = None if self._question is None else self._heard
+        self._last_sign_s = self._loop.time()
+        self._unanswered = None if self._question is None else self._last_sign_s
 
     def alert(self) -> None:
         """The wizard plays: be ready for the next key."""
@@ -220,7 +222,7 @@ class Heartbeat:
         """Watch; returns why the robot counts as gone."""
         limit, overslept = self._heartbeat + self._patience, False
         while True:
-            quiet = self._loop.time() - self._heard
+            quiet = self._loop.time() - self._last_sign_s
             if (left := self._beat - quiet) > 0:
                 await asyncio.sleep(left)
                 continue
@@ -228,10 +230,11 @@ class Heartbeat:
                 # Less where it has answered something else since it was asked before.
                 await asyncio.shield(self._ask(max(SILENT_S, min(self._patience, limit - quiet))))
             except UnansweredError:
-                if self._heard > self._asked:
+                if self._last_sign_s > self._asked_at_s:
                     continue
                 if overslept or not self._has_overslept():
-                    return f"the robot has not answered for {self._loop.time() - self._heard:.1f} s"
+                    silent_s = self._loop.time() - self._last_sign_s
+                    return f"the robot has not answered for {silent_s:.1f} s"
                 overslept = True
             except LinkClosedError as gone:
                 return str(gone)
@@ -244,7 +247,7 @@ class Heartbeat:
         Raises `DeviceLostError` at once if it is silent, later if it stays so, or
         `LinkClosedError`.
         """
-        if self._loop.time() - self._heard > FRESH_S:
+        if self._loop.time() - self._last_sign_s > FRESH_S:
             await self._answer_within(self._patience)
 
     async def ask(self) -> None:
@@ -269,9 +272,9 @@ class Heartbeat:
     def _ask(self, patience: float) -> asyncio.Task[None]:
         """The open question, or a new one."""
         if self._question is None:
-            self._asked = self._loop.time()
+            self._asked_at_s = self._loop.time()
             if self._unanswered is None:
-                self._unanswered = self._asked
+                self._unanswered = self._asked_at_s
             self._question = self._loop.create_task(self._asking(patience))
             self._question.add_done_callback(self._answered)
         return self._question
@@ -279,7 +282,7 @@ class Heartbeat:
     async def _asking(self, patience: float) -> None:
         with contextlib.suppress(RobotRefusedError):  # that is an answer, too
             await self._link.ask(patience)
-        self.heard()
+        self.sign_of_life()
 
     def _answered(self, question: asyncio.Task[None]) -> None:
         self._question = None
@@ -289,7 +292,7 @@ class Heartbeat:
 
     def _has_overslept(self) -> bool:
         """Whether the answer may have come while this process did not run."""
-        return self._loop.time() - self._asked - self._patience > _OVERSLEPT_S
+        return self._loop.time() - self._asked_at_s - self._patience > _OVERSLEPT_S
 
 
 def _silent() -> DeviceLostError:

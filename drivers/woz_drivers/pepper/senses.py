@@ -101,10 +101,10 @@ class SensorModules:
     async def begin(self) -> None:
         """Begin whatever does not run; what the robot does not have is told, the others go on."""
         missing = list(self._missing)
-        said = await asyncio.gather(
+        answers = await asyncio.gather(
             *(self._robot.call(one.service, *one.begin) for one in missing), return_exceptions=True
         )
-        for module, answer in zip(missing, said, strict=True):
+        for module, answer in zip(missing, answers, strict=True):
             if isinstance(answer, DriverError):
                 self._missing[module] = answer.what
             elif isinstance(answer, BaseException):
@@ -119,7 +119,7 @@ class SensorModules:
         """They need not run for us any more."""
         running = [one for one in self._modules if one not in self._missing]
         self.forget()
-        if self._robot.there:
+        if self._robot.available:
             await asyncio.gather(*(self._end(module) for module in running))
 
     async def _end(self, module: SensorModule) -> None:
@@ -146,12 +146,12 @@ class MemoryQuery:
         `DeviceLostError`.
         """
         if not self._key_by_key:
-            said = await self._refusable("getListData", list(keys))
-            if len(items(said)) == len(keys):
-                return dict(zip(keys, said, strict=True))
+            raw = await self._refusable("getListData", list(keys))
+            if len(items(raw)) == len(keys):
+                return dict(zip(keys, raw, strict=True))
             self._key_by_key = True
-        said = await together(*(self._refusable("getData", key) for key in keys))
-        return dict(zip(keys, said, strict=True))
+        raw = await together(*(self._refusable("getData", key) for key in keys))
+        return dict(zip(keys, raw, strict=True))
 
     async def _refusable(self, method: str, words: str | list[str]) -> Any:
         """What the robot says; None if it says no. Raises `DeviceLostError`."""
@@ -180,8 +180,8 @@ class SensesPart(PepperPart):
         self._sensors = self.sensors(settings)
         self._modules = SensorModules(robot, modules_for(settings), self._silent)
         self._begun_us = 0
-        self._asking = MemoryQuery(robot)
-        self._told = RoundReport(context)
+        self._query = MemoryQuery(robot)
+        self._report = RoundReport(context)
         self._ids: tuple[int, ...] = ()
         self._battery: float | None = None
         self._polling = Background("reading the robot's sensors", context)
@@ -226,8 +226,8 @@ class SensesPart(PepperPart):
         await self._polling.close()
         self._ids = ()
         self._modules.forget()
-        self._asking.forget()
-        self._told.forget()
+        self._query.forget()
+        self._report.forget()
         await self._begin()
         self._polling.start(self._poll())
 
@@ -277,10 +277,10 @@ class SensesPart(PepperPart):
             and self._context.clock.now_us() - self._begun_us >= _AGAIN_US
         ):
             await self._begin()
-        values, energy = await together(self._asking.values(self._keys()), self._energy())
-        self._say(values)
+        values, energy = await together(self._query.values(self._keys()), self._energy())
+        self._publish(values)
         if self._modules.runs("loudness"):
-            self._told.plain("loudness", memory.loudness(energy), energy)
+            self._report.plain("loudness", memory.loudness(energy), energy)
 
     def _keys(self) -> list[str]:
         """What is asked for this time, by what runs."""
@@ -308,30 +308,30 @@ class SensesPart(PepperPart):
         except DriverError as error:
             return ValueRefusal(error.what)
 
-    def _say(self, values: Mapping[str, Any]) -> None:
+    def _publish(self, values: Mapping[str, Any]) -> None:
         self._battery = memory.battery(values[memory.BATTERY])
-        self._told.battery(values[memory.BATTERY])
+        self._report.battery(values[memory.BATTERY])
         if memory.SONAR in values:
-            said = values[memory.SONAR]
-            self._told.plain("distance", memory.sonar(said), said, "m")
+            raw = values[memory.SONAR]
+            self._report.plain("distance", memory.sonar(raw), raw, "m")
         if memory.SOUND in values:
-            self._told.sound(values[memory.SOUND])
+            self._report.sound(values[memory.SOUND])
         if FACES in values:
-            self._told.identity(values[FACES])
+            self._report.identity(values[FACES])
         if VISIBLE in values:
-            self._say_people(values)
+            self._publish_people(values)
 
-    def _say_people(self, values: Mapping[str, Any]) -> None:
-        said = values[VISIBLE]
-        ids = visible(said)
+    def _publish_people(self, values: Mapping[str, Any]) -> None:
+        raw = values[VISIBLE]
+        ids = visible(raw)
         self._ids = ids or ()
         sensors = [sensor for sensor in self._sensors if self._modules.runs(sensor)]
         if ids is not None:
-            self._told.people(ids, values, sensors)
+            self._report.people(ids, values, sensors)
             return
         for sensor in ("presence", "people", "nearest", "gaze"):
             if sensor in sensors:
-                self._told.nothing(sensor, said)
+                self._report.nothing(sensor, raw)
 
 
 # -- from values to readings -----------------------------------------------------------------------
@@ -352,58 +352,58 @@ class RoundReport:
 
     def __init__(self, context: DriverContext) -> None:
         self._context = context
-        self._heard: tuple[float, float] | None = None
+        self._last_stamp: tuple[float, float] | None = None
         self._begun = False
         self._charge: float | None = None
         self._charged_us = context.clock.now_us() - _CALM_US
 
     def forget(self) -> None:
         """It may be another robot, with another clock."""
-        self._heard, self._begun = None, False
+        self._last_stamp, self._begun = None, False
         self._charged_us = self._context.clock.now_us() - _CALM_US
 
-    def plain(self, sensor: str, value: float | None, said: Any, unit: str = "") -> None:
+    def plain(self, sensor: str, value: float | None, raw: Any, unit: str = "") -> None:
         """One number, as it was decoded from `said`."""
         if value is None:
-            self.nothing(sensor, said)
+            self.nothing(sensor, raw)
         else:
             self._context.sensor(sensor, "ok")
             self._context.reading(sensor, value, unit=unit)
 
-    def nothing(self, sensor: str, said: Any) -> None:
+    def nothing(self, sensor: str, raw: Any) -> None:
         """The robot has no value, or one that makes no sense."""
-        self._context.sensor(sensor, "stale", _why(said))
+        self._context.sensor(sensor, "stale", _why(raw))
         self._context.reading(sensor, None)
 
-    def battery(self, said: Any) -> None:
+    def battery(self, raw: Any) -> None:
         """The charge to the hundredth; while it stays the same, now and then."""
-        charge = memory.battery(said)
+        charge = memory.battery(raw)
         share = None if charge is None else round(charge, 2)
         now_us = self._context.clock.now_us()
         if share != self._charge or now_us - self._charged_us >= _CALM_US:
             self._charge, self._charged_us = share, now_us
-            self.plain("battery", share, said)
+            self.plain("battery", share, raw)
 
-    def sound(self, said: Any) -> None:
+    def sound(self, raw: Any) -> None:
         """Where a sound came from, once for each; the first one found may be of yesterday."""
-        if said is None or said in ([], ()):
+        if raw is None or raw in ([], ()):
             self._context.sensor("direction", "ok")
             self._begun = True
             return
-        found = memory.sound(said)
+        found = memory.sound(raw)
         if found is None:
-            self.nothing("direction", said)
+            self.nothing("direction", raw)
             return
         self._context.sensor("direction", "ok")
-        if found.stamp != self._heard and self._begun:
+        if found.stamp != self._last_stamp and self._begun:
             self._context.reading("direction", round(found.degrees, 1), unit="deg")
-        self._heard, self._begun = found.stamp, True
+        self._last_stamp, self._begun = found.stamp, True
 
-    def identity(self, said: Any) -> None:
+    def identity(self, raw: Any) -> None:
         """Whose face it is: the name as text, the recognition's score as value."""
-        found = face(said)
+        found = face(raw)
         if found is None:
-            self.nothing("identity", said)
+            self.nothing("identity", raw)
             return
         self._context.sensor("identity", "ok")
         score = found.score if found.name else 0.0
@@ -419,8 +419,8 @@ class RoundReport:
         self._context.reading("people", float(len(ids)))
         who = nearest(ids, values)
         if who is not None:
-            said = values.get(distance_key(who.id))
-            self.plain("nearest", who.distance, said, "m")
+            raw = values.get(distance_key(who.id))
+            self.plain("nearest", who.distance, raw, "m")
             looking = None if who.looking is None else float(who.looking)
             if "gaze" in sensors:
                 self.plain("gaze", looking, values.get(looking_key(who.id)))
@@ -431,12 +431,12 @@ class RoundReport:
                 self.plain("gaze", 0.0, None)
 
 
-def _why(said: Any) -> str:
-    if said is None:
+def _why(raw: Any) -> str:
+    if raw is None:
         return "the robot has no value for it"
-    if isinstance(said, ValueRefusal):
-        return said.why
-    return f"is not a valid value: {memory.brief(said)}"
+    if isinstance(raw, ValueRefusal):
+        return raw.why
+    return f"is not a valid value: {memory.brief(raw)}"
 
 
 # -- people ----------------------------------------------------------------------------------------

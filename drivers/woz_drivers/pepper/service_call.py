@@ -44,41 +44,39 @@ class ServiceCallPart(PepperPart):
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Call it; what the robot returns is in the result."""
-        service, method = named(text(job.args, "call"))
-        args = listed(text(job.args, "args") or "[]")
+        service, method = parse_call(text(job.args, "call"))
+        args = parse_arguments(text(job.args, "args") or "[]")
         result = await self._robot.call(service, method, *args, within=LIMIT_S)
         return {"call": f"{service}.{method}", "args": args, "result": _short(_plain(result))}
 
 
-def named(call: str) -> tuple[str, str]:
+def parse_call(call: str) -> tuple[str, str]:
     """Service and method. Raises `RejectedError`."""
-    found = _CALL.fullmatch(call.strip())
-    if found is None:
+    match = _CALL.fullmatch(call.strip())
+    if match is None:
         raise RejectedError(f"{call!r} is no call", "write Service.method: ALMotion.getSummary")
-    return found["service"], found["method"]
+    return match["service"], match["method"]
 
 
-def listed(written: str) -> list[Json]:
+def parse_arguments(source: str) -> list[Json]:
     """Arguments written as a JSON list. Raises `RejectedError`."""
     try:
-        args = json.loads(written)
+        args = json.loads(source)
     except ValueError as error:
         raise RejectedError(
             f"args is no JSON list: {error}", "write for example args: '[\"Head\", 0.5]'"
         ) from None
     if not isinstance(args, list):
-        raise RejectedError(
-            f"args must be a list, not {written}", f"put it in brackets: [{written}]"
-        )
+        raise RejectedError(f"args must be a list, not {source}", f"put it in brackets: [{source}]")
     return args
 
 
 def _short(result: Json) -> Json:
     """A result as it is, or the beginning of its text: it goes into the log and to every screen."""
-    written = json.dumps(result, ensure_ascii=False)
-    if len(written) <= _LONGEST:
+    shown = json.dumps(result, ensure_ascii=False)
+    if len(shown) <= _LONGEST:
         return result
-    return f"{written[:_LONGEST]}… ({len(written)} characters)"
+    return f"{shown[:_LONGEST]}… ({len(shown)} characters)"
 
 
 def _plain(value: Any) -> Json:
@@ -87,9 +85,9 @@ def _plain(value: Any) -> Json:
         case bytes() | bytearray():
             return f"{len(value)} bytes"
         case list() | tuple():
-            return [_plain(one) for one in value]
+            return [_plain(item) for item in value]
         case Mapping():
-            return {str(name): _plain(one) for name, one in value.items()}
+            return {str(name): _plain(item) for name, item in value.items()}
         case None | bool() | int() | float() | str():
             return value
     return str(value)

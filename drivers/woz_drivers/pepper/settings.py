@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from operator import attrgetter
 from typing import Annotated
 
-from woz_drivers.pepper.address import parse, seen
+from woz_drivers.pepper.address import parse, without_password
 from woz_drivers.pepper.robot_settings import SETTINGS, RobotSetting, of_section
 from woz_drivers.simulated.argument_values import color
 from woz_tui.drivers.contract import RejectedError
@@ -153,10 +153,10 @@ class PepperSettings(Section):
     def initial_values(self, settings: Iterable[RobotSetting]) -> dict[str, Json]:
         """What the file asks for of these, by name; the rest is left as the robot has it."""
         found: dict[str, Json] = {}
-        for one in settings:
-            value = attrgetter(one.file)(self) if one.file else None
+        for setting in settings:
+            value = attrgetter(setting.file)(self) if setting.file else None
             if value not in (None, ""):
-                found[one.name] = value
+                found[setting.name] = value
         return found
 
     def warnings(self) -> list[tuple[str, str]]:
@@ -170,7 +170,7 @@ class PepperSettings(Section):
         Others that are none are told of when they are connected to.
         """
         for index, robot in enumerate(self.robots):
-            if seen(robot) == robot:
+            if without_password(robot) == robot:
                 continue
             try:
                 parse(robot)

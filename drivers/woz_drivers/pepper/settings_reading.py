@@ -43,12 +43,12 @@ class SettingsReader:
         self._connection = connection
         self._parts = parts
         self._context = context
-        self._wanted = DesiredSettings(settings)
+        self._desired = DesiredSettings(settings)
         self._names = _names(settings)
         self._uses = VerbUses(context.clock)
         self._soon = asyncio.Event()
         self._loop: asyncio.Task[None] | None = None
-        self._told: SettingsShown | None = None
+        self._shown: SettingsShown | None = None
         self._broken: set[str] = set()
 
     def begin(self) -> None:
@@ -61,7 +61,7 @@ class SettingsReader:
         if self._loop is not None:
             self._loop.cancel()
             self._loop = None
-            self._tell({"robot": self._robot()}, {}, [])
+            self._show({"robot": self._robot()}, {}, [])
 
     def soon(self) -> None:
         """Something has just changed: read after a lull, not at the end of the pause."""
@@ -73,7 +73,7 @@ class SettingsReader:
 
     def noticed(self, job: Job) -> None:
         """A verb was performed: what it set is wanted, and looked at soon."""
-        self._wanted.note(job.verb, job.args)
+        self._desired.note(job.verb, job.args)
         self._soon.set()
 
     async def close(self) -> None:
@@ -87,8 +87,8 @@ class SettingsReader:
         while self._loop is asyncio.current_task():
             self._soon.clear()
             values = await self._values()
-            against = conflicts(values, self._uses.now(), self._wanted.by_name)
-            self._tell(values, self._wanted.differing(values), against)
+            against = conflicts(values, self._uses.now(), self._desired.by_name)
+            self._show(values, self._desired.differing(values), against)
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(EVERY_S):
                     await self._soon.wait()
@@ -120,10 +120,10 @@ class SettingsReader:
                 " robot process",
             )
 
-    def _tell(self, values: dict[str, Json], wanted: dict[str, Json], against: list[str]) -> None:
+    def _show(self, values: dict[str, Json], wanted: dict[str, Json], against: list[str]) -> None:
         shown = SettingsShown(values=values, wanted=wanted, conflicts=against)
-        if shown != self._told:
-            self._told = shown
+        if shown != self._shown:
+            self._shown = shown
             self._context.show(shown)
 
 
@@ -162,45 +162,47 @@ class DesiredSettings:
 
     def __init__(self, settings: PepperSettings) -> None:
         self._by_argument = {
-            (one.verb, one.argument): one for one in SETTINGS.values() if one.name not in NEVER
+            (setting.verb, setting.argument): setting
+            for setting in SETTINGS.values()
+            if setting.name not in NEVER
         }
-        self._asked = settings.initial_values(SETTINGS.values())
-        if "eyes" in self._asked:
-            self._asked["eyes"] = _color(settings.eyes)
+        self._by_setting = settings.initial_values(SETTINGS.values())
+        if "eyes" in self._by_setting:
+            self._by_setting["eyes"] = _color(settings.eyes)
         self._doubted: frozenset[str] = frozenset()
 
     @property
     def by_name(self) -> Mapping[str, Json]:
         """Every wanted value, by the name of its setting."""
-        return self._asked
+        return self._by_setting
 
     def note(self, verb: str, args: Mapping[str, Json]) -> None:
         """A command was carried out: what it set is wanted from now on."""
         for argument, value in args.items():
             line = self._by_argument.get((verb, argument))
             if line is not None and value is not None:
-                self._asked[line.name] = _color(value) if line.kind == "color" else value
+                self._by_setting[line.name] = _color(value) if line.kind == "color" else value
                 if line.name == "state":  # it wakes the robot up, or puts it to rest
-                    self._asked.pop("awake", None)
+                    self._by_setting.pop("awake", None)
 
     def differing(self, values: Mapping[str, Json]) -> dict[str, Json]:
         """What was asked for, of those settings that the robot has otherwise."""
-        found = {
+        different = {
             name: value
-            for name, value in self._asked.items()
+            for name, value in self._by_setting.items()
             if name in values and not _same(name, values[name], value)
         }
-        whole = self._asked.get(WHOLE)
-        if any(self._asked.get(part, whole) != whole for part in PARTS):
-            found.pop(WHOLE, None)  # the parts say what is wanted; what the whole says is open
-        doubted = frozenset(found) & FLEETING
-        told = {
+        body = self._by_setting.get(WHOLE)
+        if any(self._by_setting.get(part, body) != body for part in PARTS):
+            different.pop(WHOLE, None)  # the parts say what is wanted; what the whole says is open
+        doubted = frozenset(different) & FLEETING
+        confirmed = {
             name: value
-            for name, value in found.items()
+            for name, value in different.items()
             if name not in doubted or name in self._doubted
         }
         self._doubted = doubted
-        return told
+        return confirmed
 
 
 def _color(value: Json) -> Json:
@@ -267,7 +269,7 @@ class VerbUses:
 
 
 def conflicts(
-    values: Mapping[str, Json], used: Collection[str], asked: Mapping[str, Json] | None = None
+    values: Mapping[str, Json], used: Collection[str], desired: Mapping[str, Json] | None = None
 ) -> list[str]:
     """What may surprise the wizard.
 
@@ -275,13 +277,13 @@ def conflicts(
         values: Settings as the robot has them; what is missing is unknown and no conflict.
         used: Verbs that the wizard uses (`VerbUses.now`). What may hurt somebody, or keeps the
             robot from obeying, does not depend on them.
-        asked: Settings that the file or the wizard asked for.
+        desired: Settings that the file or the wizard asked for.
     """
     # What may hurt somebody or keeps the robot from obeying comes first: a console with little room
     # shows the first ones.
-    said = [*_distances(values), *_asleep(values), *_head(values, used), *_arms(values, used)]
-    eyes = _blinks(values, asked or {}) or _eyes(values, used)
-    return [*said, *eyes, *_life(values)]
+    sentences = [*_distances(values), *_asleep(values), *_head(values, used), *_arms(values, used)]
+    eyes = _blinks(values, desired or {}) or _eyes(values, used)
+    return [*sentences, *eyes, *_life(values)]
 
 
 def _life(values: Mapping[str, Json]) -> list[str]:
@@ -302,21 +304,21 @@ def _asleep(values: Mapping[str, Json]) -> list[str]:
 def _head(values: Mapping[str, Json], used: Collection[str]) -> list[str]:
     if not any(verb in used for verb in STEERS_HEAD):
         return []
-    said = []
+    sentences = []
     if values.get("awareness") is True:
-        said.append("awareness turns the head away from where the wizard has turned it")
+        sentences.append("awareness turns the head away from where the wizard has turned it")
     if _breathes(values, "head_breathing"):
-        said.append("the head breathes while the wizard turns it")
-    return said
+        sentences.append("the head breathes while the wizard turns it")
+    return sentences
 
 
 def _arms(values: Mapping[str, Json], used: Collection[str]) -> list[str]:
-    said = []
+    sentences = []
     if any(verb in used for verb in GESTURES) and _breathes(values, "arms_breathing"):
-        said.append("the arms breathe: animations and poses begin and end with a jerk")
+        sentences.append("the arms breathe: animations and poses begin and end with a jerk")
     if "say" in used and values.get("speaking_movement") is True:
-        said.append("speaking movement adds gestures of its own to those in a sentence's tags")
-    return said
+        sentences.append("speaking movement adds gestures of its own to those in a sentence's tags")
+    return sentences
 
 
 def _eyes(values: Mapping[str, Json], used: Collection[str]) -> list[str]:
@@ -325,10 +327,10 @@ def _eyes(values: Mapping[str, Json], used: Collection[str]) -> list[str]:
     return []
 
 
-def _blinks(values: Mapping[str, Json], asked: Mapping[str, Json]) -> list[str]:
+def _blinks(values: Mapping[str, Json], desired: Mapping[str, Json]) -> list[str]:
     """The example of WoZ4U's paper. Where nobody asked for it, nobody waits for it either."""
     state = values.get("state")
-    if not (values.get("blinking") is True and asked.get("blinking") is True):
+    if not (values.get("blinking") is True and desired.get("blinking") is True):
         return []
     if state in (None, "interactive"):
         return []
@@ -336,12 +338,14 @@ def _blinks(values: Mapping[str, Json], asked: Mapping[str, Json]) -> list[str]:
 
 
 def _distances(values: Mapping[str, Json]) -> list[str]:
-    said = []
+    sentences = []
     for name in ("tangential", "orthogonal"):
         metres = values.get(name)
         if isinstance(metres, int | float) and not isinstance(metres, bool) and metres < NEAR_M:
-            said.append(f"the {name} security distance is {metres:g} m: the robot may hit people")
-    return said
+            sentences.append(
+                f"the {name} security distance is {metres:g} m: the robot may hit people"
+            )
+    return sentences
 
 
 def _breathes(values: Mapping[str, Json], part: str) -> bool:

@@ -45,7 +45,7 @@ class SimulatedPepper:
         running = await self._start(line)
         self._child = running
         try:
-            self._address = await self._said(running, line)
+            self._address = await self._read_address(running, line)
         except BaseException:
             await self.close()
             raise
@@ -66,15 +66,15 @@ class SimulatedPepper:
             await ended.end()
 
     async def _start(self, line: asyncio.Future[bytes]) -> Child:
-        said = b""
+        output = b""
 
-        def heard(data: bytes) -> None:
-            nonlocal said
+        def collect(data: bytes) -> None:
+            nonlocal output
             if line.done():
                 return
-            said += data
-            if b"\n" in said:
-                line.set_result(said.partition(b"\n")[0])
+            output += data
+            if b"\n" in output:
+                line.set_result(output.partition(b"\n")[0])
 
         words = (
             sys.executable,
@@ -87,11 +87,11 @@ class SimulatedPepper:
             f"{self._pace:g}",
         )
         try:
-            return await child_process.start(words, self._folder, on_output=heard)
+            return await child_process.start(words, self._folder, on_output=collect)
         except DriverError as error:
             raise DeviceLostError(f"the simulated robot: {error.what}", error.remedy) from error
 
-    async def _said(self, running: Child, line: asyncio.Future[bytes]) -> Address:
+    async def _read_address(self, running: Child, line: asyncio.Future[bytes]) -> Address:
         """The address in its first line. Raises `DeviceLostError`."""
         ending = asyncio.create_task(running.wait())
         ending.add_done_callback(lambda _: line.cancel())
@@ -105,7 +105,7 @@ class SimulatedPepper:
         try:
             return parse(json.loads(line.result())["address"])
         except (ValueError, KeyError, TypeError, RejectedError):
-            said = line.result().decode("utf-8", "replace")[:100]
+            output = line.result().decode("utf-8", "replace")[:100]
             raise DeviceLostError(
-                f"the simulated robot says no address, but {said!r}", _REMEDY
+                f"the simulated robot says no address, but {output!r}", _REMEDY
             ) from None

@@ -14,7 +14,6 @@ from pathlib import Path
 from woz_drivers.pepper.memory import within
 from woz_drivers.pepper.parts import (
     LONG_S,
-    CleanUpCalls,
     PepperPart,
     RobotCalls,
     ServiceAbsentError,
@@ -43,13 +42,13 @@ _LONGEST_S, _LARGEST_ID = 86_400.0, 2**31 - 1
 _FILE = "its path from the experiment's folder, or its whole path on the robot, or http://..."
 
 
-def here_of(path: str, folder: Path) -> Path | None:
+def local_file(path: str, folder: Path) -> Path | None:
     """The file of this machine that a `sound` means; None for one on the robot, and an address."""
     if not path.strip() or path.startswith("/") or is_address(path):
         return None
     try:
-        here = folder / path
-        return here if here.is_file() else None
+        local = folder / path
+        return local if local.is_file() else None
     except (OSError, ValueError):  # no name that a file can have
         return None
 
@@ -62,7 +61,6 @@ class SoundsPart(PepperPart):
     def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         self._folder = context.folder
-        self._endings = CleanUpCalls()
         self._ids: dict[str, int] = {}
         self._playing = ""
 
@@ -84,10 +82,10 @@ class SoundsPart(PepperPart):
         """Play it; ends when the sound has ended."""
         path = text(job.args, "file")
         volume = min(max(number(job.args, "volume", 1.0), 0.0), 1.0)
-        await self._endings.settled()
-        here = here_of(path, self._folder)
-        if here is not None or is_address(path):
-            await self._stream(job, path, here, volume)
+        await self._clean_up.settled()
+        local = local_file(path, self._folder)
+        if local is not None or is_address(path):
+            await self._stream(job, path, local, volume)
         else:
             await self._play(job, path, volume)
         return {"file": path, "volume": volume}
@@ -114,17 +112,19 @@ class SoundsPart(PepperPart):
 
     async def read(self) -> Mapping[str, Json]:
         """The file being played, empty if none. What the robot has unloaded is loaded anew."""
-        there = await self._robot.ask(PLAYER, "getLoadedFilesIds")
-        if isinstance(there, list | tuple):
+        loaded = await self._robot.ask(PLAYER, "getLoadedFilesIds")
+        if isinstance(loaded, list | tuple):
             # `loadFile` gives a number, this gives the same numbers as text.
-            held = {str(one) for one in there}
-            self._ids = {path: sound for path, sound in self._ids.items() if str(sound) in held}
+            loaded_ids = {str(sound_id) for sound_id in loaded}
+            self._ids = {
+                path: sound for path, sound in self._ids.items() if str(sound) in loaded_ids
+            }
         return {"sound": self._playing}
 
     async def close(self) -> None:
         """Free the robot's memory of the files."""
-        await self._endings.close()
-        if self._ids and self._robot.there:
+        await super().close()
+        if self._ids and self._robot.available:
             self._ids.clear()
             with contextlib.suppress(DriverError):
                 await self._robot.call(PLAYER, "unloadAllFiles")
@@ -141,12 +141,12 @@ class SoundsPart(PepperPart):
         await self._robot.call(PLAYER, "setVolume", sound, volume)
         await self._until_over(path, "play", sound)
 
-    async def _stream(self, job: Job, path: str, here: Path | None, volume: float) -> None:
+    async def _stream(self, job: Job, path: str, local: Path | None, volume: float) -> None:
         """A file of this machine, or an address: the robot fetches it."""
         address = path
-        if here is not None:
-            address = await self._robot.files.address(here)
-            job.expects(sound_seconds(str(here)))
+        if local is not None:
+            address = await self._robot.files.address(local)
+            job.expects(sound_seconds(str(local)))
         try:
             await self._until_over(path, "playWebStream", address, volume, 0.0)
         except DeviceLostError:
@@ -164,7 +164,7 @@ class SoundsPart(PepperPart):
         try:
             await self._robot.call(PLAYER, method, *words, within=LONG_S)
         except asyncio.CancelledError:
-            self._endings.send(self._robot.call(PLAYER, "stopAll"))
+            self._clean_up.send(self._robot.call(PLAYER, "stopAll"))
             raise
         finally:
             self._playing = ""

@@ -69,21 +69,21 @@ class TouchScale:
             pixel / part if _NEAR <= part <= 1 else None
             for part, pixel in zip(share, pixels, strict=True)
         ]
-        if all(one is not None and 100 <= one <= 20_000 for one in size):
+        if all(value is not None and 100 <= value <= 20_000 for value in size):
             self._size, self._learnt = (size[0] or 1.0, size[1] or 1.0), True
 
-    def share(self, found: Place) -> Place:
+    def share(self, point: Place) -> Place:
         """Pixels as shares of the screen, 0 to 1."""
-        self._in_pixels = self._in_pixels or max(found) > 1.0
+        self._in_pixels = self._in_pixels or max(point) > 1.0
         if not self._in_pixels:
-            return _within(found)
-        if not self._learnt and (found[0] > self._size[0] or found[1] > self._size[1]):
+            return _within(point)
+        if not self._learnt and (point[0] > self._size[0] or point[1] > self._size[1]):
             self._size = _VIEW
-        return _within((found[0] / self._size[0], found[1] / self._size[1]))
+        return _within((point[0] / self._size[0], point[1] / self._size[1]))
 
 
-def _within(found: Place) -> Place:
-    return min(1.0, max(0.0, found[0])), min(1.0, max(0.0, found[1]))
+def _within(point: Place) -> Place:
+    return min(1.0, max(0.0, point[0])), min(1.0, max(0.0, point[1]))
 
 
 class Touch:
@@ -96,9 +96,9 @@ class Touch:
         self._down: tuple[float, Place] | None = None
         self._down_pixels: tuple[float, Place] | None = None
         self._next_move = 0.0
-        self._held: Place | None = None
+        self._last_move: Place | None = None
         self._later: asyncio.TimerHandle | None = None
-        self._held_signals: list[Unsubscribe] = []
+        self._subscriptions: list[Unsubscribe] = []
         #: When the second began in which touches are counted, and how many there were.
         self._second, self._count = 0.0, 0
         self._calm: asyncio.TimerHandle | None = None
@@ -112,34 +112,34 @@ class Touch:
         pixels = await self._listen("onTouchDown", down)
         moves = await self._listen("onTouchMove", self._moved)
         ups = await self._listen("onTouchUp", self._left)
-        heard = shares or pixels or moves or ups
-        self._state(*(("ok", "") if heard else ("stale", "the tablet does not tell touches")))
+        any_signal = shares or pixels or moves or ups
+        self._state(*(("ok", "") if any_signal else ("stale", "the tablet does not tell touches")))
 
     def lost(self) -> None:
         """Nobody knows of any finger."""
         self._forget()
-        self._held_signals = []
+        self._subscriptions = []
         self._state("stale", "the robot is not connected")
 
     async def close(self) -> None:
         """Listen no more."""
         self._forget()
-        signals, self._held_signals = self._held_signals, []
-        if self._robot.there:
+        signals, self._subscriptions = self._subscriptions, []
+        if self._robot.available:
             await asyncio.gather(*(end() for end in signals))
 
-    async def _listen(self, signal: str, heard: Any) -> bool:
+    async def _listen(self, signal: str, listener: Any) -> bool:
         try:
-            end = await self._robot.listen("ALTabletService", signal, heard)
+            end = await self._robot.listen("ALTabletService", signal, listener)
         except DeviceLostError:
             raise
         except DriverError:
             return False
-        self._held_signals.append(end)
+        self._subscriptions.append(end)
         return True
 
     def _forget(self) -> None:
-        self._held = self._down = self._down_pixels = None
+        self._last_move = self._down = self._down_pixels = None
         if self._later is not None:
             self._later.cancel()
             self._later = None
@@ -150,18 +150,18 @@ class Touch:
     # -- fingers -------------------------------------------------------------------------------
 
     def _came_down(self, x: Any = None, y: Any = None, *_: Any) -> None:
-        found = place(x, y)
-        if found is None:
+        point = place(x, y)
+        if point is None:
             return
-        share = _within(found)
+        share = _within(point)
         self._down = (_now(), share)
         self._learn()
-        self._tell(share, "down")
+        self._publish(share, "down")
 
     def _compare(self, x: Any = None, y: Any = None, *_: Any) -> None:
-        found = place(x, y)
-        if found is not None:
-            self._down_pixels = (_now(), found)
+        point = place(x, y)
+        if point is not None:
+            self._down_pixels = (_now(), point)
             self._learn()
 
     def _learn(self) -> None:
@@ -173,36 +173,36 @@ class Touch:
             self._down = self._down_pixels = None
 
     def _came_down_pixels(self, x: Any = None, y: Any = None, *_: Any) -> None:
-        found = place(x, y)
-        if found is not None:
-            self._tell(self._scale.share(found), "down")
+        point = place(x, y)
+        if point is not None:
+            self._publish(self._scale.share(point), "down")
 
     def _moved(self, x: Any = None, y: Any = None, *_: Any) -> None:
-        found = place(x, y)
-        if found is None:
+        point = place(x, y)
+        if point is None:
             return
-        self._held = self._scale.share(found)
+        self._last_move = self._scale.share(point)
         if _now() >= self._next_move:
-            self._tell_held()
+            self._publish_move()
         elif self._later is None:
             loop = asyncio.get_running_loop()
-            self._later = loop.call_at(self._next_move, self._tell_held)
+            self._later = loop.call_at(self._next_move, self._publish_move)
 
     def _left(self, x: Any = None, y: Any = None, *_: Any) -> None:
-        self._tell_held()
-        found = place(x, y)
-        if found is not None:
-            self._tell(self._scale.share(found), "up")
+        self._publish_move()
+        point = place(x, y)
+        if point is not None:
+            self._publish(self._scale.share(point), "up")
 
-    def _tell_held(self) -> None:
+    def _publish_move(self) -> None:
         """The last move, whether its time has come or the finger leaves."""
         if self._later is not None:
             self._later.cancel()
             self._later = None
-        held, self._held = self._held, None
-        if held is not None:
+        position, self._last_move = self._last_move, None
+        if position is not None:
             self._next_move = _now() + _STEP_S
-            self._tell(held, "move")
+            self._publish(position, "move")
 
     def _too_many(self) -> bool:
         """Whether a tablet tells more than anybody can touch: a log is not filled with that."""
@@ -219,10 +219,10 @@ class Touch:
         for sensor in SENSORS:
             self._context.sensor(sensor, state, why)
 
-    def _tell(self, where: Place, what: str) -> None:
+    def _publish(self, point: Place, what: str) -> None:
         if self._too_many():
             return
-        for sensor, value in zip(SENSORS, where, strict=True):
+        for sensor, value in zip(SENSORS, point, strict=True):
             self._context.reading(sensor, round(value, 4), text=what)
 
 
@@ -321,12 +321,12 @@ class TabletPart(PepperPart):
         await self._quiet()
         self._video, self._shows, self._on_air = None, "", False
         self._signals = []
-        for signal, heard in (
+        for signal, listener in (
             ("videoFinished", self._finished),
             ("onLoadPageError", self._not_loaded),
         ):
             try:
-                self._signals.append(await self._robot.listen(_SERVICE, signal, heard))
+                self._signals.append(await self._robot.listen(_SERVICE, signal, listener))
             except DeviceLostError:
                 raise
             except DriverError:  # an older tablet: the video's end is asked for as well
@@ -359,7 +359,7 @@ class TabletPart(PepperPart):
         await self._quiet()
         if self._touch is not None:
             await self._touch.close()
-        if self._robot.there:
+        if self._robot.available:
             with contextlib.suppress(DriverError):  # the session ends in any case
                 if self._video is not None:
                     await self._robot.call(_SERVICE, "stopVideo", within=_FAREWELL_S)
@@ -436,14 +436,14 @@ class TabletPart(PepperPart):
         try:
             await self._call("enableWifi", sure=False)
         except DriverError:
-            if not self._robot.there:
+            if not self._robot.available:
                 raise
         self._on_air = True
 
     async def _call(self, method: str, *words: Any, sure: bool = True) -> None:
         """Have the tablet do it. Raises `DriverError`; if `sure`, also when it says no."""
-        said = await self._robot.call(_SERVICE, method, *words)
-        if sure and said is False:
+        answer = await self._robot.call(_SERVICE, method, *words)
+        if sure and answer is False:
             raise DriverError(
                 f"the tablet refused {method}",
                 "check that it is on; `tablet wifi` switches its network on",
@@ -488,9 +488,9 @@ class TabletPart(PepperPart):
             except DriverError as error:
                 self._context.notice("warning", f"tablet: {error.what}", error.remedy)
 
-    def _not_loaded(self, *said: Any) -> None:
+    def _not_loaded(self, *answer: Any) -> None:
         """The tablet could not fetch a page or what is on it."""
-        words = [str(one) for one in said if isinstance(one, str) and one]
+        words = [str(value) for value in answer if isinstance(value, str) and value]
         why = ": ".join(words[:2]) or "no reason given"
         remedy = "check the address, and that the tablet reaches it: `tablet wifi`, tablet.address"
         self._context.notice(
@@ -504,7 +504,7 @@ class TabletPart(PepperPart):
 # -- whether a video has ended ---------------------------------------------------------------------
 
 #: How often it is asked, and how soon a video has to begin, in seconds.
-_LOOK_S = 1.0
+_POLL_S = 1.0
 _BEGINS_WITHIN_S = 20.0
 #: So near to its end it has ended, in milliseconds.
 _NEAR_MS = 300.0
@@ -519,8 +519,8 @@ async def played(robot: RobotCalls) -> bool:
     until = loop.time() + _BEGINS_WITHIN_S
     began = False
     while True:
-        await asyncio.sleep(_LOOK_S)
-        position, length = await _asked(robot, "Position"), await _asked(robot, "Length")
+        await asyncio.sleep(_POLL_S)
+        position, length = await _video_ms(robot, "Position"), await _video_ms(robot, "Length")
         if position is None:
             await loop.create_future()  # the signal will tell
         elif position > 0:
@@ -533,7 +533,7 @@ async def played(robot: RobotCalls) -> bool:
             return False
 
 
-async def _asked(robot: RobotCalls, what: str) -> float | None:
+async def _video_ms(robot: RobotCalls, what: str) -> float | None:
     """Milliseconds; None if the tablet does not tell."""
     try:
         return number(await robot.call("ALTabletService", f"getVideo{what}"))

@@ -92,48 +92,48 @@ def placed(text: str) -> list[tuple[int, str]]:
 
 
 def _tags(pattern: re.Pattern[str], text: str) -> Iterator[re.Match[str]]:
-    for found in pattern.finditer(text):
-        if UNKNOWN not in text[found.start() : found.end() + 1]:
-            yield found
+    for match in pattern.finditer(text):
+        if UNKNOWN not in text[match.start() : match.end() + 1]:
+            yield match
 
 
 def _voice_problems(text: str) -> Iterator[tuple[int, str]]:
-    for found in _tags(_VOICE, text):
-        yield from ((found.start(), sentence) for sentence in _of_voice(found))
+    for match in _tags(_VOICE, text):
+        yield from ((match.start(), sentence) for sentence in _of_voice(match))
 
 
 def _move_problems(text: str) -> Iterator[tuple[int, str]]:
-    for found in _tags(_MOVE, text):
-        yield from ((found.start(), sentence) for sentence in _of_body(found))
+    for match in _tags(_MOVE, text):
+        yield from ((match.start(), sentence) for sentence in _of_body(match))
 
 
-def _of_voice(found: re.Match[str]) -> Iterator[str]:
-    name, value, closed = found["name"], found["value"], found["end"] is not None
-    written = found[0]
+def _of_voice(match: re.Match[str]) -> Iterator[str]:
+    name, value, closed = match["name"], match["value"], match["end"] is not None
+    tag_text = match[0]
     tag = VOICE_TAGS.get(name)
     if tag is None:
         if (closed or value is not None) and name not in _VOICE_OTHERS:
-            hint = _meant(name, VOICE_TAGS, _SLASH)
-            yield f"{written} is no tag that the robot knows{hint}"
+            hint = _suggestion(name, VOICE_TAGS, _SLASH)
+            yield f"{tag_text} is no tag that the robot knows{hint}"
     elif not closed:
-        yield f"the tag {written} is not closed: it needs another backslash behind it"
+        yield f"the tag {tag_text} is not closed: it needs another backslash behind it"
     elif tag.range is None:
         if value is not None:
-            yield f"{written} takes no value: write \\{name}\\"
+            yield f"{tag_text} takes no value: write \\{name}\\"
     elif not _within(value, tag.range):
-        yield f"{written} needs a number of {tag.range}, as in \\{name}={tag.example}\\"
+        yield f"{tag_text} needs a number of {tag.range}, as in \\{name}={tag.example}\\"
 
 
-def _of_body(found: re.Match[str]) -> Iterator[str]:
-    name, value = found["name"], found["value"].strip()
-    written = found[0]
+def _of_body(match: re.Match[str]) -> Iterator[str]:
+    name, value = match["name"], match["value"].strip()
+    tag_text = match[0]
     if name not in MOVE_TAGS:
         if name not in _MOVE_OTHERS:
-            yield f"{written} is no tag that the robot knows{_meant(name, MOVE_TAGS, '^')}"
-    elif found["end"] is None:
-        yield f"the tag {written} is not closed: it needs a ) behind it"
+            yield f"{tag_text} is no tag that the robot knows{_suggestion(name, MOVE_TAGS, '^')}"
+    elif match["end"] is None:
+        yield f"the tag {tag_text} is not closed: it needs a ) behind it"
     elif not value:
-        yield f"{written} names no animation, as in ^{name}(animations/Stand/Gestures/Hey_1)"
+        yield f"{tag_text} names no animation, as in ^{name}(animations/Stand/Gestures/Hey_1)"
 
 
 def _within(value: str | None, allowed: Range) -> bool:
@@ -143,8 +143,8 @@ def _within(value: str | None, allowed: Range) -> bool:
         return False
 
 
-def _meant(name: str, known: dict[str, VoiceTag] | dict[str, str], sign: str) -> str:
-    near = difflib.get_close_matches(name, known, 1, 0.5)
+def _suggestion(name: str, names: dict[str, VoiceTag] | dict[str, str], sign: str) -> str:
+    near = difflib.get_close_matches(name, names, 1, 0.5)
     return f"; did you mean {sign}{near[0]}?" if near else ""
 
 
@@ -166,8 +166,8 @@ def seconds(text: str, speed: float) -> float:
 def paragraphs(text: str) -> list[str]:
     """What blank lines part; line breaks inside of a paragraph are spaces."""
     plain = text.replace("\r\n", "\n").replace("\r", "\n")
-    found = (" ".join(part.split("\n")).strip() for part in _BLANK_LINES.split(plain))
-    return [part for part in found if part]
+    parts = (" ".join(part.split("\n")).strip() for part in _BLANK_LINES.split(plain))
+    return [part for part in parts if part]
 
 
 def read_text(path: Path) -> str:

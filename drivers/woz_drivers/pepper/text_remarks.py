@@ -13,7 +13,7 @@ from woz_drivers.pepper.animations import path_of
 from woz_drivers.pepper.body_joints import checked
 from woz_drivers.pepper.served_files import REMEDY, places
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.pepper.sounds import here_of
+from woz_drivers.pepper.sounds import local_file
 from woz_drivers.pepper.tablet_page import is_address, kind
 from woz_drivers.pepper.tags import paragraphs, read_text
 from woz_drivers.simulated.argument_values import color
@@ -38,21 +38,23 @@ class _Value:
 
 
 #: Yields problem and remedy, or raises `DriverError`, as performing it would.
-_Look = Callable[[_Value], Iterator[tuple[str, str]]]
+_Check = Callable[[_Value], Iterator[tuple[str, str]]]
 
 
-def remarks(settings: PepperSettings, written: Written) -> Iterator[Finding]:
+def remarks(settings: PepperSettings, command: Written) -> Iterator[Finding]:
     """What is odd about a command. All of it warns; but for what may be a password in an address,
     since nothing is read aloud then.
     """
-    for name, look in _LOOKS.get(written.verb, {}).items():
-        given = _Value(written.args.get(name), settings, written.folder)
-        if given.value in (None, "") or (UNKNOWN in given.text and look is not _utterance):
+    for name, check in _CHECKS.get(command.verb, {}).items():
+        argument = _Value(command.args.get(name), settings, command.folder)
+        if argument.value in (None, "") or (UNKNOWN in argument.text and check is not _utterance):
             continue
-        tells = look is _address and address.seen(given.text) != given.text
-        level = "error" if tells else "warning"
+        has_password = (
+            check is _address and address.without_password(argument.text) != argument.text
+        )
+        level = "error" if has_password else "warning"
         try:
-            for problem, remedy in look(given):
+            for problem, remedy in check(argument):
                 yield Finding(level, name, problem, remedy)
         except DriverError as error:
             yield Finding(level, name, error.what, error.remedy)
@@ -60,14 +62,14 @@ def remarks(settings: PepperSettings, written: Written) -> Iterator[Finding]:
             yield Finding(level, name, f"cannot be looked at: {error.strerror}", "correct the path")
 
 
-def _utterance(given: _Value) -> Iterator[tuple[str, str]]:
-    for problem in tags.problems(given.text):
+def _utterance(argument: _Value) -> Iterator[tuple[str, str]]:
+    for problem in tags.problems(argument.text):
         yield problem, _mend(problem)
 
 
-def _text_file(given: _Value) -> Iterator[tuple[str, str]]:
+def _text_file(argument: _Value) -> Iterator[tuple[str, str]]:
     """Whether there is a text to read out, and what is wrong with its tags, by their lines."""
-    name, path = given.text, given.folder / given.text
+    name, path = argument.text, argument.folder / argument.text
     if not path.is_file():  # nor is a pipe one: it would never end
         yield f"there is no file {name!r}", "put it there, or correct the path"
         return
@@ -86,54 +88,54 @@ def _mend(problem: str) -> str:
     return "correct the tag, or the robot reads it out" if problem.endswith(" knows") else ""
 
 
-def _shown(given: _Value) -> Iterator[tuple[str, str]]:
+def _shown(argument: _Value) -> Iterator[tuple[str, str]]:
     """Whether the tablet can show it: `off` is the default."""
-    text = given.text
+    text = argument.text
     if text.strip() in ("", "off"):
         return
     kind(text)
     if is_address(text):
         return
-    paths = places(text, given.settings.tablet.root, given.folder)
+    paths = places(text, argument.settings.tablet.root, argument.folder)
     if not any(path.is_file() for path in paths):
         # Without this machine's folders, which `perform` names: warnings are shown around.
         yield f"there is no file {text!r}", REMEDY
 
 
-def _sound(given: _Value) -> Iterator[tuple[str, str]]:
+def _sound(argument: _Value) -> Iterator[tuple[str, str]]:
     """Whether it is a file of this machine where one is meant."""
-    text = given.text
+    text = argument.text
     if is_address(text):
         return
     if not text.startswith("/"):
-        if here_of(text, given.folder) is None:
+        if local_file(text, argument.folder) is None:
             yield f"there is no file {text!r}", "put it there; one on the robot has a whole path"
     elif Path(text).is_file():
         problem = f"{text!r} is a file of this machine; the robot looks on its own disk"
         yield problem, "name it by its way from the experiment's folder"
 
 
-def _address(given: _Value) -> Iterator[tuple[str, str]]:
-    address.parse(given.text)
+def _address(argument: _Value) -> Iterator[tuple[str, str]]:
+    address.parse(argument.text)
     yield from ()
 
 
-def _read(read: Callable[[str], object]) -> _Look:
+def _read(read: Callable[[str], object]) -> _Check:
     """Whether `perform` can read a text, by what it reads it with."""
 
-    def look(given: _Value) -> Iterator[tuple[str, str]]:
-        read(given.text)
+    def check(argument: _Value) -> Iterator[tuple[str, str]]:
+        read(argument.text)
         yield from ()
 
-    return look
+    return check
 
 
-def _joints(given: _Value) -> Iterator[tuple[str, str]]:
-    checked(given.value)
+def _joints(argument: _Value) -> Iterator[tuple[str, str]]:
+    checked(argument.value)
     yield from ()
 
 
-_LOOKS: Mapping[str, Mapping[str, _Look]] = {
+_CHECKS: Mapping[str, Mapping[str, _Check]] = {
     "say": {"text": _utterance},
     "read": {"file": _text_file},
     "screen": {"file": _shown},
@@ -142,5 +144,5 @@ _LOOKS: Mapping[str, Mapping[str, _Look]] = {
     "eyes": {"color": _read(lambda text: color({"color": text}, "color"))},
     "pose": {"joints": _joints},
     "connect": {"robot": _address},
-    "naoqi": {"call": _read(service_call.named), "args": _read(service_call.listed)},
+    "naoqi": {"call": _read(service_call.parse_call), "args": _read(service_call.parse_arguments)},
 }

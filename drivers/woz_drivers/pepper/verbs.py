@@ -43,7 +43,7 @@ LINE = (
                 "text",
                 "an address or a host name; empty: the first",
                 default="",
-                hide=address.seen,
+                hide=address.without_password,
             ),
         ),
         lane=LANE,

@@ -13,12 +13,11 @@ from collections.abc import Mapping
 from woz_drivers.pepper import tags
 from woz_drivers.pepper.parts import (
     LONG_S,
-    CleanUpCalls,
     PepperPart,
     RobotCalls,
     apply,
-    put_setting,
     read_back,
+    write_setting,
 )
 from woz_drivers.pepper.robot_settings import SETTINGS, TTS, of_section
 from woz_drivers.pepper.settings import PepperSettings
@@ -47,8 +46,7 @@ class VoicePart(PepperPart):
     def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         #: Asked for last, by the robot file or by a command: set again after a loss.
-        self._asked = settings.initial_values(SOUNDS)
-        self._endings = CleanUpCalls()
+        self._desired = settings.initial_values(SOUNDS)
         #: In per cent, as last read; only the expected duration depends on it.
         self._speed = settings.voice.speed or 100.0
 
@@ -76,12 +74,12 @@ class VoicePart(PepperPart):
             ),
             *(
                 Verb(
-                    *(one.verb, f"set {one.what}", (one.taken(required=True),)),
+                    *(setting.verb, f"set {setting.what}", (setting.taken(required=True),)),
                     lane=SETTINGS_LANE,
                     limit_s=5.0,
                     brief=True,
                 )
-                for one in SOUNDS
+                for setting in SOUNDS
             ),
         )
 
@@ -89,7 +87,7 @@ class VoicePart(PepperPart):
         """Speak, or change how it speaks."""
         match job.verb:
             case "say":
-                return await self._say(job)
+                return await self._speak(job)
             case "read":
                 return await self._read(job)
         return await self._set(job)
@@ -106,8 +104,8 @@ class VoicePart(PepperPart):
         await apply(
             self._context,
             {
-                name.replace("_", " "): put_setting(self._robot, SETTINGS[name], to)
-                for name, to in self._asked.items()
+                name.replace("_", " "): write_setting(self._robot, SETTINGS[name], to)
+                for name, to in self._desired.items()
             },
         )
 
@@ -120,30 +118,26 @@ class VoicePart(PepperPart):
             self._speed = speed  # else it was set while the robot was asked
         return read
 
-    async def close(self) -> None:
-        """End what is on its way."""
-        await self._endings.close()
-
     # -- speaking --------------------------------------------------------------------------------
 
-    async def _say(self, job: Job) -> dict[str, Json]:
-        said = text(job.args, "text")
-        if not said.strip():
+    async def _speak(self, job: Job) -> dict[str, Json]:
+        spoken = text(job.args, "text")
+        if not spoken.strip():
             raise RejectedError("there is nothing to say", "write a text")
-        self._warn(said)
-        await self._endings.settled()
-        job.expects(tags.seconds(said, self._speed))
-        await self._utter(said, job.args.get("plain") is True)
-        return {"text": said}
+        self._warn(spoken)
+        await self._clean_up.settled()
+        job.expects(tags.seconds(spoken, self._speed))
+        await self._utter(spoken, job.args.get("plain") is True)
+        return {"text": spoken}
 
     async def _read(self, job: Job) -> dict[str, Json]:
         path = self._context.folder / text(job.args, "file")
-        whole = await asyncio.to_thread(tags.read_text, path)
-        parts = tags.paragraphs(whole)
+        content = await asyncio.to_thread(tags.read_text, path)
+        parts = tags.paragraphs(content)
         if not parts:
             raise RejectedError(f"{path} has no text in it", "write something into it")
-        self._warn(whole)
-        await self._endings.settled()
+        self._warn(content)
+        await self._clean_up.settled()
         for position, part in enumerate(parts):
             job.expects(sum(tags.seconds(left, self._speed) for left in parts[position:]))
             try:
@@ -153,17 +147,17 @@ class VoicePart(PepperPart):
                 raise type(error)(f"{where}: {error.what}", error.remedy) from error
         return {"file": str(job.args["file"]), "paragraphs": len(parts)}
 
-    async def _utter(self, said: str, plain: bool) -> None:
+    async def _utter(self, spoken: str, plain: bool) -> None:
         service = TTS if plain else "ALAnimatedSpeech"
         try:
-            await self._robot.call(service, "say", said, within=LONG_S)
+            await self._robot.call(service, "say", spoken, within=LONG_S)
         except asyncio.CancelledError:
-            self._endings.send(self._robot.call(TTS, "stopAll"))
+            self._clean_up.send(self._robot.call(TTS, "stopAll"))
             raise
 
-    def _warn(self, said: str) -> None:
+    def _warn(self, spoken: str) -> None:
         """Tags that the robot will not understand; what is said stays as it was written."""
-        for problem in problems(said):
+        for problem in problems(spoken):
             remedy = "correct the tag in the text"
             self._context.notice("warning", problem, remedy, tells=("request",))
 
@@ -174,8 +168,8 @@ class VoicePart(PepperPart):
         value = number(job.args, setting.argument)
         if not setting.allows(value):
             raise RejectedError(f"{job.verb} takes {setting.numbers}, not {value:g}", setting.what)
-        await put_setting(self._robot, setting, value)
-        self._asked[setting.name] = value
+        await write_setting(self._robot, setting, value)
+        self._desired[setting.name] = value
         if setting.name == "speech_speed":
             self._speed = value
         return {setting.argument: value}

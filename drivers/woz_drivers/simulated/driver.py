@@ -172,7 +172,7 @@ class SimulatedRobot(Driver):
         for fault in self.settings.faults:
             self._faults.add(fault.kind, fault.seconds, fault.part, now + fault.after)
         self.context.health(Health.CONNECTING, "simulated hardware")
-        self._tell_health(now)
+        self._report_health(now)
         if self._ears is not None:
             self._ears.tell_threshold()
             self.context.sensor(SPEECH, "ready", "it reports speech by itself")
@@ -239,9 +239,9 @@ class SimulatedRobot(Driver):
     def _tick(self) -> None:
         now = self._advance()
         self._faults.expire(now)
-        self._tell_health(now)
+        self._report_health(now)
         samples = self._visitor.step(self._world(now)) if self._visitor else []
-        if self._gone(now) is None:
+        if self._failure(now) is None:
             if not self.settings.voice_only:
                 self._publisher.body(self._body, now)
             self._publisher.samples(samples, now)
@@ -249,29 +249,29 @@ class SimulatedRobot(Driver):
                 self._ears.hear(samples, now)
         if self._visitor is not None:
             self._listen(self._visitor, now)
-            self._look(self._visitor, now)
+            self._draw(self._visitor, now)
 
-    def _look(self, visitor: SimulatedVisitor, now: float) -> None:
+    def _draw(self, visitor: SimulatedVisitor, now: float) -> None:
         """What its camera sees of the visitor, unless it is unplugged."""
-        if self._sight is not None and self._gone(now) is None:
-            seen = DrawnPerson(visitor.distance, visitor.side, visitor.looking, visitor.talking)
-            self._sight.look(seen if visitor.present else None)
+        if self._sight is not None and self._failure(now) is None:
+            person = DrawnPerson(visitor.distance, visitor.side, visitor.looking, visitor.talking)
+            self._sight.look(person if visitor.present else None)
 
     def _listen(self, visitor: SimulatedVisitor, now: float) -> None:
         """What the microphone makes of the visitor's voice, unless it is unplugged."""
-        speech, gone = visitor.speech(), self._gone(now)
-        if gone is not None:
-            self._teller.break_off(self._world(now), gone)
+        speech, failure = visitor.speech(), self._failure(now)
+        if failure is not None:
+            self._teller.break_off(self._world(now), failure)
             return
         self.context.sensor("loudness", "speaking" if visitor.hearing.ends.speaks else "quiet")
         self._teller.tell(speech)
 
-    def _tell_health(self, now: float) -> None:
-        gone = self._gone(now)
+    def _report_health(self, now: float) -> None:
+        failure = self._failure(now)
         alarm = self._faults.partial("disconnect", now) or self._faults.any("overheat", now)
-        if gone is not None:
+        if failure is not None:
             self._body.freeze()
-            self.context.health(Health.LOST, gone, _LOST_REMEDY)
+            self.context.health(Health.LOST, failure, _LOST_REMEDY)
         elif now < self._opened + self.settings.connect_after:
             self.context.health(Health.CONNECTING, "simulated hardware")
         elif alarm is not None:
@@ -285,13 +285,13 @@ class SimulatedRobot(Driver):
     # -- voice and sound ------------------------------------------------------------------------
 
     async def _say(self, job: Job) -> Sent:
-        said = utterance(job.args["text"], self.settings.characters_per_second)
-        if not said.text:
+        spoken = utterance(job.args["text"], self.settings.characters_per_second)
+        if not spoken.text:
             raise RejectedError("nothing to say", "give the utterance a text")
         if self._visitor is not None:  # who hears it
-            self._visitor.hear(self._world(self._pace.now()), said.seconds, said.text)
-        await self._spend(job, said.seconds)
-        return {"text": said.text, "seconds": round(said.seconds, 3), "volume": self.volume}
+            self._visitor.hear(self._world(self._pace.now()), spoken.seconds, spoken.text)
+        await self._spend(job, spoken.seconds)
+        return {"text": spoken.text, "seconds": round(spoken.seconds, 3), "volume": self.volume}
 
     async def _sound(self, job: Job) -> Sent:
         seconds = sound_seconds(file(job.args, "file", self.context.folder))
@@ -389,10 +389,10 @@ class SimulatedRobot(Driver):
             {role: self._body.joints[self._roles[role]].goal + step for role, step in steps.items()}
         )
 
-    def _aim(self, wanted: Mapping[str, float]) -> Sent:
+    def _aim(self, angles: Mapping[str, float]) -> Sent:
         self._need_torque()
-        self._body.jump({self._roles[role]: degrees for role, degrees in wanted.items()})
-        return {role: round(self._body.joints[self._roles[role]].goal, 2) for role in wanted}
+        self._body.jump({self._roles[role]: degrees for role, degrees in angles.items()})
+        return {role: round(self._body.joints[self._roles[role]].goal, 2) for role in angles}
 
     def _from_home(self, pose: Mapping[str, float], amplitude: float) -> dict[str, float]:
         return {
@@ -516,7 +516,7 @@ class SimulatedRobot(Driver):
 
     # -- break-downs ----------------------------------------------------------------------------
 
-    def _gone(self, now: float) -> str | None:
+    def _failure(self, now: float) -> str | None:
         return (
             "unplugged (simulated fault)" if self._faults.holding("disconnect", "", now) else None
         )
@@ -544,7 +544,7 @@ class SimulatedRobot(Driver):
             if part and part not in parts:
                 raise RejectedError(f"unknown part {part!r}", did_you_mean(part, sorted(parts)))
             self._faults.add(kind, seconds, part, now)
-        self._tell_health(now)
+        self._report_health(now)
         return args
 
 

@@ -35,11 +35,11 @@ class Publisher:
         self._was_moving = moving
         self._calm_until = now + CALM
         for name, joint in body.joints.items():
-            self._say(f"joint.{name}", round(joint.present, 2), now, unit="deg")
-            self._say(f"setpoint.{name}", round(joint.setpoint, 2), now, unit="deg")
-        self._say("base.x", round(body.base.x, 3), now, unit="m")
-        self._say("base.y", round(body.base.y, 3), now, unit="m")
-        self._say("base.heading", round(body.base.heading, 1), now, unit="deg")
+            self._publish(f"joint.{name}", round(joint.present, 2), now, unit="deg")
+            self._publish(f"setpoint.{name}", round(joint.setpoint, 2), now, unit="deg")
+        self._publish("base.x", round(body.base.x, 3), now, unit="m")
+        self._publish("base.y", round(body.base.y, 3), now, unit="m")
+        self._publish("base.heading", round(body.base.heading, 1), now, unit="deg")
 
     def samples(self, samples: Sequence[Sample], now: float) -> None:
         """What a visitor leaves in the sensors: all of it, so that being late now and then changes
@@ -47,8 +47,14 @@ class Publisher:
         """
         if len(samples) > MANY:
             samples = list({sample.sensor: sample for sample in samples}.values())
-        for one in samples:
-            self._say(one.sensor, one.value, now, text=one.text, unit=UNITS.get(one.sensor, ""))
+        for sample in samples:
+            self._publish(
+                sample.sensor,
+                sample.value,
+                now,
+                text=sample.text,
+                unit=UNITS.get(sample.sensor, ""),
+            )
 
     def silent(self, sensor: str, now: float) -> bool:
         """Whether a sensor says nothing at all."""
@@ -63,7 +69,7 @@ class Publisher:
         self._last[sensor] = value
         return value
 
-    def _say(
+    def _publish(
         self, sensor: str, value: float | None, now: float, *, text: str = "", unit: str = ""
     ) -> None:
         if not self.silent(sensor, now):

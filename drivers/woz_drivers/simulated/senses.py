@@ -65,18 +65,18 @@ class SimulatedSensors:
         self._chance = Random(f"{seed} noise")
         self._blind_until = 0.0
 
-    def sensed(self, tick: int, seen: VisitorView) -> list[Sample]:
+    def sensed(self, tick: int, view: VisitorView) -> list[Sample]:
         """The samples of one tick; each has to be asked for, in order."""
         now = tick * TICK
         samples = [
-            Sample(now, "distance", self._range(now, seen)),
-            Sample(now, "loudness", self._loudness(now, seen)),
+            Sample(now, "distance", self._range(now, view)),
+            Sample(now, "loudness", self._loudness(now, view)),
         ]
         if tick % SLOW_EVERY == 0:
-            samples += self._seen(now, seen)
+            samples += self._people_samples(now, view)
         return samples
 
-    def _range(self, now: float, seen: VisitorView) -> float | None:
+    def _range(self, now: float, view: VisitorView) -> float | None:
         """Metres, to the centimetre; now and then the echo is lost for up to 0.7 s."""
         noise = self._chance.gauss(0.0, 0.015)
         lost = self._chance.random() < 0.004
@@ -85,29 +85,29 @@ class SimulatedSensors:
             self._blind_until = now + length
         if now < self._blind_until:
             return None
-        return round((WALL if seen.distance is None else seen.distance) + noise, 2)
+        return round((WALL if view.distance is None else view.distance) + noise, 2)
 
-    def _loudness(self, now: float, seen: VisitorView) -> float:
+    def _loudness(self, now: float, view: VisitorView) -> float:
         """RMS of the last tick: the room, and bursts of syllables while the person talks."""
         room = max(0.001, self._chance.gauss(ROOM_NOISE, ROOM_SPREAD))
         strength = self._chance.uniform(0.8, 1.2)
-        if not seen.talking or seen.distance is None:
+        if not view.talking or view.distance is None:
             return round(room, 4)
         syllable = 0.35 + 0.65 * abs(math.sin(math.pi * SYLLABLES * now))
-        voice = VOICE * strength * syllable / max(seen.distance, 0.5)
+        voice = VOICE * strength * syllable / max(view.distance, 0.5)
         return round(min(1.0, math.hypot(room, voice)), 4)
 
-    def _seen(self, now: float, seen: VisitorView) -> list[Sample]:
+    def _people_samples(self, now: float, view: VisitorView) -> list[Sample]:
         missed, flicker, mistaken = (self._chance.random() for _ in range(3))
         turn = self._chance.gauss(0.0, 2.0)
         score = round(self._chance.uniform(0.6, 0.95), 2)
-        there = seen.distance is not None
-        present = there and missed >= 0.01
-        looking = present and (seen.looking != (flicker < 0.03))
-        name = seen.face if present and mistaken >= 0.06 else ""
+        somebody = view.distance is not None
+        present = somebody and missed >= 0.01
+        looking = present and (view.looking != (flicker < 0.03))
+        name = view.face if present and mistaken >= 0.06 else ""
         return [
             Sample(now, "presence", float(present)),
             Sample(now, "gaze", float(looking)),
             Sample(now, "identity", score if name else 0.0, name),
-            Sample(now, "direction", round(seen.side + turn, 1) if there else None),
+            Sample(now, "direction", round(view.side + turn, 1) if somebody else None),
         ]

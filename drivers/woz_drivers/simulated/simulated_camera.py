@@ -42,7 +42,7 @@ class SimulatedCamera:
         self._pictures = context.feed(PICTURE)
         self._watched = context.feed(WATCHED)
         self._clock = context.clock
-        self._given_us: int | None = None
+        self._published_us: int | None = None
 
     def look(self, person: DrawnPerson | None) -> None:
         """Give a picture, if one is wanted now."""
@@ -50,9 +50,11 @@ class SimulatedCamera:
         wish = self._watched.latest().value
         if not isinstance(wish, CameraWatched) or wish.until_us <= now:
             return
-        if self._given_us is not None and now - self._given_us < 1_000_000 / (2 * wish.rate):
+        if self._published_us is not None and now - self._published_us < 1_000_000 / (
+            2 * wish.rate
+        ):
             return
-        self._given_us = now
+        self._published_us = now
         self._pictures.put(Picture(now, WIDTH, HEIGHT, scene_picture(person)))
 
 

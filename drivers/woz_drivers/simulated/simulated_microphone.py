@@ -154,9 +154,9 @@ class SimulatedMicrophone:
         keeping = "the next session begins with the usual one again"
         learnt = room_threshold.room_noise(heard.levels)
         lesson = room_threshold.LearntThreshold(self._name, learnt, SENSITIVITY, TICK, keeping)
-        told = lesson.tell(self._context, self._hearing.ends.threshold)
+        reports = lesson.tell(self._context, self._hearing.ends.threshold)
         self._hearing.ends.threshold = lesson.threshold
-        return told
+        return reports
 
 
 # --------------------------------------------------------------------------------------------------
@@ -203,19 +203,19 @@ class SpeechSegmenter:
         """The loudness of the next tick; what it tells."""
         event = self.ends.take(loudness)
         now = self.ends.chunks * self._tick
-        told: list[SpeechInProgress] = []
+        reports: list[SpeechInProgress] = []
         if isinstance(event, SpeechStart):
             self._segment += 1
             self._loudest = 0.0
-            told.append(
+            reports.append(
                 SpeechInProgress("started", self._segment, now, began=event.first * self._tick)
             )
         self._loudest = max(self._loudest, loudness)
         if isinstance(event, SpeechEnd):
-            told.append(self._ended(event, now))
+            reports.append(self._ended(event, now))
         while self._to_come and self._to_come[0].t <= now + 1e-9:
-            told.append(self._to_come.popleft())
-        return told
+            reports.append(self._to_come.popleft())
+        return reports
 
     def _ended(self, event: SpeechEnd, now: float) -> SpeechInProgress:
         text, self._words = " ".join(self._words), []

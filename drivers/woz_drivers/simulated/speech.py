@@ -39,20 +39,20 @@ class Utterance:
 
 def utterance(tagged: str, characters_per_second: float) -> Utterance:
     """Time `tagged` at so many characters a second; pauses count, rates stretch."""
-    said: list[str] = []
+    parts: list[str] = []
     seconds = pauses = 0.0
     rate = 1.0
     position = 0
     for tag in _TAG.finditer(tagged):
         part = tagged[position : tag.start()]
         position = tag.end()
-        said.append(part)
+        parts.append(part)
         seconds += len(part.strip()) / (characters_per_second * rate)
         pauses += _pause(tag)
         rate = _rate(tag, rate)
-    said.append(tagged[position:])
-    seconds += len(said[-1].strip()) / (characters_per_second * rate)
-    text = " ".join(" ".join(said).split())
+    parts.append(tagged[position:])
+    seconds += len(parts[-1].strip()) / (characters_per_second * rate)
+    text = " ".join(" ".join(parts).split())
     if not text:
         return Utterance("", 0.0)
     return Utterance(text, max(SHORTEST, seconds) + pauses)

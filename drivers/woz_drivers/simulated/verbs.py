@@ -103,13 +103,13 @@ def playable_moves(settings: SimulatedSettings) -> dict[str, SimulatedMove]:
 
 def roles(settings: SimulatedSettings) -> dict[str, str]:
     """Role of a joint -> its name, for those the robot has."""
-    wanted = {
+    joints_by_role = {
         "yaw": settings.yaw_joint,
         "pitch": settings.pitch_joint,
         "hip": settings.hip_joint,
         "roll": settings.hip_roll_joint,
     }
-    return {role: name for role, name in wanted.items() if name in settings.joints}
+    return {role: name for role, name in joints_by_role.items() if name in settings.joints}
 
 
 # --------------------------------------------------------------------------------------------------
@@ -134,10 +134,12 @@ def offered(settings: SimulatedSettings) -> tuple[Verb, ...]:
 def sensors(settings: SimulatedSettings) -> tuple[str, ...]:
     """Names of the readings: joints, base, and the visitor's traces if there is one."""
     joints = [f"{kind}.{name}" for name in settings.joints for kind in ("joint", "setpoint")]
-    seen = (*SENSORS, room_threshold.THRESHOLD, SPEECH, SPEECH_TEXT) if settings.visitor else ()
+    visitor_sensors = (
+        (*SENSORS, room_threshold.THRESHOLD, SPEECH, SPEECH_TEXT) if settings.visitor else ()
+    )
     if settings.voice_only:
-        return seen
-    return (*joints, "base.x", "base.y", "base.heading", *seen)
+        return visitor_sensors
+    return (*joints, "base.x", "base.y", "base.heading", *visitor_sensors)
 
 
 def lanes(settings: SimulatedSettings) -> tuple[str, ...]:

@@ -49,31 +49,33 @@ _ASKS_NAME = re.compile(r"\byour name\b|\bcall you\b|\bwho are you\b", re.IGNORE
 _WHETHER = re.compile(r"\b(right|correct)\b", re.IGNORECASE)
 
 
-def reply(name: str, said: str, chance: Random) -> str:
+def reply(name: str, robot_text: str, chance: Random) -> str:
     """What the visitor `name` says to a robot that `said` something.
 
     A question for the name gets the name. A question that contains it gets a yes, and a question
     whether something is right that does not gets a no.
     """
-    if "?" not in said:
+    if "?" not in robot_text:
         return chance.choice(REPLIES + REMARKS[1:])
-    if re.search(rf"\b{re.escape(name)}\b", said, re.IGNORECASE):
+    if re.search(rf"\b{re.escape(name)}\b", robot_text, re.IGNORECASE):
         return "Yes."
-    if _ASKS_NAME.search(said):
+    if _ASKS_NAME.search(robot_text):
         return f"{name}."
-    if _asks_whether(said):
+    if _asks_whether(robot_text):
         return "No."
     return chance.choice(ANSWERS)
 
 
-def _asks_whether(said: str) -> bool:
-    return _WHETHER.search(said[: said.rfind("?")]) is not None
+def _asks_whether(robot_text: str) -> bool:
+    return _WHETHER.search(robot_text[: robot_text.rfind("?")]) is not None
 
 
-def is_about_the_name(name: str, said: str) -> bool:
+def is_about_the_name(name: str, robot_text: str) -> bool:
     """Whether the robot asks who they are: politeness answers that, however often."""
-    known = re.search(rf"\b{re.escape(name)}\b", said, re.IGNORECASE)
-    return "?" in said and bool(known or _ASKS_NAME.search(said) or _asks_whether(said))
+    named = re.search(rf"\b{re.escape(name)}\b", robot_text, re.IGNORECASE)
+    return "?" in robot_text and bool(
+        named or _ASKS_NAME.search(robot_text) or _asks_whether(robot_text)
+    )
 
 
 def seconds(text: str) -> float:
@@ -135,7 +137,7 @@ class SimulatedVisitor:
         self.side = 0.0
         self._phase_ends = self._ticks("away", 2.0, 4.0)
         self.looking = False
-        self._look_ends = 0
+        self._looking_ends = 0
         self._talk_begins, self._talk_ends = _NEVER, 0
         self._talk_again = _NEVER
         self._words = ""
@@ -163,8 +165,8 @@ class SimulatedVisitor:
 
     def speech(self) -> list[SpeechInProgress]:
         """What the microphone made of their voice since this was asked last."""
-        told, self._speech = self._speech, []
-        return told
+        speech, self._speech = self._speech, []
+        return speech
 
     def hear(self, begins: float, seconds: float, text: str = "") -> None:
         """The robot says `text` from `begins` on, for `seconds`: a person who is near looks up and
@@ -177,14 +179,14 @@ class SimulatedVisitor:
         ends = -(-spoken // _NOTICED) * _NOTICED
         dice = self._dice("answer")
         self.looking = True
-        self._look_ends = ends + _whole(dice.uniform(3.0, 6.0))
+        self._looking_ends = ends + _ticks_in(dice.uniform(3.0, 6.0))
         if not is_about_the_name(self.person, text):
             self._patience -= 1
         goodbye = self._patience < 0
-        said = GOODBYE if goodbye else reply(self.person, text, dice)
-        self._talk(ends + _whole(dice.uniform(1.0, 2.0)), said)
+        robot_text = GOODBYE if goodbye else reply(self.person, text, dice)
+        self._talk(ends + _ticks_in(dice.uniform(1.0, 2.0)), robot_text)
         if goodbye:
-            self._phase_ends = self._talk_ends + _whole(1.0)
+            self._phase_ends = self._talk_ends + _ticks_in(1.0)
 
     def learn_face(self, name: str) -> bool:
         """Recognise the present person as `name` from now on; False if nobody shows a face."""
@@ -211,7 +213,7 @@ class SimulatedVisitor:
 
     def _ticks(self, decision: str, low: float, high: float) -> int:
         """A duration between `low` and `high` seconds."""
-        return _whole(self._dice(decision).uniform(low, high))
+        return _ticks_in(self._dice(decision).uniform(low, high))
 
     def _live(self) -> None:
         if self._tick >= self._phase_ends:
@@ -242,7 +244,7 @@ class SimulatedVisitor:
         elif self.phase is VisitPhase.GOING:
             self._enter(VisitPhase.AWAY, DOOR, self._ticks("away", 6.0, 15.0))
         else:
-            self._enter(VisitPhase.GOING, DOOR + 0.2, _whole(10.0))
+            self._enter(VisitPhase.GOING, DOOR + 0.2, _ticks_in(10.0))
             self.looking = False
             self._talk_begins = _NEVER
 
@@ -253,13 +255,13 @@ class SimulatedVisitor:
     def _arrive(self) -> None:
         self._visit += 1
         self._drawn.clear()
-        self._enter(VisitPhase.COMING, self._dice("near").uniform(0.85, 1.15), _whole(12.0))
+        self._enter(VisitPhase.COMING, self._dice("near").uniform(0.85, 1.15), _ticks_in(12.0))
         self.distance = DOOR
         self.side = self._dice("side").uniform(-25.0, 25.0)
         self.person = self._dice("person").choice(PEOPLE + STRANGERS)
         self._patience = self._dice("patience").randint(1, 3)
         self.looking = False
-        self._look_ends = self._tick + self._ticks("first look", 0.5, 2.5)
+        self._looking_ends = self._tick + self._ticks("first look", 0.5, 2.5)
         self._talk_begins, self._talk_ends, self._talk_again = _NEVER, 0, _NEVER
 
     def _enter(self, phase: VisitPhase, goal: float, ticks: int) -> None:
@@ -275,23 +277,23 @@ class SimulatedVisitor:
         arrived = abs(self._goal - self.distance) < 1e-6
         if arrived and self.phase in (VisitPhase.COMING, VisitPhase.GOING):
             self._phase_ends = min(self._phase_ends, self._tick)
-        if self.phase is VisitPhase.COMING and self._tick >= self._look_ends:
+        if self.phase is VisitPhase.COMING and self._tick >= self._looking_ends:
             self.looking = True
 
     def _attend(self) -> None:
-        if self._tick >= self._look_ends and not self.talking:
+        if self._tick >= self._looking_ends and not self.talking:
             self.looking = not self.looking
             stay = (4.0, 9.0) if self.looking else (0.8, 2.5)
-            self._look_ends = self._tick + self._ticks("look", *stay)
+            self._looking_ends = self._tick + self._ticks("look", *stay)
         if self._tick >= self._talk_again and self.looking:
             self._talk(self._tick, self._dice("remark").choice(REMARKS))
 
     def _talk(self, begins: int, text: str) -> None:
         """Say `text` from `begins` on, and nothing more by themselves for a while after it."""
         self._words = text
-        self._talk_begins, self._talk_ends = begins, begins + _whole(seconds(text))
+        self._talk_begins, self._talk_ends = begins, begins + _ticks_in(seconds(text))
         self._talk_again = self._talk_ends + self._ticks("talk again", 8.0, 16.0)
-        self._phase_ends = max(self._phase_ends, self._talk_ends + _whole(_WAITS_FOR_ANSWER))
+        self._phase_ends = max(self._phase_ends, self._talk_ends + _ticks_in(_WAITS_FOR_ANSWER))
 
     # -- the sensors --------------------------------------------------------------------------
 
@@ -313,5 +315,5 @@ class SimulatedVisitor:
         return samples
 
 
-def _whole(seconds: float) -> int:
+def _ticks_in(seconds: float) -> int:
     return max(1, round(seconds / TICK))

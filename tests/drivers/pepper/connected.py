@@ -29,7 +29,7 @@ SETTINGS = PepperSettings(robots=())
 LIMITS = {
     (robot_line, "SILENT_S"): (robot_line.SILENT_S, WITHIN_S),
     (robot_line, "ANSWER_S"): (robot_line.ANSWER_S, WITHIN_S),
-    (robot_line, "KNOWN_S"): (robot_line.KNOWN_S, 2 * WITHIN_S),
+    (robot_line, "NOTICED_S"): (robot_line.NOTICED_S, 2 * WITHIN_S),
     (robot_connection, "LOOK_S"): (LOOK_S, WITHIN_S),
 }
 

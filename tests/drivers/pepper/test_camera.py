@@ -124,7 +124,7 @@ async def test_after_a_loss_the_view_comes_back(tmp_path: Path) -> None:
         _watch(it)
         await until(lambda: _came(it) >= 1)
         robot.kill()
-        await until(lambda: not it.connection.there)
+        await until(lambda: not it.connection.available)
         had = _came(it)
         async with stand_in(port=robot.port):
             await it.connected(2)

@@ -200,7 +200,7 @@ async def test_a_stop_that_is_answered_too_late_leaves_nothing_unread(tmp_path: 
         it.robot.freeze()
         report = await it.stop()
         assert {"driving", "motion", "sounds", "speech"} <= set(report.missing)
-        await it.heard.until(lambda: not it.driver._connection.there)
+        await it.heard.until(lambda: not it.driver._connection.available)
         await it.heard.until(lambda: not it.driver._stops)
         gc.collect()
         assert unread == []

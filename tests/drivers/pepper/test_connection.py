@@ -11,7 +11,7 @@ import pytest
 from qimessaging.server import QiServer
 from woz_drivers.pepper import robot_connection as module
 from woz_drivers.pepper.robot_connection import RobotConnection
-from woz_drivers.pepper.robot_line import ESSENTIAL, WANTED
+from woz_drivers.pepper.robot_line import ESSENTIAL, USED_SERVICES
 
 from tests.drivers.heard import Heard
 from tests.drivers.pepper.connected import SETTINGS, WITHIN_S, is_lost, stand, threads_now
@@ -25,7 +25,7 @@ async def bare() -> AsyncIterator[str]:
     """The address of a robot in this loop that has all services, and nothing in them."""
     server = QiServer()
     endpoint = await server.listen("127.0.0.1")
-    for name in sorted(WANTED):
+    for name in sorted(USED_SERVICES):
         server.add(name)
     yield str(endpoint)
     await server.close()
@@ -34,7 +34,7 @@ async def bare() -> AsyncIterator[str]:
 async def test_it_begins_with_the_first_robot(robot: StandIn, tmp_path: Path) -> None:
     async with stand(tmp_path, robot.address, "127.0.0.1:1") as it:
         await it.is_so(Health.CONNECTED, f"127.0.0.1:{robot.port}")
-        assert it.connection.there
+        assert it.connection.available
         assert it.connection.robot == f"127.0.0.1:{robot.port}"
         assert it.connection.local_host == "127.0.0.1"
         assert it.came == 1
@@ -79,7 +79,7 @@ async def test_it_waits_for_the_wizard_where_the_file_says_so(bare: str, tmp_pat
             await it.connection.call("ALSystem", "robotName")
         await it.connection.connect()
         await it.is_so(Health.CONNECTED)
-        assert it.connection.there
+        assert it.connection.available
 
 
 async def test_another_robot_is_taken(robot: StandIn, tmp_path: Path) -> None:
@@ -150,7 +150,7 @@ async def test_what_is_no_address_changes_nothing(bare: str, tmp_path: Path) -> 
         await it.is_so(Health.CONNECTED)
         with pytest.raises(RejectedError):
             await it.connection.connect("http://pepper")
-        assert it.connection.there
+        assert it.connection.available
 
 
 async def test_a_file_with_a_wrong_address_is_told_of(tmp_path: Path) -> None:
@@ -178,7 +178,7 @@ async def test_services_that_come_one_by_one_are_waited_for(tmp_path: Path) -> N
         await it.is_so(Health.CONNECTING, "is starting: waiting for", "ALMotion")
         with pytest.raises(DeviceLostError, match="is starting"):
             await it.connection.call("ALMemory", "getData", "x")
-        for name in sorted(WANTED - {"ALMemory"}):
+        for name in sorted(USED_SERVICES - {"ALMemory"}):
             server.add(name)
         await it.is_so(Health.CONNECTED)
         assert "without" not in it.health()[1]
@@ -252,7 +252,7 @@ async def test_parts_that_fail_to_apply_are_told_of(
     notice = await heard.first(Notice)
     assert notice.level == "warning"
     assert notice.remedy
-    assert it.there
+    assert it.available
     await it.close()
 
 

@@ -64,7 +64,7 @@ def test_a_robot_that_freezes_between_two_answers_is_known_in_time(
         await asyncio.sleep(asked)
         question = asyncio.create_task(beating.fresh())
         await asyncio.sleep(heard)
-        beating.heard()  # an answer to a call of before
+        beating.sign_of_life()  # an answer to a call of before
         froze = loop.time()
         await watching
         took = loop.time() - froze
@@ -107,7 +107,7 @@ def test_with_a_question_open_another_answer_starts_the_silence_anew() -> None:
         await asyncio.sleep(0.1)
         question = asyncio.create_task(beating.fresh())
         await asyncio.sleep(0.2)
-        beating.heard()
+        beating.sign_of_life()
         await asyncio.sleep(0.2)
         silent = [beating.silent]
         await asyncio.sleep(0.1)
@@ -147,7 +147,7 @@ def test_who_answers_everything_but_the_question_is_alive() -> None:
         watching = asyncio.create_task(beating.until_dead())
         for _ in range(20):
             await asyncio.sleep(0.7)
-            beating.heard()  # an answer to a call
+            beating.sign_of_life()  # an answer to a call
         assert not watching.done()
         watching.cancel()
 
@@ -173,7 +173,7 @@ def test_other_answers_are_life_enough() -> None:
         async def answers() -> None:
             while True:
                 await asyncio.sleep(0.3)
-                beating.heard()
+                beating.sign_of_life()
 
         calls = asyncio.create_task(answers())
         with pytest.raises(TimeoutError):
@@ -233,7 +233,7 @@ def test_a_silent_robot_gets_no_call() -> None:
         with pytest.raises(DeviceLostError, match="nothing was sent"):
             await waiting
         assert loop.time() - begun == pytest.approx(ANSWER_S, abs=1e-6)
-        beating.heard()
+        beating.sign_of_life()
         silent.append(beating.silent)
         assert silent == [True, False]
         await beating.fresh()
@@ -257,7 +257,7 @@ def test_a_probe_asks_even_right_after_an_answer() -> None:
     async def scene() -> None:
         end = FarEnd()
         beating = pulse(end)
-        beating.heard()
+        beating.sign_of_life()
         await beating.ask()
         assert len(end.asked) == 1
 

@@ -9,7 +9,7 @@ import pytest
 from qimessaging.hosted_objects import HostedMethod
 from qimessaging.server import QiServer
 from woz_drivers.pepper import doctor
-from woz_drivers.pepper.robot_line import WANTED
+from woz_drivers.pepper.robot_line import USED_SERVICES
 from woz_drivers.pepper.settings import PepperSettings, TabletSettings
 
 from tests.fakes.naoqi import StandIn
@@ -74,7 +74,7 @@ async def test_what_is_not_well_has_a_remedy(tmp_path: Path) -> None:
 async def test_answers_nobody_understands_are_told_of(tmp_path: Path) -> None:
     server = QiServer()
     endpoint = await server.listen("127.0.0.1")
-    for name in sorted(WANTED):
+    for name in sorted(USED_SERVICES):
         server.add(name)
     server.add("ALBattery", methods=[HostedMethod("getBatteryCharge", "()", "s", lambda: "much")])
     findings = await examined(tmp_path, str(endpoint))
@@ -93,7 +93,7 @@ async def test_answers_that_make_no_sense_are_told_in_few_words(tmp_path: Path) 
         "ALAutonomousLife": ("getState",),
         "ALTabletService": ("getWifiStatus",),
     }
-    for name in sorted(WANTED | asked.keys()):
+    for name in sorted(USED_SERVICES | asked.keys()):
         methods = [HostedMethod(one, "()", "m", lambda: says[0]) for one in asked.get(name, ())]
         server.add(name, methods=methods)
     for nonsense in (float("inf"), float("nan"), "L" * 100_000, [["x"]], None, b"\xff"):

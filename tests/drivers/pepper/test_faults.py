@@ -175,7 +175,7 @@ async def test_a_robot_that_does_not_answer_one_call_is_not_lost(tmp_path: Path)
         ) as lost:
             await it.connection.call("ALSystem", "robotName", within=0.1)
         assert lost.value.remedy
-        assert it.connection.there
+        assert it.connection.available
         await robot.fault("none")
         assert await it.connection.call("ALSystem", "robotName") == "Pepper"
         assert it.went == 0
@@ -186,11 +186,11 @@ async def test_a_silent_robot_is_asked_to_stop_even_so(
 ) -> None:
     # It is silent, and does not count as gone before the test has looked.
     monkeypatch.setattr("woz_drivers.pepper.robot_line.ANSWER_S", WITHIN_S)
-    monkeypatch.setattr("woz_drivers.pepper.robot_line.KNOWN_S", 2 * WITHIN_S)
+    monkeypatch.setattr("woz_drivers.pepper.robot_line.NOTICED_S", 2 * WITHIN_S)
     async with stand_in() as robot, stand(tmp_path, robot.address) as it:
         await it.is_so(Health.CONNECTED)
         robot.freeze()
-        await it.until(lambda: not it.connection.there)
+        await it.until(lambda: not it.connection.available)
         stopping = it.begin("ALMotion", "stopMove")
         ending = [it.begin(*what.split(".")) for what in ENDS]
         moving = it.begin("ALMotion", "moveTo", 1.0, 0.0, 0.0)

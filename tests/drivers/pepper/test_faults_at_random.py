@@ -61,7 +61,7 @@ class Troubled:
                     await asyncio.sleep(self.dice.uniform(0.01, 0.15))
                     self.network.heal()
                 case "long cut":
-                    await self.it.until(lambda: self.it.connection.there)
+                    await self.it.until(lambda: self.it.connection.available)
                     went = self.it.went
                     self.network.cut()
                     await self.it.until(lambda went=went: self.it.went > went)  # type: ignore[misc]
@@ -110,7 +110,7 @@ async def trouble(robot: StandIn, folder: Path, faults: int) -> int:
             troubled.append(Troubled(number, it, network, seed=faults * 10 + number))
         await asyncio.gather(*(one.meets(faults) for one in troubled))
         for one in troubled:
-            await one.it.until(lambda one=one: one.it.connection.there)  # type: ignore[misc]
+            await one.it.until(lambda one=one: one.it.connection.available)  # type: ignore[misc]
         lost = await judged(robot, troubled)
     async with asyncio.timeout(WITHIN_S):
         while len(asyncio.all_tasks()) > tasks:  # noqa: ASYNC110

@@ -186,10 +186,10 @@ async def test_a_disk_that_takes_nothing_is_told_once(
     failures: list[str] = []
     sound = SoundFile(path, 48000, 1, failures.append)
     sound.begin()
-    sound.put(b"\0\0" * 100)
+    sound.write_block(b"\0\0" * 100)
     written = await sound.finish()
     assert written.trouble == trouble
-    sound.put(b"\0\0")
+    sound.write_block(b"\0\0")
     assert failures == [trouble]
     assert path.read_bytes() == b"somebody's"
 
@@ -199,7 +199,7 @@ async def test_a_file_is_valid_after_every_buffer(tmp_path: Path) -> None:
     sound = SoundFile(path, 16000, 2, pytest.fail)
     sound.begin()
     for count in range(1, 4):
-        sound.put(b"\1\0\2\0" * 50)
+        sound.write_block(b"\1\0\2\0" * 50)
 
         def there(frames: int = 50 * count) -> bool:
             try:
@@ -249,10 +249,10 @@ async def test_a_file_that_is_not_there_any_more_is_told(tmp_path: Path, moved: 
     path = tmp_path / "sound.wav"
     sound = SoundFile(path, 16000, 1, failures.append)
     sound.begin()
-    sound.put(b"\1\0" * 50)
+    sound.write_block(b"\1\0" * 50)
     await until(path.exists)
     path.rename(tmp_path / "other.wav") if moved else path.unlink()
-    sound.put(b"\1\0" * 50)
+    sound.write_block(b"\1\0" * 50)
     assert (await sound.finish()).trouble == "the file was removed or moved"
     assert failures == ["the file was removed or moved"]
 

@@ -15,7 +15,7 @@ from woz_drivers.pepper.camera import frame
 from woz_drivers.pepper.eyes import EyesPart
 from woz_drivers.pepper.head import HeadPart
 from woz_drivers.pepper.memory import flag, word
-from woz_drivers.pepper.naoqi_link import words
+from woz_drivers.pepper.naoqi_link import readable
 from woz_drivers.pepper.service_call import ServiceCallPart
 from woz_drivers.pepper.sounds import SoundsPart
 from woz_drivers.pepper.voice import VoicePart
@@ -40,9 +40,9 @@ def test_flags_and_words_are_what_they_are() -> None:
 
 
 def test_what_a_robot_says_of_an_error_is_one_short_line() -> None:
-    assert words("no  joint\n called X\n\nAt: a.cpp") == "no joint called X"
-    assert words("\x1b[2Jgone") == "\ufffd[2Jgone"
-    assert len(words("L" * 3_000_000)) < 400
+    assert readable("no  joint\n called X\n\nAt: a.cpp") == "no joint called X"
+    assert readable("\x1b[2Jgone") == "\ufffd[2Jgone"
+    assert len(readable("L" * 3_000_000)) < 400
 
 
 def test_a_kind_of_picture_is_told_in_few_words() -> None:

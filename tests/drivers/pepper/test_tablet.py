@@ -87,7 +87,7 @@ async def test_a_video_plays_to_its_end_and_the_default_comes_back(
     it: Wired[TabletPart], robot: StandIn, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # The tablet is never asked, so that its signal alone can tell.
-    monkeypatch.setattr("woz_drivers.pepper.tablet._LOOK_S", 1000.0)
+    monkeypatch.setattr("woz_drivers.pepper.tablet._POLL_S", 1000.0)
     await robot.set("tablet.video_seconds", 40)  # long enough to be seen
     assert await it.do("screen", file="film.mp4") == {"shown": "film.mp4"}
     await _shows(robot, "video")
@@ -102,7 +102,7 @@ async def test_a_video_plays_to_its_end_and_the_default_comes_back(
 async def test_the_end_of_a_video_is_found_out_where_no_signal_tells_it(
     it: Wired[TabletPart], robot: StandIn, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("woz_drivers.pepper.tablet._LOOK_S", 0.05)
+    monkeypatch.setattr("woz_drivers.pepper.tablet._POLL_S", 0.05)
     await robot.set("tablet.video_seconds", 40)  # long enough to be seen
     for end in it.part._signals:
         await end()
@@ -116,7 +116,7 @@ async def test_the_end_of_a_video_is_found_out_where_no_signal_tells_it(
 async def test_a_video_that_never_begins_is_told(
     it: Wired[TabletPart], robot: StandIn, monkeypatch: pytest.MonkeyPatch, folder: Path
 ) -> None:
-    monkeypatch.setattr("woz_drivers.pepper.tablet._LOOK_S", 0.05)
+    monkeypatch.setattr("woz_drivers.pepper.tablet._POLL_S", 0.05)
     monkeypatch.setattr("woz_drivers.pepper.tablet._BEGINS_WITHIN_S", 0.2)
     address = "http://127.0.0.1:9/film.mp4"
     await it.do("screen", file=address)
@@ -302,7 +302,7 @@ async def test_after_a_loss_the_default_is_shown_again(folder: Path) -> None:
     async with stand_in() as robot, wired(TabletPart, folder, robot, tablet=tablet) as it:
         await it.do("screen", file="shown/map.png")
         robot.kill()
-        await until(lambda: not it.connection.there)
+        await until(lambda: not it.connection.available)
         with pytest.raises(DeviceLostError):
             await it.do("screen", file="logo.JPG")
         async with stand_in(port=robot.port) as back:

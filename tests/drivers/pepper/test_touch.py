@@ -69,7 +69,7 @@ async def test_touches_that_nobody_wants_are_not_listened_to(
 class Fingers:
     """A robot with a tablet that tells what it is told to; `missing` signals it does not have."""
 
-    there = True
+    available = True
     local_host = "127.0.0.1"
     files: ServedFiles
 

@@ -199,7 +199,7 @@ class _Ear:
 def _hearing(monkeypatch: pytest.MonkeyPatch) -> tuple[QiConnection, _Ear]:
     """A connection for which every message takes a second."""
     connection, ear = QiConnection(), _Ear()
-    connection.hear((2, 1, 100), ear)
+    connection.add_listener((2, 1, 100), ear)
     seconds = itertools.count()
     monkeypatch.setattr(asyncio.get_running_loop(), "time", lambda: float(next(seconds)))
     return connection, ear

@@ -25,7 +25,7 @@ from tools import (
 )
 from tools.driver_settings import bundled
 from woz_tui.cli import modes
-from woz_tui.cli.render_target import described
+from woz_tui.cli.render_target import inputs_table
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.config.json_schema import experiment_schema, included_schema, robot_schema
 from woz_tui.motion.move_schema import move_schema
@@ -40,7 +40,7 @@ FILES: Mapping[str, Callable[[str], str]] = {
     "docs/explanation/engagement.md": engagement_diagram.refreshed,
     "docs/how-to/export.md": redaction_lists.refreshed,
     "docs/how-to/pepper.md": pepper_coverage.refreshed,
-    "docs/how-to/render.md": lambda page: replaced(page, "inputs", described()),
+    "docs/how-to/render.md": lambda page: replaced(page, "inputs", inputs_table()),
     "docs/images/engagement-states.svg": lambda _: engagement_diagram.svg(),
     "docs/reference/experiment-file.md": lambda _: experiment_reference.page(),
     "docs/reference/modes.md": lambda _: f"{modes.markdown()}\n",

@@ -12,7 +12,7 @@ import pytest
 from tests.fakes.terminal import FakeTerminal
 from tests.motion.heads import EYEPI, FIVE
 from woz_tui.cli import main
-from woz_tui.cli.keyboard_take import Keys, Live, split
+from woz_tui.cli.keyboard_take import KeyboardTake, Keys, split_keys
 from woz_tui.motion.body_shape import BodyShape
 from woz_tui.motion.keyframes import KeyframeMove, MoveLayer
 from woz_tui.motion.move_files import read_move
@@ -173,7 +173,7 @@ class Hand:
         self.t += seconds
         found: list[bytes] = []
         while self.keys and self.keys[0][0] <= self.t - 100.0 + 1e-6:
-            found += split(self.keys.pop(0)[1])
+            found += split_keys(self.keys.pop(0)[1])
         return found
 
 
@@ -182,7 +182,9 @@ def performed(hand: Hand, shape: object = EYEPI, seconds: float = 10.0) -> tuple
     body = FIVE if shape is FIVE else EYEPI
     puppeteer = Puppeteer(body, KeyframeMove("act", "", ()), "hand", 25)
     keys: Keys = hand.read
-    live = Live(puppeteer, body, keys, 1.0, seconds, clock=hand.clock, show=hand.shown.append)
+    live = KeyboardTake(
+        puppeteer, body, keys, 1.0, seconds, clock=hand.clock, show=hand.shown.append
+    )
     kept = live.perform()
     return kept, puppeteer.recorded(trim=False).layers[-1]
 
@@ -207,7 +209,7 @@ def test_the_help_names_the_keys_of_this_body_and_breaks_between_them(
 ) -> None:
     puppeteer = Puppeteer(shape, KeyframeMove("act", "", ()), "hand", 25)
     keys: Keys = Hand({}).read
-    lines = Live(puppeteer, shape, keys, 1.0, 5.0).help(width)
+    lines = KeyboardTake(puppeteer, shape, keys, 1.0, 5.0).help(width)
     assert all(len(line) <= width for line in lines)
     entries = [entry for line in lines for entry in line.split("   ")]
     assert "escape: cancel" in entries

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from tests.cli.test_render import CALM
 from woz_tui.cli import main, modes
 from woz_tui.cli.render import Curve, chart, time_axis
-from woz_tui.cli.render_target import lines_of
+from woz_tui.cli.render_target import input_lines
 from woz_tui.motion.input_script import read_inputs
 from woz_tui.motion.rendering import LONGEST_S
 
@@ -318,7 +318,7 @@ def test_a_large_file_is_read_line_by_line(tmp_path: Path) -> None:
     complaints: list[str] = []
     tracemalloc.start()
     try:
-        read = read_inputs(lines_of(str(file)), ("pose",), "body", complaints.append)
+        read = read_inputs(input_lines(str(file)), ("pose",), "body", complaints.append)
         _, most = tracemalloc.get_traced_memory()
     finally:
         tracemalloc.stop()

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from woz_drivers.dynamixel import DynamixelServos, JointSettings, ServoSettings
+from woz_drivers.dynamixel import DynamixelServos, ServoJointSettings, ServoSettings
 from woz_drivers.dynamixel.port import ServoPort
 
 from tests.drivers.heard import Heard, Ordered, until
@@ -27,9 +27,9 @@ MEASURED_MS = 1000.0
 #: And a tick may come so late that servos would stop by themselves.
 PATIENT_WATCHDOG_MS = 2540
 HEAD = {
-    "pan": JointSettings(id=11, min=-90, max=90, speed=300, rest=0.0),
-    "tilt": JointSettings(id=12, min=-40, max=30, speed=300, home=5.0, rest=20.0),
-    "roll": JointSettings(id=13, min=-45, max=45, speed=300, direction=-1),
+    "pan": ServoJointSettings(id=11, min=-90, max=90, speed=300, rest=0.0),
+    "tilt": ServoJointSettings(id=12, min=-40, max=30, speed=300, home=5.0, rest=20.0),
+    "roll": ServoJointSettings(id=13, min=-45, max=45, speed=300, direction=-1),
 }
 
 

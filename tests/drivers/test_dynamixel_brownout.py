@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from woz_drivers.dynamixel import JointSettings
+from woz_drivers.dynamixel import ServoJointSettings
 from woz_drivers.dynamixel.chain import PlannedMove, ServoChain
 from woz_drivers.dynamixel.port import ServoPort
 from woz_drivers.dynamixel.setpoint_planning import Keyframe
@@ -35,8 +35,8 @@ ROUNDING = 1.4 + 0.3 / 0.02
 TICK = 0.02
 MODELS = {1: {1: "MX-28", 2: "AX-12A"}, 2: {1: "XL330-M288", 2: "XM430-W350"}}
 JOINTS = {
-    "pan": JointSettings(id=1, min=-90, max=90, speed=SPEED),
-    "tilt": JointSettings(id=2, min=-90, max=90, speed=SPEED),
+    "pan": ServoJointSettings(id=1, min=-90, max=90, speed=SPEED),
+    "tilt": ServoJointSettings(id=2, min=-90, max=90, speed=SPEED),
 }
 
 

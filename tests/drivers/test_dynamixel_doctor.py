@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.dynamixel import DynamixelServos, JointSettings, port, wire
+from woz_drivers.dynamixel import DynamixelServos, ServoJointSettings, port, wire
 
 from tests.drivers.heard import Heard
 from tests.drivers.servo_stand import HEAD, SILENT_MS, head
@@ -46,7 +46,7 @@ async def test_all_well(tmp_path: Path) -> None:
 
 async def test_what_is_wrong_is_named(tmp_path: Path) -> None:
     ids = {11: "XL330-M288", 12: "XM430-W350", 40: "XL430-W250"}
-    joints = {**HEAD, "tilt": JointSettings(id=12, min=-9, max=9, model="XL330-M288")}
+    joints = {**HEAD, "tilt": ServoJointSettings(id=12, min=-9, max=9, model="XL330-M288")}
     with ServoBus(ids, tmp_path / "servos") as bus:
         bus.servo(11).raise_alarm(OVERLOAD)
         findings = await examined(bus.link, joints=joints, watchdog=0, reply_timeout=SILENT_MS)
@@ -96,7 +96,7 @@ async def test_wrong_baud_is_found(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("few_ids")
 async def test_protocol_1_has_no_watchdog(tmp_path: Path) -> None:
-    joints = {"pan": JointSettings(id=1, min=-90, max=90)}
+    joints = {"pan": ServoJointSettings(id=1, min=-90, max=90)}
     with ServoBus({1: "AX-12A", 7: "MX-64"}, tmp_path / "servos") as bus:
         findings = await examined(bus.link, protocol=1, joints=joints, reply_timeout=SILENT_MS)
         assert "protocol 1 servos have none" in said(findings, "info")

@@ -8,7 +8,7 @@ import threading
 from pathlib import Path
 
 import pytest
-from woz_drivers.dynamixel import DynamixelServos, JointSettings
+from woz_drivers.dynamixel import DynamixelServos, ServoJointSettings
 
 from tests.drivers.heard import Heard, until
 from tests.drivers.servo_stand import HEAD, SILENT_MS, head, stand
@@ -163,7 +163,7 @@ async def test_servo_missing_from_the_start(tmp_path: Path) -> None:
 
 
 async def test_wrong_model_is_never_moved(tmp_path: Path) -> None:
-    joints = {**HEAD, "tilt": JointSettings(id=12, min=-40, max=30, model="XM430-W350-T")}
+    joints = {**HEAD, "tilt": ServoJointSettings(id=12, min=-40, max=30, model="XM430-W350-T")}
     async with stand(tmp_path, joints=joints) as it:
         faulted = await it.heard.first(DriverFaulted)
         assert "is a XL330-M288, but the settings say XM430-W350" in faulted.detail
@@ -306,7 +306,7 @@ async def test_warnings_of_heat_come_once(tmp_path: Path) -> None:
 
 
 async def test_protocol_1_alarm(tmp_path: Path) -> None:
-    joints = {"pan": JointSettings(id=1, min=-90, max=90)}
+    joints = {"pan": ServoJointSettings(id=1, min=-90, max=90)}
     async with stand(tmp_path, ids={1: "MX-28"}, protocol=1, joints=joints, torque=True) as it:
         await until(lambda: it.bus.servo(1).torque)
         it.bus.servo(1).raise_alarm(0x04)

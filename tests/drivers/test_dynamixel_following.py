@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from woz_drivers.dynamixel import DynamixelServos, JointSettings, ServoSettings
+from woz_drivers.dynamixel import DynamixelServos, ServoJointSettings, ServoSettings
 
 from tests.drivers.heard import Ordered, until
 from tests.drivers.servo_stand import Stand, head, stand
@@ -221,7 +221,7 @@ def test_settings_that_a_follower_does_not_use_are_told(tmp_path: Path) -> None:
 
 
 async def test_the_torque_stays_until_the_body_is_at_rest(tmp_path: Path) -> None:
-    joints = {"pan": JointSettings(id=11, min=-90, max=90, speed=SPEED)}
+    joints = {"pan": ServoJointSettings(id=11, min=-90, max=90, speed=SPEED)}
     async with stand(
         tmp_path, ids=(11,), joints=joints, follows="body", torque=True, rest_speed=SPEED
     ) as it:
@@ -239,7 +239,7 @@ async def test_the_torque_stays_until_the_body_is_at_rest(tmp_path: Path) -> Non
 
 
 async def test_the_torque_stays_while_the_body_is_on_a_slow_way_to_rest(tmp_path: Path) -> None:
-    joints = {"pan": JointSettings(id=11, min=-90, max=90, speed=SPEED)}
+    joints = {"pan": ServoJointSettings(id=11, min=-90, max=90, speed=SPEED)}
     async with stand(tmp_path, ids=(11,), joints=joints, follows="body", torque=True) as it:
         body = it.heard.context.feed(SETPOINTS, of="body")
         later = round((time.monotonic() + LATER_S) * 1e6)
@@ -266,11 +266,11 @@ async def test_without_a_line_a_follower_is_lost_like_any_servo(tmp_path: Path) 
 
 
 @contextmanager
-def five(folder: Path) -> Iterator[tuple[dict[str, JointSettings], Sequence[int]]]:
+def five(folder: Path) -> Iterator[tuple[dict[str, ServoJointSettings], Sequence[int]]]:
     names = ("base", "lean", "neck", "nod", "roll")
     yield (
         {
-            name: JointSettings(id=21 + i, min=-60, max=60, speed=SPEED)
+            name: ServoJointSettings(id=21 + i, min=-60, max=60, speed=SPEED)
             for i, name in enumerate(names)
         },
         tuple(range(21, 26)),

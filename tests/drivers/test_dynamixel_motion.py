@@ -17,7 +17,7 @@ from woz_drivers.dynamixel.setpoint_planning import (
     plan_segment,
     shortest_duration,
 )
-from woz_drivers.dynamixel.settings import JointSettings
+from woz_drivers.dynamixel.settings import ServoJointSettings
 
 from woz_tui.motion.safety import Limits, limited_setpoint
 
@@ -175,7 +175,7 @@ def test_following_keeps_the_limits_and_arrives(
 def test_what_is_written_lies_within_the_servo(
     model: control_tables.ServoModel, degrees: float, direction: int, gear: float
 ) -> None:
-    joint = JointSettings(id=1, min=-90, max=90, direction=direction, gear=gear)
+    joint = ServoJointSettings(id=1, min=-90, max=90, direction=direction, gear=gear)
     calibration = calibrate(joint, model, (10, model.steps - 20))
     raw = calibration.raw(degrees)
     assert 10 <= raw <= model.steps - 20
@@ -185,7 +185,9 @@ def test_what_is_written_lies_within_the_servo(
 
 
 def test_calibration_refuses_what_is_no_number() -> None:
-    calibration = calibrate(JointSettings(id=1, min=-9, max=9), control_tables.MODELS[0], (0, 4095))
+    calibration = calibrate(
+        ServoJointSettings(id=1, min=-9, max=9), control_tables.MODELS[0], (0, 4095)
+    )
     with pytest.raises(ValueError, match="nan"):
         calibration.raw(math.nan)
 
@@ -193,7 +195,7 @@ def test_calibration_refuses_what_is_no_number() -> None:
 def test_gear_and_direction() -> None:
     model = control_tables.by_name("XL330-M288")
     assert model is not None
-    joint = JointSettings(id=1, min=-40, max=40, zero=1000, direction=-1, gear=2.0)
+    joint = ServoJointSettings(id=1, min=-40, max=40, zero=1000, direction=-1, gear=2.0)
     calibration = calibrate(joint, model, (0, 4095))
     # Ten degrees of the joint are twenty of the servo, the other way round.
     assert calibration.raw(10.0) == 1000 - round(20 / (360 / 4096))

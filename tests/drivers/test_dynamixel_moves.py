@@ -8,7 +8,7 @@ import math
 from pathlib import Path
 
 import pytest
-from woz_drivers.dynamixel import JointSettings
+from woz_drivers.dynamixel import ServoJointSettings
 
 from tests.drivers.heard import Ordered, until
 from tests.drivers.servo_stand import stand
@@ -276,8 +276,8 @@ async def test_readings_come_at_a_tenth_of_a_second(tmp_path: Path) -> None:
 
 async def test_protocol_1_moves_and_never_writes_a_goal_while_limp(tmp_path: Path) -> None:
     joints = {
-        "pan": JointSettings(id=1, min=-90, max=90, speed=200, model="MX-28"),
-        "tilt": JointSettings(id=2, min=-40, max=30, speed=200, model="RX-64"),
+        "pan": ServoJointSettings(id=1, min=-90, max=90, speed=200, model="MX-28"),
+        "tilt": ServoJointSettings(id=2, min=-40, max=30, speed=200, model="RX-64"),
     }
     async with stand(tmp_path, ids={1: "MX-28", 2: "RX-64"}, protocol=1, joints=joints) as it:
         await it.ticks(5)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.dynamixel import DynamixelServos, JointSettings, ServoSettings, verbs
+from woz_drivers.dynamixel import DynamixelServos, ServoJointSettings, ServoSettings, verbs
 
 from tests.drivers.servo_stand import HEAD
 from woz_tui.config.experiment import Experiment, ExperimentError, ParallelCalls
@@ -40,34 +40,38 @@ def test_a_good_file_has_no_problems() -> None:
         ({"watchdog": 10}, "watchdog", "one unit"),
         ({"watchdog": 40, "rate": 50.0}, "watchdog", "three ticks"),
         ({"voltage_low": 12.0, "voltage_high": 5.0}, "voltage_low", "not below"),
-        ({"joints": {"pan": JointSettings(1, 10, -10)}}, "joints.pan.min", "not below max"),
+        ({"joints": {"pan": ServoJointSettings(1, 10, -10)}}, "joints.pan.min", "not below max"),
         (
-            {"joints": {"pan": JointSettings(1, 10, 20)}},
+            {"joints": {"pan": ServoJointSettings(1, 10, 20)}},
             "joints.pan.home",
             "0 lies outside 10 to 20",
         ),
-        ({"joints": {"pan": JointSettings(1, -9, 9, rest=10)}}, "joints.pan.rest", "outside"),
+        ({"joints": {"pan": ServoJointSettings(1, -9, 9, rest=10)}}, "joints.pan.rest", "outside"),
         (
-            {"joints": {"pan": JointSettings(1, -9, 9, direction=0)}},
+            {"joints": {"pan": ServoJointSettings(1, -9, 9, direction=0)}},
             "joints.pan.direction",
             "1 or -1",
         ),
         (
-            {"joints": {"pan": JointSettings(1, -9, 9, model="XL-99")}},
+            {"joints": {"pan": ServoJointSettings(1, -9, 9, model="XL-99")}},
             "joints.pan.model",
             "known: XL330",
         ),
         (
-            {"joints": {"pan": JointSettings(1, -9, 9, model="MX-28")}},
+            {"joints": {"pan": ServoJointSettings(1, -9, 9, model="MX-28")}},
             "joints.pan.model",
             "protocol 1",
         ),
         (
-            {"joints": {"a": JointSettings(1, -9, 9), "b": JointSettings(1, -9, 9)}},
+            {"joints": {"a": ServoJointSettings(1, -9, 9), "b": ServoJointSettings(1, -9, 9)}},
             "joints.b.id",
             "of 'a' already",
         ),
-        ({"joints": {"seconds": JointSettings(1, -9, 9)}}, "joints.seconds", "cannot be called"),
+        (
+            {"joints": {"seconds": ServoJointSettings(1, -9, 9)}},
+            "joints.seconds",
+            "cannot be called",
+        ),
         ({"pan": "neck"}, "pan", "no joint is called 'neck'; there are pan, roll, tilt"),
         ({"pan": "pan", "tilt": "pan"}, "tilt", "pan joint already"),
         ({"poses": {"up": {"nose": 1.0}}}, "poses.up.nose", "no joint is called 'nose'"),
@@ -167,7 +171,7 @@ def test_a_robot_file_is_decoded_by_the_annotations(tmp_path: Path) -> None:
     assert spec is not None
     made = spec.settings
     assert isinstance(made, ServoSettings)
-    assert made.joints["pan"] == JointSettings(
+    assert made.joints["pan"] == ServoJointSettings(
         id=11, min=-90, max=90, model="XL330-M288", zero=2100, direction=-1, speed=200
     )
     assert made.torque is True

@@ -11,7 +11,7 @@ from woz_tui.motion.builtin_moves import BUILT_IN
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.engine_io import InputResult, Tick
 from woz_tui.motion.modes import Operator
-from woz_tui.motion.move import Move
+from woz_tui.motion.move_types import Move
 from woz_tui.motion.personality import RANGES
 from woz_tui.protocol.messages import Json
 

@@ -11,7 +11,7 @@ import pytest
 from woz_tui.motion.body_shape import ROLES, Personality
 from woz_tui.motion.body_verbs import EMOTIONS
 from woz_tui.motion.builtin_moves import BUILT_IN, DEMO, DEMO_SCENES
-from woz_tui.motion.move import Move
+from woz_tui.motion.move_types import Move
 
 TEMPO = Personality().tempo
 #: EyePi's limits (deg/s) by the role that its joints play.

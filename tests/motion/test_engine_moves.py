@@ -13,7 +13,7 @@ from woz_tui.motion.body_shape import BodyShape
 from woz_tui.motion.builtin_moves import BUILT_IN
 from woz_tui.motion.engine_io import Tick
 from woz_tui.motion.modes import Mode
-from woz_tui.motion.move import FaceChange, Posture, SoundCue
+from woz_tui.motion.move_types import FaceChange, Posture, SoundCue
 from woz_tui.protocol.messages import Json
 
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from woz_tui.motion.easing import EASINGS, ease, low_pass, swell
 from woz_tui.motion.keyframes import KeyFrame, KeyframeMove, LayerSamples, MoveLayer
-from woz_tui.motion.move import FaceChange, SoundCue
+from woz_tui.motion.move_types import FaceChange, SoundCue
 
 HEAD = MoveLayer(
     "head",

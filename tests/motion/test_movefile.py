@@ -11,7 +11,6 @@ import yaml
 
 from tests.motion.heads import EYEPI, FIVE, HEADS
 from woz_tui.motion.keyframes import KeyFrame, KeyframeMove, LayerSamples, MoveLayer
-from woz_tui.motion.move import SoundCue
 from woz_tui.motion.move_files import (
     MAIN,
     MoveFileError,
@@ -20,6 +19,7 @@ from woz_tui.motion.move_files import (
     read_moves,
 )
 from woz_tui.motion.move_schema import move_schema
+from woz_tui.motion.move_types import SoundCue
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "experiments" / "moves"

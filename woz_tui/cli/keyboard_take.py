@@ -85,7 +85,7 @@ def _show(text: str) -> None:
     sys.stdout.flush()
 
 
-class Live:
+class KeyboardTake:
     """Counts in, performs, shows; `keys`, `clock` and `show` are the terminal."""
 
     def __init__(
@@ -196,7 +196,7 @@ def keyboard() -> Iterator[Keys]:
         data = os.read(descriptor, 1024)
         if data.endswith(b"\x1b") and _ready(descriptor, SEQUENCE_S):
             data += os.read(descriptor, 1024)
-        return split(data) if data else [GIVE_UP[0]]  # the terminal is gone
+        return split_keys(data) if data else [GIVE_UP[0]]  # the terminal is gone
 
     try:
         tty.setcbreak(descriptor)
@@ -218,7 +218,7 @@ def _ready(descriptor: int, seconds: float) -> bool:
     return bool(select.select([descriptor], [], [], seconds)[0])
 
 
-def split(data: bytes) -> list[bytes]:
+def split_keys(data: bytes) -> list[bytes]:
     """Bytes of a terminal into keys: sequences as a whole, everything else byte by byte."""
     found: list[bytes] = []
     known = sorted((key for key in ROLES if len(key) > 1), key=len, reverse=True)

@@ -14,8 +14,8 @@ from pathlib import Path
 
 from woz_tui.cli import argument_types
 from woz_tui.cli.error_sentences import with_error_sentences
-from woz_tui.cli.keyboard_take import Live, keyboard
-from woz_tui.cli.render_target import RenderError, Stage, lines_of
+from woz_tui.cli.keyboard_take import KeyboardTake, keyboard
+from woz_tui.cli.render_target import RenderError, RenderTarget, input_lines
 from woz_tui.config.problems import hint
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver, RejectedError
@@ -96,18 +96,18 @@ def run(arguments: Namespace) -> int:
 
 def record(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     """`run` with the drivers of `catalogue`."""
-    stage = Stage.of(arguments.robot, catalogue, arguments.body, None)
+    stage = RenderTarget.of(arguments.robot, catalogue, arguments.body, None)
     shape: BodyShape = stage.spec.settings
     move = _changed(_move(arguments, shape), arguments)
     if arguments.no_take:
         if not move.layers:
             raise RecordError("the move would have no layer left; delete its file instead")
         save(move, arguments.file, shape)
-        print(_told(move, arguments.file))
+        print(_summary(move, arguments.file))
         return 0
     done = _scripted(arguments, stage, move) if arguments.inputs else _live(arguments, shape, move)
     save(done, arguments.file, shape)
-    print(_told(done, arguments.file))
+    print(_summary(done, arguments.file))
     return 0
 
 
@@ -153,7 +153,7 @@ def _changed(move: KeyframeMove, arguments: Namespace) -> KeyframeMove:
     return move
 
 
-def _told(move: KeyframeMove, file: Path) -> str:
+def _summary(move: KeyframeMove, file: Path) -> str:
     """The move and its layers, a line each."""
     unit = "beats" if move.beats else "s"
     lines = [f"{file}: {move.name}, {move.length:.2f} {unit}"]
@@ -173,8 +173,8 @@ def _told(move: KeyframeMove, file: Path) -> str:
 # -- the take -----------------------------------------------------------------------------------
 
 
-def _scripted(arguments: Namespace, stage: Stage, move: KeyframeMove) -> KeyframeMove:
-    read = read_inputs(lines_of(arguments.inputs), stage.verbs, stage.body)
+def _scripted(arguments: Namespace, stage: RenderTarget, move: KeyframeMove) -> KeyframeMove:
+    read = read_inputs(input_lines(arguments.inputs), stage.verbs, stage.body)
     inputs = [stage.translated(one) for one in read]
     settings = stage.spec.settings
     puppeteer = Puppeteer(
@@ -187,7 +187,7 @@ def _scripted(arguments: Namespace, stage: Stage, move: KeyframeMove) -> Keyfram
             f"a take of {seconds:g} s is too long, play waits for {LONGEST_S:g} s at most;"
             " --from and --seconds cut a piece out"
         )
-    performed(puppeteer, inputs, arguments.start, seconds, _tell)
+    perform_script(puppeteer, inputs, arguments.start, seconds, _warn)
     return _finished(puppeteer, arguments)
 
 
@@ -197,7 +197,7 @@ def _live(arguments: Namespace, shape: BodyShape, move: KeyframeMove) -> Keyfram
     puppeteer = Puppeteer(shape, move, arguments.layer, arguments.rate)
     seconds = min(arguments.seconds or LONGEST_S, LONGEST_S)
     with keyboard() as keys:
-        kept = Live(puppeteer, shape, keys, arguments.count_in, seconds).perform()
+        kept = KeyboardTake(puppeteer, shape, keys, arguments.count_in, seconds).perform()
     if not kept:
         raise RecordError("cancelled; nothing was saved")
     return _finished(puppeteer, arguments)
@@ -209,14 +209,14 @@ def _finished(puppeteer: Puppeteer, arguments: Namespace) -> KeyframeMove:
     if layer.length <= 0:
         raise RecordError("this take has no movement; nothing was saved")
     if puppeteer.interrupted:
-        _tell(
+        _warn(
             "an input stopped the other layers while they played: gaze, pose and play do this;"
             " joints and controls are added to the layers"
         )
     return move
 
 
-def _tell(text: str) -> None:
+def _warn(text: str) -> None:
     print(f"woz record-move: {text}", file=sys.stderr)
 
 
@@ -225,7 +225,7 @@ def _tell(text: str) -> None:
 RATE = 50.0
 
 
-def performed(
+def perform_script(
     puppeteer: Puppeteer,
     inputs: Sequence[Input],
     start: float,

@@ -14,7 +14,7 @@ from typing import Any
 
 from woz_tui.cli import argument_types
 from woz_tui.cli.error_sentences import with_error_sentences
-from woz_tui.cli.render_target import RenderError, Stage, described, lines_of
+from woz_tui.cli.render_target import RenderError, RenderTarget, input_lines, inputs_table
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.console.bodies.dot_canvas import DotCanvas, DotLayer
 from woz_tui.console.glyphs import UNICODE
@@ -71,16 +71,16 @@ def run(arguments: Namespace) -> int:
 def render(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     """`run` with the drivers of `catalogue`."""
     if arguments.help_inputs:
-        print(described())
+        print(inputs_table())
         return 0
     if arguments.file is None or arguments.name is None:
         raise RenderError("name a file and what to render: woz render FILE NAME")
-    stage = Stage.of(arguments.file, catalogue, arguments.body, arguments.seed)
+    stage = RenderTarget.of(arguments.file, catalogue, arguments.body, arguments.seed)
     inputs = _inputs(arguments, stage)
-    score, seconds = stage.score(arguments.name, inputs, _tell)
+    score, seconds = stage.score(arguments.name, inputs, _warn)
     if arguments.seconds is not None:
         seconds = arguments.seconds
-    rendering = Rendering(stage.engine, score, arguments.rate, _tell)
+    rendering = Rendering(stage.engine, score, arguments.rate, _warn)
     ticks = rendering.ticks(seconds, stage.settle)
     if arguments.plot:
         _plot(ticks, stage.limits, arguments.name)
@@ -100,7 +100,7 @@ def _inputs(arguments: Namespace, stage: Any) -> list[Input]:
         if (arguments.lenient)
         else None
     )
-    read = read_inputs(lines_of(arguments.inputs), stage.verbs, stage.body, complain)
+    read = read_inputs(input_lines(arguments.inputs), stage.verbs, stage.body, complain)
     return [stage.translated(one) for one in read]
 
 
@@ -122,7 +122,7 @@ def line(tick: Tick) -> str:
     return json_text(said, separators=(",", ":")) + "\n"
 
 
-def _tell(t: float, text: str) -> None:
+def _warn(t: float, text: str) -> None:
     print(f"woz render: at {t:.3f} s: {text}", file=sys.stderr)
 
 

@@ -44,7 +44,7 @@ BEYOND = (
 )
 
 
-def lines_of(name: str) -> Iterator[tuple[str, bytes]]:
+def input_lines(name: str) -> Iterator[tuple[str, bytes]]:
     """Each line of the file called `name`, without its newline, with its place; `-` is standard
     input. Of a session's log those of all its files. Raises `OSError`.
     """
@@ -74,7 +74,7 @@ def _numbered(name: str, file: BinaryIO, first: bytes = b"") -> Iterator[tuple[s
         line = file.readline(codec.MAX_LINE)
 
 
-def described() -> str:
+def inputs_table() -> str:
     """A table of all inputs in Markdown."""
     shape = BodyShape(joints={}, face=FaceShape())
     rows = [
@@ -114,7 +114,7 @@ class RenderError(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Stage:
+class RenderTarget:
     """One body of a file, ready to be rendered."""
 
     spec: DriverSpec
@@ -125,7 +125,7 @@ class Stage:
     @classmethod
     def of(
         cls, file: Path, catalogue: Mapping[str, type[Driver]], body: str, seed: int | None
-    ) -> Stage:
+    ) -> RenderTarget:
         """The body called `body` (empty: the only one) of an experiment or a robot file.
 
         Raises `ExperimentError` for what is wrong with the file, `RenderError` for the body.

@@ -17,7 +17,7 @@ from pathlib import Path
 import msgspec
 
 from woz_tui.motion.easing import TimedValues, along, swell
-from woz_tui.motion.move import FaceChange, Move, Posture, SoundCue
+from woz_tui.motion.move_types import FaceChange, Move, Posture, SoundCue
 
 # -- demo -----------------------------------------------------------------------------------------
 # The demo: in 66 seconds everything the robot can show, by itself.

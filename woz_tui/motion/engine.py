@@ -23,7 +23,7 @@ from woz_tui.motion.joint_control import ARRIVED, JointController, known_angles,
 from woz_tui.motion.kinematics import Aim, KinematicChain
 from woz_tui.motion.light_frames import LightFrame, blank
 from woz_tui.motion.modes import BLINKS, BREATHES, InputKind, Mode, Operator, is_accepted
-from woz_tui.motion.move import Move
+from woz_tui.motion.move_types import Move
 from woz_tui.motion.personality import CurrentPersonality
 from woz_tui.motion.pose_blending import Breathing, PoseFilter
 from woz_tui.motion.pose_sources import (

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from woz_tui.motion.light_frames import LightFrame
 from woz_tui.motion.modes import Mode
-from woz_tui.motion.move import SoundCue
+from woz_tui.motion.move_types import SoundCue
 from woz_tui.protocol.messages import Json
 
 

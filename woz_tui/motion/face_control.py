@@ -16,7 +16,7 @@ from woz_tui.motion.control_scales import FACE
 from woz_tui.motion.emotions import affect_emotion, emotion_affect
 from woz_tui.motion.engine_io import EndedInput, InputResult
 from woz_tui.motion.face_drawing import CRASH_S, FaceState
-from woz_tui.motion.move import FaceChange
+from woz_tui.motion.move_types import FaceChange
 from woz_tui.motion.personality import CurrentPersonality
 from woz_tui.motion.pose_sources import FaceOverlay
 from woz_tui.protocol.messages import Json

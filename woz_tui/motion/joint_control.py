@@ -12,7 +12,7 @@ from woz_tui.motion.body_shape import BodyShape
 from woz_tui.motion.easing import PEAK_SPEEDS
 from woz_tui.motion.engine_io import EndedInput
 from woz_tui.motion.modes import Mode
-from woz_tui.motion.move import Move, SoundCue
+from woz_tui.motion.move_types import Move, SoundCue
 from woz_tui.motion.pose_blending import CrossFade, PoseFilter
 from woz_tui.motion.pose_sources import (
     Hold,

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from woz_tui.motion.easing import EASINGS
-from woz_tui.motion.move import FaceChange, Posture, SoundCue
+from woz_tui.motion.move_types import FaceChange, Posture, SoundCue
 
 # -- tracks ---------------------------------------------------------------------------------------
 # One value over time: from key to key by an easing, or through dense samples.

@@ -134,12 +134,12 @@ class KinematicChain:
         `ValueError` with a sentence for what is no point, and for one at the head itself.
         """
         if not all(math.isfinite(one) and abs(one) < 1e9 for one in target):
-            raise ValueError(f"{_told(target)} is no point in space")
+            raise ValueError(f"{_point_text(target)} is no point in space")
         goal = _GazeGoal((float(target[0]), float(target[1]), float(target[2])))
         eyes = self._stance(self._begin(start)).eyes
         if math.dist(eyes, target) < AT_HEAD_M:
             raise ValueError(
-                f"{_told(target)} is at the head itself; give a point at least"
+                f"{_point_text(target)} is at the head itself; give a point at least"
                 f" {AT_HEAD_M * 100:g} cm away from the eyes"
             )
         return self._search(goal, start)
@@ -288,7 +288,7 @@ def body_outline(shape: BodyShape) -> dict[str, Json]:
 _Axis = Literal["x", "-x", "y", "-y", "z", "-z"]
 
 
-class _Joint(msgspec.Struct):
+class _OutlineJoint(msgspec.Struct):
     """A joint of an outline."""
 
     name: str
@@ -302,18 +302,18 @@ class _Joint(msgspec.Struct):
 class _Outline(msgspec.Struct):
     """What of an outline makes a chain."""
 
-    joints: list[_Joint]
+    joints: list[_OutlineJoint]
     eyes: Vector
     view: _Axis
 
 
-def _link(name: str, joint: JointShape | _Joint) -> ChainJoint:
+def _link(name: str, joint: JointShape | _OutlineJoint) -> ChainJoint:
     direction = AXES[joint.axis]
     about = next(number for number in range(3) if direction[number])
     return ChainJoint(name, about, direction[about], joint.offset, joint.min, joint.max, joint.home)
 
 
-def _told(point: Sequence[float]) -> str:
+def _point_text(point: Sequence[float]) -> str:
     return "(" + ", ".join(f"{one:g}" for one in point) + ") m"
 
 

@@ -15,7 +15,7 @@ from woz_tui.motion.body_feeds import Sighting
 from woz_tui.motion.body_shape import BodyShape, Vector
 from woz_tui.motion.easing import EASINGS, PEAK_SPEEDS, low_pass
 from woz_tui.motion.kinematics import KinematicChain, cross
-from woz_tui.motion.move import FaceChange, Move, SoundCue
+from woz_tui.motion.move_types import FaceChange, Move, SoundCue
 
 # -- tracking -------------------------------------------------------------------------------------
 # Object tracking: the head turns to what the camera sees, and the face tells how that feels.

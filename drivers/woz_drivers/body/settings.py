@@ -11,8 +11,8 @@ from woz_tui.drivers.fields import Doc, Path, Range, Seconds, Sibling
 from woz_tui.motion.body_shape import BodyShape, pose_problems
 from woz_tui.motion.body_verbs import CONTROLS
 from woz_tui.motion.builtin_moves import BUILT_IN
-from woz_tui.motion.move import Move
 from woz_tui.motion.move_files import NAME, NAME_RULE, MoveFolder, read_folder
+from woz_tui.motion.move_types import Move
 
 # -- repertoire -----------------------------------------------------------------------------------
 # The moves that a body can play: those built in, and those of its folder.

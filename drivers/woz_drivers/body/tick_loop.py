@@ -31,7 +31,7 @@ from woz_tui.motion.engine import Engine
 from woz_tui.motion.engine_io import EndedInput, InputResult, Tick
 from woz_tui.motion.light_frames import LightFrame
 from woz_tui.motion.modes import Mode, Operator
-from woz_tui.motion.move import Move, SoundCue
+from woz_tui.motion.move_types import Move, SoundCue
 from woz_tui.protocol.messages import BodyChanged, FaceShown, Json
 
 # -- lateness -------------------------------------------------------------------------------------

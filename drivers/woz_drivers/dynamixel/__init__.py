@@ -6,6 +6,6 @@ what that thread does with the servos; `motion` plans and bounds setpoints and k
 """
 
 from woz_drivers.dynamixel.driver import DynamixelServos
-from woz_drivers.dynamixel.settings import JointSettings, ServoSettings
+from woz_drivers.dynamixel.settings import ServoJointSettings, ServoSettings
 
-__all__ = ["DynamixelServos", "JointSettings", "ServoSettings"]
+__all__ = ["DynamixelServos", "ServoJointSettings", "ServoSettings"]

@@ -12,7 +12,7 @@ from woz_drivers.dynamixel.port import (
     latency_timer,
     slow_answers,
 )
-from woz_drivers.dynamixel.settings import JointSettings, ServoSettings
+from woz_drivers.dynamixel.settings import ServoJointSettings, ServoSettings
 from woz_drivers.dynamixel.wire import ServoWire
 from woz_tui.drivers.contract import DeviceLostError, Finding
 
@@ -114,7 +114,11 @@ def _servos(wire: ServoWire, settings: ServoSettings) -> Iterator[Finding]:
 
 
 def _joint(
-    wire: ServoWire, settings: ServoSettings, name: str, joint: JointSettings, number: int | None
+    wire: ServoWire,
+    settings: ServoSettings,
+    name: str,
+    joint: ServoJointSettings,
+    number: int | None,
 ) -> Iterator[Finding]:
     subject = f"{name} (id {joint.id})"
     if number is None:
@@ -143,7 +147,7 @@ def _condition(
     wire: ServoWire,
     settings: ServoSettings,
     subject: str,
-    joint: JointSettings,
+    joint: ServoJointSettings,
     model: control_tables.ServoModel,
 ) -> Iterator[Finding]:
     table = model.table
@@ -175,7 +179,7 @@ def _condition(
 def _watchdog_doubts(
     wire: ServoWire,
     subject: str,
-    joint: JointSettings,
+    joint: ServoJointSettings,
     model: control_tables.ServoModel,
     firmware: int | None,
 ) -> Iterator[Finding]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from woz_drivers.dynamixel import control_tables
 from woz_drivers.dynamixel.control_tables import ControlTable, Register, ServoModel
 from woz_drivers.dynamixel.setpoint_planning import JointTrack, TargetFollower
-from woz_drivers.dynamixel.settings import JointSettings, ServoSettings
+from woz_drivers.dynamixel.settings import ServoJointSettings, ServoSettings
 from woz_drivers.dynamixel.wire import ServoWire, refusal
 from woz_tui.drivers.contract import DriverError
 from woz_tui.motion.safety import Limits
@@ -64,7 +64,7 @@ class Calibration:
 
 
 def calibrate(
-    joint: JointSettings, model: ServoModel, servo_limits: tuple[int, int] | None
+    joint: ServoJointSettings, model: ServoModel, servo_limits: tuple[int, int] | None
 ) -> Calibration:
     """Put a joint's settings, its model and the limits stored in the servo together.
 
@@ -119,7 +119,7 @@ class Servo:
     """State of one servo. `present` and `setpoint` are the joint's degrees."""
 
     name: str
-    joint: JointSettings
+    joint: ServoJointSettings
     status: ServoStatus = ServoStatus.SILENT
     trouble: str = "has not answered yet"
     remedy: str = ""
@@ -256,7 +256,7 @@ def check(wire: ServoWire, servo: Servo, settings: ServoSettings, *, fresh: bool
     servo.status, servo.trouble, servo.remedy = ServoStatus.READY, "", ""
 
 
-def _model(joint: JointSettings, protocol: int, number: int) -> ServoModel:
+def _model(joint: ServoJointSettings, protocol: int, number: int) -> ServoModel:
     model = control_tables.by_number(protocol, number)
     wanted = control_tables.by_name(joint.model) if joint.model else None
     if model is None:

@@ -163,7 +163,7 @@ def plan_motion(
             if name in goals:
                 goals[name] = limits[name].clamp(angle)
                 if goals[name] != angle:
-                    clamped[name] = _further(limits[name], clamped.get(name), angle)
+                    clamped[name] = _further_out(limits[name], clamped.get(name), angle)
         wanted = frame.seconds if math.isfinite(frame.seconds) and frame.seconds > 0 else 0.0
         needed = max(
             (shortest_duration(goals[name] - position[name], limits[name]) for name in moving),
@@ -181,7 +181,7 @@ def plan_motion(
     return MotionPlan(tracks, duration, max(0.0, duration - asked), clamped)
 
 
-def _further(limits: Limits, known: float | None, angle: float) -> float:
+def _further_out(limits: Limits, known: float | None, angle: float) -> float:
     if known is None:
         return angle
     return max(known, angle, key=lambda value: abs(value - limits.clamp(value)))

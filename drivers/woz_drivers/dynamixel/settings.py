@@ -27,7 +27,7 @@ BAUDS = (
 
 
 @dataclass(frozen=True, slots=True)
-class JointSettings:
+class ServoJointSettings:
     """One servo and how its numbers become a joint's degrees.
 
     `degrees = direction * (raw - zero) * degrees_per_step / gear`.
@@ -57,7 +57,7 @@ class ServoSettings(Section):
     """One serial port with servos behind it."""
 
     port: Annotated[str, Port(), Doc("the adapter; /dev/serial/by-id/... names stay the same")]
-    joints: Annotated[dict[str, JointSettings], Doc("the joints by name")]
+    joints: Annotated[dict[str, ServoJointSettings], Doc("the joints by name")]
     baud: Annotated[int, Range(9600, 4_000_000), Doc("speed of the wire")] = 1_000_000
     protocol: Annotated[int, Range(1, 2), Doc("2: X series; 1: MX, RX, AX")] = 2
     torque: Annotated[bool, Doc("hold the joints from the start, before any command")] = False
@@ -133,7 +133,7 @@ class ServoSettings(Section):
             yield from range_problems(path, joint, home=joint.home, rest=joint.rest)
             yield from self._model_problems(path, joint)
 
-    def _model_problems(self, path: str, joint: JointSettings) -> Iterator[tuple[str, str]]:
+    def _model_problems(self, path: str, joint: ServoJointSettings) -> Iterator[tuple[str, str]]:
         if not joint.model:
             return
         model = control_tables.by_name(joint.model)

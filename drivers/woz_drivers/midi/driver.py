@@ -10,7 +10,7 @@ from woz_drivers.midi import doctor
 from woz_drivers.midi.control_requests import PanelButton, PanelKnob
 from woz_drivers.midi.devices import MidiPort
 from woz_drivers.midi.learning import MapLearning, begin_learning, map_text
-from woz_drivers.midi.panel_layouts import LAYOUTS, MidiSignal, PanelControl, PanelLayout
+from woz_drivers.midi.panel_layouts import LAYOUTS, MidiSignal, PanelControl, PanelModel
 from woz_drivers.midi.resolved_map import MappedControl, controls_by_signal, mapped_controls
 from woz_drivers.midi.settings import MidiSettings
 from woz_drivers.midi.wire import CC, NOTE, MidiDecoder, MidiMessage, control_change, note_on
@@ -283,7 +283,7 @@ _ON, _OFF = 127, 0
 class PanelLights:
     """What the panel's lights show, as far as it was told; only changes are sent."""
 
-    def __init__(self, layout: PanelLayout, controls: Iterable[PanelControl]) -> None:
+    def __init__(self, layout: PanelModel, controls: Iterable[PanelControl]) -> None:
         self._layout = layout
         self._lamps = {
             control.name: control

@@ -47,7 +47,7 @@ class PanelControl:
 
 
 @dataclass(frozen=True, slots=True)
-class PanelLayout:
+class PanelModel:
     """A make of panel.
 
     Attributes:
@@ -101,7 +101,7 @@ _LEFT = (
     _single("record", 45, 2, 5, lamp=True),
 )
 
-NANOKONTROL2 = PanelLayout(
+NANOKONTROL2 = PanelModel(
     device="nanoKONTROL2",
     controls={
         **_row(KNOB, 1, 16, 1),
@@ -117,7 +117,7 @@ NANOKONTROL2 = PanelLayout(
 )
 
 #: Panels that are known; `none` knows no control, a map then tells each one's numbers.
-LAYOUTS: Mapping[str, PanelLayout] = {
-    "none": PanelLayout(controls={}),
+LAYOUTS: Mapping[str, PanelModel] = {
+    "none": PanelModel(controls={}),
     "nanokontrol2": NANOKONTROL2,
 }

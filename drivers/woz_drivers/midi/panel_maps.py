@@ -17,7 +17,7 @@ from typing import Annotated, Any
 
 import msgspec
 
-from woz_drivers.midi.panel_layouts import BUTTON, KINDS, KNOB, LAYOUTS, MidiSignal, PanelLayout
+from woz_drivers.midi.panel_layouts import BUTTON, KINDS, KNOB, LAYOUTS, MidiSignal, PanelModel
 from woz_drivers.midi.wire import BEND, CC, NOTE, PROGRAM
 from woz_tui.drivers.fields import Doc, OneOf, Range, Section
 
@@ -126,7 +126,7 @@ _ONCE = ("action", "stop", "release", "mark", "script")
 Problems = Iterator[tuple[str, str]]
 
 
-def mapping_problems(controls: Mapping[str, ControlMapping], layout: PanelLayout) -> Problems:
+def mapping_problems(controls: Mapping[str, ControlMapping], layout: PanelModel) -> Problems:
     """Mistakes of these controls, each by itself."""
     for name, mapped in controls.items():
         path = f"controls.{name}"
@@ -147,7 +147,7 @@ def duplicate_signals(panel: PanelMap, names: Collection[str]) -> Problems:
                 yield f"controls.{wrong}", f"sends {signal}, and so does {same!r}"
 
 
-def kind_of(name: str, mapped: ControlMapping, layout: PanelLayout) -> str:
+def kind_of(name: str, mapped: ControlMapping, layout: PanelModel) -> str:
     """What it looks like: as the map says, as the layout knows, or as what it does suggests."""
     if mapped.kind:
         return mapped.kind
@@ -158,7 +158,7 @@ def kind_of(name: str, mapped: ControlMapping, layout: PanelLayout) -> str:
     return BUTTON if pressed else KNOB
 
 
-def _signal(path: str, name: str, mapped: ControlMapping, layout: PanelLayout) -> Problems:
+def _signal(path: str, name: str, mapped: ControlMapping, layout: PanelModel) -> Problems:
     if len(mapped.signals) > 1:
         yield path, "set only one of cc, note, program and bend"
     if not mapped.signals and name not in layout.controls:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from woz_drivers.midi.panel_layouts import BUTTON, LAYOUTS, MidiSignal, PanelControl
 from woz_drivers.midi.panel_maps import START, ControlMapping, PanelMap, kind_of
 from woz_drivers.midi.settings import MidiSettings
-from woz_drivers.midi.wire import place, value_at
+from woz_drivers.midi.wire import control_place, control_value
 from woz_tui.drivers.contract import Ask
 from woz_tui.protocol.messages import Json
 
@@ -48,14 +48,14 @@ class MappedControl:
     def place(self, value: int) -> float:
         """What its value 0..127 stands for: a place of the control, or the verb's number."""
         low, high = self.mapped.range
-        share = place(value)
+        share = control_place(value)
         return low + (high - low) * (1 - share if self.mapped.reversed else share)
 
     def value(self, where: float) -> int:
-        """The value 0..127 at which it stands for `where`: the inverse of `place`."""
+        """The value 0..127 at which it stands for `where`: the inverse of `control_place`."""
         low, high = self.mapped.range
         share = (where - low) / (high - low)
-        return value_at(1 - share if self.mapped.reversed else share)
+        return control_value(1 - share if self.mapped.reversed else share)
 
     def turned(self, to: float) -> Ask:
         """What is asked for when it stands for `to`."""

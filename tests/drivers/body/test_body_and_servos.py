@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from woz_drivers.body import Body, BodySettings
-from woz_drivers.dynamixel import DynamixelServos, JointSettings, ServoSettings
+from woz_drivers.dynamixel import DynamixelServos, ServoJointSettings, ServoSettings
 
 from tests.drivers.body.rig import robot
 from tests.drivers.heard import Ordered, until
@@ -75,7 +75,7 @@ async def assembled(tmp_path: Path, settings: BodySettings) -> AsyncIterator[Rob
     hub.listen(said.append)
     with ServoBus(IDS, tmp_path / "servos") as bus:
         joints = {
-            name: JointSettings(id=number, min=joint.min, max=joint.max, speed=SPEED)
+            name: ServoJointSettings(id=number, min=joint.min, max=joint.max, speed=SPEED)
             for number, (name, joint) in zip(IDS, settings.joints.items(), strict=True)
         }
         followers = ServoSettings(

@@ -21,7 +21,7 @@ from woz_tui.motion.body_shape import FaceShape, JointShape, Personality
 from woz_tui.motion.builtin_moves import BUILT_IN
 from woz_tui.motion.engine_io import Tick
 from woz_tui.motion.modes import Mode
-from woz_tui.motion.move import SoundCue
+from woz_tui.motion.move_types import SoundCue
 from woz_tui.protocol.messages import (
     AnyMessage,
     BodyChanged,

@@ -7,7 +7,14 @@ from itertools import pairwise
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.midi.wire import MidiDecoder, MidiMessage, control_change, note_on, place, value_at
+from woz_drivers.midi.wire import (
+    MidiDecoder,
+    MidiMessage,
+    control_change,
+    control_place,
+    control_value,
+    note_on,
+)
 
 DATA = st.integers(0, 127)
 
@@ -79,7 +86,7 @@ def test_what_the_encoder_writes_is_read_back(moves: list[tuple[int, int, int, b
 
 
 def test_the_middle_of_a_knob_is_exactly_the_middle() -> None:
-    assert (place(0), place(64), place(127)) == (0.0, 0.5, 1.0)
-    places = [place(value) for value in range(128)]
+    assert (control_place(0), control_place(64), control_place(127)) == (0.0, 0.5, 1.0)
+    places = [control_place(value) for value in range(128)]
     assert places == sorted(set(places))
-    assert [value_at(where) for where in places] == list(range(128))
+    assert [control_value(where) for where in places] == list(range(128))

@@ -42,9 +42,9 @@ class Sitting:
 
     def comes(self, key: str) -> None:
         """A key, as the sheet hands it on; a text is what has been answered before, or nothing."""
-        if not self.taken.writes or key != "enter":
+        if not self.taken.wants_text or key != "enter":
             self.taken.key(key)
-        elif not self.taken.settles(key):
+        elif not self.taken.ignores(key):
             answer = self.taken.answer
             self.taken.write(answer.text if answer else "")
 
@@ -372,7 +372,7 @@ def test_what_was_not_confirmed_goes_out_again_after_a_lost_line() -> None:
     assert isinstance(first, AskAnswer)
     seat.taken.confirmed(first)
     again = OpenQuestionnaire(seat.asked.questionnaire, {"one": ItemAnswer(3)})
-    seat.taken.go_on(again)
+    seat.taken.resume(again)
     assert seat.sent == [first, second, second]
     assert again.answers == {"one": ItemAnswer(3), "two": ItemAnswer(4)}
 
@@ -390,7 +390,7 @@ def test_a_refused_answer_opens_its_item_again() -> None:
 def test_no_keys_bring_it_off_its_way(keys: list[str]) -> None:
     seat = Sitting()
     for key in keys:
-        if seat.taken.writes and key == "enter":
+        if seat.taken.wants_text and key == "enter":
             seat.taken.write("words")
         else:
             seat.press(key)

@@ -173,7 +173,7 @@ class Console(ScreenApp):
         self._follow_training()
         if (refusal := self.picture.runs.read_refusal()) is not None:
             self.news(refusal.sentence(self.picture.label(refusal.action)), "warn")
-        for tiding in self.picture.study.read_tidings():
+        for tiding in self.picture.study.read_news():
             self.news(self._sentence(tiding), tiding.look)
         for why in self.inbox.losses():
             self.picture.lose(why)

@@ -317,7 +317,7 @@ class ConsoleState:
         self._plan(welcome, welcome.drivers)
         self._recall(welcome)
         self.role = welcome.role  # whatever old lines say of it
-        self.study.read_tidings()  # old ones
+        self.study.read_news()  # old ones
 
     def _recall(self, welcome: r.Welcome) -> None:
         """What holds and the last lines, each once and in their order: only these are listed."""

@@ -367,7 +367,7 @@ def _of_study(message: m.Message, shown: EventContext) -> EventLine | None:
     if line is not None and missing and shown.study.last is None:
         line = line._replace(mark="warning", detail=f"not ticked: {'; '.join(missing)}")
     if line is not None and isinstance(message, m.CueAnswered):
-        names = shown.study.right_for(message)
+        names = shown.study.right_actions(message)
         right = f"right: {' or '.join(map(shown.label, names))}" if names else ""
         line = line._replace(detail=", ".join(filter(None, (line.detail, right))))
     return EventLine(*line) if line is not None else None

@@ -1,1 +1,1 @@
-"""A session once more: on the console's screen, or on the robot."""
+"""Replays a session from its log: on the console's screen, or on the robot."""

@@ -1,4 +1,4 @@
-"""Places in a log that somebody may want to go to, and stretches in which nothing happens."""
+"""Finds places in a log to go to, and idle stretches that can be left out."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The experiment that a log was made with: where its file is now, and whether it is still the same.
+"""Finds the experiment that a log was made with, and what has changed in it since.
 
 A log names its experiment by the file's name and the hash of all files that were read, and keeps
 their text (`experiment.files`), so that what has been changed since can be shown.
@@ -34,7 +34,7 @@ class OriginError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class ExperimentOrigin:
-    """What a log says about its experiment.
+    """The experiment of a log, as the log describes it.
 
     Attributes:
         name: The experiment file's name, without a folder.

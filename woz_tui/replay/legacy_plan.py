@@ -1,4 +1,4 @@
-"""What consoles were shown, as far as a log tells that does not say so itself (schema 1)."""
+"""Rebuilds from the actions of an old log (schema 1) what its consoles were shown."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A log opened for the screen: its samples on the disk, and what is to be known of it."""
+"""Opens a log for the screen: its samples on the disk, and notes on what is damaged."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from woz_tui.replay.recording import Recording
 
 
 class LogError(Exception):
-    """What was named is no log that can be shown; `remedy` says what would help."""
+    """The file cannot be shown as a log; `remedy` says what would help."""
 
     def __init__(self, reason: str, remedy: str = "") -> None:
         super().__init__(f"{reason} ({remedy})" if remedy else reason)

@@ -89,8 +89,8 @@ class ReplayPlayer:
         self.t = max(recording.begin_us, min(start.at_us, recording.length_us))
         self._index = 0
         self._local = 0
-        self._told = 0
-        self._mark_codes()
+        self._status_us = 0
+        self._list_codes()
 
     @property
     def ended(self) -> bool:
@@ -105,8 +105,8 @@ class ReplayPlayer:
     # -- playing -----------------------------------------------------------------------------
 
     def begin(self, now: int) -> list[Incoming]:
-        """The welcome, and what is to be said of the log."""
-        told = self._go(self.t, now)
+        """The welcome, and notes on the log."""
+        told = self._restart_at(self.t, now)
         text = "; ".join(self.notes)
         if text:
             told.append(m.Notice(level="warning", text=f"This log: {text}", t=self.t))
@@ -121,11 +121,11 @@ class ReplayPlayer:
         to = self.t + round((now - self._local) * self.rate)
         cut = self._cuts.crossed(self.t, to)
         if cut is not None:
-            return [*self._deliver(cut.begin), *self._go(cut.end, now)]
+            return [*self._deliver(cut.begin), *self._restart_at(cut.end, now)]
         told = self._deliver(min(to, self.recording.length_us))
         self._local = now
-        if self.ended or now - self._told >= PULSE_US:
-            told += self._stands(now)
+        if self.ended or now - self._status_us >= PULSE_US:
+            told += self._status(now)
         return told
 
     def _deliver(self, to: int) -> list[Incoming]:
@@ -140,12 +140,12 @@ class ReplayPlayer:
         samples = thinned(self.recording.samples.between(self.t, to)) if to > self.t else []
         lines: list[Incoming] = [*self.recording.lines[self._index : end]]
         codes = self._coding.between(self.t, to) if self._coding is not None else ()
-        lines += map(self._said, codes)
+        lines += map(self._as_event, codes)
         if samples:
             lines = sorted([*lines, *samples], key=_number)
         return [each for line in lines for each in _shown(line)]
 
-    def _go(self, t: int, now: int, index: int | None = None) -> list[Incoming]:
+    def _restart_at(self, t: int, now: int, index: int | None = None) -> list[Incoming]:
         """Begin anew at `t`."""
         recording = self.recording
         self.t = max(recording.begin_us, min(t, recording.length_us))
@@ -168,7 +168,7 @@ class ReplayPlayer:
                 told.settings, study=moment.study, replay=self._about()
             ),
         )
-        return [anew, *self._stands(now, marks=True)]
+        return [anew, *self._status(now, marks=True)]
 
     def _about(self) -> ReplayedLog:
         """What the console shows of the log itself."""
@@ -185,9 +185,9 @@ class ReplayPlayer:
             coder=self._coding.coder if self._coding is not None else "",
         )
 
-    def _stands(self, now: int, *, marks: bool = False) -> list[Incoming]:
+    def _status(self, now: int, *, marks: bool = False) -> list[Incoming]:
         """How the replay stands, and how fast time goes on."""
-        self._told = now
+        self._status_us = now
         every = self.recording.marks if marks else None
         stands = Replaying(
             t=self.t,
@@ -227,9 +227,11 @@ class ReplayPlayer:
             case AskReplay(what="slower"):
                 return None, self._speed(self.rate / 2, now)
             case AskReplay(what="seek"):
-                return None, self._go(self._cuts.moved(self.t, round(request.by_s * 1e6)), now)
+                return None, self._restart_at(
+                    self._cuts.moved(self.t, round(request.by_s * 1e6)), now
+                )
             case AskReplay():
-                return None, self._go(seek_time(request.to, self.recording, self.t), now)
+                return None, self._restart_at(seek_time(request.to, self.recording, self.t), now)
             case AskMarker() | AskNote() | AskMistake():
                 if self._coding is None:
                     raise ReplayError(UNCODED)
@@ -256,18 +258,18 @@ class ReplayPlayer:
             raise ReplayError(f"it is not written: {error.strerror or error}") from error
         if code is None:
             raise ReplayError("you have set no code yet")
-        self._mark_codes()
+        self._list_codes()
         if isinstance(request, AskMistake):
-            return {"code": code.text}, self._go(self.t, now)
-        return {"code": code.text}, [self._said(code), *self._stands(now, marks=True)]
+            return {"code": code.text}, self._restart_at(self.t, now)
+        return {"code": code.text}, [self._as_event(code), *self._status(now, marks=True)]
 
-    def _mark_codes(self) -> None:
+    def _list_codes(self) -> None:
         if self._coding is not None:
             self.recording.codes = [
                 Bookmark(code.t, "code", code.text) for code in self._coding.codes
             ]
 
-    def _said(self, code: Code) -> m.AnyMessage:
+    def _as_event(self, code: Code) -> m.AnyMessage:
         """As the list of events has it; it is no line of the log."""
         if code.note:
             return m.Note(text=f"{code.text} ({code.coder})", t=code.t)
@@ -277,7 +279,7 @@ class ReplayPlayer:
         """The last lines of the log and the coder's, by time."""
         if self._coding is None:
             return recent
-        codes = [self._said(code) for code in self._coding.codes if code.t <= self.t]
+        codes = [self._as_event(code) for code in self._coding.codes if code.t <= self.t]
         return sorted([*recent, *codes], key=lambda message: message.t)[-MOST:]
 
     def _pause(self, now: int) -> list[Incoming]:
@@ -285,16 +287,16 @@ class ReplayPlayer:
             raise ReplayError("the replay is at its end", "press home to go to the beginning")
         self.paused = not self.paused
         self._local = now
-        return self._stands(now)
+        return self._status(now)
 
     def _speed(self, rate: float, now: int) -> list[Incoming]:
         if not SLOWEST <= rate <= FASTEST:
             raise ReplayError(f"the speed goes from {SLOWEST:g} to {FASTEST:g} times")
         self.rate = rate
-        return self._stands(now)
+        return self._status(now)
 
     def _step(self, now: int) -> tuple[m.Json, list[Incoming]]:
-        """To the next line that says something; the replay stands still there."""
+        """Go to the next line that shows something, and pause there."""
         number = self.recording.step(self._index)
         if number >= len(self.recording.lines):
             raise ReplayError("this log has no more lines")
@@ -304,7 +306,7 @@ class ReplayPlayer:
         self._index, self.t = number + 1, t
         line = self.recording.lines[number]
         kind = line.get("kind") if isinstance(line, dict) else line.__struct_config__.tag
-        return {"kind": str(kind), "t": t}, [*told, *self._stands(now)]
+        return {"kind": str(kind), "t": t}, [*told, *self._status(now)]
 
 
 def _number(line: Incoming) -> int:
@@ -313,7 +315,7 @@ def _number(line: Incoming) -> int:
 
 
 def _shown(line: Incoming) -> list[Incoming]:
-    """The line, and what a console is told beside it."""
+    """The line, and the message that a console gets with it."""
     return [line, panels_changed(line)] if isinstance(line, m.SessionPlan) else [line]
 
 

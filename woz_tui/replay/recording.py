@@ -1,4 +1,4 @@
-"""A log made ready to be played: its lines on one time line, and what held at any moment.
+"""A log ready to be played: its lines on one time line, and the state at any moment.
 
 The lines of actions are kept in memory, an hour of them is a few megabytes; samples are fetched
 when they are due. Every few seconds of log a copy of the `SessionState` is kept, so that any moment
@@ -99,7 +99,7 @@ class Recording:
         reveal: bool = False,
         coded: bool = False,
     ) -> None:
-        found = [_told(line) for line in lines]
+        found = [_read_line(line) for line in lines]
         shown = (line for line, _ in found if isinstance(line, m.SessionPlan))
         first = next(shown, plan)
         kind = CoderRedactor if coded else Redactor
@@ -126,24 +126,24 @@ class Recording:
         #: What the viewer has set while watching.
         self.codes: list[Bookmark] = []
         recent = RecentMessages()
-        self._listed = [
+        self._recent_indexes = [
             index
             for index, line in enumerate(self.lines)
             if isinstance(line, Message) and recent.lists(line)
         ]
         self._snapshots = [(0, SessionState())]
-        self._upto = (0, SessionState())
+        self._prepared = (0, SessionState())
 
     @property
     def marks(self) -> list[Bookmark]:
         """Everything to go to, oldest first."""
-        return sorted([*self._of_log, *self.codes], key=lambda mark: mark.t)
+        return sorted([*self._log_bookmarks, *self.codes], key=lambda mark: mark.t)
 
     @cached_property
-    def _of_log(self) -> list[Bookmark]:
-        return bookmarks_of(self._marks())
+    def _log_bookmarks(self) -> list[Bookmark]:
+        return bookmarks_of(self._find_bookmarks())
 
-    def _marks(self) -> Iterator[Bookmark | None]:
+    def _find_bookmarks(self) -> Iterator[Bookmark | None]:
         state = SessionState()
         for line, t in zip(self.lines, self.times, strict=True):
             yield bookmark_of(line, t)
@@ -193,13 +193,13 @@ class Recording:
 
     def recent(self, index: int) -> list[m.Message]:
         """The last of the first `index` lines that a list of events has."""
-        end = bisect.bisect_left(self._listed, index)
-        found = [self.lines[place] for place in self._listed[max(0, end - MOST) : end]]
+        end = bisect.bisect_left(self._recent_indexes, index)
+        found = [self.lines[place] for place in self._recent_indexes[max(0, end - MOST) : end]]
         return [line for line in found if isinstance(line, Message)]
 
     def state(self, index: int) -> SessionState:
         """What held after `index` lines, without samples; the caller's own."""
-        while self._upto[0] < index:
+        while self._prepared[0] < index:
             self.prepare(SNAPSHOT_LINES)
         place = bisect.bisect_right(self._snapshots, index, key=lambda entry: entry[0]) - 1
         begin, kept = self._snapshots[place]
@@ -214,7 +214,7 @@ class Recording:
 
     def prepare(self, count: int) -> bool:
         """Work `count` lines ahead; whether there are more."""
-        begin, state = self._upto
+        begin, state = self._prepared
         end = min(len(self.lines), begin + count)
         for at in range(begin, end):
             before, _ = self._snapshots[-1]
@@ -222,7 +222,7 @@ class Recording:
             if late or at - before >= SNAPSHOT_LINES:
                 self._snapshots.append((at, state.copy()))
             self._play(state, at, at + 1)
-        self._upto = (end, state)
+        self._prepared = (end, state)
         return end < len(self.lines)
 
     def wall(self, index: int) -> tuple[int, str]:
@@ -287,7 +287,7 @@ def _redacted(
             yield seen, t
 
 
-def _told(line: m.AnyMessage | LogLine) -> tuple[RecordedLine, int]:
+def _read_line(line: m.AnyMessage | LogLine) -> tuple[RecordedLine, int]:
     if not isinstance(line, LogLine):
         return line, line.t
     message = line.message

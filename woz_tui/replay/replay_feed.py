@@ -1,4 +1,4 @@
-"""A log as a feed of the console: a thread that plays, and an `ask` that never leaves it.
+"""Feeds the console from a log: a thread plays it and answers requests.
 
 It has the shape of `woz_tui.console.message_feed.MessageFeed`, opens no socket, knows no driver.
 """
@@ -38,7 +38,7 @@ class ReplayFeed:
         self.round_trip_us: int | None = None
         self._player = player
         self._clock = clock or RealClock()
-        self._asked: deque[AnyRequest] = deque()
+        self._requests: deque[AnyRequest] = deque()
         self._news = threading.Condition()
         self._closed = False
         self._ref = 0
@@ -58,7 +58,7 @@ class ReplayFeed:
         with self._news:
             self._ref += 1
             if not isinstance(request, Beat):
-                self._asked.append(msgspec.structs.replace(request, ref=self._ref))
+                self._requests.append(msgspec.structs.replace(request, ref=self._ref))
             self._news.notify()
             return self._ref
 
@@ -69,23 +69,23 @@ class ReplayFeed:
             self._news.notify()
 
     def _run(self) -> None:
-        self._do(self._player.begin)
+        self._perform(self._player.begin)
         more = True
         while True:
             with self._news:
-                if not self._asked and not self._closed:
-                    self._news.wait(self._patience(more))
+                if not self._requests and not self._closed:
+                    self._news.wait(self._timeout_s(more))
                 if self._closed:
                     return
-                asked = [*self._asked]
-                self._asked.clear()
+                asked = [*self._requests]
+                self._requests.clear()
             for request in asked:
-                self._do(functools.partial(self._player.ask, request))
+                self._perform(functools.partial(self._player.ask, request))
             if not asked:
-                self._do(self._player.tick)
+                self._perform(self._player.tick)
                 more = more and self._player.recording.prepare(AHEAD)
 
-    def _do(self, work: Callable[[int], list[Incoming]]) -> None:
+    def _perform(self, work: Callable[[int], list[Incoming]]) -> None:
         """Tell what comes of it. A mistake of the program stops the time, not the thread."""
         try:
             batch = work(self._clock.now_us())
@@ -93,13 +93,13 @@ class ReplayFeed:
             self._player.paused = True
             text = f"the replay failed: {type(error).__name__}: {error}"
             batch = [Notice(level="error", text=text, t=self._player.t)]
-        self._tell(batch)
+        self._deliver(batch)
 
-    def _patience(self, more: bool) -> float | None:
+    def _timeout_s(self, more: bool) -> float | None:
         if more:
             return AHEAD_S
         return None if self._player.still else TICK_S
 
-    def _tell(self, batch: list[Incoming]) -> None:
+    def _deliver(self, batch: list[Incoming]) -> None:
         if batch and not self._closed:
             self._on_messages(batch)

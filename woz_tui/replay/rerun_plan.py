@@ -1,4 +1,4 @@
-"""What a session's log says that its robot did, as a plan for doing it again.
+"""Plans from a session's log how its robot does the same again.
 
 A command is repeated if it was dispatched then: at the moment at which it began, with the arguments
 as they were asked for, and it is cut short at the moment at which it was cut short. `fitted` skips

@@ -1,4 +1,4 @@
-"""Plays a plan again: every command at its moment, on the session's own clock.
+"""Runs a plan again: every command at its moment, on the session's own clock.
 
 Each moment is counted from the beginning, never from the command before, so that no delay adds up.
 A stop ends the re-run for good: what comes after its release is the wizard's alone.
@@ -77,7 +77,7 @@ class RerunPlayer:
         self.ends: Counter[str] = Counter()
         self.under_way = False
         self.over: m.RerunEnded | None = None
-        hub.listen(self._hear)
+        hub.listen(self._on_message)
 
     @property
     def sent(self) -> int:
@@ -120,7 +120,7 @@ class RerunPlayer:
         )
         self._ended(self.over)
 
-    def _hear(self, message: m.AnyMessage) -> None:
+    def _on_message(self, message: m.AnyMessage) -> None:
         if isinstance(message, m.StopPressed) and message.scope == "all":
             self.end(STOPPED)
 

@@ -1,4 +1,4 @@
-"""Where to go: a time, or a place that the log names."""
+"""Finds the time to go to: from a typed time, or from a place in the log."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which cues a training gives, in which order: those of the file, or made from its actions."""
+"""Plans the cues of a training: those of the file, or made from its actions."""
 
 from __future__ import annotations
 

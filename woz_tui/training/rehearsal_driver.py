@@ -1,4 +1,4 @@
-"""Any robot without its hardware: every verb takes its time, and nothing moves.
+"""Replaces any robot in a training: every verb takes its time, and nothing moves.
 
 A wizard learns the keys of the real experiment, so the experiment stays as it is; only what would
 move is left out. A rehearsal of a driver class offers what the class offers with the same settings.

@@ -1,4 +1,4 @@
-"""Scores of past trainings, wizard by wizard: read from the logs, which are all there is."""
+"""Reads the scores of past trainings from the logs, wizard by wizard."""
 
 from __future__ import annotations
 

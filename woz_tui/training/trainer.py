@@ -1,4 +1,4 @@
-"""A training: gives one cue after the other, and judges what the wizard makes of them."""
+"""Runs a training: gives one cue after the other and judges the wizard's answers."""
 
 from __future__ import annotations
 
@@ -56,33 +56,33 @@ class Trainer:
         self._over = over
         self._open: _OpenCue | None = None
         self._busy: set[str] = set()
-        self._calm = asyncio.Event()
-        self._calm.set()
-        self._there = asyncio.Event()
+        self._idle = asyncio.Event()
+        self._idle.set()
+        self._arrived = asyncio.Event()
         self._stopped = False
-        self._under_way = False
+        self._running = False
         self._segment = 0
         self._tasks: list[asyncio.Task[None]] = []
-        hub.listen(self._hear)
+        hub.listen(self._on_message)
 
     def begin(self) -> None:
         """Let the visitor live and give the first cue after its pause."""
         loop = asyncio.get_running_loop()
-        self._under_way = True
-        self._tasks = [loop.create_task(self._live()), loop.create_task(self._train())]
+        self._running = True
+        self._tasks = [loop.create_task(self._run_visitor()), loop.create_task(self._give_cues())]
         for task in self._tasks:
-            task.add_done_callback(self._look_after)
+            task.add_done_callback(self._report_failure)
 
     def end(self) -> None:
         """No more cues; the one that waits for an answer does not count, nor does what is pressed
         from now on.
         """
-        self._under_way = False
+        self._running = False
         for task in self._tasks:
             task.cancel()
         self._judge(VOID)
 
-    def _look_after(self, task: asyncio.Task[None]) -> None:
+    def _report_failure(self, task: asyncio.Task[None]) -> None:
         """A wizard must not wait for a visitor who does not come any more."""
         error = None if task.cancelled() else task.exception()
         if error is None:
@@ -94,31 +94,31 @@ class Trainer:
 
     # -- the course ----------------------------------------------------------------------------
 
-    async def _live(self) -> None:
+    async def _run_visitor(self) -> None:
         while True:
             for reading in self._visitor.step():
                 self._hub.publish(reading)
             if self._visitor.arrived:
-                self._there.set()
+                self._arrived.set()
             await asyncio.sleep(PERIOD_S)
 
-    async def _train(self) -> None:
+    async def _give_cues(self) -> None:
         for number, cue in enumerate(self._cues, 1):
             await asyncio.sleep(cue.pause_us / 1_000_000)
-            await self._quiet()
-            await self._place(cue)
-            await self._quiet()
+            await self._wait_until_idle()
+            await self._position_visitor(cue)
+            await self._wait_until_idle()
             await self._give(f"q{number:04d}", cue)
-        self._under_way = False
+        self._running = False
         self._over()
 
-    async def _quiet(self) -> None:
+    async def _wait_until_idle(self) -> None:
         """Until the robot does nothing and the stop is released."""
         while self._stopped or self._busy:
-            self._calm.clear()
-            await self._calm.wait()
+            self._idle.clear()
+            await self._idle.wait()
 
-    async def _place(self, cue: PlannedCue) -> None:
+    async def _position_visitor(self, cue: PlannedCue) -> None:
         """The visitor stands where the cue can happen; that they go there is no cue."""
         if cue.sort == APPROACH:
             self._visitor.leave()
@@ -127,13 +127,13 @@ class Trainer:
         else:
             self._visitor.turn(away=False)
         if not self._visitor.arrived:
-            self._there.clear()
-            await self._there.wait()
+            self._arrived.clear()
+            await self._arrived.wait()
 
     async def _give(self, name: str, cue: PlannedCue) -> None:
         if cue.text:
-            await self._say(cue.text)
-        self._show(cue.sort)
+            await self._speak(cue.text)
+        self._act(cue.sort)
         given = self._hub.publish(
             m.CueGiven(
                 cue=name,
@@ -152,7 +152,7 @@ class Trainer:
         except TimeoutError:
             self._judge(MISSED)
 
-    def _show(self, sort: str) -> None:
+    def _act(self, sort: str) -> None:
         """What can be seen of a cue begins with its moment."""
         if sort == APPROACH:
             self._visitor.approach()
@@ -161,7 +161,7 @@ class Trainer:
         elif sort == "turn-away":
             self._visitor.turn(away=True)
 
-    async def _say(self, text: str) -> None:
+    async def _speak(self, text: str) -> None:
         """The visitor speaks: the cue is the end of it."""
         self._segment += 1
         began = self._hub.now()
@@ -179,7 +179,7 @@ class Trainer:
 
     # -- the answers -----------------------------------------------------------------------------
 
-    def _hear(self, message: m.AnyMessage) -> None:
+    def _on_message(self, message: m.AnyMessage) -> None:
         match message:
             case m.ActionRequested(run=run, action=action, source=source):
                 self._busy.add(run)
@@ -193,12 +193,12 @@ class Trainer:
             case m.StopReleased():
                 self._stopped = False
         if not self._stopped and not self._busy:
-            self._calm.set()
+            self._idle.set()
 
     def _answer(self, press: m.ActionRequested) -> None:
         waiting = self._open
         if waiting is None:
-            if self._under_way and not self._stopped:
+            if self._running and not self._stopped:
                 self._hub.publish(
                     m.CueAnswered(cue="", judged=UNCALLED, action=press.action, run=press.run)
                 )

@@ -1,4 +1,4 @@
-"""The visitor of a training: comes, looks, speaks, falls silent, turns away, leaves.
+"""Simulates the visitor of a training: comes, looks, speaks, turns away, leaves.
 
 Pure: told what to do and what time it is, it says what the sensors would say.
 """

@@ -90,10 +90,10 @@ def test_a_terminal_that_never_answers_has_what_it_has_taken(seat: Seat) -> None
 
 
 def test_the_shortest_way_is_remembered(seat: Seat) -> None:
-    assert seat.side.way_us == 0
+    assert seat.side.shortest_us == 0
     for seconds in (0.05, 0.02, 0.9):
         seat.question(seconds)
-    assert seat.side.way_us == 20_000
+    assert seat.side.shortest_us == 20_000
 
 
 def test_bytes_are_counted_and_cells_measured(seat: Seat) -> None:

@@ -1,1 +1,1 @@
-"""Robots as they look: the face's lights, the links seen from the side and from above, knobs."""
+"""Draws robots: the face's lights, the links from the side and from above, knobs."""

@@ -142,14 +142,14 @@ def _drawn(
     seen: BodyView, sizes: dict[str, tuple[int, int]], glyphs: Glyphs
 ) -> dict[str, list[Row]]:
     if "joints" in seen.hidden:
-        return {view: _kept_view(*size) for view, size in sizes.items()}
+        return {view: _hidden_view(*size) for view, size in sizes.items()}
     return {
         view: draw_view(seen.outline, seen.pose, sight, sizes[view]).rows(glyphs)
         for view, sight in projections(seen.outline, sizes).items()
     }
 
 
-def _kept_view(width: int, height: int) -> list[Row]:
+def _hidden_view(width: int, height: int) -> list[Row]:
     """A view of a pose that the wizard does not get to see."""
     rows: list[Row] = [((" " * width, "plain"),)] * height
     rows[height // 2] = ((fit(HIDDEN.center(width), width), "faint"),)

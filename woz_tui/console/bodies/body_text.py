@@ -1,4 +1,4 @@
-"""What a body is doing and how it does it, in words and figures."""
+"""Describes in words and figures what a body is doing."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def _personality_text(seen: BodyView) -> str:
 
 
 def _moves_by_itself(modes: Collection[Mode], mode: str) -> bool:
-    """Whether it does so in this mode; of a mode nobody here knows, we know no better."""
+    """Whether the body does so by itself in this mode; in an unknown mode it is assumed to."""
     return mode in {known.value for known in modes} or mode not in {known.value for known in Mode}
 
 
@@ -157,7 +157,7 @@ TITLES: Mapping[str, str] = {"breathing_on": "breathes", "blinking": "blinks"}
 
 
 def table_rows(seen: BodyView, glyphs: Glyphs, width: int, height: int) -> list[Row]:
-    """Every value the body tells, in as many columns as it needs; each has its fixed place."""
+    """Every value of the body in fixed places, in as many columns as needed."""
     known = {name.replace("-", "_"): value for name, value in seen.values.items()}
     if "breathing_rate" in known:
         known["breathing_rate"] = _breaths(known["breathing_rate"], known.get("tempo"))

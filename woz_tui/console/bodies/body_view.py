@@ -1,4 +1,4 @@
-"""What is known of one body at one moment, put together from everything that was heard of it."""
+"""The state of one body, put together from its joints, setpoints, face, mode and health."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from woz_tui.protocol import messages as m
 
 @dataclass(frozen=True, slots=True)
 class BodyView:
-    """A body as it is shown: `old` says how old that is, and is empty as long as it is new."""
+    """A body to be drawn; `old` says how old its data is, and is empty while it is fresh."""
 
     outline: BodyOutline
     face: m.FaceShown | None
@@ -28,7 +28,7 @@ class BodyView:
     hidden: frozenset[str] = frozenset()
 
     def value(self, *names: str) -> m.Json:
-        """The first of these values that is known."""
+        """The first of these values that the body has published."""
         return next((self.values[name] for name in names if name in self.values), None)
 
 
@@ -69,8 +69,8 @@ def _body_view(picture: ConsoleState, outline: BodyOutline, now: int, glyphs: Gl
 
 
 def _sensors(picture: ConsoleState, outline: BodyOutline, kind: str) -> dict[str, SensorView]:
-    """What was heard of this robot's joints, by joint, whichever of its drivers said it; where
-    several did, the body itself counts.
+    """The newest sensor of each joint of this robot, from whichever of its drivers; where
+    several publish it, the body's own counts.
     """
     found: dict[str, SensorView] = {}
     for name in picture.sensors:
@@ -88,7 +88,7 @@ def _sensors(picture: ConsoleState, outline: BodyOutline, kind: str) -> dict[str
 def _joint_angles(
     outline: BodyOutline, sensors: Mapping[str, SensorView]
 ) -> dict[str, float] | None:
-    """Degrees by joint; a joint that nobody speaks of stands at home. None: nobody says any."""
+    """Degrees by joint; a joint without a sensor is at home. None: no joint has a value."""
     known = {joint: one.value for joint, one in sensors.items() if one.value is not None}
     if not known:
         return None

@@ -1,4 +1,4 @@
-"""Pictures of dots: two columns of four in every cell (braille), or one sign a cell in ASCII."""
+"""Draws with dots: two columns of four in every cell (braille), or one sign a cell in ASCII."""
 
 from __future__ import annotations
 

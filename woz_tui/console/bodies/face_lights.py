@@ -1,4 +1,4 @@
-"""A face as its matrix shows it: every light of the frame, nothing else.
+"""Draws a face: every light of its matrix, nothing else.
 
 Half a cell a light where there is room, else eight lights a cell (braille). In ASCII half a cell
 is a sign in its upper or lower part, and eight lights are a sign as dark as many of them are on.

@@ -145,7 +145,7 @@ def projections(
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Where the joints are and where they shall be, in degrees. None: nobody has said so."""
+    """Where the joints are and where they shall be, in degrees. None: no data."""
 
     reached: Mapping[str, float] | None
     wanted: Mapping[str, float] | None

@@ -1,4 +1,4 @@
-"""A panel of knobs, sliders and buttons as it lies on the table, with what each does beneath it.
+"""Draws a panel of knobs, sliders and buttons as it lies on the table, each with what it does.
 
 A control that waits for take-over tells which way to turn it and up to which value: until then it
 does nothing, so that the first touch moves no joint.

@@ -42,7 +42,7 @@ class PictureBudget:
 
     @property
     def speed(self) -> float:
-        """How fast the line is, as far as it was needed: bytes a second."""
+        """The measured speed of the line, in bytes a second."""
         return self._speed
 
     @property
@@ -51,11 +51,11 @@ class PictureBudget:
         return round(min(MOST, self._speed * FILLS_S))
 
     def due(self, now_us: int) -> bool:
-        """Whether the next picture may be asked for."""
+        """Whether the next picture may be requested."""
         return now_us >= self._next_us
 
     def asked(self, now_us: int) -> None:
-        """A picture is being asked for: the next one may not be before the rate allows it."""
+        """Note that a picture is requested: the next one waits as long as the rate asks for."""
         self.wait(now_us, 1 / self.rate)
 
     def shown(self, began_us: int, cost: int, took_us: int, drawing_us: int = 0) -> None:
@@ -129,8 +129,8 @@ class PictureRequester:
         self.last: PictureShown | None = None
         self.why = ""
         self._ask, self._clock, self._side, self._draw = ask, clock, side, draw
-        self._asked_us: int | None = None
-        self._asked_of = 0  # answers to questions of before a change do not count
+        self._requested_us: int | None = None
+        self._generation = 0  # answers to questions of before a change do not count
         self._drawing: _Drawing | None = None
         self._times: deque[int] = deque(maxlen=_COUNTED)
 
@@ -151,7 +151,7 @@ class PictureRequester:
     def turn_to(self, camera: str) -> None:
         """Watch another camera."""
         self.camera, self.last, self.why = camera, None, ""
-        self.anew()
+        self.restart()
 
     def next_camera(self, by: int) -> None:
         """Watch the next one, or the one before."""
@@ -159,44 +159,44 @@ class PictureRequester:
             at = self.cameras.index(self.camera) if self.camera in self.cameras else 0
             self.turn_to(self.cameras[(at + by) % len(self.cameras)])
 
-    def anew(self) -> None:
-        """Nothing of what was asked or drawn counts any more: another size, another screen."""
-        self._asked_of += 1
-        self._asked_us = self._drawing = None
+    def restart(self) -> None:
+        """Forget what was requested and drawn: another size, another screen."""
+        self._generation += 1
+        self._requested_us = self._drawing = None
         self._times.clear()
 
     # -- asking ------------------------------------------------------------------------------
 
-    def tick(self, size: tuple[int, int], wanted: PictureFormat) -> None:
+    def tick(self, size: tuple[int, int], picture_format: PictureFormat) -> None:
         """Ask for the next picture, if it is time."""
         now = self._clock.now_us()
         self._arrive(now)
-        if self._asked_us is not None and now - self._asked_us < LOST_S * 1_000_000:
+        if self._requested_us is not None and now - self._requested_us < LOST_S * 1_000_000:
             return
         idle = self._drawing is None and (self._side is None or not self._side.waiting)
         if not idle or not self.pace.due(now):
             return
-        self._asked_us = now
+        self._requested_us = now
         self.pace.asked(now)
-        asked_of = self._asked_of
+        generation = self._generation
         request = AskPicture(
             driver=self.camera,
             width=size[0],
             height=size[1],
-            format=wanted,
+            format=picture_format,
             after=self.last.number if self.last is not None else 0,
             rate=self.pace.rate,
         )
         self._ask(
             request,
-            lambda shown: self._came(shown, asked_of),
-            lambda reply: self._refused(reply, asked_of),
+            lambda shown: self._came(shown, generation),
+            lambda reply: self._refused(reply, generation),
         )
 
-    def _came(self, shown: PictureShown, asked_of: int) -> None:
-        if asked_of != self._asked_of:
+    def _came(self, shown: PictureShown, generation: int) -> None:
+        if generation != self._generation:
             return
-        self._asked_us = None
+        self._requested_us = None
         self.camera, self.cameras, self.why = shown.driver, shown.cameras, shown.why
         if not shown.data:
             return
@@ -210,10 +210,10 @@ class PictureRequester:
             self._drawing, self.why = None, str(error)
             self.pace.wait(now, REFUSED_S)
 
-    def _refused(self, reply: Reply, asked_of: int) -> None:
-        if asked_of != self._asked_of or reply.ok:
+    def _refused(self, reply: Reply, generation: int) -> None:
+        if generation != self._generation or reply.ok:
             return
-        self._asked_us = None
+        self._requested_us = None
         self.why = f"{reply.reason} ({reply.hint})" if reply.hint else reply.reason
         self.pace.wait(self._clock.now_us(), REFUSED_S)
 
@@ -239,6 +239,6 @@ class PictureRequester:
             if arrived is None:
                 return
             cost = self._side.written - drawing.written
-            took = arrived - painted - self._side.way_us
+            took = arrived - painted - self._side.shortest_us
         self._drawing = None
         self.pace.shown(drawing.began_us, cost, took, painted - drawing.began_us)

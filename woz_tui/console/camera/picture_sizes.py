@@ -1,4 +1,4 @@
-"""A picture as it came, and where it goes: sizes in cells and in pixels."""
+"""Unpacks pictures and fits them into cells."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ CELL = (8, 16)
 
 
 class PictureError(ValueError):
-    """A picture that is not what it says."""
+    """A picture is damaged."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""The wizard's terminal as far as pictures go: what it can draw, and whether it keeps up."""
+"""Sends pictures to the wizard's terminal: what it can draw, and whether it keeps up."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def question(environment: Mapping[str, str]) -> str:
 
 
 class PictureTerminal:
-    """One terminal, from the side of whoever sends pictures. Used in the screen's thread.
+    """One terminal that can be sent pictures. Used in the screen's thread.
 
     Args:
         output: Where everything is written; None while the terminal is given back.
@@ -87,6 +87,6 @@ class PictureTerminal:
         return confirmed[1] if confirmed[0] >= written_us else None
 
     @property
-    def way_us(self) -> int:
+    def shortest_us(self) -> int:
         """The shortest time from a question to its answer, in microseconds; 0: unknown."""
         return self._line.quickest_us

@@ -52,7 +52,7 @@ class PictureView(Widget):
         self.styles.width, self.styles.height = room.columns, room.rows
         self.clear()
 
-    def wanted(self, allowance: int) -> tuple[int, int]:
+    def wanted_size(self, allowance: int) -> tuple[int, int]:
         """Pixels to ask for, if a picture may cost `allowance` bytes."""
         raise NotImplementedError
 
@@ -106,7 +106,7 @@ class HalfBlockView(PictureView):
         """What the cells show."""
         return self._canvas
 
-    def wanted(self, allowance: int) -> tuple[int, int]:
+    def wanted_size(self, allowance: int) -> tuple[int, int]:
         """Two pixels a cell: a slow line gets fewer of the cells at a time instead."""
         return self._canvas.size
 
@@ -165,7 +165,7 @@ class SentView(PictureView):
         self._terminal = terminal
         self._bytes = _PIXEL_BYTES
 
-    def wanted(self, allowance: int) -> tuple[int, int]:
+    def wanted_size(self, allowance: int) -> tuple[int, int]:
         """All pixels of the cells; a slow line gets fewer."""
         return shrunk_size(*self.room.pixels, allowance / self._bytes)
 
@@ -193,10 +193,10 @@ class KittyView(SentView):
         self._turn = 0
         self._drawn = 0  # 0: nothing is shown
 
-    def wanted(self, allowance: int) -> tuple[int, int]:
+    def wanted_size(self, allowance: int) -> tuple[int, int]:
         """The placeholders cost something, too."""
         cells = 4 * self.room.columns * self.room.rows
-        return super().wanted(max(1_000, allowance - cells))
+        return super().wanted_size(max(1_000, allowance - cells))
 
     def show(self, shown: PictureShown, allowance: int) -> bool:
         """Send the picture under the name that is not shown, then change the names."""
@@ -304,7 +304,7 @@ def depth_of(system: str | None, *, plain: bool) -> int:
 def view_for(
     method: str, depth: int, terminal: PictureTerminal | None, multiplexer: str
 ) -> PictureView:
-    """A widget that draws by `method`; `auto`: what the terminal said it can do.
+    """A widget that draws by `method`; `auto`: by what the terminal can do.
 
     `depth`: the terminal's colours (0: only signs of ASCII). `terminal`: None if there is none.
     `multiplexer`: `tmux`, `screen` or nothing in between. Half blocks are always right. tmux

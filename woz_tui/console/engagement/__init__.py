@@ -1,1 +1,1 @@
-"""The engagement model as the wizard sees it: who is there, are they with the robot, and why."""
+"""Shows the wizard the engagement model: who is there, are they engaged, and why."""

@@ -1,4 +1,4 @@
-"""The model among the meters: state first, then what is to be done, then why.
+"""Rows of the engagement model among the meters: state, then what is to be done, then why.
 
 How much of it is shown follows from the height alone, and every row has its place: nothing moves
 about while visitors come and go.
@@ -111,7 +111,7 @@ def _now(shown: m.EngagementShown, frame: PaintFrame, unheard: str) -> list[Piec
 def _now_or_heard(
     picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame, unheard: str
 ) -> Row:
-    """Whether the machine is held, and what was heard."""
+    """What asks for the wizard now with what was just heard, or else what was heard last."""
     heard = picture.engaged.heard()
     recent = bool(heard) and frame.now - heard[0].t < HEARD_US
     now = _now(shown, frame, unheard)
@@ -210,7 +210,7 @@ def _distance(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame
     """Where the visitor stands among Hall's spaces; no row in a session without a distance."""
     sign = shown.signs.get("distance")
     if sign is not None and picture.sensor("distance") and picture.perception.keeps("distance"):
-        return [_kept_distance(picture, frame)]
+        return [_hidden_distance(picture, frame)]
     if sign is None or (sign.raw is None and picture.sensor("distance") is None):
         return []
     stale = bool(picture.lost) or sign.stale
@@ -229,7 +229,7 @@ def _distance(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame
     return [meter_row("distance", bar, f"{figure} {zone(sign.raw)}", "plain")]
 
 
-def _kept_distance(picture: ConsoleState, frame: PaintFrame) -> Row:
+def _hidden_distance(picture: ConsoleState, frame: PaintFrame) -> Row:
     """Its place where the wizard does not see it, or only near and far."""
     sensor = picture.sensor("distance")
     if sensor is None or picture.perception.hides("distance"):

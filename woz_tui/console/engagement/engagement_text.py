@@ -1,4 +1,4 @@
-"""The model in few words: signs, states, waiting; each with a sign and a look of its own."""
+"""Words, signs and looks for the engagement model's signs, states and waits."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def short_state(state: str) -> str:
 
 
 def signs_of(shown: m.EngagementShown) -> list[str]:
-    """Names of all that are told, in the order that never changes."""
+    """Names of the signs that the model has, always in the same order."""
     return [name for name in SIGNS if name in shown.signs]
 
 
@@ -88,7 +88,7 @@ def has_no_sensor(sign: m.SignShown) -> bool:
 
 
 def sign_verdict(name: str, sign: m.SignShown, glyphs: Glyphs, *, old: bool = False) -> SignVerdict:
-    """What the sign says; `old`: nothing is heard of the model any more."""
+    """The verdict on one sign; `old`: the robot process is gone."""
     if sign.filter == KEPT:
         return SignVerdict(glyphs.middle, HIDDEN, "faint")
     if old or (sign.stale and not sign.forced):

@@ -1,4 +1,4 @@
-"""The engagement model on the screen: how it stands, its way, who said what."""
+"""The engagement model for the screen: its state, its past changes, what visitors said."""
 
 from __future__ import annotations
 
@@ -88,6 +88,6 @@ class EngagementView:
 
 
 def texts(told: object) -> dict[str, str]:
-    """What is text in `told`; another version may say anything."""
+    """Those values of `told` that are texts; another version may send anything."""
     pairs = told.items() if isinstance(told, dict) else ()
     return {str(name): value for name, value in pairs if isinstance(value, str)}

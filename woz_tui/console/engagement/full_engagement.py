@@ -1,4 +1,4 @@
-"""The whole model in one picture: states, signs, the condition in words, its way, what was said."""
+"""Draws the whole engagement model: states, signs, condition, past changes, what was heard."""
 
 from __future__ import annotations
 
@@ -42,9 +42,9 @@ _BAR = 22
 #: Cells from which what was heard stands beside the diagram.
 SIDE_BY_SIDE = WIDTH + 30
 #: Lines of the way at the least; below the diagram gives way to the path in words.
-_WAY = 3
+_LEAST_HISTORY = 3
 #: Lines of what was heard, where it has no place at the side and lines enough.
-_HEARD = 2
+_HEARD_LINES = 2
 #: From so many lines on there is room for air.
 _TALL = 24
 
@@ -53,19 +53,19 @@ def full_rows(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame
     """As many rows as the frame is high; what matters most stands on top."""
     table = [*_signs(picture, shown, frame), _condition(picture, shown, frame)]
     top = [_head(picture, shown, frame), _second(picture, shown, frame)]
-    drawn = frame.width >= WIDTH and frame.height >= len(top) + HEIGHT + len(table) + _WAY
+    drawn = frame.width >= WIDTH and frame.height >= len(top) + HEIGHT + len(table) + _LEAST_HISTORY
     side = drawn and frame.width >= SIDE_BY_SIDE
     if drawn:
         top += _states(picture, shown, frame, side=side)
     else:
         top.append((("path  ", "muted"), *path_row(shown, frame.width - 6, frame.glyphs)))
-    rows = [*top, *_air(frame), *table, *_air(frame)]
-    heard = [] if side else _heard(picture, frame, _HEARD if frame.height >= _TALL else 1)
-    rows += _way(picture, frame, max(1, frame.height - len(rows) - len(heard)))
+    rows = [*top, *_spacer(frame), *table, *_spacer(frame)]
+    heard = [] if side else _heard(picture, frame, _HEARD_LINES if frame.height >= _TALL else 1)
+    rows += _history(picture, frame, max(1, frame.height - len(rows) - len(heard)))
     return cut_rows(rows, frame, heard)
 
 
-def _air(frame: PaintFrame) -> list[Row]:
+def _spacer(frame: PaintFrame) -> list[Row]:
     """An empty line where there is room for one."""
     return [()] if frame.height >= _TALL else []
 
@@ -205,7 +205,7 @@ def _condition(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFram
 # -- what was -------------------------------------------------------------------------------------
 
 
-def _way(picture: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
+def _history(picture: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
     """The changes, newest on top: when, to what, by which outcome, why, and by whom."""
     glyphs = frame.glyphs
     rows: list[Row] = [

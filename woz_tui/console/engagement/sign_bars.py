@@ -1,4 +1,4 @@
-"""Small bars: how full a sign's queue is, and where on Hall's spaces the visitor stands."""
+"""Draws small bars: the fill of a sign's queue, and the visitor's distance in Hall's zones."""
 
 from __future__ import annotations
 

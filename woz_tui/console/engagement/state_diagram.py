@@ -1,4 +1,4 @@
-"""The nine states as they hang together: drawn once, the present one and the last way marked."""
+"""Draws the nine states and their edges, with the present state and the last edges marked."""
 
 from __future__ import annotations
 

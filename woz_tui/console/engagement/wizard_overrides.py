@@ -59,7 +59,7 @@ KEYS = frozenset(BY_KEY)
 
 
 def is_offered(engaged: EngagementView, verbs: dict[str, list[str]]) -> bool:
-    """Whether this session has a model that can be told anything."""
+    """Whether this session has a model that takes overrides."""
     return engaged.shown is not None or ENGAGEMENT in verbs
 
 
@@ -160,7 +160,7 @@ def _sense(texts: Mapping[str, str]) -> str:
 
 
 def is_override(command: m.Command | m.FilledCall) -> bool:
-    """Whether it is for the model, as far as it says for whom it is."""
+    """Whether a command is for the engagement model."""
     return command.driver == ENGAGEMENT or (not command.driver and command.verb in ENGAGEMENT_VERBS)
 
 
@@ -171,7 +171,7 @@ HEIGHT = 4
 def legend_rows(
     engaged: EngagementView, covered: Mapping[str, str], width: int, glyphs: Glyphs, *, steers: bool
 ) -> list[Row]:
-    """`covered`: keys of the hand that else play an action -> the action's label."""
+    """What the keys do. `covered`: key of an override that else plays an action -> its label."""
     if steers:
         rows = _orders(engaged, width)
         rows += [_covered(covered, glyphs)] if covered else []
@@ -189,7 +189,7 @@ def legend_rows(
 
 
 def _orders(engaged: EngagementView, width: int) -> list[Row]:
-    """The hand's keys on as few lines as they fill; those that would do nothing now are pale."""
+    """The overrides' keys on as few lines as they fill; pale where one would do nothing now."""
     rows: list[Row] = [()]
     for order in OVERRIDES:
         now = _counts(order, engaged)

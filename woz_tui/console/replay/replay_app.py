@@ -1,4 +1,4 @@
-"""The console of `woz replay`: the same screen, fed from a log, with keys that move through it."""
+"""The console of `woz replay`: the usual screen, fed from a log, with keys that move through it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ PACES = ((2.0, 1), (4.0, 2), (8.0, 3), (math.inf, 4))
 
 
 class _Inbox(Inbox):
-    """Notes which actions were played by hand in what comes."""
+    """Collects the actions that were played by hand."""
 
     def __init__(self, wake: Callable[[], None]) -> None:
         super().__init__(wake)
@@ -54,7 +54,7 @@ class ReplayConsole(Console):
         self.inbox: _Inbox = _Inbox(self.wake)
         self._main_screen = MainScreen(bar=TimeBar())
         self._panels = self._main_screen.panels
-        self._said_until = 0
+        self._sentence_until = 0
         self._greeted = False
 
     def _pace(self) -> float:
@@ -75,7 +75,7 @@ class ReplayConsole(Console):
     def _take(self, local: int) -> None:
         super()._take(local)
         if self._news_until == 1:  # a stop of then; what the viewer is told stays
-            self._news_until = self._said_until
+            self._news_until = self._sentence_until
         while self.inbox.played:
             action = self.inbox.played.popleft()
             self._panels.turn_to(self.picture, action)
@@ -84,17 +84,17 @@ class ReplayConsole(Console):
 
     def news(self, text: str, look: str = "muted") -> None:
         """A sentence above the time line, for a few seconds."""
-        self._said_until = self.clock.now_us() + round(NEWS_S * 1_000_000)
+        self._sentence_until = self.clock.now_us() + round(NEWS_S * 1_000_000)
         super().news(text, look)
 
     def _welcomed(self, welcome: Welcome) -> None:
-        """The first time it says how to go on."""
+        """Name the most important keys once."""
         if not self._greeted:
             self._greeted = True
             self.news("  ".join(f"{key} {word}" for key, word in self._hints()))
 
     def _replied(self, reply: Reply) -> None:
-        """A step says which line it came to."""
+        """Show which line a step came to."""
         told = reply.data
         if reply.ok and isinstance(told, dict) and isinstance(told.get("t"), int):
             t = int(told["t"])

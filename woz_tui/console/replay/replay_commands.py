@@ -20,61 +20,63 @@ def _row(*keys: BuiltinKey, run: Run | None = None, hint: KeyHint | None = None)
     return ConsoleCommand(keys, run, hint=hint, users=REPLAY)
 
 
-def _goes(*keys: BuiltinKey, hint: KeyHint | None = None, **more: Any) -> ConsoleCommand:
+def _moves(*keys: BuiltinKey, hint: KeyHint | None = None, **more: Any) -> ConsoleCommand:
     """Moves through the log."""
     return ConsoleCommand(keys, sends=lambda press: AskReplay(**more), hint=hint, users=REPLAY)
 
 
 COMMANDS = (
-    _goes(
+    _moves(
         BuiltinKey("pause", "space", "stand still, go on"), what="pause", hint=KeyHint(1, "pause")
     ),
-    _goes(
+    _moves(
         BuiltinKey("step", ".", "to the next line of the log"), what="step", hint=KeyHint(2, "step")
     ),
-    _goes(
+    _moves(
         BuiltinKey("slower", "[", "half the speed, down to 0.25x"),
         BuiltinKey("slower_too", "<", "half the speed"),
         what="slower",
         hint=KeyHint(3, "slower"),
     ),
-    _goes(
+    _moves(
         BuiltinKey("faster", "]", "twice the speed, up to 16x"),
         BuiltinKey("faster_too", ">", "twice the speed"),
         what="faster",
         hint=KeyHint(4, "faster"),
     ),
-    _goes(
+    _moves(
         BuiltinKey("back", "left", "5 s back"),
         what="seek",
         by_s=-NEAR_S,
         hint=KeyHint(5, "5 s back"),
     ),
-    _goes(BuiltinKey("on", "right", "5 s on"), what="seek", by_s=NEAR_S, hint=KeyHint(6, "5 s on")),
-    _goes(
+    _moves(
+        BuiltinKey("on", "right", "5 s on"), what="seek", by_s=NEAR_S, hint=KeyHint(6, "5 s on")
+    ),
+    _moves(
         BuiltinKey("far_back", "shift+left", "60 s back"),
         BuiltinKey("far_back_too", "alt+left", "60 s back"),
         what="seek",
         by_s=-FAR_S,
     ),
-    _goes(
+    _moves(
         BuiltinKey("far_on", "shift+right", "60 s on"),
         BuiltinKey("far_on_too", "alt+right", "60 s on"),
         what="seek",
         by_s=FAR_S,
     ),
-    _goes(
+    _moves(
         BuiltinKey("mark_back", "pageup", "to the marker, stop, trial ... before"),
         what="go",
         to="before",
     ),
-    _goes(
+    _moves(
         BuiltinKey("mark_on", "pagedown", "to the next marker, stop, trial ..."),
         what="go",
         to="next",
     ),
-    _goes(BuiltinKey("begin", "home", "to the beginning"), what="go", to="start"),
-    _goes(BuiltinKey("end", "end", "to the end"), what="go", to="end"),
+    _moves(BuiltinKey("begin", "home", "to the beginning"), what="go", to="start"),
+    _moves(BuiltinKey("end", "end", "to the end"), what="go", to="end"),
     _row(
         BuiltinKey("go", "g", "go to a time, or to a marker, stop, trial ..."),
         run=opens("replay.replay_dialogs:GoDialog"),

@@ -50,7 +50,7 @@ class GoDialog(SearchDialog[TimelinePlace]):
         return 0 if typed else next(later, len(self.shown) - 1)
 
     def line(self, item: TimelinePlace) -> Content:
-        """Its time, its sort, what it says."""
+        """Its time, its sort, its text."""
         sign, look = sign_of(item.sort, self.glyphs)
         colour = {"bad": "bold $woz-bad", "plain": ""}.get(look, f"$woz-{look}")
         return Content.assemble(
@@ -69,15 +69,15 @@ class GoDialog(SearchDialog[TimelinePlace]):
             self.requests.ask(AskReplay(what="go", to=to))
 
 
-class _Still(Dialog):
+class _PausesReplay(Dialog):
     """Stands still while it is open, and goes on if it went."""
 
-    _went = False
+    _was_playing = False
 
     def on_mount(self) -> None:
         """Stand still."""
         replay = self.picture.replay
-        self._went = replay is not None and not replay.paused and not replay.ended
+        self._was_playing = replay is not None and not replay.paused and not replay.ended
         self._toggle()
 
     def closing(self) -> None:
@@ -86,11 +86,11 @@ class _Still(Dialog):
         self._toggle()
 
     def _toggle(self) -> None:
-        if self._went:
+        if self._was_playing:
             self.requests.ask(AskReplay(what="pause"))
 
 
-class CodeDialog(_Still, SearchDialog[str]):
+class CodeDialog(_PausesReplay, SearchDialog[str]):
     """Type a code, or choose one that was set before."""
 
     heading = "Code"
@@ -116,7 +116,7 @@ class CodeDialog(_Still, SearchDialog[str]):
             self.requests.ask(AskMarker(text=text))
 
 
-class CodeNoteDialog(_Still, NoteDialog):
+class CodeNoteDialog(_PausesReplay, NoteDialog):
     """Type a sentence about this moment; it goes into the file of codes."""
 
     hint = "enter writes it beside the log · ctrl+q closes"
@@ -137,7 +137,7 @@ class ReplayHelp(HelpDialog):
         return [(("Replay: the keys of the panels play nothing", "title"),), *others]
 
     def _by_hand(self) -> list[Row]:
-        """Nothing is steered by hand here."""
+        """None: a replay has no overrides."""
         return []
 
 

@@ -1,4 +1,4 @@
-"""How a replay stands, as the console knows it."""
+"""The state of a replay: length, speed, pause, places to go to."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from woz_tui.protocol.welcome import WelcomeSettings
 
 
 class TimelinePlace(NamedTuple):
-    """Something on the time line: when, what sort (see `Replaying`), what it says."""
+    """A place on the time line: when, its sort (see `Replaying`), its text."""
 
     t: int
     sort: str
@@ -33,7 +33,7 @@ class ReplayState:
 
 
 def updated(before: ReplayState | None, told: Replaying) -> ReplayState:
-    """What `told` makes of it: places that are not told again stay."""
+    """The state after a message `told`; places stay if it has none."""
     places = before.places if before is not None else ()
     if told.marks is not None:
         sorts = [*told.sorts, *("marker" for _ in told.marks[len(told.sorts) :])]
@@ -45,7 +45,7 @@ def updated(before: ReplayState | None, told: Replaying) -> ReplayState:
 
 
 def wall_time(settings: WelcomeSettings, t: int) -> datetime | None:
-    """What the clock on the wall said at `t`, in UTC; None where the log does not tell."""
+    """The wall clock's time at `t`, in UTC; None where the log does not have it."""
     told = settings.replay
     if not told or not told.ts:
         return None

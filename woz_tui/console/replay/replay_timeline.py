@@ -1,4 +1,4 @@
-"""The two lowest lines of a replay: what the session's bar told then, and the time line."""
+"""The two lowest lines of a replay: the session's bar of that moment, and the time line."""
 
 from __future__ import annotations
 
@@ -51,25 +51,25 @@ def sign_of(sort: str, glyphs: Glyphs) -> Piece:
 
 def replay_rows(picture: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
     """As many rows as the frame has, two at least."""
-    rows = [_then(picture, frame, bar)]
+    rows = [_session_row(picture, frame, bar)]
     if frame.height > 2:
         rows += sentence_rows(picture, replace(frame, height=frame.height - 2), upcoming(picture))
     return [*rows, time_row(picture, frame, bar.hints)]
 
 
-def _then(picture: ConsoleState, frame: PaintFrame, bar: BarInfo) -> Row:
+def _session_row(picture: ConsoleState, frame: PaintFrame, bar: BarInfo) -> Row:
     """A sentence for the viewer; else the stop as it was; else the script, or what keys do."""
     glyphs, width = frame.glyphs, frame.width
     if bar.news.text:
         return ((fit(f" {glyphs.plain(bar.news.text)}", width, glyphs.ellipsis), bar.news.look),)
     if picture.stop is not None:
-        return _stopped(picture.stop, glyphs, width)
+        return _stop_row(picture.stop, glyphs, width)
     if picture.script:
         return script_row(picture, frame, "script")
     return cut(hint_row(bar.hints, width), width, glyphs.ellipsis)
 
 
-def _stopped(stop: StopEpisode, glyphs: Glyphs, width: int) -> Row:
+def _stop_row(stop: StopEpisode, glyphs: Glyphs, width: int) -> Row:
     """The stop of then in one row, and who had confirmed."""
     first = f" {glyphs.stop} STOPPED by {clean(stop.source)} at {elapsed(stop.begin)} "
     row: Row = ((first, "alarm"),)

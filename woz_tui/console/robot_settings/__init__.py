@@ -1,1 +1,1 @@
-"""The settings of a whole robot: what the wizard sees of them, and how they are changed."""
+"""Shows and changes the settings of a whole robot."""

@@ -1,4 +1,4 @@
-"""The lines of a robot's settings: what it tells of itself, which robot it is, the arrow keys."""
+"""The lines of a robot's settings: its own settings, its connection, the arrow keys."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What was asked of a robot's settings and does not show yet, and what was refused.
+"""Requests to change a robot's settings: what does not show yet, and what was refused.
 
 Of one setting one request is under way at a time: an arrow key held down sends its last value when
 the robot has taken the one before.
@@ -29,7 +29,7 @@ Ask = Callable[[AskVerb, "OnReply"], None]
 
 @dataclass(slots=True)
 class PendingSetting:
-    """A value asked for. `sent` is under way until `over`: session time of the command's end."""
+    """A requested value. `sent` is under way until `over`: session time of the command's end."""
 
     line: SettingLine
     value: Json
@@ -60,7 +60,7 @@ class SettingRequests:
         watched: Callable[[], bool],
     ) -> None:
         self._picture, self._ask, self._refused, self._key = picture, ask, refused, key
-        self._asked: dict[Key, PendingSetting] = {}
+        self._pending: dict[Key, PendingSetting] = {}
         self._refusals: dict[Key, str] = {}
         self._watched = watched
 
@@ -68,11 +68,11 @@ class SettingRequests:
         """Ask the robot for a value, now or as soon as it has taken the one before."""
         key = (driver, line.id)
         self._forget(driver, line)
-        pending = self._asked.get(key)
+        pending = self._pending.get(key)
         if pending is not None and pending.over is None:
             pending.value = value
         else:
-            self._asked[key] = PendingSetting(line, value)
+            self._pending[key] = PendingSetting(line, value)
             self._send(key)
 
     def _forget(self, driver: str, line: SettingLine) -> None:
@@ -84,9 +84,9 @@ class SettingRequests:
             self._refusals.pop((driver, id_), None)
 
     def awaited(self, driver: str, line: SettingLine) -> Json:
-        """The value asked for that does not show yet; None: there is none."""
-        asked = self._asked.get((driver, line.id))
-        return asked.value if asked is not None else None
+        """The value that was requested and does not show yet; None: there is none."""
+        pending = self._pending.get((driver, line.id))
+        return pending.value if pending is not None else None
 
     def refusal(self, driver: str, line: SettingLine) -> str:
         """Why the last value was not taken, or nothing."""
@@ -98,54 +98,58 @@ class SettingRequests:
 
     def settle(self, now: int) -> None:
         """Look what became of everything; `now` is session time. Call it at each painting."""
-        for key, asked in list(self._asked.items()):
-            end = self._picture.ends.get(asked.run) if asked.over is None and asked.run else None
+        for key, pending in list(self._pending.items()):
+            end = (
+                self._picture.ends.get(pending.run)
+                if pending.over is None and pending.run
+                else None
+            )
             if end is not None:
-                self._ended(key, asked, end, now)
-            if asked.over is not None and (
-                self._shows(key[0], asked) or now - asked.over > READ_BACK_US
+                self._ended(key, pending, end, now)
+            if pending.over is not None and (
+                self._shows(key[0], pending) or now - pending.over > READ_BACK_US
             ):
-                self._drop(key, asked)
+                self._drop(key, pending)
 
-    def _ended(self, key: Key, asked: PendingSetting, end: m.End, now: int) -> None:
+    def _ended(self, key: Key, pending: PendingSetting, end: m.End, now: int) -> None:
         if not isinstance(end, m.Done):  # of those without a reason another command took its place
             if isinstance(end, m.Failed | m.TimedOut | m.Refused):
                 self._refusals[key] = _sentence(end.reason, end.remedy)
-            self._drop(key, asked)
-        elif asked.value != asked.sent:
+            self._drop(key, pending)
+        elif pending.value != pending.sent:
             self._send(key)
         else:
-            asked.over, asked.then = now, self._picture.session.robots.shown.get(key[0])
+            pending.over, pending.then = now, self._picture.session.robots.shown.get(key[0])
 
-    def _shows(self, driver: str, asked: PendingSetting) -> bool:
-        robot, name = self._picture.session.robots.shown.get(driver), asked.line.setting.name
+    def _shows(self, driver: str, pending: PendingSetting) -> bool:
+        robot, name = self._picture.session.robots.shown.get(driver), pending.line.setting.name
         if robot is None:
             return False
-        known = name in robot.wanted or robot.values.get(name) == asked.value
-        return known or robot is not asked.then
+        known = name in robot.wanted or robot.values.get(name) == pending.value
+        return known or robot is not pending.then
 
     def _send(self, key: Key) -> None:
-        asked = self._asked[key]
-        asked.sent, asked.run = asked.value, ""
-        setting = asked.line.setting
-        args = {setting.argument: asked.value} if setting.argument else {}
+        pending = self._pending[key]
+        pending.sent, pending.run = pending.value, ""
+        setting = pending.line.setting
+        args = {setting.argument: pending.value} if setting.argument else {}
         request = AskVerb(verb=setting.verb, args=args, on=key[0], source="key", key=self._key)
-        self._ask(request, functools.partial(self._answered, key, asked))
+        self._ask(request, functools.partial(self._answered, key, pending))
 
-    def _answered(self, key: Key, asked: PendingSetting, reply: Reply) -> None:
-        if self._asked.get(key) is not asked:
+    def _answered(self, key: Key, pending: PendingSetting, reply: Reply) -> None:
+        if self._pending.get(key) is not pending:
             return
-        asked.run = reply.run if reply.ok else ""
-        if not asked.run:
-            self._drop(key, asked)
+        pending.run = reply.run if reply.ok else ""
+        if not pending.run:
+            self._drop(key, pending)
         if not reply.ok:
             self._refusals[key] = _sentence(reply.reason, reply.hint)
             if not self._watched():
                 self._refused(reply)
 
-    def _drop(self, key: Key, asked: PendingSetting) -> None:
-        if self._asked.get(key) is asked:
-            del self._asked[key]
+    def _drop(self, key: Key, pending: PendingSetting) -> None:
+        if self._pending.get(key) is pending:
+            del self._pending[key]
 
 
 def _sentence(reason: str, remedy: str) -> str:

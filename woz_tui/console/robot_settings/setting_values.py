@@ -20,7 +20,7 @@ _FINEST, _MEASURED = 4, 0.01
 
 
 class SettingValueError(ValueError):
-    """What was typed is no value of this setting; says what would be."""
+    """What was typed is no value of this setting; the message says what would be."""
 
 
 def value_text(setting: Setting, value: Json, glyphs: Glyphs) -> str:

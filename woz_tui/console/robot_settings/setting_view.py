@@ -1,4 +1,4 @@
-"""What stands at each line of a robot's settings, as plain data for drawing."""
+"""View models of a robot's settings: value, signs and sentences of each line."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class SettingViewer:
         return [line for line in found if line.kind is LineKind.SETTING]
 
     def value(self, driver: str, line: SettingLine) -> Json:
-        """The value from which an arrow key goes on: the one asked for, else the robot's."""
+        """The value from which an arrow key goes on: the requested one, else the robot's."""
         if line.kind is LineKind.STEP:
             return self._arrows.value(line.setting.name)
         awaited = self._requests.awaited(driver, line)

@@ -1,4 +1,4 @@
-"""In a word, whether a robot's settings are as they were asked for."""
+"""Says in a few words whether a robot's settings are as requested."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ NAMED = 30
 
 
 def is_stale(picture: ConsoleState, driver: str) -> bool:
-    """Whether what the robot told is old: it is not there, or the robot process is not."""
+    """Whether the robot's settings are old: the robot or the robot process is not connected."""
     return bool(picture.lost) or picture.health(driver) not in ("connected", "faulted")
 
 
@@ -55,7 +55,7 @@ def _gist(robot: SettingsShown) -> str:
 
 
 def _names(picture: ConsoleState, driver: str, robot: SettingsShown) -> str:
-    """What is otherwise than asked for, by its labels; nothing if that takes too much room."""
+    """Labels of the settings that are not as requested; nothing if they take too much room."""
     outline = picture.robot_outlines.get(driver)
     labels = {} if outline is None else {line.name: line.label for line in outline.settings}
     told = [clean(labels.get(name, "")) for name in robot.wanted]

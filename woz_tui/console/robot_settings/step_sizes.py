@@ -1,6 +1,4 @@
-"""How far one press of an arrow key goes on this console: as the experiment file says, until the
-wizard changes it.
-"""
+"""How far one press of an arrow key moves: as in the experiment file until the wizard changes it."""
 
 from __future__ import annotations
 
@@ -33,7 +31,7 @@ class ArrowSteps:
         self._told: Mapping[str, float] = {}
 
     def adopt(self, told: Mapping[str, float]) -> None:
-        """The experiment file's steps; told again, they leave alone what the wizard has changed."""
+        """Take the experiment file's steps; the same ones again keep the wizard's changes."""
         if told == self._told:
             return
         self._told = told

@@ -107,7 +107,7 @@ class CameraDialog(Dialog):
             box.styles.height = room.rows + _FRAME[1] + _WORDS
         if self._view is not None and self._watching is not None:
             self._view.place(room)
-            self._watching.anew()
+            self._watching.restart()
 
     # -- pictures ----------------------------------------------------------------------------
 
@@ -115,7 +115,7 @@ class CameraDialog(Dialog):
         """Ask for the next picture, unless something else has the screen."""
         view, watching = self._view, self._watching
         if view is not None and watching is not None and self.is_active:
-            watching.tick(view.wanted(watching.allowance), view.format)
+            watching.tick(view.wanted_size(watching.allowance), view.format)
         self.refreshed()
 
     def _draw(self, shown: PictureShown) -> None:
@@ -152,7 +152,7 @@ class CameraDialog(Dialog):
     def _rest(self) -> None:
         if self._view is not None and self._watching is not None:
             self._view.clear()
-            self._watching.anew()
+            self._watching.restart()
 
     # -- words -------------------------------------------------------------------------------
 

@@ -1,4 +1,4 @@
-"""One way through a questionnaire: what a key does, where it stands, what is sent.
+"""The state of a questionnaire that somebody fills in: what keys do, what is sent.
 
 Nothing here draws. Each answer is handed on at once, so that nothing is lost when the line drops;
 what has not been accepted yet is handed on again when it is back.
@@ -88,7 +88,7 @@ class QuestionnaireRun:
         return self.asked.answers.get(self.item.name) if self.item is not None else None
 
     @property
-    def writes(self) -> bool:
+    def wants_text(self) -> bool:
         """Whether a text field is to be shown."""
         return self.page is QuestionnairePage.ITEM and self.item is not None and self.item.text
 
@@ -109,7 +109,7 @@ class QuestionnaireRun:
         else:
             self._show(self.position - 1)
 
-    def _on(self) -> None:
+    def _next(self) -> None:
         """The next one, or back to the summary from where it was chosen."""
         to = len(self.asked.items) if self._to_summary else self.position + 1
         self._to_summary = False
@@ -119,7 +119,7 @@ class QuestionnaireRun:
 
     def key(self, key: str) -> bool:
         """A key in Textual's name, or a character; whether it was one of ours."""
-        return self.settles(key) or self.go(key)
+        return self.ignores(key) or self.go(key)
 
     def go(self, key: str) -> bool:
         """What a key does that is not the rest of another press; whether it was one of ours."""
@@ -127,13 +127,13 @@ class QuestionnaireRun:
             self.page, self.complaint = QuestionnairePage.DECLINE, ""
             return True
         return {
-            QuestionnairePage.INTRODUCTION: self._begin,
+            QuestionnairePage.INTRODUCTION: self._introduction,
             QuestionnairePage.ITEM: self._item,
             QuestionnairePage.SUMMARY: self._summary,
             QuestionnairePage.DECLINE: self._decline,
         }[self.page](key)
 
-    def settles(self, key: str) -> bool:
+    def ignores(self, key: str) -> bool:
         """Whether this may be the rest of a held key, or of a fist on the keys: it does nothing.
 
         To be asked once for each key that comes, whoever it is for.
@@ -146,17 +146,17 @@ class QuestionnaireRun:
             self._settled_us = now + SETTLING_US
         self._last, self._came_us = key if held or early or key in _ANSWERING else "", now
         if held:
-            self._tell_quick(pause)
+            self._explain_pause(pause)
         return held or early
 
-    def _tell_quick(self, pause: int) -> None:
+    def _explain_pause(self, pause: int) -> None:
         """Who presses a key again soon has to know why it does nothing; who holds it need not."""
         if pause < SETTLING_US and self.complaint == self.words.press_again:
             self.complaint = ""
         elif pause >= SETTLING_US and not self.complaint:
             self.complaint = self.words.press_again
 
-    def _begin(self, key: str) -> bool:
+    def _introduction(self, key: str) -> bool:
         if key not in ("enter", "down", "right", "space"):
             return False
         self._show(0)
@@ -214,7 +214,7 @@ class QuestionnaireRun:
 
     def _forward(self, item: QuestionnaireItem) -> None:
         if item.name in self.asked.answers:
-            self._on()
+            self._next()
         else:
             words = self.words
             self.complaint = words.answer_or_skip if item.optional else words.answer_first
@@ -302,7 +302,7 @@ class QuestionnaireRun:
         )
         self.asked.answers[item.name] = answer
         self.unconfirmed[item.name] = request
-        self._on()
+        self._next()
         self._send(request)
 
     def confirmed(self, request: AskAnswer) -> None:
@@ -319,8 +319,8 @@ class QuestionnaireRun:
             self._show(names.index(request.item))
         self.complaint = why
 
-    def go_on(self, asked: OpenQuestionnaire) -> None:
-        """The picture was told anew, after a lost line: what was not confirmed goes out again."""
+    def resume(self, asked: OpenQuestionnaire) -> None:
+        """Take the state after a lost connection: send again what was not confirmed."""
         self.asked = asked
         for request in list(self.unconfirmed.values()):
             value = None if request.value is None else round(request.value)

@@ -69,12 +69,12 @@ class AnswerField(TextArea):
             event.prevent_default()
         elif event.key == "enter":
             self._take(event, self.Submitted())
-        elif event.key in ("tab", "ctrl+d") or self._leads_back(event.key):
+        elif event.key in ("tab", "ctrl+d") or self._goes_back(event.key):
             self._take(event, self.KeyPassed(event.key))
         else:
             await super()._on_key(event)
 
-    def _leads_back(self, key: str) -> bool:
+    def _goes_back(self, key: str) -> bool:
         """Up on the first line, backspace where nothing is written."""
         if key == "backspace":
             return not self.text
@@ -106,7 +106,7 @@ class QuestionnaireSheet(Vertical):
         self.run: QuestionnaireRun | None = None
         self._lines: Words = []
         self._words = ENGLISH
-        self._written_for = ""
+        self._field_item = ""
         self._field_height = _FIELD
         self._kept: QuestionnaireRun | None = None
         self._away = False
@@ -155,7 +155,7 @@ class QuestionnaireSheet(Vertical):
             self.run = QuestionnaireRun(asked, self._send, self._now_us, words)
         elif run.asked is not asked:
             self.run = run
-            run.go_on(asked)
+            run.resume(asked)
         if self.run is not None:
             self.run.words = words
         self.draw()
@@ -180,7 +180,7 @@ class QuestionnaireSheet(Vertical):
     def on_key(self, event: events.Key) -> None:
         """A key for the page."""
         run = self.run
-        if run is None or run.writes:
+        if run is None or run.wants_text:
             return
         if run.key(event.key) or (event.character and run.key(event.character)):
             event.stop()
@@ -188,7 +188,7 @@ class QuestionnaireSheet(Vertical):
             self.draw()
 
     def _idle(self, key: str) -> bool:
-        idle = self.run is not None and self.run.settles(key)
+        idle = self.run is not None and self.run.ignores(key)
         if idle:
             self.draw()  # it may say why
         return idle
@@ -197,7 +197,7 @@ class QuestionnaireSheet(Vertical):
         """A text was confirmed."""
         event.stop()
         run = self.run
-        if run is not None and run.writes:
+        if run is not None and run.wants_text:
             run.write(self._field.text)
             self.draw()
 
@@ -242,11 +242,11 @@ class QuestionnaireSheet(Vertical):
         height = max(_FIELD_LEAST, min(_FIELD, room - 1))
         if height != self._field_height:
             self._field_height = field.styles.height = height
-        item = run.item if run is not None and run.writes else None
+        item = run.item if run is not None and run.wants_text else None
         name = item.name if item is not None else ""
-        if name == self._written_for:
+        if name == self._field_item:
             return
-        self._written_for = name
+        self._field_item = name
         field.display = bool(name)
         if run is not None and name:
             field.text = run.answer.text if run.answer is not None else ""

@@ -1,4 +1,4 @@
-"""Questionnaires as the robot process tells them, and the answers that have been given."""
+"""Questionnaires of the robot process with the answers so far."""
 
 from __future__ import annotations
 

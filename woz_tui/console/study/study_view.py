@@ -1,4 +1,4 @@
-"""The study on the screen: order, trial, break, questionnaires, preflight list."""
+"""The study for the screen: order, trial, break, questionnaires, preflight list."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from woz_tui.protocol.welcome import Questionnaire
 from woz_tui.timeline.session_state import SessionState
 
 #: Sentences for the wizard that may wait to be read.
-_TIDINGS = 8
+_MOST_NEWS = 8
 #: Sources of actions that the wizard plays.
 _HANDS = ("key", "script", "palette")
 #: What a wizard did with a cue: how it is said, and its look.
@@ -60,8 +60,8 @@ class StudyView:
     #: What became of it, or of a press without one.
     judged: m.CueAnswered | None = None
     #: Whether it was said that no trial is under way, since the last one.
-    _told_outside: bool = False
-    _tidings: deque[StudyNews] = field(default_factory=lambda: deque(maxlen=_TIDINGS))
+    _warned_outside: bool = False
+    _news: deque[StudyNews] = field(default_factory=lambda: deque(maxlen=_MOST_NEWS))
 
     # -- reading ------------------------------------------------------------------------------
 
@@ -79,7 +79,7 @@ class StudyView:
 
     @property
     def planned(self) -> int:
-        """Trials of the participant in all (0: nobody said)."""
+        """Trials of the participant in all (0: unknown)."""
         return self.session.study.planned
 
     @property
@@ -107,7 +107,7 @@ class StudyView:
 
     @property
     def due(self) -> list[str]:
-        """Names of questionnaires that should be asked now."""
+        """Names of questionnaires that are due now."""
         return [due.questionnaire for due in self.session.study.due]
 
     @property
@@ -154,7 +154,7 @@ class StudyView:
 
     @property
     def trials_left(self) -> int:
-        """Trials of the participant that are planned and not over; 0: nobody said how many."""
+        """Trials of the participant that are planned and not over; 0: unknown."""
         return max(0, self.planned - self.next + 1)
 
     def unasked(self) -> list[str]:
@@ -166,7 +166,7 @@ class StudyView:
         asked = self.asked.name if self.asked is not None else None
         return [name for name in dict.fromkeys(wanted) if name != asked]
 
-    def right_for(self, told: m.CueAnswered) -> tuple[str, ...]:
+    def right_actions(self, told: m.CueAnswered) -> tuple[str, ...]:
         """Names of the actions that would have answered a cue that was missed or answered wrongly;
         none for others, or if nobody knows.
         """
@@ -174,10 +174,10 @@ class StudyView:
         wanted = cue is not None and cue.cue == told.cue and told.judged in ("wrong", "missed")
         return tuple(cue.expects) if wanted and cue is not None else ()
 
-    def read_tidings(self) -> list[StudyNews]:
+    def read_news(self) -> list[StudyNews]:
         """Sentences that nobody has read, oldest first."""
-        told = list(self._tidings)
-        self._tidings.clear()
+        told = list(self._news)
+        self._news.clear()
         return told
 
     # -- from the robot process -----------------------------------------------------------------
@@ -192,19 +192,17 @@ class StudyView:
             case m.ActionRequested(source=source) if source in _HANDS:
                 self._outside()
             case m.TrialEnded():
-                self._told_outside = False
+                self._warned_outside = False
             case m.TrialStarted():
                 missing = self.unticked() if self.last is None else []
                 if missing:
                     text = f"{len(missing)} not ticked in the preflight"
-                    self._tidings.append(
-                        StudyNews(text, "warn", command=("preflight", "lists them"))
-                    )
+                    self._news.append(StudyNews(text, "warn", command=("preflight", "lists them")))
             case m.CueGiven():
                 self._cue = message
             case m.CueAnswered():
                 self.judged = message
-                self._tidings.append(StudyNews(*verdict_text(message), self.right_for(message)))
+                self._news.append(StudyNews(*verdict_text(message), self.right_actions(message)))
             case m.QuestionnaireStarted() | m.QuestionnaireEnded():
                 self.follow()
             case m.QuestionnaireAnswered():
@@ -215,11 +213,11 @@ class StudyView:
     def _outside(self) -> None:
         """Say once that what is played belongs to no trial, in a study that has trials."""
         study = self.session.study
-        apart = study.trial is not None or study.in_break is not None or self._told_outside
+        apart = study.trial is not None or study.in_break is not None or self._warned_outside
         if self.designed and not apart:
-            self._told_outside = True
+            self._warned_outside = True
             text = "Played outside of a trial"
-            self._tidings.append(StudyNews(text, "warn", command=("trial", "begins one")))
+            self._news.append(StudyNews(text, "warn", command=("trial", "begins one")))
 
     def follow(self) -> None:
         """Ask what `session` asks now; in the same round the sheet that shows it keeps what was

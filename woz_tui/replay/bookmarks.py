@@ -126,9 +126,6 @@ class IdleCuts:
             self._shown.append(cut.begin - left_out)
             left_out += cut.end - cut.begin
 
-    def __len__(self) -> int:
-        return len(self._cuts)
-
     def crossed(self, start: int, to: int) -> IdleCut | None:
         """The first cut that playing from `start` to `to` comes to."""
         index = bisect.bisect_left(self._begins, start)

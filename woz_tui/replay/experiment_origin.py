@@ -7,7 +7,7 @@ their text (`experiment.files`), so that what has been changed since can be show
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -145,7 +145,16 @@ def differences(
             " the log does not contain its text, so the changes are unknown"
         ]
     compared = _places if places else _unified
-    return _diff(compared, origin.files.files, current_files(experiment), origin.files.left_out)
+    then, left_out = origin.files.files, origin.files.left_out
+    now = current_files(experiment)
+    lines: list[str] = []
+    for name in dict.fromkeys([*then, *now]):
+        if name not in left_out:
+            lines += compared(name, then.get(name), now.get(name))
+    if not lines:
+        kept = f" ({', '.join(left_out)} is not kept in the log)" if left_out else ""
+        lines.append(f"the hash of the experiment's files differs{kept}")
+    return lines
 
 
 def current_files(experiment: Experiment) -> dict[str, str]:
@@ -155,26 +164,6 @@ def current_files(experiment: Experiment) -> dict[str, str]:
         from_folder(path, folder): text_without_home(text)
         for path, text in zip(experiment.files, experiment.texts, strict=True)
     }
-
-
-#: Says in lines how the two texts of the file of this name differ; None: there is none.
-_Compared = Callable[[str, str | None, str | None], Iterable[str]]
-
-
-def _diff(
-    compared: _Compared,
-    then: Mapping[str, str],
-    now: Mapping[str, str],
-    left_out: Sequence[str],
-) -> list[str]:
-    lines: list[str] = []
-    for name in dict.fromkeys([*then, *now]):
-        if name not in left_out:
-            lines += compared(name, then.get(name), now.get(name))
-    if not lines:
-        kept = f" ({', '.join(left_out)} is not kept in the log)" if left_out else ""
-        lines.append(f"the hash of the experiment's files differs{kept}")
-    return lines
 
 
 def _unified(name: str, then: str | None, now: str | None) -> Iterable[str]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Container, Iterable, Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -152,7 +152,10 @@ def plan_of(path: Path) -> RerunPlan:
     for message in messages:
         timeline.take(message)
     timeline.finish()
-    start, presses = timeline.state.start, [*_presses(messages)]
+    start = timeline.state.start
+    presses = [
+        press.t for press in messages if isinstance(press, m.StopPressed) and press.scope == "all"
+    ]
     steps = [*_steps(timeline, presses, times[-1] if times else 0)]
     return RerunPlan(
         name=files_of(path).stem,
@@ -172,12 +175,6 @@ def _is_mark(message: m.AnyMessage) -> TypeGuard[m.Marker]:
     return isinstance(message, m.Marker) and message.source not in _OWN_MARKS
 
 
-def _presses(messages: Iterable[m.AnyMessage]) -> Iterator[int]:
-    for message in messages:
-        if isinstance(message, m.StopPressed) and message.scope == "all":
-            yield message.t
-
-
 def _steps(timeline: Timeline, presses: Sequence[int], last: int) -> Iterator[RerunStep]:
     commands = timeline.of(CommandEpisode)
     for command in commands:
@@ -191,12 +188,11 @@ def _left_open(step: RerunStep, presses: Sequence[int], last: int) -> RerunStep:
 
     A damaged line may be just the one that says that a stop cut it short.
     """
-    for press in presses:
-        if press >= step.at:
-            return replace(
-                step, cut=press, why_cut="the stop was pressed; the end of the command is missing"
-            )
-    return replace(step, cut=max(last, step.at), why_cut="the log ends")
+    press = next((press for press in presses if press >= step.at), None)
+    if press is None:
+        return replace(step, cut=max(last, step.at), why_cut="the log ends")
+    why = "the stop was pressed; the end of the command is missing"
+    return replace(step, cut=press, why_cut=why)
 
 
 def _lost(timeline: Timeline, known: Container[str]) -> Iterator[RerunStep]:
@@ -224,8 +220,10 @@ def _step(command: CommandEpisode) -> RerunStep:
     if began is not None and ended is not None:  # an estimate of the end may be wrong
         began = min(began, ended.t)
     cut, why = -1, ""
-    if isinstance(ended, m.Stopped | m.Superseded):
-        cut, why = ended.t, _why_cut(ended)
+    if isinstance(ended, m.Superseded):
+        cut, why = ended.t, f"replaced by {ended.by}"
+    elif isinstance(ended, m.Stopped):
+        cut, why = ended.t, ended.reason
     kind = str(command.outcome) if ended is not None else ""
     at = command.begin if began is None else max(began, command.begin)
     if isinstance(ended, m.Refused):
@@ -237,20 +235,11 @@ def _step(command: CommandEpisode) -> RerunStep:
     return RerunStep(request, at, cut, why, kind, skip=_senseless(request))
 
 
-def _why_cut(end: m.Stopped | m.Superseded) -> str:
-    return f"replaced by {end.by}" if isinstance(end, m.Superseded) else end.reason
-
-
 def _never(end: m.End | None) -> str:
-    match end:
-        case None:
-            return "it never began: the log ends before"
-        case m.Superseded():
-            return "it never began: it was replaced"
-        case m.Stopped(reason=reason):
-            return f"it never began: {reason}"
-        case _:
-            return f"it never began: {end.reason}" if end.reason else "it never began"
+    reason = "the log ends before" if end is None else end.reason
+    if isinstance(end, m.Superseded):
+        reason = "it was replaced"
+    return f"it never began: {reason}" if reason else "it never began"
 
 
 def _senseless(command: m.Command) -> str:

@@ -12,7 +12,6 @@ import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 from woz_tui.console.bodies.dot_canvas import ACROSS, DOWN, Dot, DotCanvas, DotLayer
 from woz_tui.console.bodies.driver_outlines import BodyOutline
@@ -20,24 +19,17 @@ from woz_tui.motion.body_shape import Vector
 
 #: From the lowest to the highest: the ground, where the eyes look, where the body shall be, where
 #: it is.
-LAYERS: Mapping[str, DotLayer] = MappingProxyType(
-    {
-        "ground": DotLayer("faint", "-"),
-        "gaze": DotLayer("run", "."),
-        "wanted": DotLayer("muted", ":", yields=True),
-        "links": DotLayer("strong", "#"),
-        "joints": DotLayer("strong", "O"),
-    }
-)
-STALE_LAYERS: Mapping[str, DotLayer] = MappingProxyType(
-    {
-        "ground": DotLayer("faint", "-"),
-        "gaze": DotLayer("faint", "."),
-        "wanted": DotLayer("faint", ":", yields=True),
-        "links": DotLayer("stale", "#"),
-        "joints": DotLayer("stale", "O"),
-    }
-)
+LAYERS: Mapping[str, DotLayer] = {
+    "ground": DotLayer("faint", "-"),
+    "gaze": DotLayer("run", "."),
+    "wanted": DotLayer("muted", ":", yields=True),
+    "links": DotLayer("strong", "#"),
+    "joints": DotLayer("strong", "O"),
+}
+STALE_LAYERS: Mapping[str, DotLayer] = {
+    name: layer._replace(look="stale" if name in ("links", "joints") else "faint")
+    for name, layer in LAYERS.items()
+}
 #: Marks around a joint, and around the middle between the eyes.
 JOINT = ((0, 0), (-1, 0), (1, 0), (0, -1), (0, 1))
 EYES = ((-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1))

@@ -50,6 +50,11 @@ class PanelState:
         """0..127; None before anybody touched it."""
         return self.knobs.values.get(control.name)
 
+    def target(self, control: ControlOutline) -> tuple[int, bool] | None:
+        """The value that ends its wait, and whether that is higher than its own; None: unknown."""
+        target, value = self.knobs.targets.get(control.name), self.value(control)
+        return None if target is None or value is None else (target, target > value)
+
     def waits(self, control: ControlOutline) -> bool:
         """Whether it does nothing until it has come to the robot's value."""
         return control.name in self.knobs.waiting
@@ -144,10 +149,8 @@ def _takeover_arrow(board: PanelState, control: ControlOutline, glyphs: Glyphs) 
     """`↑90`: turn it up to 90."""
     if not board.waits(control):
         return ""
-    target, value = board.knobs.targets.get(control.name), board.value(control)
-    if target is None or value is None:
-        return glyphs.warning
-    return f"{glyphs.up if target > value else glyphs.down}{target}"
+    target = board.target(control)
+    return glyphs.warning if target is None else f"{(glyphs.down, glyphs.up)[target[1]]}{target[0]}"
 
 
 def _knob(board: PanelState, control: ControlOutline, glyphs: Glyphs) -> list[Row]:
@@ -193,18 +196,12 @@ def _slider(board: PanelState, control: ControlOutline, glyphs: Glyphs) -> list[
     halves = round((value or 0) / MOST * height * 2)
     look = _look(board, "run" if control.label else "muted")
     number, way = _figures(board, control, glyphs)
+    signs, edge = (" .#", "|") if glyphs.ascii else (" ▄█", "▏")
     rows: list[Row] = []
-    for line in range(height):
-        full = min(2, max(0, halves - 2 * (height - 1 - line)))
-        sign = (" .#" if glyphs.ascii else " ▄█")[full]
-        edge = "|" if glyphs.ascii else "▏"
-        row: Row = ((" ", "plain"), (sign * width, look), (edge, "faint"))
-        if line == height - 2:
-            row += (number,)
-        elif line == height - 1:
-            row += (way,)
-        rows.append(row)
-    return rows
+    for below in reversed(range(height)):
+        sign = signs[min(2, max(0, halves - 2 * below))]
+        rows.append(((" ", "plain"), (sign * width, look), (edge, "faint")))
+    return [*rows[:-2], (*rows[-2], number), (*rows[-1], way)]
 
 
 # -- in words -------------------------------------------------------------------------------------
@@ -246,12 +243,15 @@ def _last_moved(board: PanelState, glyphs: Glyphs) -> Row:
 
 
 def _takeover_text(board: PanelState, control: ControlOutline) -> str:
-    target, value = board.knobs.targets.get(control.name), board.value(control)
-    if target is None or value is None:
+    target = board.target(control)
+    if target is None:
         return "waits until it has passed the robot's value"
-    turned = ("right", "left") if control.kind == "knob" else ("up", "down")
-    verb = "turn it" if control.kind == "knob" else "move it"
-    return f"waits: {verb} {turned[0] if target > value else turned[1]} to {target}"
+    ways = (
+        ("turn it left", "turn it right")
+        if control.kind == "knob"
+        else ("move it down", "move it up")
+    )
+    return f"waits: {ways[target[1]]} to {target[0]}"
 
 
 def _advice(board: PanelState, frame: PaintFrame) -> list[Row]:

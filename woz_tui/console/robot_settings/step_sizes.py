@@ -1,4 +1,4 @@
-"""How far one press of an arrow key moves: as in the experiment file until the wizard changes it."""
+"""How far one press of an arrow key moves: as in the experiment file, or as the wizard sets it."""
 
 from __future__ import annotations
 

@@ -185,9 +185,9 @@ def test_edits_of_the_study_can_be_taken_over(tmp_path: Path) -> None:
     assert difference.reloadable
     assert list(difference.changes) == [
         "variable 'greeting' changed",
+        "questionnaire 'again' changed",
         "design: trials 3, it was 2",
         "design: blind warm Lemon, cold Apple, none No, it was warm Lemon, cold Orange, none No",
         "shaping: floor 1, it was 0.8",
         "perception: hide face, it was distance, face",
-        "questionnaire 'again' changed",
     ]

@@ -1,7 +1,8 @@
-"""An experiment file and its robot files into an `Experiment`, or every error at once.
+"""Reads an experiment file and its robot files into an `Experiment`, or reports every error.
 
-`nodes` reads YAML without guessing at types, `robot` decodes the drivers' settings, which decides
-the verbs, `actions` and `calls` read the panels by them, and `cross_checks` looks across it all.
+`yaml_nodes` reads YAML without guessing at types. `robots` decodes the drivers' settings, which
+decide the verbs; `actions` and `verb_calls` read the panels with these verbs; `cross_checks`
+compares the parts.
 """
 
 from __future__ import annotations

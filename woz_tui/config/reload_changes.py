@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from woz_tui.config.experiment import (
@@ -65,6 +65,17 @@ def _driver(old: DriverSpec, new: DriverSpec) -> Iterable[str]:
         yield f"driver {new.name!r} has other settings: {', '.join(changed)}"
 
 
+#: What has names: its entries by them.
+_COLLECTIONS: Mapping[str, Callable[[Experiment], Mapping[str, object]]] = {
+    "variable": lambda read: {**read.variables, **read.by_condition},
+    "repair": lambda read: {action.label: _essences(action) for action in read.repairs},
+    "profile": lambda read: read.profiles,
+    "questionnaire": lambda read: {each.name: each for each in read.study.questionnaires},
+    "preflight": lambda read: dict.fromkeys(read.study.preflight),
+    "phase": lambda read: {phase.name: phase for phase in read.phases},
+}
+
+
 def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
     if old.title != new.title:
         yield f"title is {new.title!r}, it was {old.title!r}"
@@ -74,27 +85,13 @@ def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
         if getattr(old, what) != getattr(new, what):
             yield f"{what.replace('_', ' ')} changed"
     yield from _conditions(old, new)
-    yield from _entries(
-        "variable",
-        {**old.variables, **old.by_condition},
-        {**new.variables, **new.by_condition},
-    )
     if old.engagement is not None and new.engagement is not None:
         yield from _engagement(old.engagement, new.engagement)
     elif old.engagement is not new.engagement:
         yield f"engagement is {'new' if old.engagement is None else 'removed'}"
-    yield from _entries(
-        "repair",
-        {action.label: _essences(action) for action in old.repairs},
-        {action.label: _essences(action) for action in new.repairs},
-    )
-    yield from _entries("profile", old.profiles, new.profiles)
+    for what, named in _COLLECTIONS.items():
+        yield from _entries(what, named(old), named(new))
     yield from _study(old.study, new.study)
-    yield from _entries(
-        "phase",
-        {phase.name: phase for phase in old.phases},
-        {phase.name: phase for phase in new.phases},
-    )
     before, after = ({phase.name: None for phase in each.phases} for each in (old, new))
     if [name for name in before if name in after] != [name for name in after if name in before]:
         yield "phases are in another order"
@@ -132,12 +129,6 @@ def _study(old: Study, new: Study) -> Iterable[str]:
     """What is under way goes on: a participant's order, an open questionnaire's items."""
     for part in ("design", "shaping", "perception"):
         yield from _part(part, old, new)
-    yield from _entries(
-        "questionnaire",
-        {each.name: each for each in old.questionnaires},
-        {each.name: each for each in new.questionnaires},
-    )
-    yield from _entries("preflight", dict.fromkeys(old.preflight), dict.fromkeys(new.preflight))
     if old.answers != new.answers:
         yield "answers changed"
     if old.training != new.training:

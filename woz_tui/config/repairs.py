@@ -6,14 +6,16 @@ sentence again, and the interruption.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 
 from woz_tui.config.actions import StepReader
+from woz_tui.config.annotated_decoder import Invalid, read_value
 from woz_tui.config.experiment import Action, FilePosition, Step
 from woz_tui.config.languages import SPOKEN, Language
 from woz_tui.config.verb_calls import Vocabulary
-from woz_tui.config.yaml_cursor import Cursor, read_texts
+from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.config.yaml_nodes import MappingNode, ScalarNode
+from woz_tui.drivers.fields import OneOf
 
 #: The panel of these actions in the log.
 PANEL = "Repairs"
@@ -68,9 +70,10 @@ class RepairReader:
         language = table.get("language")
         chosen = self._language if language is None else self._language.other(language)
         lines = chosen.repairs()
-        left_out = set(self._left_out(table.get("without")))
+        without = table.get("without")
+        left_out = read_value(without, tuple[str, ...], (OneOf(SPOKEN),)) if without else ()
         for name in SPOKEN:
-            if name in left_out:
+            if not isinstance(left_out, Invalid) and name in left_out:
                 continue
             given = table.get(name)
             at = given or cursor.at(
@@ -79,12 +82,6 @@ class RepairReader:
             step = self._step(at, table.get("on"))
             if step is not None:
                 yield _action(f"repair {name}", at.place, step)
-
-    def _left_out(self, cursor: Cursor | None) -> Iterable[str]:
-        for entry, name in read_texts(cursor, f"a list of {', '.join(SPOKEN)}", "a repair"):
-            if name not in SPOKEN:
-                entry.unknown(SPOKEN, "repairs are")
-            yield name
 
     def _step(self, cursor: Cursor, on: Cursor | None) -> Step | None:
         """A sentence, with its wordings if it has several, or verbs that begin together."""

@@ -78,8 +78,8 @@ def session_verbs(conditions: Sequence[str] = (), panels: Sequence[str] = ()) ->
 def engagement_verbs() -> tuple[Verb, ...]:
     """The verbs of experiments that have a section `engagement`.
 
-    `sense` gives a sign the wizard's value (`experiment.sensed` reads it) or gives it back to its
-    sensor; `force` goes to a state, or takes the way out of the present one with this outcome.
+    `sense` gives a sign the wizard's value (read by `sign_values.sign_value`) or gives it back to
+    its sensor; `force` goes to a state, or takes the way out of the present one with this outcome.
     """
     return (
         _brief(

@@ -23,9 +23,11 @@ from typing import Any
 from woz_tui.config.actions import check_actions
 from woz_tui.config.annotated_decoder import (
     INVALID,
+    Invalid,
     read_entries,
     read_partly,
     read_settings,
+    read_value,
 )
 from woz_tui.config.condition_texts import texts
 from woz_tui.config.counterbalancing import letters
@@ -45,14 +47,14 @@ from woz_tui.config.yaml_cursor import (
     Cursor,
     check_different,
     missing,
-    one_or_more,
     read_filled,
     read_flag,
     read_text,
     texts_of,
 )
-from woz_tui.config.yaml_nodes import ListNode, MappingNode, ScalarNode
+from woz_tui.config.yaml_nodes import MappingNode, ScalarNode
 from woz_tui.drivers.contract import SPEECH
+from woz_tui.drivers.fields import NotEmpty, OneOrMore
 from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
 
 # -- questionnaires --------------------------------------------------------------------------------
@@ -322,15 +324,19 @@ def _answering(
     return {cue: _playable(entry, playable) for cue, entry in entries.items() if cue in CUES}
 
 
+_PLAYABLE = (
+    OneOrMore("a verb or a panel's title"),
+    NotEmpty("nothing stands here; leave it out, and speech answers"),
+)
+
+
 def _playable(cursor: Cursor, playable: Collection[str] | None) -> tuple[str, ...]:
-    given = [*one_or_more(cursor, "a verb or a panel's title, or a list of them")]
-    if not given and isinstance(cursor.node, ListNode):
-        cursor.error("nothing stands here; leave it out, and speech answers")
-    for entry, name in given:
+    names = read_value(cursor, tuple[str, ...], _PLAYABLE)
+    for entry, name in texts_of(cursor):
         if playable is not None and name not in playable:
-            near = cursor.report.hint(name, playable, or_list="there are")
+            near = entry.report.hint(name, playable, or_list="there are")
             entry.error(f"{quoted(name)} is neither a verb nor a panel{near}")
-    return tuple(name for _, name in given)
+    return () if isinstance(names, Invalid) else tuple(names)
 
 
 def _heard(sensors: Collection[str]) -> bool:

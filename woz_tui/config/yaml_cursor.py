@@ -133,33 +133,6 @@ def read_filled(cursor: Cursor | None, expected: str = "text") -> str | None:
     return text
 
 
-def read_texts(
-    cursor: Cursor | None, expected: str = "a list", each: str = "text", *, once: bool = False
-) -> list[tuple[Cursor, str]]:
-    """A list's texts with where they stand; `once`: none of them twice."""
-    entries = cursor.list(expected) if cursor is not None else None
-    found: dict[str, Cursor] = {}
-    texts: list[tuple[Cursor, str]] = []
-    for entry in entries or ():
-        text = read_text(entry, each)
-        if text is not None and once and text in found:
-            entry.error(f"{quoted(text)} appears twice")
-        elif text is not None:
-            texts.append((entry, text))
-            found[text] = entry
-    return texts
-
-
-def one_or_more(cursor: Cursor | None, expected: str) -> Iterator[tuple[Cursor, str]]:
-    """A text, or each of a list of texts, with where it stands."""
-    if cursor is None:
-        return
-    for entry in cursor.items() if isinstance(cursor.node, ListNode) else (cursor,):
-        text = read_filled(entry, expected)
-        if text is not None and text.strip():
-            yield entry, text
-
-
 def texts_of(cursor: Cursor | None) -> Iterator[tuple[Cursor, str]]:
     """A text, or those of a list, with where they stand; whatever else stands there is left out."""
     if cursor is not None:
@@ -195,11 +168,6 @@ def read_word(cursor: Cursor, choices: Iterable[str], expected: str = "one of") 
         f"{quoted(text)} is not known{cursor.report.hint(text, words, or_list='it can be')}"
     )
     return None
-
-
-def is_set(cursor: Cursor | None) -> bool:
-    """Whether a flag is there, and true."""
-    return bool(cursor is not None and read_flag(cursor))
 
 
 def read_flag(cursor: Cursor) -> bool | None:

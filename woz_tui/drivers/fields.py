@@ -29,7 +29,7 @@ class Section:
 
     def included(self) -> Any:
         """Files that the settings name and that belong to the experiment
-        (`experiment.settings.Included`); None if there are none.
+        (`config.annotated_decoder.IncludedFiles`); None if there are none.
         """
         return None
 

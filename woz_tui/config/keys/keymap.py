@@ -51,7 +51,7 @@ _RESERVES = (
 
 
 class KeyedAction(Protocol):
-    """An action as the key map needs it; `shape.Action` and the console's view of one are."""
+    """An action as the key map needs it; `experiment.Action` and `panels.ActionView` are."""
 
     @property
     def name(self) -> str: ...  # noqa: D102

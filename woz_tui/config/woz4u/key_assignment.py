@@ -113,7 +113,7 @@ def comb(node: Node) -> str:
     that the program binds keys with, and browsers'.
 
     Raises `KeyNameError` for what cannot be pressed on a terminal at all. Whether the key's name is
-    known is for `chords.normal` to say.
+    known is for `chords.normal_key` to say.
     """
     held: list[str] = []
     presses: list[tuple[list[str], str]] = []

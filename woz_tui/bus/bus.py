@@ -1,4 +1,4 @@
-"""The bus: from a command to the driver that carries it out, and the stop that overtakes all.
+"""Gives commands to the drivers that carry them out, and stops all of them at once.
 
 Each driver has its lanes (`lane.py`); a slow or dead driver delays only them. The bus promises:
 every command submitted is recorded first and ends exactly once; after a stop nothing reaches a

@@ -1,4 +1,4 @@
-"""Where every message passes once: stamped, recorded first, then handed to whoever listens."""
+"""Stamps and records every message, then gives it to listeners and subscriptions."""
 
 from __future__ import annotations
 

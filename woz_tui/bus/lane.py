@@ -1,4 +1,4 @@
-"""One lane of one driver: commands in it run one after the other.
+"""One lane of one driver: its commands run one after the other.
 
 A lane is driven by callbacks, not by a worker coroutine of its own, so that a command for an idle
 lane reaches the driver on the next turn of the loop, and so that every change of state happens in

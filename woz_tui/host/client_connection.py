@@ -1,4 +1,4 @@
-"""One connection to the robot process: lines in, lines out, and neither can hold up the robot.
+"""One connection to the robot process. Neither its lines in nor those out can delay the robot.
 
 A stop is looked for in whatever has been received; everything else waits for its turn.
 """
@@ -59,7 +59,7 @@ class RoleView:
             self._list(redactor.message(message))
 
     def redacted(self, message: m.Message) -> m.Message | None:
-        """What may be had of `message`."""
+        """What this role gets of `message`; None: nothing."""
         if self._last[0] is not message:
             self._last = message, self.redactor.message(message)
         return self._last[1]

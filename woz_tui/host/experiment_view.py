@@ -1,4 +1,4 @@
-"""What consoles are shown of an experiment: the same for the welcome and for the log."""
+"""Makes what consoles get of an experiment, for the welcome and for the log."""
 
 from __future__ import annotations
 

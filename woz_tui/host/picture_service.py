@@ -1,4 +1,4 @@
-"""A camera's pictures for consoles: each one asked for, scaled for who asks, never in the log.
+"""Sends cameras' pictures to the consoles that ask for them; pictures are never in the log.
 
 A console asks again when it has shown the last one. So the slowest of camera, socket and the line
 to the terminal decides how many there are, and nothing ever piles up.

@@ -1,4 +1,4 @@
-"""What may be asked of a session, and the answers: one function for each kind of request."""
+"""Carries out the requests of consoles and programs, and answers them."""
 
 from __future__ import annotations
 

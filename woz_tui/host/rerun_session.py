@@ -1,4 +1,4 @@
-"""A session that runs another one's commands again: when that begins, and what ends it.
+"""Runs the commands of another session's log again: when that begins and what ends it.
 
 With a console it begins when a wizard is attached, because somebody has to have a hand on the stop;
 headless at once. In both cases the drivers that it needs must be connected first.

@@ -1,4 +1,4 @@
-"""The robot process's socket: who is attached, who plays, and what happens when they vanish."""
+"""Serves the robot process's socket: who is attached, who plays, the dead man's switch."""
 
 from __future__ import annotations
 

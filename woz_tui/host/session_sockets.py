@@ -1,4 +1,4 @@
-"""Where the sockets of running sessions are, and who may use them."""
+"""The sockets of running sessions: their folder, their names, who may use them."""
 
 from __future__ import annotations
 

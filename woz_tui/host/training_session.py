@@ -1,4 +1,4 @@
-"""A session in which a wizard is trained: when the cues begin, and what is said at the end."""
+"""Trains a wizard in a session: begins the cues when asked to, and sums up the answers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a reader of logs had to leave out or put right, counted and in words."""
+"""Counts what a reader of logs had to leave out or correct, and says it in words."""
 
 from __future__ import annotations
 

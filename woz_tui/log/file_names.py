@@ -1,4 +1,4 @@
-"""How the files of a session are called, and where they are looked for."""
+"""Names of a session's files, and the folders in which they may be."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Puts what stands in a session's files into one order: by number, each number once.
+"""Orders the lines or messages of a session's files by number, each number once.
 
 Works on lists of lines or messages at a time, because in a log of a million lines what is done
 once for each line is what takes the time.
@@ -19,7 +19,7 @@ WINDOW = 256
 
 
 class Sequenced(Protocol):
-    """What has a place and a time in a session."""
+    """Something with a number and a time in a session."""
 
     @property
     def seq(self) -> int:
@@ -124,7 +124,7 @@ def merged(streams: Iterable[Iterator[list[N]]]) -> Iterator[list[N]]:
 
 
 class SequenceChecker(Generic[N]):
-    """What makes one session of what is in order: each number once; gaps and falls are counted.
+    """Drops repeated numbers, and counts gaps and times that go back.
 
     `same` says whether two of the same number say the same; `gaps`: whether numbers that nothing
     has are to be counted.
@@ -177,5 +177,5 @@ class SequenceChecker(Generic[N]):
                 self._damage.gap(before + 1, number - 1)
 
     def end(self) -> None:
-        """Nothing more will come."""
+        """Finish counting."""
         self._damage.lineless = self._last is None

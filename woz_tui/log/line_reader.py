@@ -1,4 +1,4 @@
-"""The lines of one file: cut out of its bytes, decoded one by one, the damaged ones counted."""
+"""Cuts a file of a log into lines, decodes them and counts the damaged ones."""
 
 from __future__ import annotations
 

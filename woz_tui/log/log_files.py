@@ -1,4 +1,4 @@
-"""Which files belong to one session, and in what order."""
+"""Finds the files that belong to one session, and their order."""
 
 from __future__ import annotations
 

@@ -69,7 +69,7 @@ class LogScan:
 
 
 class _OutOfOrderError(Exception):
-    """The files do not hold the samples in order, each once."""
+    """The files do not hold the samples in order, or some of them twice."""
 
 
 def scan(files: LogFiles, opened: ExitStack, block: int, *, indexed: bool = True) -> LogScan:

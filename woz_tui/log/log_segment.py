@@ -1,4 +1,4 @@
-"""One pair of files that takes the log's lines, and the thread that sees them onto the disk."""
+"""Writes the log into one pair of files; a thread syncs them to the disk."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class UnsyncedLines:
         self.lost = 0
 
     def push(self, line: bytes, at_us: int) -> None:
-        """Take one line in."""
+        """Add one line."""
         self._entries.append(UnsyncedLine(at_us, line))
         self._size += len(line)
         self.last += 1

@@ -99,7 +99,7 @@ class LogHealth:
         return since >= REPEAT_US if self.level != "ok" else news and since >= REPEAT_OK_US
 
     def reported(self, now_us: int) -> None:
-        """A report went out."""
+        """Note that a report was published."""
         self._reported_us = now_us
         self._moved = False
         self.peak_us = 0
@@ -109,7 +109,7 @@ _MOST_NAMES = 10_000
 
 
 class FileSeries:
-    """Gives out names, each once. `places` are the folders in the order of preference."""
+    """Names the files of a session. `places` are the folders in the order of preference."""
 
     def __init__(self, places: list[Path], stem: str, clock: Clock) -> None:
         self.places = places

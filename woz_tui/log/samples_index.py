@@ -1,4 +1,4 @@
-"""The index of a file of samples: where which samples lie, so that nobody has to read them all.
+"""Reads and writes the index of a file of samples: where the samples of each time are.
 
 `X.samples.index` lies beside `X.samples.jsonl`: a line with the size and the time of the file that
 it describes, then of each block of some 64 KiB where it lies, which numbers and times it spans and

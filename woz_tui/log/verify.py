@@ -1,4 +1,4 @@
-"""Checks that a log is whole: nothing missing, nothing changed, every request with its end."""
+"""Checks that nothing of a log is missing or changed, and that every request has its end."""
 
 from __future__ import annotations
 
@@ -50,11 +50,11 @@ class Verification:
 
     @property
     def sound(self) -> bool:
-        """Whether there is nothing to complain of."""
+        """Whether nothing is wrong."""
         return not self.sentences()
 
     def sentences(self) -> list[str]:
-        """Everything there is to complain of, in words."""
+        """Everything that is wrong, in words."""
         found = self.damage.sentences()
         if self.broken_after is not None:
             found.append(f"lines after number {self.broken_after} were changed or lost")

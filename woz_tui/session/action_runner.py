@@ -1,4 +1,4 @@
-"""From the name of an action to commands on the bus, step after step."""
+"""Plays actions: sends the commands of each step to the bus, and publishes how the run ended."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _ACCOMPANYING = frozenset({"head", "face", "eyes"})
 
 @dataclass(frozen=True, slots=True)
 class RequestOrigin:
-    """Where a press came from."""
+    """Where a request came from: whose hand, which key, which console."""
 
     source: str
     key: str = ""
@@ -143,7 +143,7 @@ class ActionRunner:
         return run_id, run.ended.reason if isinstance(run.ended, m.ActionRefused) else ""
 
     def _begin(self, run: ActionRun) -> None:
-        """Its moment has come; unless it has been cut short meanwhile."""
+        """Begin a run that was held, unless it has been ended meanwhile."""
         if run.id in self._runs:
             self._advance(run)
 
@@ -216,7 +216,7 @@ class ActionRunner:
         return self._delay.hold(run, name, origin.source, begin)
 
     def _let_go(self, command: str, reason: str) -> None:
-        """A single command that was held is not sent any more; its log line says so."""
+        """End a single command that was held without sending it, and log that."""
         held, on_end = self._held.pop(command)
         self._bus.refuse(held, "stopped", reason, on_end)
 
@@ -336,7 +336,7 @@ class ActionRunner:
     # -- a newer act takes the place ----------------------------------------------------------
 
     def _supersede(self, newer: str, label: str, origin: RequestOrigin, calls: list[Call]) -> None:
-        """Older actions do nothing any more after their present step, if the wizard's `newer` act
+        """End older actions after their present step, if the wizard's `newer` act
         needs a lane that they would still need.
 
         Otherwise their next step would cut it off, or come out of its context behind it. What is
@@ -422,7 +422,7 @@ class ActionRunner:
             self._stop(run, reason)
 
     def _drop_held(self, reason: str) -> None:
-        """What is held after a cue never begins."""
+        """End everything that is held after a cue."""
         self._delay.clear()
         for command in list(self._held):
             self._let_go(command, reason)

@@ -1,4 +1,4 @@
-"""What each action does at this moment: its texts chosen, its variables filled in.
+"""Chooses the texts of actions and fills in their variables.
 
 Consoles are told before anything is played, and what they were told is what is played.
 """
@@ -150,7 +150,7 @@ class ActionTexts:
         return calls_in(steps)
 
     def other(self, action: Action, said: m.Command) -> Steps | None:
-        """The step of `action` that said this, in its next wording; None if it has one alone."""
+        """The step of `action` that said this, in its next wording; None if it has only one."""
         values = self._values()
         for call in action.calls:
             choice = call.choices.get("text")
@@ -162,7 +162,7 @@ class ActionTexts:
         return None
 
     def publish_all(self) -> None:
-        """Tell consoles of every action."""
+        """Publish what every action would say now."""
         values = self._values()
         self._published = [values.get(name) for name in _MOVING]
         experiment = self._experiment()

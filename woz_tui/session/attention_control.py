@@ -1,4 +1,4 @@
-"""The robot turns its head to a sound elsewhere, and back to whom it talks with.
+"""Turns the robot's head to a sound elsewhere, and back to the visitor it talks with.
 
 `woz_tui.sensing.attention` decides; here it gets directions and loudness, and its orders become
 `gaze` commands. It takes part only with `attention: {look: true}` and a robot that offers `gaze`
@@ -23,7 +23,7 @@ GAZE, DIRECTION = "gaze", "direction"
 
 
 class AttentionController:
-    """Looks elsewhere and back.
+    """Turns the head to sounds and back.
 
     Args:
         robot: Turns its head.
@@ -56,7 +56,7 @@ class AttentionController:
         return settings.attention == self._settings
 
     def on_message(self, message: m.AnyMessage) -> None:
-        """Directions, and what the wizard does with the head."""
+        """Take in directions of sound, and what the wizard does with the head."""
         if self._head is None:
             return
         head = self._head[0].name
@@ -72,17 +72,17 @@ class AttentionController:
                 self._overruled = self._attention.away
 
     def entered(self, state: str) -> None:
-        """The machine is in another state."""
+        """The engagement model is in another state."""
         engaged = state in ENGAGED
         self._carry_out(self._attention.engaged(engaged, self._direction, self._now))
 
     def attend(self, mode: str) -> None:
-        """Another mode counts."""
+        """Use another attention mode."""
         if mode != self._attention.mode:
             self._carry_out(self._attention.attend(mode, self._now))
 
     def close(self) -> None:
-        """Turn no further."""
+        """Stop turning the head."""
         self._head = None
         self._timer.cancel()
 
@@ -93,7 +93,7 @@ class AttentionController:
         return self._robot.hub.now()
 
     def _on_direction(self, direction: float | None) -> None:
-        """A direction is a sound where it is loud, and not the robot itself."""
+        """Take a direction as a sound if it is loud and the robot is silent."""
         if self._follower.speaks or not self._follower.loud:
             if not self._attention.away:
                 self._direction = direction
@@ -134,7 +134,7 @@ def head_of(experiment: Experiment) -> tuple[DriverSpec, Verb] | None:
 
 
 def _direction_beside(experiment: Experiment, head: tuple[DriverSpec, Verb]) -> str:
-    """What the direction of sound is called that the same robot hears; empty: it hears none."""
+    """The sensor with which the same robot hears where a sound is; empty: it has none."""
     robot = head[0].name.rpartition(".")[0]
     published = published_names(experiment.drivers)
     for spec in experiment.drivers:
@@ -144,7 +144,7 @@ def _direction_beside(experiment: Experiment, head: tuple[DriverSpec, Verb]) -> 
 
 
 def _within(verb: Verb, name: str, value: m.Json) -> m.Json:
-    """As far as the head turns."""
+    """`value` limited to the range of the verb's argument."""
     span = next((argument.range for argument in verb.arguments if argument.name == name), None)
     if span is None or not isinstance(value, int | float):
         return value

@@ -1,4 +1,4 @@
-"""Which conditions a participant should get, from what the earlier ones got: pure."""
+"""Proposes the conditions of a participant from those of the earlier ones. No input or output."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class ConditionProposal:
     planned: int
 
     def data(self) -> dict[str, Json]:
-        """As the reply to a `proposal` has it."""
+        """The fields of the reply to a `proposal`."""
         data: dict[str, Json] = msgspec.to_builtins(self)
         del data["participant"]
         return data
@@ -87,7 +87,7 @@ class DesignUsage:
         return Counter(known[each.order] for each in self.counted if each.order in known)
 
     def _in_its_place(self, past: ParticipantHistory) -> bool:
-        """Whether the order is what the blocks of today have in this row."""
+        """Whether the present design has this order in this row."""
         if past.method != "blocks" or past.row < 0:
             return False
         return order_at(self.design, self.conditions, past.row) == past.order

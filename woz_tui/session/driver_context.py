@@ -56,8 +56,9 @@ class SessionDriverContext:
     """`drivers.contract.DriverContext` for one driver; repeats of a state are swallowed here.
 
     `names` are the names under which its sensors are published, where they differ from its own;
-    `feeds` are those of the whole session; `asked` carries out what the driver asks for. `media`
-    says where files of the session go now; without it they go into `session.media` in `folder`.
+    `feeds` are those of the whole session; `on_request` carries out what the driver asks for.
+    `media` says where files of the session go now; without it they go into `session.media` in
+    `folder`.
     """
 
     def __init__(
@@ -69,12 +70,12 @@ class SessionDriverContext:
         *,
         names: Mapping[str, str] | None = None,
         feeds: Feeds | None = None,
-        asked: DriverRequestHandler | None = None,
+        on_request: DriverRequestHandler | None = None,
         media: Callable[[], Path] | None = None,
     ) -> None:
         self._driver = driver
         self._feeds = feeds or Feeds()
-        self._asked = asked
+        self._on_request = on_request
         self._media = media or (lambda: folder / "session.media")
         self._names = names or {}
         self._hub = hub
@@ -165,9 +166,9 @@ class SessionDriverContext:
 
     def ask(self, ask: Ask, done: Callable[[bool, str], None] | None = None) -> None:
         """Have the session carry `ask` out."""
-        asked = self._asked
-        if asked is not None:
-            self._in_loop(lambda: asked(self._driver, ask, done), keep=True)
+        on_request = self._on_request
+        if on_request is not None:
+            self._in_loop(lambda: on_request(self._driver, ask, done), keep=True)
 
     def _publish(self, message: Message) -> None:
         kept = isinstance(message, DriverHealth | Shown | Speech)

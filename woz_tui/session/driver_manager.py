@@ -27,13 +27,13 @@ def make_drivers(
     clock: Clock,
     *,
     feeds: Feeds,
-    asked: DriverRequestHandler,
+    on_request: DriverRequestHandler,
     media: Callable[[], Path],
 ) -> dict[str, Driver]:
     """Every driver by its name, each with a context of its own.
 
-    `asked` carries out what drivers ask for, `media` is the folder for sound and pictures. Raises
-    `PluginError` if one cannot be made.
+    `on_request` carries out what drivers ask for, `media` is the folder for sound and pictures.
+    Raises `PluginError` if one cannot be made.
     """
     names, drivers = published_names(experiment.drivers), dict[str, Driver]()
     for spec in experiment.drivers:
@@ -44,7 +44,7 @@ def make_drivers(
             experiment.path.parent,
             names=names[spec.name],
             feeds=feeds,
-            asked=asked,
+            on_request=on_request,
             media=media,
         )
         try:

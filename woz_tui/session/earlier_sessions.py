@@ -1,4 +1,4 @@
-"""What the earlier logs of an experiment say about its participants, read quickly.
+"""Reads from the earlier logs of an experiment what its participants did.
 
 Only the action files are opened, and only lines of a few kinds are decoded: an hour of a session
  has thousands of lines and a dozen of these. Whatever is damaged is passed over.
@@ -126,7 +126,7 @@ def _messages(path: Path) -> Iterator[m.AnyMessage]:
 
 
 def _bare(plan: m.SessionPlan) -> m.SessionPlan:
-    """Only the title: what is known is kept in memory, and a study has hundreds of logs."""
+    """The plan with its title alone: it is kept in memory, and a study has hundreds of logs."""
     return m.SessionPlan(
         title=plan.title,
         panels=[],
@@ -155,7 +155,7 @@ def _is_of(lines: list[m.AnyMessage], title: str, file: str) -> bool:
 
 
 def _attribute(lines: list[m.AnyMessage], people: dict[str, ParticipantHistory]) -> None:
-    """Give each line of one session to the participant who was there."""
+    """Add what the lines of one session say to its participants."""
     state = SessionState()
     for line in lines:
         state.take(line)

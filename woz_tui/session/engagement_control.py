@@ -1,4 +1,4 @@
-"""The engagement model in the robot process: it hears every message and says what it makes of them.
+"""Runs the engagement model in the robot process: gives it every message, publishes its states.
 
 A session has one such object, also if its experiment has no section `engagement`: then it does
 nothing, until a reload brings the section. The model itself is in `woz_tui.sensing`; here it meets
@@ -43,7 +43,7 @@ log = logging.getLogger(__name__)
 
 @dataclass
 class _Model:
-    """What there is while the experiment has the section."""
+    """The parts that exist while the experiment has the section `engagement`."""
 
     follower: EngagementFollower
     visitors: VisitorRecognition
@@ -51,7 +51,7 @@ class _Model:
 
 
 class EngagementController:
-    """See the module's text.
+    """Connects the engagement model with the hub, the clock and the robot.
 
     Args:
         robot: What it has to do with; its bus and runner count from `begin` on.
@@ -86,7 +86,7 @@ class EngagementController:
     # -- what the session asks ---------------------------------------------------------------------
 
     def begin(self) -> None:
-        """The session is open: show how things stand, the robots too."""
+        """The session is open: publish the model's state and show it on the robots."""
         self._opened = True
         self._show()
         self._show_robots()
@@ -140,7 +140,7 @@ class EngagementController:
         return said
 
     async def stop(self, scope: Scope) -> None:
-        """Nothing of it moves."""
+        """Do nothing: the model moves nothing."""
 
     # -- hearing -----------------------------------------------------------------------------------
 
@@ -208,13 +208,13 @@ class EngagementController:
             self._effects.connected(driver)
 
     def _show_robots(self) -> None:
-        """Robots that are there show how things stand."""
+        """Show the state on all robots that are connected."""
         for name, driver in [*self._state.drivers.items()]:
             if isinstance(driver.health, m.DriverConnected):
                 self._connected(name)
 
     def _follow_file(self, message: m.ExperimentReloaded | m.EngagementAdopted) -> None:
-        """New settings count from when all hear of them; what the robot shows, at once."""
+        """Use new settings once all have heard of them; what the robot shows changes at once."""
         engagement = self._robot.experiment().engagement
         if isinstance(message, m.EngagementAdopted):
             self._apply_settings(engagement if message.settings else None)
@@ -222,8 +222,9 @@ class EngagementController:
             self._apply_settings(engagement)
 
     def _publish_settings(self) -> bool:
-        """Say which settings hold, if they are others than before. They are taken over when this is
-        heard: whoever reads the log later takes them over at the same place.
+        """Publish the settings if they are others than before; whether they are.
+
+        They count from this message on: who reads the log later uses them from the same place.
         """
         engagement = self._robot.experiment().engagement
         settings = settings_to_json(engagement.settings) if engagement else {}
@@ -257,7 +258,7 @@ class EngagementController:
         self._effects.adopt()
 
     def _use_settings(self, settings: EngagementSettings) -> None:
-        """For all but a follower that there is: it reads of them, as in the log."""
+        """Give the settings to all parts but the follower, which reads them from the messages."""
         model = self._model
         if model is None:
             follower = EngagementFollower(settings)
@@ -310,7 +311,7 @@ class EngagementController:
             self._model.attention.entered(change.now)
 
     def _set_timer(self) -> None:
-        """Wake up when something happens by itself."""
+        """Set the timer to when the model changes by itself."""
         self._timer.set(self._model.follower.due() if self._model else None)
 
     def _on_timer(self) -> None:
@@ -333,7 +334,7 @@ class EngagementController:
                 self._show_timer = self._loop.call_later(wait / 1_000_000, self._show)
 
     def _show(self) -> None:
-        """Publish how things stand, if anything is different from what was told last."""
+        """Publish the model's state if it differs from what was published last."""
         if self._show_timer is not None:
             self._show_timer.cancel()
             self._show_timer = None

@@ -29,14 +29,14 @@ class WakeUpTimer:
         self._timer: asyncio.TimerHandle | None = None
 
     def set(self, due: int | None) -> None:
-        """Ring at `due` microseconds, and at no other moment; None: not at all."""
+        """Call `on_due` at `due` microseconds only; None: not at all."""
         self.cancel()
         if due is not None:
             seconds = max((due - self._hub.now()) / 1_000_000, _SOON_S)
             self._timer = self._loop.call_later(seconds, self._on_due)
 
     def cancel(self) -> None:
-        """Do not on_due."""
+        """Do not call it."""
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
@@ -48,7 +48,7 @@ ORIGIN = RequestOrigin(ENGAGEMENT)
 
 @dataclass
 class EngagementRobot:
-    """See the module's text.
+    """Sends the commands of the engagement model, and knows whether the robot may move.
 
     Args:
         hub: Where everything is published.

@@ -1,4 +1,4 @@
-"""The visitors whom the robot knows, for a session that must never wait for a disk.
+"""The visitors that the robot knows; a thread reads and writes their file.
 
 What is known is in memory; the file (`woz_tui.sensing.visitor_store`) is read at the beginning,
 then looked at and changed by a thread of its own. Whom others forget or rename meanwhile is
@@ -64,7 +64,7 @@ class StoreJobResult:
 
 
 class VisitorStoreWorker:
-    """See the module's text. `report` is called in the thread after each job.
+    """Works on the store of visitors in a thread. `report` is called there after each job.
 
     The thread lives for as long as there are jobs, so that the process neither ends before they
     are done nor stays for a thread that has nothing to do.
@@ -87,7 +87,7 @@ class VisitorStoreWorker:
                 self._thread.start()
 
     def outcomes(self) -> Iterator[StoreJobResult]:
-        """Take out what has become of jobs, in order."""
+        """Take out the results of jobs, in order."""
         while self._outcomes:
             yield self._outcomes.popleft()
 
@@ -142,7 +142,7 @@ class VisitorStoreWorker:
 
 
 def _tried(call: Callable[[], T]) -> tuple[T | None, Exception | None]:
-    """What comes of it, or what it raises: the thread lives on in any case."""
+    """The result of `call`, or what it raised: the thread goes on in any case."""
     try:
         return call(), None
     except (VisitorsError, OSError) as error:
@@ -159,7 +159,7 @@ _LOOK = "look at it with `woz visitors`"
 
 
 class KnownVisitors:
-    """Who is known, by name.
+    """The known visitors, by name.
 
     Args:
         path: The store's file.
@@ -319,7 +319,7 @@ class KnownVisitors:
         self._worker.do(*again, job)
 
     def _catch_up(self) -> None:
-        """Hear what has become of jobs."""
+        """Take in the results of jobs."""
         for outcome in self._worker.outcomes():
             if outcome.unmade and outcome.job.name:
                 self._unmade.append(outcome.job)
@@ -331,7 +331,7 @@ class KnownVisitors:
             self._report(outcome)
 
     def _know(self, people: Iterable[Visitor]) -> None:
-        """Those of the store, and whoever is not there only because a job still waits."""
+        """Take over the visitors of the store; those whose job still waits stay."""
         before, self._known = self._known, {key_of(visitor.name): visitor for visitor in people}
         for key in {key_of(job.name) for job in self._open if job.name}:
             if key in before:
@@ -351,7 +351,7 @@ class KnownVisitors:
             self._last_problem = ""
 
     def _report_problem(self, error: Exception) -> None:
-        """A notice, once as long as it is the same."""
+        """Publish a notice unless it is the last one again."""
         text = f"visitors: {getattr(error, 'reason', '') or error}"
         if text == self._last_problem:
             return

@@ -1,4 +1,4 @@
-"""Who takes part: codes, never names; and the error for what cannot be done."""
+"""Codes of participant, session, condition and wizard; the error for refused requests."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class SessionIdentity:
         condition: str | None,
         trial: int | None,
     ) -> SessionIdentity:
-        """With what is not None replaced. Raises `RequestError` if it is not allowed."""
+        """The identity with other codes where not None. Raises `RequestError` if not allowed."""
         if participant is not None:
             check_participant(participant, experiment.participant_pattern)
         if condition is not None and experiment.conditions:
@@ -75,7 +75,7 @@ class SessionIdentity:
 
 
 def check_code(code: str, what: str) -> None:
-    """Raises `RequestError` unless `code` may stand in a log and a file name."""
+    """Raise `RequestError` unless `code` may stand in a log and a file name."""
     if not CODE.fullmatch(code):
         raise RequestError(
             f"{code!r} is not a valid {what} code",
@@ -84,7 +84,7 @@ def check_code(code: str, what: str) -> None:
 
 
 def check_participant(code: str, pattern: str) -> None:
-    """Raises `RequestError` unless `code` is a code and matches the experiment's `pattern`."""
+    """Raise `RequestError` unless `code` is a code and matches the experiment's `pattern`."""
     check_code(code, "participant")
     if pattern == CODE.pattern:
         return
@@ -100,6 +100,6 @@ def check_participant(code: str, pattern: str) -> None:
 
 
 def check_condition(condition: str, known: tuple[str, ...]) -> None:
-    """Raises `RequestError` unless the file lists it."""
+    """Raise `RequestError` unless the file lists it."""
     if condition not in known:
         raise RequestError(f"there is no condition {condition!r}", "the file lists none", known)

@@ -1,4 +1,4 @@
-"""Phases in the robot process: which holds, which may follow, what is locked in it."""
+"""Begins and ends phases, and locks the panels of other phases."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from woz_tui.timeline.study_history import StudyState
 
 
 class PhaseController:
-    """See the module's text.
+    """The phases of a session.
 
     Args:
         publish: Publishes that another one holds.
@@ -71,7 +71,7 @@ class PhaseController:
         return phase
 
     def enter(self, phase: Phase | None, source: str) -> None:
-        """Let it hold from here on; None: none."""
+        """Begin this phase; None: no phase holds."""
         self._publish(
             m.PhaseChanged(
                 phase=phase.name if phase is not None else "",
@@ -104,7 +104,7 @@ class PhaseController:
         self._lock_others(None)
 
     def why_locked(self, panel: str) -> str:
-        """Which phase has locked a panel, for behind a sentence; empty: none has."""
+        """The phase that has locked a panel, as the end of a sentence; empty: none has."""
         phase = self.current
         return f" in the phase {phase.heading}" if phase and panel in self.locked else ""
 

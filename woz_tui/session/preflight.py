@@ -1,4 +1,4 @@
-"""What should be green before the first participant comes in, as far as the robot side knows it."""
+"""Checks the robot side before the first participant comes: drivers, sensors, log, disk, clock."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ async def preflight(session: Session) -> list[Finding]:
 
 
 def _file(session: Session) -> list[Finding]:
-    """What is odd in the experiment file, which nobody may have read when the session began."""
+    """The warnings about the experiment file."""
     odd = session.experiment.warnings
     if not odd:
         return []

@@ -20,7 +20,7 @@ _ALWAYS = frozenset({"mark", "note"})
 
 
 class ProfileLimits:
-    """Which profile is in use, and what it does not allow.
+    """Knows the profile in use and what it does not allow.
 
     Args:
         publish: Publishes that another one is in use.

@@ -1,4 +1,4 @@
-"""Questionnaires in the robot process: what is an answer, and when a questionnaire may begin."""
+"""Begins and ends questionnaires, and checks and publishes their answers."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PARTICIPANT = "participant"
 
 
 class QuestionnaireController:
-    """One questionnaire at a time, from its beginning to its end: a round.
+    """Runs one questionnaire at a time.
 
     Args:
         study: What is due, under way and answered.

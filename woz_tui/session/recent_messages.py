@@ -1,4 +1,4 @@
-"""The last lines of a log: what the list of events of a console begins with that attaches late."""
+"""Keeps the last messages for the event list of a console that attaches late."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _UNLISTED = (
 
 
 class RecentMessages:
-    """Takes the messages of a session in their order."""
+    """The last messages of a session."""
 
     def __init__(self) -> None:
         self._lines: deque[m.AnyMessage] = deque(maxlen=MOST)
@@ -24,11 +24,11 @@ class RecentMessages:
 
     @property
     def lines(self) -> list[m.AnyMessage]:
-        """The last ones, oldest first."""
+        """The last messages, oldest first."""
         return [*self._lines]
 
     def take(self, message: m.AnyMessage) -> None:
-        """The next message; it may be none for a list."""
+        """Take in the next message, if an event list shows it."""
         if self.lists(message):
             self._lines.append(message)
 

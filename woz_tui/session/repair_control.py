@@ -1,4 +1,4 @@
-"""Repairs that depend on what was said before: it again, in other words, or no more of it."""
+"""Plays repairs of what was said: repeat it, reword it, interrupt it."""
 
 from __future__ import annotations
 

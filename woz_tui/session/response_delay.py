@@ -1,4 +1,4 @@
-"""How soon the robot answers a cue: no sooner than a floor and a random bit more.
+"""Holds answers that come too soon after a cue until a minimum and a random time have passed.
 
 A robot that answers in 300 ms one time and in 3 s the next tells that a human is behind it; and
 wizards who differ in quickness are a difference between conditions. So what is asked for too soon
@@ -42,7 +42,7 @@ def may_wait(verb: Verb) -> bool:
 
 
 class ResponseDelay:
-    """Knows the last cue, and holds what answers it too soon, as `shaping.changed` says.
+    """Holds what answers the last cue too soon, as `shaping.changed` says.
 
     Args:
         hub: Whose messages are cues and settings, and where it is told what is held.

@@ -1,4 +1,4 @@
-"""The scripts of an experiment: which line is next, which were played, where one stands still.
+"""Follows the scripts of an experiment: the next line, the played ones, where one has halted.
 
 The experiment's own script has the name "", that of a phase the phase's. A line counts as played
 when its action is asked for, by whatever key; if it then fails, the script goes back to it.

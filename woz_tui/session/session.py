@@ -1,4 +1,4 @@
-"""A session put together: experiment, drivers, bus, hub, recorder; and all that may be asked of it.
+"""A session: experiment, drivers, bus, hub and recorder, and every request to them.
 
 Used from one thread, the robot process's event loop. Nothing here waits for hardware or disk.
 """
@@ -54,7 +54,7 @@ CHECKPOINT_S = 10.0
 
 @dataclass
 class Session:
-    """One session; see the module's text.
+    """One session.
 
     Args:
         experiment: What the file says.
@@ -127,7 +127,7 @@ class Session:
             self.hub,
             self.clock,
             feeds=self.feeds,
-            asked=self._driver_request,
+            on_request=self._driver_request,
             media=lambda: media_folder(self.recorder.path),
         )
         self.locked |= {panel.title: True for panel in self.experiment.panels if panel.locked}

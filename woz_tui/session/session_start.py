@@ -1,4 +1,4 @@
-"""The first lines of a session's log: who, what, and the experiment itself."""
+"""Publishes the first lines of a session's log: who, what, and the experiment's files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What happens when the engagement model enters a state: signals, effects, actions of panels.
+"""Plays what belongs to the states of the engagement model: signals, effects, actions of panels.
 
 Rules:
 

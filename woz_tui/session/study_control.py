@@ -1,4 +1,4 @@
-"""The study in the robot process: who gets which condition, trials and breaks, what is asked.
+"""Carries out what concerns the study: conditions, trials, breaks, preflight ticks.
 
 Every change is a message; what follows from them is the timeline's. Refusals are `RequestError`s.
 """
@@ -32,7 +32,7 @@ BY_HAND = "hand"
 
 
 class StudyController:
-    """See the module's text.
+    """The study of a session.
 
     Args:
         hub: Where everything is published.

@@ -1,4 +1,4 @@
-"""Sentences that a wizard has typed: buttons of a panel of their own until the session ends."""
+"""Makes buttons of sentences that the wizard has typed, and writes them into a copy of the file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Variables in utterances: `Hello {participant}` becomes `Hello P07` when it is played."""
+"""Fills in variables of utterances: `Hello {participant}` becomes `Hello P07`."""
 
 from __future__ import annotations
 

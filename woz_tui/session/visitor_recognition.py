@@ -1,4 +1,4 @@
-"""Who stands there: recognised by a sensor, introduced by the wizard or by the robot, remembered.
+"""Finds out who the visitor is: recognised by a sensor, introduced by the wizard or the robot.
 
 The handshake is the wizard's unless the settings say otherwise: the machine waits in *Handshake*,
 a notice says what is to be done, and `visitor: CODE` or `handshake: fail` ends it. With `by: robot`
@@ -179,7 +179,7 @@ SAVE_S = 2.5
 
 
 class VisitorRecognition:
-    """See the module's text.
+    """Identifies visitors and remembers them.
 
     Args:
         robot: Asks for a name, and learns faces.

@@ -112,7 +112,7 @@ async def test_a_sound_that_nobody_plays_is_told_once(tmp_path: Path) -> None:
         assert done is not None
         done(False, "no driver offers 'sound'")
 
-    context = SessionDriverContext("it", hub, ManualClock(), tmp_path, asked=refuse)
+    context = SessionDriverContext("it", hub, ManualClock(), tmp_path, on_request=refuse)
     publishing = TickPublisher(small(), context)
     gong = (
         SoundCue(0.0, "gong.wav"),

@@ -50,6 +50,12 @@ class LogText(str):
     __slots__ = ()
 
 
+class AlarmText(LogText):
+    """Something that went wrong: the page shows it in red."""
+
+    __slots__ = ()
+
+
 @dataclass(frozen=True, slots=True)
 class ReportTable:
     """A table of the report; it is not shown if it has no rows.
@@ -287,7 +293,7 @@ def stops(figures: SessionFigures) -> ReportTable:
         (
             *(clock(stop.t), LogText(stop.source), LogText(stop.scope)),
             "not recorded" if stop.elapsed_us is None else LogText(", ".join(stop.confirmed)),
-            LogText(", ".join(stop.missing)),
+            AlarmText(", ".join(stop.missing)),
             duration(stop.elapsed_us),
             duration(None if stop.released is None else stop.released - stop.t),
         )

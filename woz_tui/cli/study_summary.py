@@ -78,7 +78,9 @@ def as_json(experiment: Experiment) -> dict[str, Json]:
         del sections[now]
     sections["phases"] = msgspec.to_builtins(experiment.phases)
     sections["preflight"] = [*study.preflight]
-    sections["training"] = msgspec.to_builtins(study.training)
+    sections["training"] = training = msgspec.to_builtins(study.training)
+    for cue in training["cues"]:  # as programs have known it since the first version
+        cue["sort"] = cue.pop("cue")
     if study.design is not None:
         sections["orders"] = [[*order] for order in rows(study.design, experiment.conditions)]
         sections["planned"] = planned(study.design, experiment.conditions)

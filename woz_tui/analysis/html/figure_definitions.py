@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from woz_tui.analysis.html.markup import Child, Markup, isolated, tag
 from woz_tui.analysis.measures import BY_NAME, title_of
-from woz_tui.analysis.report_tables import DEFINED, LogText, ReportTable
+from woz_tui.analysis.report_tables import DEFINED, AlarmText, LogText, ReportTable
 
 _PERCENTILE = "half, and 95 of 100, of the values are at most this; linear between neighbours"
 
@@ -25,6 +25,8 @@ def table(found: ReportTable) -> Markup | None:
     def cell(text: str) -> Child:
         if text in found.definitions:
             return defined(found.definitions[text], text)
+        if isinstance(text, AlarmText) and text:
+            return tag("strong", isolated(text), class_="bad")
         return isolated(text) if isinstance(text, LogText) else text
 
     if not found.rows:

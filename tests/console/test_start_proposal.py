@@ -38,7 +38,9 @@ async def named(seat: Sitting, code: str = "P08") -> None:
     field = seat.console.screen.query_one("#participant", Input)
     field.value = ""
     await seat.type(code)
-    await seat.settle()
+    await seat.until(lambda: field.value == code)
+    for _ in range(5):  # the question, its answer, the fields that it fills in, their places
+        await seat.press()
 
 
 REFUSED = r.Reply(ref=0, ok=False, reason="'P1' is no code", hint="it must look like P01")

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+from pathlib import Path
+
+import msgspec
 
 from woz_tui.config.experiment import ExperimentError, FilePosition, Problem
 from woz_tui.config.file_text import SourceFile
@@ -177,47 +180,10 @@ def hint(wrong: str, known: Iterable[str]) -> str:
     return "" if near is None else f"; did you mean {near!r}?"
 
 
-#: Words that people write for ours.
-_MEANT = {
-    ours: theirs.split()
-    for ours, theirs in {
-        "say": "speech speak says text tts talk utter utterance sentence",
-        "play": "gesture animation anim motion movement do",
-        "sound": "audio wav music beep",
-        "emotion": "face expression mood feeling",
-        "pose": "posture joints position",
-        "gaze": "look look_at eyes",
-        "home": "rest reset neutral",
-        "mark": "marker bookmark",
-        "wait": "pause sleep delay",
-        "steps": "sequence then do",
-        "label": "caption button title text name",
-        "help": "description tooltip comment",
-        "key": "hotkey shortcut keys binding",
-        "title": "name experiment study",
-        "robot": "robots device devices driver drivers",
-        "drivers": "devices hardware",
-        "panels": "panel groups pages boards buttons",
-        "actions": "buttons items entries lines commands",
-        "script": "scenario sequence order playlist",
-        "phases": "stages sections parts blocks chapters",
-        "repairs": "fallbacks fillers repair",
-        "language": "lang locale",
-        "keyboard": "layout",
-        "conditions": "condition groups levels arms",
-        "participants": "participant subjects pattern",
-        "variables": "vars values parameters",
-        "design": "counterbalancing counterbalance randomization order",
-        "questionnaires": "questionnaire survey surveys questions",
-        "items": "questions",
-        "preflight": "checklist checks",
-        "training": "practice tutorial",
-        "engagement": "attention interaction",
-        "locked": "disabled hidden",
-        "trials": "repetitions",
-        "seconds": "duration",
-    }.items()
-}
+#: Words that people write for ours, by ours.
+_MEANT: dict[str, list[str]] = msgspec.json.decode(
+    Path(__file__).with_name("common_words.json").read_bytes()
+)
 
 
 def nearest_word(wrong: str, known: Iterable[str]) -> str | None:

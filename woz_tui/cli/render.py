@@ -109,7 +109,7 @@ def line(tick: Tick) -> str:
 
     So exact that the difference of two lines' times bounds that of their angles to 1e-6 degrees.
     """
-    said: dict[str, Any] = {
+    fields: dict[str, Any] = {
         "t": round(tick.t, 9),
         "joints": {name: round(angle, 9) for name, angle in tick.joints.items()},
         "face": tick.face.hex if tick.face is not None else "",
@@ -118,8 +118,8 @@ def line(tick: Tick) -> str:
         "mode": tick.mode.value,
     }
     if tick.move:
-        said["move"] = tick.move
-    return json_text(said, separators=(",", ":")) + "\n"
+        fields["move"] = tick.move
+    return json_text(fields, separators=(",", ":")) + "\n"
 
 
 def _warn(t: float, text: str) -> None:

@@ -110,11 +110,11 @@ class _Reader:
         self._found.append(Input(self._last, verb, read, hand, place))
 
     @staticmethod
-    def _hand_of(place: str, said: object) -> Operator:
+    def _hand_of(place: str, value: object) -> Operator:
         for hand in Operator:
-            if said == hand.value:
+            if value == hand.value:
                 return hand
-        raise InputLineError(f'{place}: "hand" is wizard or program, not {_shown(said)}')
+        raise InputLineError(f'{place}: "hand" is wizard or program, not {_shown(value)}')
 
     # -- a session's log ------------------------------------------------------------------------
 

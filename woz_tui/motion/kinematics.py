@@ -103,11 +103,11 @@ class KinematicChain:
     def of_outline(cls, outline: Json) -> KinematicChain:
         """The chain of what `body_outline` made. `ValueError` if it is nothing of the kind."""
         try:
-            told = msgspec.convert(outline, _Outline)
+            read = msgspec.convert(outline, _Outline)
         except msgspec.ValidationError as error:
             raise ValueError(f"no outline of a body: {error}") from error
         chain = cls.__new__(cls)
-        chain._set([_link(one.name, one) for one in told.joints], told)
+        chain._set([_link(one.name, one) for one in read.joints], read)
         return chain
 
     def _set(self, links: Sequence[ChainJoint], head: BodyShape | _Outline) -> None:

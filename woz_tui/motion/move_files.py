@@ -181,8 +181,8 @@ class MoveLayerReader:
     ) -> float | None:
         unit, other = ("beats", "seconds") if self._beats else ("seconds", "beats")
         if (wrong := table.get(other)) is not None:
-            said = "true" if self._beats else "false"
-            wrong.error(f"this move counts {unit} (beats: {said}); write {unit} here")
+            text = "true" if self._beats else "false"
+            wrong.error(f"this move counts {unit} (beats: {text}); write {unit} here")
             return None
         took, at = table.get(unit), table.get("at")
         if took is not None and at is not None:

@@ -336,8 +336,8 @@ class MovePlayback(PoseSource):
 
     def step(self, moment: SourceContext) -> Mapping[str, float]:
         """The move's posture at its place now."""
-        gone = moment.dt * self.rate(moment.tempo, moment.speed)
-        self._place = min(self.move.length, self._place + gone)
+        passed = moment.dt * self.rate(moment.tempo, moment.speed)
+        self._place = min(self.move.length, self._place + passed)
         self.over = self._place >= self.move.length - INSTANT_S
         if self.over:
             self._place = self.move.length

@@ -250,13 +250,13 @@ class Microphone(PassiveDriver):
 
     def _adopt(self, levels: list[float]) -> Mapping[str, Json]:
         keeping = "write threshold: {threshold} into the robot file to keep it"
-        heard = room_threshold.room_noise(levels)
-        lesson = room_threshold.LearntThreshold(
-            self.name, heard, self.settings.sensitivity, BLOCK_S, keeping
+        noise = room_threshold.room_noise(levels)
+        learnt = room_threshold.LearntThreshold(
+            self.name, noise, self.settings.sensitivity, BLOCK_S, keeping
         )
-        told = lesson.tell(self.context, self._speaking.threshold)
-        self._speaking.threshold = lesson.threshold
-        return told
+        published = learnt.tell(self.context, self._speaking.threshold)
+        self._speaking.threshold = learnt.threshold
+        return published
 
 
 class _Learning:

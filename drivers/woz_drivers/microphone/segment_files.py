@@ -133,18 +133,18 @@ class SegmentFiles:
             try:
                 result = work()
             except Exception as trouble:  # noqa: BLE001 - whoever waits for the file is to know
-                _tell(loop, self._over, _fail, done, trouble)
+                _call_in_loop(loop, self._over, _fail, done, trouble)
                 return
             if afterwards is None:
-                _tell(loop, self._over, _succeed, done, result)
+                _call_in_loop(loop, self._over, _succeed, done, result)
                 return
-            _tell(loop, _succeed, done, result)
+            _call_in_loop(loop, _succeed, done, result)
             try:
                 afterwards(result)
             except OSError as trouble:
-                _tell(loop, self._on_unsafe, trouble)
+                _call_in_loop(loop, self._on_unsafe, trouble)
             finally:
-                _tell(loop, self._free)
+                _call_in_loop(loop, self._free)
 
         try:
             threading.Thread(target=run, name="speech file", daemon=True).start()
@@ -174,7 +174,9 @@ def _fail(done: asyncio.Future[T], error: Exception) -> None:
         done.set_exception(error)
 
 
-def _tell(loop: asyncio.AbstractEventLoop, call: Callable[..., None], *args: object) -> None:
+def _call_in_loop(
+    loop: asyncio.AbstractEventLoop, call: Callable[..., None], *args: object
+) -> None:
     """From a thread to the loop, unless that has closed: then the session is over."""
     with contextlib.suppress(RuntimeError):
         loop.call_soon_threadsafe(call, *args)

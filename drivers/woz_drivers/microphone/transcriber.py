@@ -52,7 +52,7 @@ class Transcriber:
         self._context = context
         self._waiting: deque[SpeechToTranscribe] = deque()
         self._news = asyncio.Event()
-        self._complained = False
+        self._warned = False
         self._task: asyncio.Task[None] | None = None
 
     def start(self) -> None:
@@ -82,12 +82,12 @@ class Transcriber:
             await self._news.wait()
             self._news.clear()
             while self._waiting:
-                await self._understand(self._waiting.popleft())
+                await self._transcribe(self._waiting.popleft())
 
-    async def _understand(self, heard: SpeechToTranscribe) -> None:
+    async def _transcribe(self, heard: SpeechToTranscribe) -> None:
         text, trouble = "", DriverError("the session ended meanwhile")
         try:
-            text = await self._run(await _there(heard.file))
+            text = await self._run(await _written_file(heard.file))
         except DriverError as error:
             trouble = error
         except Exception as error:  # one segment that cannot be read must not cost all later ones
@@ -98,24 +98,24 @@ class Transcriber:
         finally:
             self._answer(heard, text, trouble.what)
             self._finish_with(heard)
-        self._complain(trouble)
+        self._warn_once(trouble)
 
-    def _complain(self, trouble: DriverError) -> None:
+    def _warn_once(self, trouble: DriverError) -> None:
         """Tell the wizard once, and again only after it has worked in between."""
-        if trouble.what and not self._complained:
+        if trouble.what and not self._warned:
             self._context.notice(
                 "warning",
                 f"speech is not recognised: {trouble.what}",
                 trouble.remedy or "try the command of `transcribe` in a terminal",
             )
-        self._complained = bool(trouble.what)
+        self._warned = bool(trouble.what)
 
     def _answer(self, heard: SpeechToTranscribe, text: str, detail: str) -> None:
         took_us = max(0, self._context.clock.now_us() - heard.ended_us)
-        told = SpeechText(
+        message = SpeechText(
             driver=self._driver, segment=heard.segment, text=text, took_us=took_us, detail=detail
         )
-        self._context.tell(told)
+        self._context.tell(message)
 
     def _finish_with(self, heard: SpeechToTranscribe) -> None:
         def over(file: asyncio.Future[Path]) -> None:
@@ -126,15 +126,15 @@ class Transcriber:
 
     async def _run(self, file: Path) -> str:
         """What the program says of the file. Raises `DriverError`."""
-        said = bytearray()
+        output = bytearray()
 
-        def listen(data: bytes) -> None:
-            said.extend(data[: _MOST_BYTES - len(said)])
+        def collect(data: bytes) -> None:
+            output.extend(data[: _MOST_BYTES - len(output)])
 
         program = self._words[0]
         words = command_lines.fill(self._words, {"file": str(file)})
         running = await child_process.start(
-            words, self._context.folder, on_output=listen, humble=True
+            words, self._context.folder, on_output=collect, humble=True
         )
         try:
             async with asyncio.timeout(self._limit_s):
@@ -149,7 +149,7 @@ class Transcriber:
             await running.end()
         if status:
             raise DriverError(f"{program} ended: {running.reason(status)}")
-        return one_line(said.decode("utf-8", "replace"))
+        return one_line(output.decode("utf-8", "replace"))
 
 
 def one_line(text: str) -> str:
@@ -161,7 +161,7 @@ def one_line(text: str) -> str:
     return line if len(line) <= LONGEST else f"{line[: LONGEST - 1]}…"
 
 
-async def _there(file: asyncio.Future[Path]) -> Path:
+async def _written_file(file: asyncio.Future[Path]) -> Path:
     """The file, once it is written. Raises `DriverError`."""
     try:
         return await asyncio.wait_for(asyncio.shield(file), _FILE_S)

@@ -136,19 +136,19 @@ class MidiPanel(PassiveDriver):
         taken = [name for name, knob in self._knobs.items() if knob.waiting]
         for name in taken:
             self._knobs[name].jump()
-        self._look()
+        self._compare_and_show()
         return {"controls": ", ".join(taken)}
 
     async def stop(self, scope: Scope) -> None:
         """Nothing moves here; the stop's own light goes on."""
         if scope is Scope.ALL:
             self._stopped = True
-            self._look()
+            self._compare_and_show()
 
     async def resume(self) -> None:
         """The stop was released."""
         self._stopped = False
-        self._look()
+        self._compare_and_show()
 
     async def close(self) -> None:
         """Lights off, let go of the panel."""
@@ -166,7 +166,7 @@ class MidiPanel(PassiveDriver):
         self.context.health(Health.CONNECTED, self._port.path)
         if self._with_lights:
             self._port.write(self._layout.begin)
-        self._look()
+        self._compare_and_show()
 
     def _lost(self, error: DeviceLostError) -> None:
         for knob in self._knobs.values():
@@ -174,13 +174,13 @@ class MidiPanel(PassiveDriver):
         for button in self._buttons.values():
             button.let_go()
         self.context.health(Health.LOST, error.what, error.remedy)
-        self._look()
+        self._compare_and_show()
 
     def _received(self, data: bytes) -> None:
         for message in self._decoder.feed(data):
             self._take(message)
         if self._now_us() - self._shown_us >= LOOK_S * 1_000_000:
-            self._look()
+            self._compare_and_show()
 
     def _take(self, message: MidiMessage) -> None:
         signal = MidiSignal(message.kind, message.number, message.channel)
@@ -231,9 +231,9 @@ class MidiPanel(PassiveDriver):
     async def _keep_looking(self) -> None:
         while True:
             await asyncio.sleep(LOOK_S)
-            self._look()
+            self._compare_and_show()
 
-    def _look(self) -> None:
+    def _compare_and_show(self) -> None:
         """Compare the hands with the robot, switch lights, show what is new."""
         for knob in self._knobs.values():
             knob.look(self._state(knob.fitted.on))

@@ -96,7 +96,7 @@ class Speech(Driver):
     async def open(self) -> None:
         """Look for the programs, until they are there."""
         self.context.health(Health.CONNECTING, "looking for the speech programs")
-        self._task = asyncio.create_task(self._look())
+        self._task = asyncio.create_task(self._watch_programs())
 
     async def prepare(self, utterances: list[str]) -> None:
         """Synthesise what will be said, so that it is heard at once later. Troubles become one
@@ -171,7 +171,7 @@ class Speech(Driver):
 
     # -- programs ------------------------------------------------------------------------------
 
-    async def _look(self) -> None:
+    async def _watch_programs(self) -> None:
         while not self._complete():  # noqa: ASYNC110 - nothing tells when a program is installed
             await asyncio.sleep(_LOOK_S)
 

@@ -1,4 +1,4 @@
-"""The console: puts the picture, the widgets, the dialogs and the keys together."""
+"""Console app: takes messages in, paints the screen, opens dialogs, passes keys on."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Console(ScreenApp):
         commands: What can be done beside playing actions.
         restart: Starts the robot process again after it was lost; None if nobody can.
         ask_participant: Whether to ask for participant and condition when a session starts.
-        pictures: How a camera's pictures are drawn (`camera.ways.WAYS`).
+        pictures: How a camera's pictures are drawn (`camera.drawing_methods`).
         options: As for `ScreenApp`.
     """
 

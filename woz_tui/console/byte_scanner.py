@@ -1,4 +1,4 @@
-"""From a terminal's bytes to tokens, one byte at a time: no terminal, no clock, no thread.
+"""Turns a terminal's bytes into tokens, one byte at a time: no terminal, no clock, no thread.
 
 The stop comes first. A lone ESC and an ESC before any byte that cannot follow it in an escape
 sequence is a stop; so is ctrl+C, and a sequence that breaks off (a person who types `ESC [` in
@@ -47,7 +47,7 @@ SEQUENCE_LIMIT = 2048
 #: how long it may be.
 GRAPHICS, _ANSWER_END, _GRAPHICS_LIMIT = b"\x1b_Gi=31;", b"\x1b\\", 256
 
-#: The same for the question for the terminal's ground (`ground.QUESTION`); it may end with a bell.
+#: The same for its background (`background_colour.QUESTION`); the answer may end with a bell.
 GROUND, _GROUND_LIMIT = b"\x1b]11;", 64
 #: Held so far, no person has pressed escape and typed the rest: a piece of a late answer.
 _GROUND_SURE = b"\x1b]11;rgb"

@@ -1,4 +1,4 @@
-"""The list of events, newest on top: what people did and what is wrong comes first.
+"""Event list, newest on top: what people did and what is wrong comes first.
 
 What machines tell of themselves has the rows that are left. The engagement model has one row,
 always the lowest, in which each change replaces the one before. A key selects what is listed.

@@ -1,4 +1,4 @@
-"""How the console ends or pauses, and that the robot and the terminal are left in order each time.
+"""Ends or pauses the console, and leaves the robot and the terminal in order each time.
 
 | event                                    | what happens                                      |
 |------------------------------------------|---------------------------------------------------|

@@ -1,4 +1,4 @@
-"""What happens to a key: the request it stands for goes out from the thread that read it.
+"""Sends the request that a key stands for, from the thread that read the key.
 
 Experiment actions and those of the console's own keys that only send a request are carried out
 here, whatever the screen is doing. Everything else is left to the screen: `press` and `arrive`

@@ -1,4 +1,4 @@
-"""The line to the wizard's terminal: how long it takes, whether it lives, which keys are stale.
+"""Measures the line to the wizard's terminal: round trip, whether it lives, which keys are stale.
 
 The round trip is measured with the question `CSI 5 n` (are you well?), to which every terminal
 answers `CSI 0 n`. The cursor's position, `CSI 6 n`, would measure the same, but its answer in the

@@ -67,7 +67,7 @@ class WizardDriver(LinuxDriver):
     """Reads keys in a thread of its own and sends what they stand for from there.
 
     The app gives its `keyboard`. If it has a method `terminal_found(terminal)`, that is called in
-    the app's thread with the `experiment.terminals.Terminal` that answered. A method
+    the app's thread with the `config.keys.terminals.Terminal` that answered. A method
     `side_found(side)` is given at once what this driver finds out about the terminal for pictures.
     """
 

@@ -12,7 +12,7 @@ from woz_tui.protocol import messages as m
 
 
 class EventText(NamedTuple):
-    """The mark (see `sentences.Event`), what happened, and details."""
+    """The mark (see `event_sentences.EventLine`), what happened, and details."""
 
     mark: str
     text: str

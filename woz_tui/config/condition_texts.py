@@ -1,4 +1,4 @@
-"""Texts that are not always the same: another one in each condition, or one of several variants.
+"""Texts that depend on the condition, or of which one of several variants is chosen.
 
 variables:
   exhibit: this whale

@@ -1,4 +1,4 @@
-"""A file's text, or a sentence about why there is none."""
+"""Reads a text file, or says why it cannot be read."""
 
 from __future__ import annotations
 

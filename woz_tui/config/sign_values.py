@@ -1,4 +1,4 @@
-"""What a wizard may say of a sign: the values of the verb `sense`, and what of `filter` fits."""
+"""Values of the verbs `sense` and `filter`: what a wizard can set a sign to."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A node together with its path and the report: what every decoder is given.
+"""A YAML node with its path and the problem report, as decoders get it, and readers of values.
 
 The readers here return None after they have reported what is wrong, so that a decoder goes on and
 finds the other errors too.

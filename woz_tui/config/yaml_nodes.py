@@ -1,4 +1,4 @@
-"""The YAML-node layer: text into nodes that know where they stand and have not been guessed at.
+"""Parses YAML into nodes with their positions, without guessing types.
 
 YAML turns `No` into false, `12:30` into 750 and lets the second of two equal keys win. So nothing
 is resolved here: a scalar keeps its text, and whoever wants a number parses one. The tree is built

@@ -1,4 +1,4 @@
-"""Are these the arguments that a verb takes? Asked again for every command.
+"""Checks the arguments of every command against what its verb declares.
 
 Experiment files are checked when they are read, but a program on the socket may send anything,
 and a variable's value is known only when the action is played.

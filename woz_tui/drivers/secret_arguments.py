@@ -1,4 +1,4 @@
-"""What nobody may see of what is asked for: passwords, before anything is recorded or told.
+"""Removes passwords from commands before anything is recorded or sent.
 
 A driver marks an argument with `Argument.hide`. The bus then takes what it hides out of every
 command of that verb before the command is published, so neither the log nor a console nor the

@@ -1,4 +1,4 @@
-"""Being run soon after waking up, also where other programs take every processor."""
+"""Asks Linux to run a thread soon after it wakes up, also on a machine that is fully loaded."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every line of a session carries, whatever it says."""
+"""Base classes of messages and answers: the fields that each line carries."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Everything that is ever said in a session: to the log, over the socket, in a replay.
+"""All messages of a session, for the log, the socket and replays.
 
 A message is one JSON object on one line. Its `kind` names the class, `seq` its place in the
 session, `t` whole microseconds since the session began (monotonic clock), `ts` the wall clock.

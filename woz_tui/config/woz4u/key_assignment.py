@@ -1,4 +1,4 @@
-"""Who gets which key. In a browser the last of two actions silently wins a key; here, the first.
+"""Gives each action its key. In a browser the last of two actions wins a key; here, the first.
 
 Everybody first gets the key that the file asks for, in the order of the file, as long as it is
 free. Whoever is left gets the first free one of: the letters and digits of its title, then a to z,

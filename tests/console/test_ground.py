@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.console.driving import sitting
-from woz_tui.console.background_colour import QUESTION, Background, ask_background
+from woz_tui.console.background_colour import QUESTION, TerminalBackground, ask_background
 from woz_tui.console.byte_scanner import Scanner
 from woz_tui.console.escape_sequences import Key, StopToken, TerminalReply, Token
 from woz_tui.console.theme import choose_appearance, save_theme, saved_theme
@@ -127,14 +127,16 @@ def terminal(*pieces: bytes) -> Iterator[int]:
 @pytest.mark.parametrize(
     ("pieces", "found"),
     [
-        ((WHITE,), Background(True)),
-        ((BLACK,), Background(False)),
-        ((b"h", b"\x1b", WHITE), Background(True, ("escape",))),
-        ((WHITE[:9], WHITE[9:]), Background(True)),
-        ((b"\x03", BLACK), Background(False, ("ctrl+c",))),
+        ((WHITE,), TerminalBackground(True)),
+        ((BLACK,), TerminalBackground(False)),
+        ((b"h", b"\x1b", WHITE), TerminalBackground(True, ("escape",))),
+        ((WHITE[:9], WHITE[9:]), TerminalBackground(True)),
+        ((b"\x03", BLACK), TerminalBackground(False, ("ctrl+c",))),
     ],
 )
-def test_the_window_is_over_with_the_answer(pieces: tuple[bytes, ...], found: Background) -> None:
+def test_the_window_is_over_with_the_answer(
+    pieces: tuple[bytes, ...], found: TerminalBackground
+) -> None:
     with terminal(*pieces) as tty:
         before = termios.tcgetattr(tty)
         assert ask_background(tty, tty, 30.0) == found
@@ -148,12 +150,12 @@ def test_a_terminal_that_does_not_answer_is_not_waited_for(
     pieces: tuple[bytes, ...], kept: tuple[str, ...]
 ) -> None:
     with terminal(*pieces) as tty:
-        assert ask_background(tty, tty, 0.3) == Background(None, kept)
+        assert ask_background(tty, tty, 0.3) == TerminalBackground(None, kept)
 
 
 def test_what_is_no_terminal_is_not_asked(tmp_path: Path) -> None:
     with (tmp_path / "f").open("w+b") as file:
-        assert ask_background(file.fileno(), file.fileno()) == Background()
+        assert ask_background(file.fileno(), file.fileno()) == TerminalBackground()
     assert (tmp_path / "f").read_bytes() == b""
 
 

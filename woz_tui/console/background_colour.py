@@ -25,14 +25,14 @@ _LIGHT = 500
 
 
 @dataclass(frozen=True, slots=True)
-class Background:
+class TerminalBackground:
     """Whether the ground is light (None: nobody knows), and the stops that were pressed."""
 
     light: bool | None = None
     stops: tuple[str, ...] = ()
 
 
-def ask_background(source: int, target: int, window_s: float = WINDOW_S) -> Background:
+def ask_background(source: int, target: int, window_s: float = WINDOW_S) -> TerminalBackground:
     """Ask the terminal at the descriptors `source` and `target`; never raises because of it.
 
     Keys other than the stop are dropped: there is nothing yet that they could mean.
@@ -40,7 +40,7 @@ def ask_background(source: int, target: int, window_s: float = WINDOW_S) -> Back
     try:
         before = termios.tcgetattr(source)
     except termios.error:
-        return Background()
+        return TerminalBackground()
     quiet = [*before]
     quiet[3] &= ~(termios.ICANON | termios.ECHO | termios.ISIG)
     try:
@@ -48,13 +48,13 @@ def ask_background(source: int, target: int, window_s: float = WINDOW_S) -> Back
         os.write(target, QUESTION)
         return _heard(source, time.monotonic() + window_s)
     except (OSError, termios.error):
-        return Background()
+        return TerminalBackground()
     finally:
         with contextlib.suppress(termios.error):
             termios.tcsetattr(source, termios.TCSANOW, before)
 
 
-def _heard(source: int, until: float) -> Background:
+def _heard(source: int, until: float) -> TerminalBackground:
     scanner = Scanner()
     scanner.expects_ground = True
     light: bool | None = None
@@ -81,7 +81,7 @@ def _heard(source: int, until: float) -> Background:
         if not data:
             break
     stops += [token.source for token in scanner.close() if isinstance(token, StopToken)]
-    return Background(light, tuple(stops))
+    return TerminalBackground(light, tuple(stops))
 
 
 def _brightness(colour: tuple[int, ...]) -> float:

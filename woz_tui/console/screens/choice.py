@@ -16,7 +16,7 @@ from woz_tui.console.screens.dialog import Dialog, EntryDialog, content
 T = TypeVar("T")
 
 
-class Offer(NamedTuple):
+class ListChoice(NamedTuple):
     """One line of a list, and what it does; None: it only closes the dialog."""
 
     text: Content
@@ -33,7 +33,7 @@ class ChoiceDialog(Dialog):
         """What stands above the choices."""
         return []
 
-    def choices(self) -> Sequence[Offer]:
+    def choices(self) -> Sequence[ListChoice]:
         """The choices, in their order; what they do happens once the dialog is closed."""
         raise NotImplementedError
 

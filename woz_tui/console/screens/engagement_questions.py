@@ -18,7 +18,7 @@ from woz_tui.console.engagement.wizard_overrides import (
     override_request,
     verb_request,
 )
-from woz_tui.console.screens.choice import ChoiceDialog, Offer
+from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import (
     ConsoleApp,
     Dialog,
@@ -78,13 +78,13 @@ class ForceDialog(_OverrideDialog, ChoiceDialog):
         here = clean(shown.state) if shown is not None else "not known"
         return [(("from ", "muted"), (here, "strong"), ("; the log marks it as forced", "muted"))]
 
-    def choices(self) -> Sequence[Offer]:
+    def choices(self) -> Sequence[ListChoice]:
         """Outcomes that leave the state first, then every other state."""
         shown = self.picture.engaged.shown
         self._from = shown.state if shown is not None else ""
         arrow = self.glyphs.next
         return [
-            Offer(
+            ListChoice(
                 plain(f"{fit(to, _OUTCOME)} {arrow} {state}" if state else f"{'':16} {arrow} {to}"),
                 partial(self._force, to, state),
             )

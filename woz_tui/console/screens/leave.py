@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from textual.content import Content
 
 from woz_tui.console.cells import Row, clean
-from woz_tui.console.screens.choice import ChoiceDialog, Offer
+from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.trial import OfferDialog, progress, questionnaire_title
 from woz_tui.console.screens.typed import KeepTypedDialog, has_typed
 from woz_tui.console.study.study_view import StudyView
@@ -30,15 +30,17 @@ class LeaveDialog(ChoiceDialog):
             rows.append((("its name gets the participant's code at the end", "muted"),))
         return [*rows, *cut]
 
-    def choices(self) -> Sequence[Offer]:
+    def choices(self) -> Sequence[ListChoice]:
         """Stay, leave it running, end it."""
         return [
-            Offer(Content("Stay")),
-            Offer(
+            ListChoice(Content("Stay")),
+            ListChoice(
                 Content("Leave the session running (woz attach brings you back)"),
                 lambda: self.console_app.exit("detached"),
             ),
-            Offer(Content("End the session: the robot rests, the log is finished"), self._ask_due),
+            ListChoice(
+                Content("End the session: the robot rests, the log is finished"), self._ask_due
+            ),
         ]
 
     def _ask_due(self) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from textual.content import Content
 
 from woz_tui.console.cells import Row
-from woz_tui.console.screens.choice import ChoiceDialog, Offer
+from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import ConsoleApp
 from woz_tui.console.screens.typed import has_typed
 from woz_tui.log.file_names import current_path
@@ -47,9 +47,9 @@ class LostDialog(ChoiceDialog):
             ((_log(picture.log) or "(the log is not known)", "strong"),),
         ]
 
-    def choices(self) -> Sequence[Offer]:
+    def choices(self) -> Sequence[ListChoice]:
         """Restart if somebody can, look on, leave."""
-        restart = Offer(Content("Start the robot process again"), self._restart)
+        restart = ListChoice(Content("Start the robot process again"), self._restart)
         return [*([restart] if self.console_app.restart else []), *_leaving(self, "lost")]
 
     def _restart(self) -> None:
@@ -74,11 +74,11 @@ class EndedDialog(ChoiceDialog):
             *([typed] if has_typed(self.picture) else []),
         ]
 
-    def choices(self) -> Sequence[Offer]:
+    def choices(self) -> Sequence[ListChoice]:
         """Look on, or leave."""
         return _leaving(self, "ended")
 
 
-def _leaving(dialog: ChoiceDialog, how: str) -> list[Offer]:
-    leave = Offer(Content("Leave the console"), lambda: dialog.console_app.exit(how))
-    return [Offer(Content("Stay and read the screen")), leave]
+def _leaving(dialog: ChoiceDialog, how: str) -> list[ListChoice]:
+    leave = ListChoice(Content("Leave the console"), lambda: dialog.console_app.exit(how))
+    return [ListChoice(Content("Stay and read the screen")), leave]

@@ -8,7 +8,7 @@ from functools import partial
 from woz_tui.console.cells import Row, fit
 from woz_tui.console.event_sentences import EventLine
 from woz_tui.console.number_text import elapsed
-from woz_tui.console.screens.choice import ChoiceDialog, Offer
+from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import content
 from woz_tui.protocol.requests import AskMistake
 
@@ -30,9 +30,11 @@ class MistakeDialog(ChoiceDialog):
         """Only if there is nothing to choose from."""
         return [] if self._events() else [(("Nothing has been played yet.", "muted"),)]
 
-    def choices(self) -> Sequence[Offer]:
+    def choices(self) -> Sequence[ListChoice]:
         """When, what, and whether it is labelled already; choosing labels it."""
-        return [Offer(content([self._row(event)]), self._label(event)) for event in self._events()]
+        return [
+            ListChoice(content([self._row(event)]), self._label(event)) for event in self._events()
+        ]
 
     def _row(self, event: EventLine) -> Row:
         return (

@@ -10,7 +10,7 @@ from textual.content import Content
 
 from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.number_text import elapsed
-from woz_tui.console.screens.choice import ChoiceDialog, Offer
+from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.protocol.panels import PhaseView
 from woz_tui.protocol.requests import AskPhase
 
@@ -34,14 +34,14 @@ class PhasesDialog(ChoiceDialog):
     def _phases(self) -> Sequence[PhaseView]:
         return self.picture.settings.phases
 
-    def choices(self) -> Sequence[Offer]:
+    def choices(self) -> Sequence[ListChoice]:
         """All phases of the file, in its order; a refusal is shown above the hints."""
         phases = self._phases
         width = min(TITLE, max((cell_len(clean(each.heading)) for each in phases), default=1))
         following = self.picture.session.study.next_phase(phases)
         self.first = phases.index(following) if following is not None else None
         return [
-            Offer(
+            ListChoice(
                 Content.assemble(
                     (f"{self._mark(phase)} ", "bold"),
                     fit(clean(phase.heading), width, self.glyphs.ellipsis),

@@ -11,7 +11,7 @@ from textual.widgets import OptionList
 
 from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.console_state import EVERYTHING
-from woz_tui.console.screens.choice import ChoiceDialog, Offer
+from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.protocol.requests import AskProfile
 
 #: Cells of a profile's name at the most.
@@ -30,13 +30,13 @@ class ProfileDialog(ChoiceDialog):
             return [(("The stop, markers and notes count in each of them.", "muted"),)]
         return [(("The experiment file names no profiles.", "muted"),)]
 
-    def choices(self) -> Sequence[Offer]:
+    def choices(self) -> Sequence[ListChoice]:
         """Everything first, then the file's; each with what it allows."""
         self._shown = self.picture.profiles
         self._names = self._shown.offered
         self.first = self._names.index(self._shown.current)
         return [
-            Offer(row, partial(self._use, name))
+            ListChoice(row, partial(self._use, name))
             for row, name in zip(self._rows(), self._names, strict=True)
         ]
 

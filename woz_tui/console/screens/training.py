@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from textual.content import Content
 
 from woz_tui.console.cells import Row
-from woz_tui.console.screens.choice import ChoiceDialog, Offer
+from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import ConsoleApp
 from woz_tui.console.screens.trial import TrialDialog
 from woz_tui.protocol import messages as m
@@ -54,10 +54,10 @@ class BeginDialog(_Training):
             (("Answer each of them with the right key. Nothing moves.", "plain"),),
         ]
 
-    def choices(self) -> Sequence[Offer]:
+    def choices(self) -> Sequence[ListChoice]:
         """Begin, or look at the keys first."""
-        begin = Offer(Content("Begin"), lambda: self.requests.ask(AskTraining()))
-        return [begin, Offer(Content("Look at the keys first; * begins"))]
+        begin = ListChoice(Content("Begin"), lambda: self.requests.ask(AskTraining()))
+        return [begin, ListChoice(Content("Look at the keys first; * begins"))]
 
 
 class ScoreDialog(_Training):
@@ -78,7 +78,7 @@ class ScoreDialog(_Training):
             rows.append(((f"median reaction {told.median_us / 1_000_000:.2f} s", "plain"),))
         return rows
 
-    def choices(self) -> Sequence[Offer]:
+    def choices(self) -> Sequence[ListChoice]:
         """End the session, to which nobody comes back, or stay."""
-        end = Offer(Content("End the training"), self.requests.end_session)
-        return [end, Offer(Content("Stay and read the screen"))]
+        end = ListChoice(Content("End the training"), self.requests.end_session)
+        return [end, ListChoice(Content("Stay and read the screen"))]

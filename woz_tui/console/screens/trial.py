@@ -14,7 +14,7 @@ from textual.widgets import Input, OptionList, Static
 from woz_tui.config.study import OVER
 from woz_tui.console.cells import Row, clean, fit_most
 from woz_tui.console.number_text import elapsed
-from woz_tui.console.screens.choice import ChoiceDialog, Offer
+from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import ConsoleApp, Dialog, content
 from woz_tui.console.study.questionnaires import OpenQuestionnaire
 from woz_tui.console.study.study_view import StudyView
@@ -139,14 +139,14 @@ class OfferDialog(ChoiceDialog):
         back = "It covers this screen; ctrl+q brings the console back."
         return [((clean(title), "strong"), (count, "muted")), ((back, "plain"),)]
 
-    def choices(self) -> list[Offer]:
+    def choices(self) -> list[ListChoice]:
         """Where to ask it."""
         ask = partial(ask_questionnaire, self.console_app, self._asked)
-        there = Offer(Content("At the participant's terminal"), partial(ask, here=False))
+        there = ListChoice(Content("At the participant's terminal"), partial(ask, here=False))
         return [
-            Offer(Content("Ask it here"), partial(ask, here=True)),
+            ListChoice(Content("Ask it here"), partial(ask, here=True)),
             *([there] if self.picture.study.participants else []),
-            Offer(Content("Without it" if self._otherwise else "Later"), self._otherwise),
+            ListChoice(Content("Without it" if self._otherwise else "Later"), self._otherwise),
         ]
 
 

@@ -108,7 +108,7 @@ def test_a_covered_verb_that_nobody_offers_is_told_at_its_place(tmp_path: Path) 
     said = errors(tmp_path, FILE.replace("covers: [screen]", "covers: [screen, scren]"))
     assert said == ["7:40: panels[1].covers[1]: no driver offers 'scren'; did you mean 'screen'?"]
     assert errors(tmp_path, FILE.replace(", covers: [screen]", "")) == [
-        "7:5: panels[1].actions: is missing"
+        "7:5: panels[1].actions: is missing (buttons, in this order)"
     ]
 
 

@@ -25,7 +25,6 @@ def _distance(method: str, metres: float) -> float:
 
 #: Seconds that waking up and resting take.
 WAKE_S, REST_S = 2.5, 2.5
-_OWN_SPEED = 0.3
 
 
 class MotionService(Service):

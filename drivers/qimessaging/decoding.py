@@ -6,12 +6,11 @@ depth and every length are limited before memory is taken.
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Callable
 from typing import Any, Final
 
 from qimessaging.errors import ProtocolError
-from qimessaging.signature import SignatureType, parse
+from qimessaging.signature import DEEPEST_VALUE, LENGTH, NUMBERS, SignatureType, parse
 
 #: How many values one message may hold, lists' elements included: reading them takes a part of a
 #: second, in which nothing else runs.
@@ -21,14 +20,6 @@ MOST_VALUES: Final = 250_000
 _VALUES_A_BYTE: Final = 8
 _VALUES_AT_LEAST: Final = 256
 _NUMBERS_A_VALUE: Final = 8
-#: How deeply values may nest; a dynamic value may hold another, so a signature does not limit it.
-DEEPEST: Final = 64
-
-_NUMBERS: Final = {
-    letter: struct.Struct("<" + code)
-    for letter, code in zip("cCwWiIlLfd", "bBhHiIqQfd", strict=True)
-}
-_LENGTH: Final = struct.Struct("<I")
 
 
 class ValueDecoder:
@@ -58,7 +49,7 @@ class ValueDecoder:
         """Read one value of that type. Raises `ProtocolError`."""
         kind = parse(signature) if isinstance(signature, str) else signature
         self._spend(1)
-        number = _NUMBERS.get(kind.kind)
+        number = NUMBERS.get(kind.kind)
         if number is not None:
             return number.unpack(self._read_bytes(number.size))[0]
         if kind.kind == "s":
@@ -69,8 +60,8 @@ class ValueDecoder:
         read = _READERS.get(kind.kind)
         if read is None:
             raise ProtocolError(f"values of type {kind.kind!r} cannot be sent")
-        if self._depth >= DEEPEST:
-            raise ProtocolError(f"a value nests more deeply than {DEEPEST}")
+        if self._depth >= DEEPEST_VALUE:
+            raise ProtocolError(f"a value nests more deeply than {DEEPEST_VALUE}")
         self._depth += 1
         found = read(self, kind)
         self._depth -= 1
@@ -85,7 +76,7 @@ class ValueDecoder:
         return taken
 
     def _count(self) -> int:
-        return int(_LENGTH.unpack(self._read_bytes(4))[0])
+        return int(LENGTH.unpack(self._read_bytes(4))[0])
 
     def _spend(self, count: int) -> None:
         self._left -= count
@@ -113,7 +104,7 @@ class ValueDecoder:
     def _list(self, kind: SignatureType) -> list[Any]:
         count = self._count()
         element = kind.inner[0]
-        number = _NUMBERS.get(element.kind)
+        number = NUMBERS.get(element.kind)
         if number is not None:  # sound and coordinates come as long lists of numbers
             self._spend(count // _NUMBERS_A_VALUE)
             packed = self._read_bytes(count * number.size)

@@ -9,6 +9,7 @@ import itertools
 import os
 import uuid
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, Final
 
 from qimessaging.connection import QiConnection
@@ -92,7 +93,7 @@ class ServiceDirectory:
         info = ServiceInfo.of(members)
         self._refuse_double(info.name)
         number = next(self._numbers)
-        self._pending[number] = info.numbered(number)
+        self._pending[number] = replace(info, service=number)
         if caller not in self._owners.values():
             caller.lost.add_done_callback(lambda _: self._remove_all_of(caller))
         self._owners[number] = caller
@@ -123,7 +124,7 @@ class ServiceDirectory:
         endpoints = [str(Endpoint(host, each.port, each.tls)) for each in self._endpoints()]
         if caller.may("RelativeEndpointURI"):
             endpoints.insert(0, f"qi:{DIRECTORY}")
-        return info.at(endpoints).members()
+        return replace(info, endpoints=tuple(endpoints)).members()
 
     def _refuse_double(self, name: str) -> None:
         for info in (*self._ready.values(), *self._pending.values()):

@@ -12,16 +12,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final, Protocol
 
 from qimessaging.errors import ProtocolError
-from qimessaging.signature import SignatureType, parse
+from qimessaging.signature import DEEPEST_VALUE, LENGTH, NUMBERS, SignatureType, parse
 
-#: How deeply values may nest; also ends a list that holds itself.
-DEEPEST: Final = 64
-
-_NUMBERS: Final = {
-    letter: struct.Struct("<" + code)
-    for letter, code in zip("cCwWiIlLfd", "bBhHiIqQfd", strict=True)
-}
-_LENGTH: Final = struct.Struct("<I")
 _WHOLE: Final = frozenset("cCwWiIlL")
 
 
@@ -83,8 +75,8 @@ def _short(value: Any) -> str:
 
 
 def _write(kind: SignatureType, value: Any, out: bytearray, depth: int) -> None:
-    if depth > DEEPEST:
-        raise ProtocolError(f"a value nests more deeply than {DEEPEST}")
+    if depth > DEEPEST_VALUE:
+        raise ProtocolError(f"a value nests more deeply than {DEEPEST_VALUE}")
     write = _WRITERS.get(kind.kind)
     if write is None:
         raise ProtocolError(f"values of type {kind.kind!r} cannot be sent")
@@ -92,7 +84,7 @@ def _write(kind: SignatureType, value: Any, out: bytearray, depth: int) -> None:
 
 
 def _number(kind: SignatureType, value: Any, out: bytearray, _depth: int) -> None:
-    out += _NUMBERS[kind.kind].pack(as_number(kind.kind, value))
+    out += NUMBERS[kind.kind].pack(as_number(kind.kind, value))
 
 
 def as_number(letter: str, value: Any) -> int | float:
@@ -106,7 +98,7 @@ def as_number(letter: str, value: Any) -> int | float:
             pass
         else:
             raise _misfit(letter, value)
-        _NUMBERS[letter].pack(number)
+        NUMBERS[letter].pack(number)
     except (struct.error, OverflowError, ValueError) as error:
         raise _misfit(letter, value) from error
     return number
@@ -136,7 +128,7 @@ def _raw(kind: SignatureType, value: Any, out: bytearray, _depth: int) -> None:
 
 
 def _length(length: int, out: bytearray) -> None:
-    out += _LENGTH.pack(length)
+    out += LENGTH.pack(length)
 
 
 def _nothing(_kind: SignatureType, _value: Any, _out: bytearray, _depth: int) -> None:

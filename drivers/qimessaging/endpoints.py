@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import ipaddress
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass
 from typing import Any, Final
 from urllib.parse import urlsplit
 
@@ -68,25 +67,9 @@ class ServiceInfo:
             identity if isinstance(identity, str | bytes) else "",
         )
 
-    def numbered(self, service: int) -> ServiceInfo:
-        """Return it with the number which the directory has given."""
-        return replace(self, service=service)
-
-    def at(self, endpoints: Iterable[str]) -> ServiceInfo:
-        """Return it with other addresses."""
-        return replace(self, endpoints=tuple(endpoints))
-
     def members(self) -> tuple[Any, ...]:
         """Return it as it is encoded."""
-        return (
-            self.name,
-            self.service,
-            self.machine,
-            self.process,
-            list(self.endpoints),
-            self.session,
-            self.identity,
-        )
+        return (*astuple(self)[:4], list(self.endpoints), self.session, self.identity)
 
 
 def _name(value: Any) -> str:

@@ -6,8 +6,10 @@ its length and depth are limited.
 
 from __future__ import annotations
 
+import struct
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Final
 
 from qimessaging.errors import ProtocolError
 
@@ -21,6 +23,16 @@ DEEPEST = 32
 #: `_` is the element of an empty list whose type nobody knows; it has no bytes, like `v`.
 _LETTERS = frozenset("bcCwWiIlLfdsrvmoX_*")
 _ONE_ELEMENT = {"#": "[", "+": "+"}
+
+#: Numbers by their letter, and lengths, as bytes.
+NUMBERS: Final = {
+    letter: struct.Struct("<" + code)
+    for letter, code in zip("cCwWiIlLfd", "bBhHiIqQfd", strict=True)
+}
+LENGTH: Final = struct.Struct("<I")
+#: How deeply values may nest: a dynamic value may hold another, so a signature does not limit it,
+#: and a list may hold itself.
+DEEPEST_VALUE: Final = 64
 
 
 @dataclass(frozen=True, slots=True)

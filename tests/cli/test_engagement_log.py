@@ -124,7 +124,7 @@ def test_whatever_the_wizard_does_the_path_is_the_same(tmp_path: Path, seed: int
     path = run_virtual(_recorded(tmp_path, seed))
     found = rerun(path, None, Damage())
     assert found.again is not None
-    assert len(found.again.told) > 2
+    assert len(found.again.settings_at) > 2
     assert len(found.recorded) > 20
     assert any(change.forced for change in found.recorded)
     assert path_of(found.computed) == path_of(found.recorded)

@@ -124,7 +124,7 @@ def test_the_share_is_the_reports(steps: list[tuple[int, str | m.AnyMessage]]) -
             it.state(at, state, what)
             state = what
     messages = in_time(it.end(at + 5))
-    then = RecordedModel(there=False, on=True)
+    then = RecordedModel(present=False, on=True)
     path: list[Transition] = []
     for message in messages:
         then.take(message)

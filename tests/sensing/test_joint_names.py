@@ -23,7 +23,7 @@ def named(story: list[str], threshold: float = 0.5) -> list[str]:
         names.passed(PERIOD)
         names.take(seen)
         names.judge(threshold)
-        found.append(names.given)
+        found.append(names.accepted)
     return found
 
 

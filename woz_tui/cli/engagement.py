@@ -234,16 +234,16 @@ def with_options(arguments: Namespace, settings: EngagementSettings) -> Engageme
     """Settings with the options above them; `OptionsError` for those that do not go together."""
     numbers = ("samples", "threshold", "filter", "stale")
     others = ("start_up", "rate", "signs", "social_distance")
-    given: dict[str, Any] = {
+    changes: dict[str, Any] = {
         name: getattr(arguments, name)
         for name in (*numbers, *others)
         if getattr(arguments, name) is not None
     }
-    own: dict[str, Any] = {name: None for name in numbers if name in given}
-    given |= {sign: replace(settings.sign(sign), **own) for sign in SIGNS}
+    own: dict[str, Any] = {name: None for name in numbers if name in changes}
+    changes |= {sign: replace(settings.sign(sign), **own) for sign in SIGNS}
     if arguments.loud is not None:
-        given["sound"] = replace(settings.sound, threshold=arguments.loud)
-    settings = replace(settings, **given)
+        changes["sound"] = replace(settings.sound, threshold=arguments.loud)
+    settings = replace(settings, **changes)
     problems = settings.problems()
     if problems:
         raise OptionsError("; ".join(f"{name}: {why}" for name, why in problems))
@@ -338,8 +338,8 @@ def _rows(lines: _Lines, settings: EngagementSettings, live: bool) -> None:
     rows = SampleRowReader(settings)
     out = sys.stdout.buffer
     for row in lines:
-        said = rows.no_row() if row is None else rows.take(row)
-        out.write(json_text(said).encode("utf-8") + b"\n")
+        verdicts = rows.no_row() if row is None else rows.take(row)
+        out.write(json_text(verdicts).encode("utf-8") + b"\n")
         if live:
             out.flush()
     out.flush()
@@ -350,7 +350,7 @@ def _hints(rows: SampleRowReader, settings: EngagementSettings, wrong: int) -> N
     """What may explain that nothing came of it."""
     if wrong > TOLD:
         _tell(f"{wrong} lines are not rows of samples")
-    silent = [sign for sign in settings.signs if sign not in rows.given]
+    silent = [sign for sign in settings.signs if sign not in rows.sampled]
     if silent:
         _tell(
             f"no line gave {' or '.join(silent)}, so engagement never began"

@@ -64,8 +64,6 @@ def run(arguments: Namespace, settings: EngagementSettings) -> int:
     with _waiting(runs):
         report = measure(settings, runs, seed)
     if arguments.plot is not None:
-        from woz_tui.cli.engagement_bench import draw  # noqa: PLC0415
-
         arguments.plot.write_text(draw(report), "utf-8")
     if arguments.json:
         print(json.dumps(as_json(report), indent=1))
@@ -237,10 +235,6 @@ def _time(seconds: float) -> str:
 
 
 # -- delay against stability, as a picture ---------------------------------------------------------
-
-
-if TYPE_CHECKING:
-    from woz_tui.sensing.bench.bench_figures import BenchReport, FilterFigures
 
 #: Colours of Okabe and Ito's set for colour-blind readers; shapes and words say the same.
 QUEUE, JOINT, GOAL, INK, FAINT = "#0072B2", "#D55E00", "#009E73", "#222222", "#BBBBBB"

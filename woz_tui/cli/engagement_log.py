@@ -69,37 +69,37 @@ class ModelRerun:
         self.above = above
         self._state = SessionState()
         #: Verbs with arguments that do not count, by command.
-        self._asked: dict[str, str] = {}
+        self._passed_verbs: dict[str, str] = {}
         #: When keys of the wizard were passed over, in microseconds.
         self.passed_over: list[int] = []
         #: Why settings of the log were not taken.
         self.unreadable: list[str] = []
         #: When the log told settings, in microseconds.
-        self.told: list[int] = []
+        self.settings_at: list[int] = []
 
     def take(self, message: m.AnyMessage) -> Sequence[Transition]:
         """One message; the transitions that it brought."""
         if not isinstance(message, m.Reading | m.EngagementShown):
             self._state.take(message)
-        heard = self._meant(message)
-        if heard is None or self.follower is None:
+        understood = self._understood(message)
+        if understood is None or self.follower is None:
             return ()
-        return [*self.follower.take(heard)]
+        return [*self.follower.take(understood)]
 
     def until(self, t: int) -> Sequence[Transition]:
         """What happens by itself up to `t`."""
         return () if self.follower is None else [*self.follower.until(t)]
 
-    def _meant(self, message: m.AnyMessage) -> m.AnyMessage | None:
+    def _understood(self, message: m.AnyMessage) -> m.AnyMessage | None:
         """The message as the model is to hear it; None: not at all."""
         match message:
             case m.EngagementAdopted():
                 return self._settled(message)
             case m.Command(driver=driver, verb=verb) if driver == ENGAGEMENT:
                 if verb in self.above.named:
-                    self._asked[message.command] = verb
-            case m.End(command=command) if command in self._asked:
-                return self._obeyed(message, self.above.named[self._asked.pop(command)])
+                    self._passed_verbs[message.command] = verb
+            case m.End(command=command) if command in self._passed_verbs:
+                return self._obeyed(message, self.above.named[self._passed_verbs.pop(command)])
         return message
 
     def _obeyed(self, end: m.AnyMessage, named: frozenset[str]) -> m.AnyMessage | None:
@@ -109,19 +109,19 @@ class ModelRerun:
         left = {name: value for name, value in end.sent.items() if name not in named}
         return msgspec.structs.replace(end, sent=left) if left.keys() - {"sign"} else None
 
-    def _settled(self, told: m.EngagementAdopted) -> m.AnyMessage | None:
-        self.told.append(told.t)
-        if not told.settings:
+    def _settled(self, adopted: m.EngagementAdopted) -> m.AnyMessage | None:
+        self.settings_at.append(adopted.t)
+        if not adopted.settings:
             self.follower = None
             return None
         try:
-            self.settings = self.above.change(settings_from_json(told.settings))
+            self.settings = self.above.change(settings_from_json(adopted.settings))
         except ValueError as error:
             self.unreadable.append(str(error))
             return None
         if self.follower is None:
             self._begin(self.settings)
-        return msgspec.structs.replace(told, settings=settings_to_json(self.settings))
+        return msgspec.structs.replace(adopted, settings=settings_to_json(self.settings))
 
     def _begin(self, settings: EngagementSettings) -> None:
         """As live: a model that begins in mid-session is told what holds."""
@@ -136,13 +136,13 @@ OFF = "off"
 
 @dataclass(frozen=True, slots=True)
 class OffPeriod:
-    """From `since` to `until`, in microseconds; `gone`: there was no model, and the next one begins
-    anew.
+    """From `since` to `until`, in microseconds; `missing`: there was no model, and the next one
+    begins anew.
     """
 
     since: int
     until: int
-    gone: bool
+    missing: bool
 
 
 @dataclass(slots=True)
@@ -151,20 +151,20 @@ class OffPeriods:
 
     stretches: list[OffPeriod] = field(default_factory=list)
     _since: int | None = None
-    _gone: bool = False
+    _missing: bool = False
 
-    def see(self, t: int, *, there: bool, on: bool) -> None:
+    def see(self, t: int, *, present: bool, on: bool) -> None:
         """How it stands from `t` on, in microseconds; `on` is of a model that is there."""
-        gone = not there
-        if self._since is not None and ((there and on) or gone != self._gone):
+        missing = not present
+        if self._since is not None and ((present and on) or missing != self._missing):
             self.close(t)
-        if self._since is None and (gone or not on):
-            self._since, self._gone = t, gone
+        if self._since is None and (missing or not on):
+            self._since, self._missing = t, missing
 
     def close(self, t: int) -> None:
         """The stretch that is open, if one is, ends here."""
         if self._since is not None:
-            self.stretches.append(OffPeriod(self._since, max(self._since, t), self._gone))
+            self.stretches.append(OffPeriod(self._since, max(self._since, t), self._missing))
         self._since = None
 
     @property
@@ -183,7 +183,7 @@ class OffPeriods:
 
     def beginnings(self) -> Iterator[int]:
         """When a model began anew, in microseconds."""
-        return (each.until for each in self.stretches if each.gone)
+        return (each.until for each in self.stretches if each.missing)
 
 
 class RecordedModel:
@@ -194,24 +194,24 @@ class RecordedModel:
     switches it.
     """
 
-    def __init__(self, *, there: bool, on: bool) -> None:
+    def __init__(self, *, present: bool, on: bool) -> None:
         self.off = OffPeriods()
-        self._there, self._on, self._told = there, on, False
-        self.off.see(0, there=there, on=on)
+        self._present, self._on, self._has_settings = present, on, False
+        self.off.see(0, present=present, on=on)
 
     def take(self, message: m.AnyMessage) -> None:
         """A message of the session."""
         match message:
             case m.EngagementAdopted(settings=settings):
-                if settings and not (self._there and self._told):
+                if settings and not (self._present and self._has_settings):
                     self._on = settings.get("start", "run") != OFF
-                self._there, self._told = bool(settings), True
+                self._present, self._has_settings = bool(settings), True
             case m.Done(driver=driver, sent=sent) if driver == ENGAGEMENT:
                 if sent.get("run") in RUNS:
                     self._on = sent["run"] != OFF
             case _:
                 return
-        self.off.see(message.t, there=self._there, on=self._on)
+        self.off.see(message.t, present=self._present, on=self._on)
 
 
 _SAMPLE, _SETTINGS = "sample", "engagement.settings"
@@ -269,7 +269,7 @@ def rerun(
         settings, above or (SettingsOverride.always(settings) if settings else SettingsOverride())
     )
     recount = LogRerun()
-    then = RecordedModel(there=settings is not None, on=settings is None or settings.start != OFF)
+    then = RecordedModel(present=settings is not None, on=settings is None or settings.start != OFF)
     recount.recorded_off = then.off
     _switched(recount.computed_off, again, 0)
 
@@ -287,7 +287,7 @@ def rerun(
             continue
         message = message_of(line)
         if message is not None:
-            _noted(recount, message)
+            _note(recount, message)
             then.take(message)
             follow(again.take(message))
             _switched(recount.computed_off, again, message.t)
@@ -300,7 +300,7 @@ def rerun(
 
 def _switched(off: OffPeriods, again: ModelRerun, t: int) -> None:
     follower = again.follower
-    off.see(t, there=follower is not None, on=follower is not None and follower.model.run != OFF)
+    off.see(t, present=follower is not None, on=follower is not None and follower.model.run != OFF)
 
 
 def message_of(line: LogLine) -> m.AnyMessage | None:
@@ -311,7 +311,7 @@ def message_of(line: LogLine) -> m.AnyMessage | None:
     return line.message
 
 
-def _noted(recount: LogRerun, message: m.AnyMessage) -> None:
+def _note(recount: LogRerun, message: m.AnyMessage) -> None:
     match message:
         case m.Reading(sensor=sensor):
             recount.sensors.add(sensor)
@@ -469,8 +469,8 @@ def _hints(recount: LogRerun, damage: Damage) -> None:
         _warn(f"the log has no samples of {', '.join(missing)}")
     if again.passed_over:
         _warn(_passed_over(again.passed_over))
-    edited = again.told[1:] if again.told else recount.reloads
-    if edited and (again.above.one or not again.told):
+    edited = again.settings_at[1:] if again.settings_at else recount.reloads
+    if edited and (again.above.one or not again.settings_at):
         _warn(
             f"the section engagement was edited {edited[0] / SECOND:.0f} s after the"
             " start; everything is computed with one set of settings"

@@ -74,13 +74,13 @@ class VerdictHistory:
     def mostly(self, name: str, begin: int, end: int) -> m.Json:
         """The value that a verdict had for the longest time."""
         lasted: Counter[str] = Counter()
-        meant: dict[str, m.Json] = {}
+        by_text: dict[str, m.Json] = {}
         moments = [*self.between(begin, end), (end, {})]
         for (since, verdicts), (until, _) in itertools.pairwise(moments):
             value = verdicts.get(name)
             lasted[str(value)] += until - since
-            meant[str(value)] = value
-        return meant[max(lasted, key=lambda said: lasted[said])]
+            by_text[str(value)] = value
+        return by_text[max(lasted, key=lambda text: lasted[text])]
 
     def becomes(self, name: str, value: m.Json, t: int) -> float | None:
         """Seconds after `t` until a verdict is `value`; None if that does not happen in time."""
@@ -257,8 +257,8 @@ def _delays(found: Trials) -> Table:
     table = _table("at", "no filter", "filtered")
     rows = found.delays()
     for row in rows:
-        said = (_seconds(row.plain), _seconds(row.filtered)) if row.changes else ("-", "-")
-        table.add_row(f"{row.at / SECOND:.1f} s", *said)
+        cells = (_seconds(row.plain), _seconds(row.filtered)) if row.changes else ("-", "-")
+        table.add_row(f"{row.at / SECOND:.1f} s", *cells)
     middle = medians(rows)
     if middle is not None:
         table.add_row("median", *map(_seconds, middle))

@@ -222,8 +222,10 @@ class NameAnswerParser:
         self._never = {word for (word,) in [*_phrases("never"), *answers]}
         self._denials = {word for (word,) in self._negations}
 
-    def read(self, text: str, asked: str = "") -> NameAnswer:
-        """What `text` says; `asked` is the name that the visitor was asked to confirm, if any."""
+    def read(self, text: str, proposed: str = "") -> NameAnswer:
+        """What `text` says; `proposed` is the name that the visitor was asked to confirm, if
+        any.
+        """
         if len(text) > LONGEST:
             return NameAnswer(why="the answer was too long")
         words = _words(text)
@@ -232,29 +234,29 @@ class NameAnswerParser:
         if _anywhere(words, self._declines):
             return NameAnswer(declined=True)
         why = f"no name in {shown(text.strip())}"
-        if not asked:
+        if not proposed:
             return NameAnswer(name=self._name(self._led(words)), why=why)
-        return self._about(words, asked)
+        return self._about(words, proposed)
 
-    def _about(self, words: _Words, asked: str) -> NameAnswer:
-        """The answer to whether `asked` is right."""
+    def _about(self, words: _Words, proposed: str) -> NameAnswer:
+        """The answer to whether `proposed` is right."""
         if self._is_yes(words):
             return _YES
         introduced = self._introduced(words)
-        if introduced and key_of(introduced) != key_of(asked):
+        if introduced and key_of(introduced) != key_of(proposed):
             return NameAnswer(name=introduced, no=True)
-        without = _without(words, asked)
+        without = _without(words, proposed)
         yes, no = self._agrees(without), self._denies(without)
         if yes:
             return _AMBIGUOUS if no else _YES
         if no:
-            return self._instead(words, asked)
+            return self._instead(words, proposed)
         name = self._name(self._led(words))
-        return _YES if name and key_of(name) == key_of(asked) else NameAnswer(name=name)
+        return _YES if name and key_of(name) == key_of(proposed) else NameAnswer(name=name)
 
-    def _instead(self, words: _Words, asked: str) -> NameAnswer:
+    def _instead(self, words: _Words, proposed: str) -> NameAnswer:
         """A no, and the name that comes with it, if any: `no, not Anna, Bob`."""
-        rest = _without(self._led(words), asked)
+        rest = _without(self._led(words), proposed)
         left = [word for word in rest if word.key not in self._denials]
         return NameAnswer(name=self._name(self._led(left)), no=True)
 
@@ -289,11 +291,11 @@ class NameAnswerParser:
     def _introduced(self, words: _Words) -> str:
         """`my name is Anna`, wherever it stands in the sentence."""
         for start in range(len(words)):
-            here = words[start:]
-            if length := _leading(here, self._before):
-                name = self._spoken(self._led(here[length:], self._fillers), set())
-            elif length := _leading(here, self._copulas if start else self._starting):
-                name = self._spoken(self._led(here[length:]), self._never)
+            rest = words[start:]
+            if length := _leading(rest, self._before):
+                name = self._spoken(self._led(rest[length:], self._fillers), set())
+            elif length := _leading(rest, self._copulas if start else self._starting):
+                name = self._spoken(self._led(rest[length:]), self._never)
             else:
                 continue
             if name:

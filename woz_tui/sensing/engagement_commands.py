@@ -41,9 +41,9 @@ def _toggle(model: EngagementModel, args: Args) -> dict[str, Json]:
 
 def _sense(model: EngagementModel, args: Args) -> dict[str, Json]:
     sign, value = args["sign"], args["value"].strip()
-    meant = sign_value("presence" if sign == ALL else sign, value)
-    if sign == "identity" and isinstance(meant, str):
-        value = identity_of(meant)
+    verdict = sign_value("presence" if sign == ALL else sign, value)
+    if sign == "identity" and isinstance(verdict, str):
+        value = identity_of(verdict)
     return {"sign": sign, "value": value}
 
 
@@ -93,8 +93,8 @@ def _handshake(model: EngagementModel, args: Args) -> dict[str, Json]:
 
 
 def _visitor(model: EngagementModel, args: Args) -> dict[str, Json]:
-    given = {**args, "code": name_of(args["code"])}
-    return {key: value for key, value in given.items() if value != ""}
+    arguments = {**args, "code": name_of(args["code"])}
+    return {key: value for key, value in arguments.items() if value != ""}
 
 
 _UNDERSTAND: Mapping[str, Callable[[EngagementModel, Args], dict[str, Json]]] = {
@@ -143,8 +143,8 @@ def _give(model: EngagementModel, sign: str, value: str) -> None:
         for each in SIGNS if value == SENSOR else CONDITION:
             _give(model, each, value)
         return
-    meant = sign_value(sign, value)
-    model.override(sign, meant, meant if isinstance(meant, str) else "")
+    verdict = sign_value(sign, value)
+    model.override(sign, verdict, verdict if isinstance(verdict, str) else "")
 
 
 def _configure(model: EngagementModel, args: Args) -> None:

@@ -80,9 +80,9 @@ class EngagementModel:
         #: What the robot attends to beside the visitor; only shown.
         self.attention = ""
         self._failed = 0
-        self._told = self._face = self.visitor = ""
+        self._introduced = self._face = self.visitor = ""
         self._events: deque[Event] = deque(maxlen=WAITING)
-        self._held: deque[Event] = deque(maxlen=WAITING)
+        self._queued: deque[Event] = deque(maxlen=WAITING)
         self._engaged = False
         self._turned = t
         self._nameless_since = t
@@ -166,7 +166,7 @@ class EngagementModel:
 
     def known_as(self, name: str) -> None:
         """The visitor's code, from the handshake or the wizard; forgotten with the visitor."""
-        self._told = name
+        self._introduced = name
         self.visitor = name or self._recognised()
         self._look()
 
@@ -180,7 +180,7 @@ class EngagementModel:
         if run not in RUNS:
             raise ValueError(f"{run!r} is none of {', '.join(RUNS)}")
         self._run = run
-        self._held.clear()
+        self._queued.clear()
 
     # -- what follows ---------------------------------------------------------------------------
 
@@ -190,7 +190,7 @@ class EngagementModel:
             event = self._events.popleft()
         if self._run != "run":
             if event is not None and self._run == "hold":
-                self._held.append(event)
+                self._queued.append(event)
             return None
         edge = self._edge(event)
         return None if edge is None else self._take(edge, event)
@@ -201,7 +201,7 @@ class EngagementModel:
         if found is None:
             return None
         edge, event = found
-        while event is not None and self._held.popleft() is not event:
+        while event is not None and self._queued.popleft() is not event:
             pass
         return self._take(edge, event, by_hand="stepped by the wizard: ")
 
@@ -211,7 +211,7 @@ class EngagementModel:
         or it is there already.
         """
         edge = edge_to(self.state, to)
-        self._held.clear()
+        self._queued.clear()
         change = self._take(edge, None, by_hand="forced by the wizard: ")
         self._stands = self._verdict() if stands else None
         return change
@@ -250,7 +250,7 @@ class EngagementModel:
     @property
     def known(self) -> bool:
         """Whether there is a name, by the filter or as somebody told it."""
-        return self.signs.identity.known or bool(self._told)
+        return self.signs.identity.known or bool(self._introduced)
 
     @property
     def verdicts(self) -> dict[str, Json]:
@@ -260,7 +260,7 @@ class EngagementModel:
     @property
     def reason(self) -> str:
         """What the signs say, in words."""
-        return self.signs.reason(self._time.now, self._told)
+        return self.signs.reason(self._time.now, self._introduced)
 
     @property
     def waits_since(self) -> int:
@@ -304,9 +304,9 @@ class EngagementModel:
         recognised = self._recognised()
         if recognised and recognised != self._face:  # somebody else: what was told is over
             self._face = self.visitor = recognised
-            self._told = ""
+            self._introduced = ""
         elif self.state is State.WAIT or not self.visitor:
-            self._face, self.visitor = recognised, self._told or recognised
+            self._face, self.visitor = recognised, self._introduced or recognised
         if engaged != self._engaged:
             self._engaged = engaged
             self._turned = now
@@ -345,7 +345,7 @@ class EngagementModel:
 
     def _waiting(self) -> tuple[Edge, Event | None] | None:
         """The edge that a held machine would take, and the event that it needs."""
-        for event in self._held:
+        for event in self._queued:
             edge = self._edge(event)
             if edge is not None:
                 return edge, (None if edge is self._edge(None) else event)
@@ -355,7 +355,7 @@ class EngagementModel:
     def _take(self, edge: Edge, event: Event | None, by_hand: str = "") -> Transition:
         forced = bool(by_hand) or self._rests_on_wizard(edge, event)
         why = "{reason}" if by_hand.startswith("forced") else edge.why
-        why = by_hand + self.signs.explained(why, self._time.now, self._told)
+        why = by_hand + self.signs.explained(why, self._time.now, self._introduced)
         self.state, self.since = edge.target, self._time.now
         self._trail.append(edge.target.value)
         self._stands = None
@@ -378,9 +378,9 @@ class EngagementModel:
         if edge.target in (State.WAIT, State.DETECTED):
             self._failed = 0
         if edge.target is State.WAIT:
-            self._told = ""
+            self._introduced = ""
         if edge.target in (State.WAIT, State.UNKNOWN):
-            self.visitor = self._told or self._recognised()
+            self.visitor = self._introduced or self._recognised()
         self.attempt = self._failed + 1 if edge.target is State.HANDSHAKE else 0
 
     def _rests_on_wizard(self, edge: Edge, event: Event | None) -> bool:

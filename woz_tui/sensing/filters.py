@@ -32,9 +32,9 @@ class IdentityFifo:
 
     def __init__(self, samples: int, threshold: float, start_up: str = "zero-fill") -> None:
         self.start_up = start_up
-        self._given = ""
+        self._last_name = ""
         self.name = UNKNOWN
-        self._held: deque[str] = deque(maxlen=samples)
+        self._samples: deque[str] = deque(maxlen=samples)
         self.configure(samples, threshold)
 
     def configure(self, samples: int, threshold: float) -> None:
@@ -45,33 +45,33 @@ class IdentityFifo:
 
     def resume(self, values: list[str]) -> None:
         """Hold what another filter held, oldest first."""
-        self._held = deque(values, maxlen=self.places)
-        self._counts = Counter(name for name in self._held if name != UNKNOWN)
+        self._samples = deque(values, maxlen=self.places)
+        self._counts = Counter(name for name in self._samples if name != UNKNOWN)
         self._judge()
 
     @property
     def values(self) -> list[str]:
         """What the queue holds, oldest first."""
-        return list(self._held)
+        return list(self._samples)
 
     def take(self, name: str, t: int) -> None:
         """One more recognition; "Unknown" fills a place."""
-        if len(self._held) == self.places:
-            self._drop(self._held[0])
-        self._held.append(name)
+        if len(self._samples) == self.places:
+            self._drop(self._samples[0])
+        self._samples.append(name)
         if name != UNKNOWN:
             self._counts[name] += 1
         self._judge()
 
     def forget(self) -> None:
         """Empty: as before the first sample."""
-        self._given = ""
+        self._last_name = ""
         self.resume([])
 
     @property
     def verdict(self) -> int | None:
         """1 if there is a name, 0 if not, None under `hold` while the queue is not full."""
-        if self.start_up == "hold" and len(self._held) < self.places:
+        if self.start_up == "hold" and len(self._samples) < self.places:
             return None
         return int(self.name != UNKNOWN)
 
@@ -79,7 +79,7 @@ class IdentityFifo:
     def needed(self) -> int:
         """How many samples of one ID suffice; one at least."""
         partial = self.start_up == "partial"
-        return max(1, least(self.threshold, len(self._held) if partial else self.places))
+        return max(1, least(self.threshold, len(self._samples) if partial else self.places))
 
     @property
     def count(self) -> int:
@@ -97,13 +97,13 @@ class IdentityFifo:
 
     def _judge(self) -> None:
         most = max(self._counts.values(), default=0)
-        if most < self.needed or (self.start_up == "hold" and len(self._held) < self.places):
+        if most < self.needed or (self.start_up == "hold" and len(self._samples) < self.places):
             self.name = UNKNOWN
             return
         tied = {name for name, count in self._counts.items() if count == most}
-        if self._given not in tied:
-            self._given = next(name for name in reversed(self._held) if name in tied)
-        self.name = self._given
+        if self._last_name not in tied:
+            self._last_name = next(name for name in reversed(self._samples) if name in tied)
+        self.name = self._last_name
 
 
 # --------------------------------------------------------------------------------------------------
@@ -133,7 +133,7 @@ class Fifo:
     ) -> None:
         self.start_up = start_up
         self._near = near
-        self._held: deque[float] = deque(maxlen=samples)
+        self._samples: deque[float] = deque(maxlen=samples)
         self.configure(samples, threshold)
 
     def configure(self, samples: int, threshold: float) -> None:
@@ -141,7 +141,7 @@ class Fifo:
         self.places = samples
         self.threshold = threshold
         self._needed = least(threshold, samples)
-        self._held = deque(self._held, maxlen=samples)
+        self._samples = deque(self._samples, maxlen=samples)
         self._recount()
 
     def near_within(self, metres: float) -> None:
@@ -151,46 +151,46 @@ class Fifo:
 
     def resume(self, values: list[float]) -> None:
         """Hold what another filter held, oldest first."""
-        self._held = deque(values, maxlen=self.places)
+        self._samples = deque(values, maxlen=self.places)
         self._recount()
 
     @property
     def values(self) -> list[float]:
         """What the queue holds, oldest first."""
-        return list(self._held)
+        return list(self._samples)
 
     def take(self, value: float, t: int) -> None:
         """One more valid sample."""
-        if len(self._held) == self.places:
-            self.count -= self._yes(self._held[0])
-        self._held.append(value)
+        if len(self._samples) == self.places:
+            self.count -= self._yes(self._samples[0])
+        self._samples.append(value)
         self.count += self._yes(value)
 
     def forget(self) -> None:
         """Empty: as before the first sample."""
-        self._held.clear()
+        self._samples.clear()
         self._recount()
 
     @property
     def needed(self) -> int:
         """How many samples suffice at present."""
-        if self.start_up == "partial" and len(self._held) < self.places:
-            return least(self.threshold, len(self._held))
+        if self.start_up == "partial" and len(self._samples) < self.places:
+            return least(self.threshold, len(self._samples))
         return self._needed
 
     @property
     def verdict(self) -> int | None:
         """1, 0, or None under `hold` while the queue is not full."""
-        held = len(self._held)
-        if self.start_up == "hold" and held < self.places:
+        filled = len(self._samples)
+        if self.start_up == "hold" and filled < self.places:
             return None
-        return int(held > 0 and self.count >= self.needed)
+        return int(filled > 0 and self.count >= self.needed)
 
     def _yes(self, value: float) -> int:
         return int(bool(value) if self._near is None else value <= self._near)
 
     def _recount(self) -> None:
-        self.count = sum(map(self._yes, self._held))
+        self.count = sum(map(self._yes, self._samples))
 
 
 class Median(Fifo):
@@ -208,27 +208,27 @@ class Median(Fifo):
 
     def take(self, value: float, t: int) -> None:
         """One more valid sample."""
-        if len(self._held) == self.places:
-            del self._ordered[bisect_left(self._ordered, self._held[0])]
+        if len(self._samples) == self.places:
+            del self._ordered[bisect_left(self._ordered, self._samples[0])]
         insort(self._ordered, value)
         super().take(value, t)
 
     @property
     def needed(self) -> int:
         """How many near samples suffice, whatever the others are."""
-        held = self.places if self.start_up == "zero-fill" else len(self._held)
-        return held // 2 + 1
+        filled = self.places if self.start_up == "zero-fill" else len(self._samples)
+        return filled // 2 + 1
 
     @property
     def median(self) -> float:
         """Metres; infinite for an empty queue."""
-        places = self.places if self.start_up == "zero-fill" else len(self._held)
+        places = self.places if self.start_up == "zero-fill" else len(self._samples)
         return (self._at((places - 1) // 2) + self._at(places // 2)) / 2
 
     @property
     def verdict(self) -> int | None:
         """1, 0, or None under `hold` while the queue is not full."""
-        if self.start_up == "hold" and len(self._held) < self.places:
+        if self.start_up == "hold" and len(self._samples) < self.places:
             return None
         return int(self._near is not None and self.median <= self._near)
 
@@ -236,5 +236,5 @@ class Median(Fifo):
         return self._ordered[rank] if 0 <= rank < len(self._ordered) else math.inf
 
     def _recount(self) -> None:
-        self._ordered = sorted(self._held)
+        self._ordered = sorted(self._samples)
         super()._recount()

@@ -58,7 +58,7 @@ class DwellSteps:
     up: float
     turned: float
     come: float
-    gone: float
+    go: float
     wrong: tuple[tuple[float, ...], ...]  # by nobody, somebody, attending: missed, away, ...
     right: tuple[tuple[float, ...], ...]
     stay: tuple[tuple[float, float], ...]  # by the same: of a glance's phase, and to its second
@@ -87,14 +87,14 @@ class Dwell:
     def _solve(self, seconds: float) -> DwellSteps:
         nearer, away = between(1.0 / COMES_NEAR, 1.0 / STANDS_NEAR, seconds)
         up, turned = between(1.0 / LOOKS_UP, 1.0 / ATTENDS, seconds)
-        come, gone = between(1.0 / EMPTY, 1.0 / STAYS, seconds)
+        come, go = between(1.0 / EMPTY, 1.0 / STAYS, seconds)
         placed, _ = between(1.0 / FURNITURE, 1.0 / FURNITURE, seconds)
         pairs = [
             [between(1.0 / apart, 1.0 / lasts, seconds) for apart, lasts in faults]
             for faults in self._faults
         ]
         return DwellSteps(
-            *(nearer, away, placed, up, turned, come, gone),
+            *(nearer, away, placed, up, turned, come, go),
             wrong=tuple(tuple(wrong for wrong, _ in row) for row in pairs),
             right=tuple(tuple(right for _, right in row) for row in pairs),
             stay=tuple(_phases(faults[1][1], seconds) for faults in self._faults),
@@ -121,11 +121,11 @@ def after_steps(shares: Sequence[float], dwell: Dwell, elapsed: int) -> list[flo
 _World = Sequence[float]
 
 
-def between(there: float, back: float, seconds: float) -> tuple[float, float]:
+def between(forward: float, back: float, seconds: float) -> tuple[float, float]:
     """The shares that go there and back between two states with these rates (per second)."""
-    both = there + back
+    both = forward + back
     moved = -math.expm1(-both * seconds) / both
-    return there * moved, back * moved
+    return forward * moved, back * moved
 
 
 def _phases(mean: float, seconds: float) -> tuple[float, float]:
@@ -136,16 +136,17 @@ def _phases(mean: float, seconds: float) -> tuple[float, float]:
 
 
 def _exchanged(
-    one: _World, other: _World, there: float, back: float, become: Sequence[int]
+    one: _World, other: _World, forward: float, back: float, become: Sequence[int]
 ) -> tuple[_World, _World]:
     """Two worlds of which these shares go there and back; on the way each condition of the readings
     becomes the one that `become` has in its place.
     """
-    stay, rest = 1.0 - there, 1.0 - back
+    stay, rest = 1.0 - forward, 1.0 - back
     left, right = [share * stay for share in one], [share * rest for share in other]
-    for condition, gone, came in zip(become, one, other):  # noqa: B905 - this runs at every sample
-        right[condition] += gone * there
-        left[condition] += came * back
+    # Not strict: this runs at every sample.
+    for condition, outgoing, incoming in zip(become, one, other):  # noqa: B905
+        right[condition] += outgoing * forward
+        left[condition] += incoming * back
     return left, right
 
 
@@ -153,22 +154,22 @@ def _came(worlds: list[_World], step: DwellSteps) -> list[_World]:
     """Between nobody and somebody. Whatever was wrong with the readings before is right now,
     except for a stray distance.
     """
-    come, gone = step.come, step.gone
+    come, go = step.come, step.go
     far, near = worlds[0], worlds[1]
     come_far, come_near = sum(far) * come, sum(near) * come
     come_near += come_far * COME_NEAR
     come_far *= 1.0 - COME_NEAR
-    went_far = (sum(worlds[2]) + sum(worlds[4])) * gone
-    went_near = (sum(worlds[3]) + sum(worlds[5])) * gone
+    went_far = (sum(worlds[2]) + sum(worlds[4])) * go
+    went_near = (sum(worlds[3]) + sum(worlds[5])) * go
     went_far += went_near * GO_FAR
     went_near *= 1.0 - GO_FAR
     return [
         _scaled(far, 1.0 - come, went_far),
         _scaled(near, 1.0 - come, went_near),
-        _scaled(worlds[2], 1.0 - gone, come_far * (1.0 - COME_LOOKING)),
-        _scaled(worlds[3], 1.0 - gone, come_near * (1.0 - COME_LOOKING)),
-        _scaled(worlds[4], 1.0 - gone, come_far * COME_LOOKING),
-        _scaled(worlds[5], 1.0 - gone, come_near * COME_LOOKING),
+        _scaled(worlds[2], 1.0 - go, come_far * (1.0 - COME_LOOKING)),
+        _scaled(worlds[3], 1.0 - go, come_near * (1.0 - COME_LOOKING)),
+        _scaled(worlds[4], 1.0 - go, come_far * COME_LOOKING),
+        _scaled(worlds[5], 1.0 - go, come_near * COME_LOOKING),
     ]
 
 

@@ -48,35 +48,35 @@ _SAME, _OTHER = 0.95, 0.02
 
 
 class NameBelief:
-    """Probabilities of who it is. `given` is the name that is believed, or "Unknown"."""
+    """Probabilities of who it is. `accepted` is the name that is believed, or "Unknown"."""
 
     def __init__(self) -> None:
-        self._held: dict[str, tuple[float, float, float]] = {}
+        self._shares_by_name: dict[str, tuple[float, float, float]] = {}
         self.forget()
 
     def forget(self) -> None:
         """Nobody has been recognised yet."""
-        self._held = {UNKNOWN: (1.0, 0.0, 0.0)}
-        self.given = UNKNOWN
+        self._shares_by_name = {UNKNOWN: (1.0, 0.0, 0.0)}
+        self.accepted = UNKNOWN
 
     def __len__(self) -> int:
         """How many names are held."""
-        return len(self._held) - 1
+        return len(self._shares_by_name) - 1
 
     @property
     def share(self) -> float:
         """How likely the name given is, or the likeliest if there is none: 0..1."""
-        return self._best()[1] if self.given == UNKNOWN else self._share(self.given)
+        return self._best()[1] if self.accepted == UNKNOWN else self._share(self.accepted)
 
     def judge(self, needed: float) -> None:
         """Give a name that is as likely as `needed`, or take one back."""
-        if self.given != UNKNOWN:
-            rival = max(self._share(name) for name in self._held if name != self.given)
-            if rival > CLEARLY * self._share(self.given):
-                self.given = UNKNOWN
-        if self.given == UNKNOWN:
+        if self.accepted != UNKNOWN:
+            rival = max(self._share(name) for name in self._shares_by_name if name != self.accepted)
+            if rival > CLEARLY * self._share(self.accepted):
+                self.accepted = UNKNOWN
+        if self.accepted == UNKNOWN:
             name, share = self._best()
-            self.given = name if share >= needed else UNKNOWN
+            self.accepted = name if share >= needed else UNKNOWN
 
     def passed(self, elapsed: int) -> None:
         """Time goes by, in microseconds: conditions change, and others may stand there."""
@@ -85,55 +85,57 @@ class NameBelief:
         wrong, right = between(1.0 / MISTAKES, 1.0 / MISTAKE, seconds)
         swap = -math.expm1(-seconds / SWAPS)
         moved = 0.0
-        for name, (good, lapsed, mistaken) in self._held.items():
+        for name, (good, lapsed, mistaken) in self._shares_by_name.items():
             keep = 1.0 if name == UNKNOWN else 1.0 - swap
             moved += (good + lapsed + mistaken) * (1.0 - keep)
-            self._held[name] = (
+            self._shares_by_name[name] = (
                 keep * (good * (1.0 - lapse - wrong) + lapsed * over + mistaken * right),
                 keep * (lapsed * (1.0 - over) + good * lapse),
                 keep * (mistaken * (1.0 - right) + good * wrong),
             )
-        good, lapsed, mistaken = self._held[UNKNOWN]
-        self._held[UNKNOWN] = (good + moved, lapsed, mistaken)
+        good, lapsed, mistaken = self._shares_by_name[UNKNOWN]
+        self._shares_by_name[UNKNOWN] = (good + moved, lapsed, mistaken)
 
-    def take(self, seen: str) -> None:
+    def take(self, sample: str) -> None:
         """One more recognition; "Unknown" is a face that nobody knows."""
-        if seen != UNKNOWN and seen not in self._held:
-            self._admit(seen)
-        weighed = {name: _weighed(shares, name, seen) for name, shares in self._held.items()}
+        if sample != UNKNOWN and sample not in self._shares_by_name:
+            self._admit(sample)
+        weighed = {
+            name: _weighed(shares, name, sample) for name, shares in self._shares_by_name.items()
+        }
         scale = 1.0 / sum(map(sum, weighed.values()))
-        self._held = {
+        self._shares_by_name = {
             name: (good * scale, lapsed * scale, mistaken * scale)
             for name, (good, lapsed, mistaken) in weighed.items()
         }
 
     def _admit(self, name: str) -> None:
         """A new hypothesis takes its share from the stranger."""
-        if len(self._held) > MOST:
-            known = [each for each in self._held if each != UNKNOWN]
-            least = min(known, key=lambda each: sum(self._held[each]))
-            del self._held[least]
-        good, lapsed, mistaken = self._held[UNKNOWN]
-        self._held[UNKNOWN] = (good * (1.0 - POOL), lapsed, mistaken)
-        self._held[name] = (good * POOL, 0.0, 0.0)
+        if len(self._shares_by_name) > MOST:
+            known = [each for each in self._shares_by_name if each != UNKNOWN]
+            least = min(known, key=lambda each: sum(self._shares_by_name[each]))
+            del self._shares_by_name[least]
+        good, lapsed, mistaken = self._shares_by_name[UNKNOWN]
+        self._shares_by_name[UNKNOWN] = (good * (1.0 - POOL), lapsed, mistaken)
+        self._shares_by_name[name] = (good * POOL, 0.0, 0.0)
 
     def _best(self) -> tuple[str, float]:
-        known = [(name, self._share(name)) for name in self._held if name != UNKNOWN]
+        known = [(name, self._share(name)) for name in self._shares_by_name if name != UNKNOWN]
         return max(known, key=lambda pair: pair[1], default=(UNKNOWN, 0.0))
 
     def _share(self, name: str) -> float:
-        return min(1.0, sum(self._held.get(name, ())))
+        return min(1.0, sum(self._shares_by_name.get(name, ())))
 
 
 def _weighed(
-    shares: tuple[float, float, float], name: str, seen: str
+    shares: tuple[float, float, float], name: str, sample: str
 ) -> tuple[float, float, float]:
     """A hypothesis after a recognition: by how likely each condition would give it."""
     good, lapsed, mistaken = shares
     return (
-        good * (_SAME if seen == name else _OTHER),
-        lapsed * (_SAME if seen == UNKNOWN else _OTHER),
-        mistaken * (_SAME if seen not in (UNKNOWN, name) else _OTHER),
+        good * (_SAME if sample == name else _OTHER),
+        lapsed * (_SAME if sample == UNKNOWN else _OTHER),
+        mistaken * (_SAME if sample not in (UNKNOWN, name) else _OTHER),
     )
 
 
@@ -240,7 +242,7 @@ class JointFilter:
     def take(self, sign: str, value: float | str, t: int) -> None:
         """A valid sample: a flag, metres (infinite: out of reach) or a name, at the time `t`."""
         self.overhear(sign, value, t)
-        self._take(sign, value, t)
+        self._weigh_sample(sign, value, t)
 
     def overhear(self, sign: str, value: float | str, t: int) -> None:
         """A sample of a sign that another filter has: only remembered, for `catch_up`."""
@@ -253,17 +255,17 @@ class JointFilter:
         All signs begin again with what is remembered, in the order and at the times in which it
         came; the same readings all at once would rather be one phantom.
         """
-        self._views[sign].heard = True
-        joint = [each for each, view in self._views.items() if view.heard]
+        self._views[sign].sampled = True
+        joint = [each for each, view in self._views.items() if view.sampled]
         self._begin()
         self._names.forget()
         for each in joint:
-            self._views[each].heard = bool(self._recent[each])
+            self._views[each].sampled = bool(self._recent[each])
         samples = sorted(sample for each in joint for sample in self._recent[each])
-        for t, _, heard, value in samples:
-            self._take(heard, value, t)
+        for t, _, sign_name, value in samples:
+            self._weigh_sample(sign_name, value, t)
 
-    def _take(self, sign: str, value: float | str, t: int) -> None:
+    def _weigh_sample(self, sign: str, value: float | str, t: int) -> None:
         self._pass(t)
         if sign == "identity":
             self._names.take(str(value))
@@ -274,7 +276,7 @@ class JointFilter:
             self._weigh(self._distances(value))
         else:
             self._weigh(_FLAGS[sign][bool(value)])
-        self._views[sign].heard = True
+        self._views[sign].sampled = True
         self._judge()
 
     def forget(self, sign: str) -> None:
@@ -287,32 +289,32 @@ class JointFilter:
 
     def leave(self, sign: str) -> None:
         """The sign has another filter from now on, or none: it has no part in this one."""
-        self._views[sign].heard = False
+        self._views[sign].sampled = False
         if sign == "identity":
             self._names.forget()
         if sign == "distance":
             self._echo = True
-        if not any(view.heard for view in self._views.values()):
+        if not any(view.sampled for view in self._views.values()):
             self._begin()
 
     def probability(self, sign: str) -> float:
         """How likely it is that somebody is there, attends, is near, or is who they seem: 0..1."""
         if sign == "identity":
             return self._names.share
-        known = self._known.get(sign)
+        known = self._cached.get(sign)
         if known is None:  # it is asked for several times at each sample
-            known = self._known[sign] = min(1.0, sum(_STATES[sign](self._shares)))
+            known = self._cached[sign] = min(1.0, sum(_STATES[sign](self._shares)))
         return known
 
     @property
     def name(self) -> str:
         """The name that is believed, or "Unknown"."""
-        return self._names.given
+        return self._names.accepted
 
     def _begin(self) -> None:
         self._shares = self._nobody()
-        self._known: dict[str, float] = {}
-        self._there = False
+        self._cached: dict[str, float] = {}
+        self._present = False
         self._echo = True
         self._t: int | None = None
 
@@ -323,14 +325,14 @@ class JointFilter:
         if elapsed > 0:
             self._t = t
             self._shares = after_steps(self._shares, self._dwell, elapsed)
-            self._known = {}
+            self._cached = {}
             self._names.passed(elapsed)
 
     def _weigh(self, likelihoods: Sequence[float]) -> None:
         weighed = [share * likely for share, likely in zip(self._shares, likelihoods, strict=True)]
         scale = 1.0 / sum(weighed)  # no likelihood is below the floor, so the sum is not zero
         self._shares = [share * scale for share in weighed]
-        self._known = {}
+        self._cached = {}
 
     def _distances(self, metres: float) -> tuple[float, ...]:
         """Likelihoods of a distance: sure well inside and outside of the limit, open on it."""
@@ -350,10 +352,10 @@ class JointFilter:
 
     def _judge(self) -> None:
         """Whoever is lost takes their name along."""
-        there = self.probability("presence") >= 0.5
-        if self._there and not there:
+        present = self.probability("presence") >= 0.5
+        if self._present and not present:
             self._names.forget()
-        self._there = there
+        self._present = present
 
 
 class JointSign:
@@ -369,7 +371,7 @@ class JointSign:
         self._joint = joint
         self._sign = sign
         self.start_up = start_up
-        self.heard = False
+        self.sampled = False
         self.configure(PLACES, threshold)
 
     def configure(self, samples: int, threshold: float) -> None:
@@ -412,12 +414,12 @@ class JointSign:
     @property
     def count(self) -> int:
         """The probability in per cent, rounded down; 0 for a sign that says nothing."""
-        return int(PLACES * self._joint.probability(self._sign) + 1e-9) if self.heard else 0
+        return int(PLACES * self._joint.probability(self._sign) + 1e-9) if self.sampled else 0
 
     @property
     def verdict(self) -> int | None:
         """1 or 0; before the first sample 0, or None under `hold`."""
-        if not self.heard:
+        if not self.sampled:
             return None if self.start_up == "hold" else 0
         if self._sign == "identity":
             return int(self._joint.name != UNKNOWN)
@@ -426,4 +428,4 @@ class JointSign:
     @property
     def name(self) -> str:
         """For identity: the name that is believed, else "Unknown"."""
-        return self._joint.name if self._sign == "identity" and self.heard else UNKNOWN
+        return self._joint.name if self._sign == "identity" and self.sampled else UNKNOWN

@@ -37,7 +37,7 @@ Row = dict[str, Json]
 
 
 class SampleRowReader:
-    """The model over rows, in their order. `given` has the keys that ever had a valid value."""
+    """The model over rows, in their order. `sampled` has the keys that ever had a valid value."""
 
     def __init__(self, settings: EngagementSettings) -> None:
         self._settings = settings
@@ -46,7 +46,7 @@ class SampleRowReader:
         #: The last stamp that a row named, and how many rows without one came since.
         self._named_stamp = 0
         self._unnamed = 0
-        self.given: set[str] = set()
+        self.sampled: set[str] = set()
         #: Values of loudness above full scale, where full scale is 1.
         self.over = 0
 
@@ -75,10 +75,10 @@ class SampleRowReader:
 
     def _timed(self, row: Mapping[str, object], bad: list[str]) -> Json:
         """Move the stamp on; a row without a time comes one period after the one before."""
-        given = row.get("t")
-        t = None if isinstance(given, str) else sample_values.number(given)
+        stamp = row.get("t")
+        t = None if isinstance(stamp, str) else sample_values.number(stamp)
         if t is None or not abs(t) <= _LONGEST:
-            if given is not None:
+            if stamp is not None:
                 bad.append("t")
             self._unnamed += self._model is not None
             since = periods(self._unnamed, self._settings.rate)
@@ -86,13 +86,13 @@ class SampleRowReader:
             return _seconds(self._stamp)
         self._stamp = self._named_stamp = round(t * SECOND)
         self._unnamed = 0
-        return given if isinstance(given, int | float) else t
+        return stamp if isinstance(stamp, int | float) else t
 
     def _sampled(self, key: str, sign: str, value: object, bad: list[str]) -> None:
         if key == "id" and sample_values.number(value) is not None:
             value = _numbered(value)
         if self.model.sample(sign, value):
-            self.given.add(key)
+            self.sampled.add(key)
         elif not _silent(key, value):
             bad.append(key)
             rms = sample_values.number(value) if key == "rms" else None
@@ -100,9 +100,9 @@ class SampleRowReader:
 
     def _steps(self, named: list[Event]) -> Iterator[Transition]:
         """One step for each event, those of the loudness last; without any, one by the signs."""
-        heard = self.model.heard()
+        handled = self.model.heard()
         if _SPEECH.isdisjoint(named):
-            named = [*named, *heard]
+            named = [*named, *handled]
         for event in named or (None,):
             change = self.model.step(event)
             if change is not None:
@@ -112,7 +112,7 @@ class SampleRowReader:
         model = self.model
         verdicts = model.verdicts
         last = changes[-1] if changes else None
-        said: Row = {
+        output: Row = {
             "t": t,
             "presence": verdicts["presence"],
             "gaze": verdicts["gaze"],
@@ -123,13 +123,13 @@ class SampleRowReader:
             "why": None if last is None else last.why,
         }
         if len(changes) > 1:
-            said["steps"] = [[change.outcome, change.now] for change in changes]
+            output["steps"] = [[change.outcome, change.now] for change in changes]
         stale = model.signs.stale
         if stale:
-            said["stale"] = list(stale)
+            output["stale"] = list(stale)
         if bad:
-            said["bad"] = list(bad)
-        return said
+            output["bad"] = list(bad)
+        return output
 
 
 def _numbered(value: object) -> object:
@@ -148,11 +148,11 @@ def _silent(key: str, value: object) -> bool:
     return sample_values.absent(value)
 
 
-def _events(given: object, bad: list[str]) -> list[Event]:
+def _events(value: object, bad: list[str]) -> list[Event]:
     """The events of a row; what is none is left out and noted."""
-    if given is None:
+    if value is None:
         return []
-    listed = [given] if isinstance(given, str) else given if isinstance(given, list) else [given]
+    listed = [value] if isinstance(value, str) else value if isinstance(value, list) else [value]
     events = [_EVENTS[name] for name in listed if isinstance(name, str) and name in _EVENTS]
     if len(events) < len(listed):
         bad.append("events")

@@ -202,11 +202,11 @@ class Sign(FilteredSign[Fifo]):
     def take(self, value: object, now: int) -> bool:
         """A sample, whatever it is; whether it is one."""
         read = sample_values.FLAGS.get(self.name)
-        meant = sample_values.metres(value, self._farthest) if read is None else read(value)
-        if meant is None:
+        understood = sample_values.metres(value, self._farthest) if read is None else read(value)
+        if understood is None:
             return False
         self.raw = float(value) if isinstance(value, bool) else sample_values.number(value)
-        self._takes(meant, now)
+        self._takes(understood, now)
         return True
 
     def near_within(self, metres: float) -> None:
@@ -299,10 +299,10 @@ class IdentitySign(FilteredSign[IdentityFifo]):
         """Whether there is an ID."""
         return self.name_given != UNKNOWN
 
-    def words(self, told: str = "") -> str:
+    def words(self, introduced: str = "") -> str:
         """Who it is, as a person says it; `told`: the name that somebody has given."""
-        if told and not self.known:
-            return f"known as {told}"
+        if introduced and not self.known:
+            return f"known as {introduced}"
         if self.forced is not None:
             return f"{self.forced if self.known else 'no name'} (wizard)"
         if not self.known:
@@ -413,13 +413,15 @@ class Signs:
         """Those whose sensors were heard once, and are not heard any more."""
         return [sign.name for sign in self._all if sign.stale and sign.ever]
 
-    def reason(self, now: int, told: str) -> str:
+    def reason(self, now: int, introduced: str) -> str:
         """What they say, in words; `told` is the name that somebody has given."""
-        return ", ".join([*(sign.words(now) for sign in self.uses), self.identity.words(told)])
+        return ", ".join(
+            [*(sign.words(now) for sign in self.uses), self.identity.words(introduced)]
+        )
 
-    def explained(self, why: str, now: int, told: str) -> str:
+    def explained(self, why: str, now: int, introduced: str) -> str:
         """`why`, with `{reason}` as what all say and `{absence}` as why nobody is there."""
-        return why.format(reason=self.reason(now, told), absence=self._absence(now))
+        return why.format(reason=self.reason(now, introduced), absence=self._absence(now))
 
     def _absence(self, now: int) -> str:
         said = ", ".join(sign.words(now) for sign in self._there)

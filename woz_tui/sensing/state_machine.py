@@ -117,7 +117,7 @@ def _absent(view: ModelView) -> bool:
     return limit is not None and view.absent_for >= limit
 
 
-def _gone(state: State) -> Edge:
+def _nobody_there(state: State) -> Edge:
     """Out of a state that the paper does not leave before it is over, though the visitor has."""
     why = "nobody is there any more: {absence}"
     return Edge(state, State.WAIT, "human_absence", _absent, why, unnamed=True)
@@ -164,7 +164,7 @@ EDGES: tuple[Edge, ...] = (
         State.HANDSHAKE, State.UNKNOWN, "eng2unknow",
         lambda view: view.elapsed >= view.handshake.seconds, "the handshake took too long", "h",
     ),
-    _gone(State.HANDSHAKE),
+    _nobody_there(State.HANDSHAKE),
     Edge(State.KNOWN, State.DETECTED, "error", _lost, "engagement lost: {reason}", "f"),
     Edge(
         State.KNOWN, State.USER_SPEAKS, "listening", _on(Event.SPEECH_START), "somebody speaks", "l"
@@ -182,19 +182,19 @@ EDGES: tuple[Edge, ...] = (
         State.USER_SPEAKS, State.KNOWN, "error",
         _after("listening"), "the speech does not end", listing=True,
     ),
-    _gone(State.USER_SPEAKS),
+    _nobody_there(State.USER_SPEAKS),
     Edge(State.THINKS, State.REPLIES, "done", _on(Event.THINK_DONE), "there is an answer", "n"),
     Edge(State.THINKS, State.KNOWN, "error", _after("thinking"), "nobody has answered"),
-    _gone(State.THINKS),
+    _nobody_there(State.THINKS),
     Edge(State.REPLIES, State.KNOWN, "done", _on(Event.REPLY_DONE), "the answer is over", "o"),
     Edge(State.REPLIES, State.KNOWN, "error", _after("talking"), "the answer does not end"),
-    _gone(State.REPLIES),
+    _nobody_there(State.REPLIES),
     Edge(
         State.ROBOT_SPEAKS, State.KNOWN, "done",
         _on(Event.SAY_DONE), "the robot's sentence is over", "q",
     ),
     Edge(State.ROBOT_SPEAKS, State.KNOWN, "error", _after("talking"), "the speech does not end"),
-    _gone(State.ROBOT_SPEAKS),
+    _nobody_there(State.ROBOT_SPEAKS),
 )
 
 # fmt: on

@@ -6,22 +6,34 @@ import asyncio
 import contextlib
 import logging
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
-from woz_drivers.pepper import doctor, outline, text_remarks, verbs
+from woz_drivers.pepper import address, doctor, tags, text_remarks
+from woz_drivers.pepper.address import SIMULATED
+from woz_drivers.pepper.animations import MOVES, AnimationsPart
 from woz_drivers.pepper.autonomy import AutonomyPart
 from woz_drivers.pepper.background import Background
 from woz_drivers.pepper.base import BasePart
 from woz_drivers.pepper.body import BodyPart
 from woz_drivers.pepper.body_joints import JOINTS
+from woz_drivers.pepper.camera import CameraPart
+from woz_drivers.pepper.eyes import EyesPart
+from woz_drivers.pepper.head import HeadPart
+from woz_drivers.pepper.microphones import MicrophonesPart
 from woz_drivers.pepper.parts import PepperPart
 from woz_drivers.pepper.recognition import RecognitionPart
 from woz_drivers.pepper.robot_connection import RobotConnection
+from woz_drivers.pepper.robot_settings import SETTINGS
 from woz_drivers.pepper.senses import SensesPart
+from woz_drivers.pepper.service_call import ServiceCallPart
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.settings_reading import SettingsReader
+from woz_drivers.pepper.sounds import SoundsPart
 from woz_drivers.pepper.tablet import TabletPart
+from woz_drivers.pepper.voice import VoicePart
 from woz_drivers.simulated.argument_values import text
 from woz_tui.drivers.contract import (
+    Argument,
     DeviceLostError,
     Driver,
     DriverContext,
@@ -37,11 +49,41 @@ from woz_tui.drivers.contract import (
 )
 from woz_tui.drivers.fields import Range
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.robot_outline import RobotOutline
 
 #: The bus waits 0.5 s for a stop; what has not confirmed after so long is told as missing.
 STOP_S = 0.45
 #: The parts have so long to say goodbye to the robot.
 FAREWELL_S = 1.5
+
+#: What a stop reaches first stands first.
+PARTS: tuple[type[PepperPart], ...] = (
+    *(BasePart, BodyPart, AnimationsPart, VoicePart, SoundsPart, HeadPart, EyesPart, TabletPart),
+    *(AutonomyPart, SensesPart, RecognitionPart, CameraPart, MicrophonesPart, ServiceCallPart),
+)
+#: A robot that has just been switched on takes its time before it answers.
+CONNECT_LIMIT_S = 180.0
+#: Of `connect` and `disconnect` alone: nothing that waits for the robot stands before them.
+LANE = "line"
+
+LINE = (
+    Verb(
+        "connect",
+        "connect to a robot",
+        (
+            Argument(
+                "robot",
+                "text",
+                "an address or a host name; empty: the first",
+                default="",
+                hide=address.without_password,
+            ),
+        ),
+        lane=LANE,
+        limit_s=CONNECT_LIMIT_S,
+    ),
+    Verb("disconnect", "disconnect the robot until `connect`", lane=LANE, limit_s=10.0),
+)
 
 log = logging.getLogger(__name__)
 
@@ -59,9 +101,9 @@ class Pepper(Driver):
             settings, context, on_connected=self._connected, on_lost=self._lost
         )
         self._parts: tuple[PepperPart, ...] = tuple(
-            kind(self._connection, settings, context) for kind in verbs.PARTS
+            kind(self._connection, settings, context) for kind in PARTS
         )
-        self._by_verb = verbs.by_verb(self._parts, settings)
+        self._by_verb = {verb.name: part for part in self._parts for verb in part.verbs(settings)}
         self._reading = SettingsReader(self._connection, self._parts, settings, context)
         #: Whether it was there and went without being asked to: nobody knows what it does now.
         self._lost_unasked = False
@@ -80,7 +122,7 @@ class Pepper(Driver):
     @classmethod
     def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
         """Speech, animations, poses, driving, eyes, sounds, tablet, autonomy, camera, any call."""
-        return verbs.offered(settings)
+        return (*(verb for part in PARTS for verb in part.verbs(settings)), *LINE)
 
     @classmethod
     def sensors(cls, settings: PepperSettings) -> tuple[str, ...]:
@@ -96,7 +138,15 @@ class Pepper(Driver):
     @classmethod
     def outline(cls, settings: PepperSettings) -> dict[str, Json]:
         """Settings that can be shown and changed, robots, animations and tags."""
-        return outline.outline(settings)
+        robots = tuple(dict.fromkeys((*settings.robots, SIMULATED)))
+        named = {**SETTINGS, "robot": replace(SETTINGS["robot"], choices=robots)}
+        return RobotOutline(
+            settings=[setting.line() for setting in named.values()],
+            robots=list(robots),
+            moves=list(MOVES),
+            tags=tags.offered(),
+            camera=True,
+        ).told()
 
     @classmethod
     def remarks(cls, settings: PepperSettings, written: Written) -> Iterable[Finding]:

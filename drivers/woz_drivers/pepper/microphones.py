@@ -342,14 +342,6 @@ def block(channels: Any, samples: Any, stamp: Any, buffer: Any) -> SoundBlock | 
 
 
 @dataclass(slots=True)
-class WriteProgress:
-    """How much of it is on the disk: frames, and what went wrong."""
-
-    frames: int = 0
-    trouble: str = ""
-
-
-@dataclass(slots=True)
 class SoundFile:
     """A WAV file that is written by a thread of its own, and valid after each buffer.
 
@@ -361,7 +353,9 @@ class SoundFile:
     rate: int
     channels: int
     failed: Callable[[str], None]
-    _progress: WriteProgress = field(default_factory=WriteProgress)
+    #: Frames on the disk, and what went wrong.
+    frames: int = 0
+    trouble: str = ""
     _blocks: queue.SimpleQueue[bytes | None] = field(default_factory=queue.SimpleQueue)
     _done: asyncio.Future[None] = field(
         default_factory=lambda: asyncio.get_running_loop().create_future()
@@ -375,7 +369,7 @@ class SoundFile:
 
     def write_block(self, data: bytes) -> None:
         """Have it written; what comes after a trouble is left out."""
-        if self._progress.trouble:
+        if self.trouble:
             return
         if self._blocks.qsize() >= _WAITING:
             self._fail("the disk does not answer")
@@ -386,17 +380,17 @@ class SoundFile:
         """Nothing more comes; return at once."""
         self._blocks.put(None)
 
-    async def finish(self) -> WriteProgress:
+    async def finish(self) -> SoundFile:
         """Return when everything is written, or could not be. A disk that hangs is left alone."""
         self.end()
         await asyncio.wait([self._done], timeout=_FINISHED_WITHIN_S)
-        if not self._done.done() and not self._progress.trouble:
-            self._progress.trouble = "the disk does not answer"
-        return self._progress
+        if not self._done.done() and not self.trouble:
+            self.trouble = "the disk does not answer"
+        return self
 
     def _fail(self, why: str) -> None:
-        if not self._progress.trouble:
-            self._progress.trouble = why
+        if not self.trouble:
+            self.trouble = why
             self.failed(why)
 
     def _run(self, loop: asyncio.AbstractEventLoop) -> None:
@@ -427,7 +421,7 @@ class SoundFile:
                 sound.writeframes(data)
                 file.flush()
                 self._check_not_removed(file.fileno())
-                self._progress.frames += len(data) // (_WIDTH * self.channels)
+                self.frames += len(data) // (_WIDTH * self.channels)
 
     def _check_not_removed(self, fd: int) -> None:
         """What is written into a file that was removed is nowhere. Raises `OSError`."""

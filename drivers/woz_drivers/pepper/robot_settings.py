@@ -1,7 +1,7 @@
 """Every setting that the robot itself has: its range, its words, the verb that changes it, where
 the robot file says it, and the calls of NAOqi that read and set it.
 
-The robot file (`settings.py`), the verbs, the screen (`outline.py`), what is read back and
+The robot file (`settings.py`), the verbs, the screen (`Pepper.outline`), what is read back and
 compared, and the table in `docs/how-to/pepper.md` are made from here.
 """
 

@@ -279,74 +279,38 @@ def conflicts(
             robot from obeying, does not depend on them.
         desired: Settings that the file or the wizard asked for.
     """
+    return list(_conflicts(values, used, desired or {}))
+
+
+def _conflicts(
+    values: Mapping[str, Json], used: Collection[str], desired: Mapping[str, Json]
+) -> Iterator[str]:
     # What may hurt somebody or keeps the robot from obeying comes first: a console with little room
     # shows the first ones.
-    sentences = [*_distances(values), *_asleep(values), *_head(values, used), *_arms(values, used)]
-    eyes = _blinks(values, desired or {}) or _eyes(values, used)
-    return [*sentences, *eyes, *_life(values)]
-
-
-def _life(values: Mapping[str, Json]) -> list[str]:
-    state = values.get("state")
-    if state in BUSY:
-        return [f"autonomous life is {state}: the robot moves and talks by itself"]
-    if state == "safeguard":
-        return ["autonomous life is safeguard: the robot protects itself and may not obey"]
-    return []
-
-
-def _asleep(values: Mapping[str, Json]) -> list[str]:
-    if values.get("awake") is not False or values.get("state") in (*BUSY, "safeguard"):
-        return []
-    return ["the motors are off: nothing moves until the robot is woken up"]
-
-
-def _head(values: Mapping[str, Json], used: Collection[str]) -> list[str]:
-    if not any(verb in used for verb in STEERS_HEAD):
-        return []
-    sentences = []
-    if values.get("awareness") is True:
-        sentences.append("awareness turns the head away from where the wizard has turned it")
-    if _breathes(values, "head_breathing"):
-        sentences.append("the head breathes while the wizard turns it")
-    return sentences
-
-
-def _arms(values: Mapping[str, Json], used: Collection[str]) -> list[str]:
-    sentences = []
-    if any(verb in used for verb in GESTURES) and _breathes(values, "arms_breathing"):
-        sentences.append("the arms breathe: animations and poses begin and end with a jerk")
-    if "say" in used and values.get("speaking_movement") is True:
-        sentences.append("speaking movement adds gestures of its own to those in a sentence's tags")
-    return sentences
-
-
-def _eyes(values: Mapping[str, Json], used: Collection[str]) -> list[str]:
-    if "eyes" in used and values.get("blinking") is True:
-        return ["blinking darkens the eyes now and then, whatever their colour"]
-    return []
-
-
-def _blinks(values: Mapping[str, Json], desired: Mapping[str, Json]) -> list[str]:
-    """The example of WoZ4U's paper. Where nobody asked for it, nobody waits for it either."""
-    state = values.get("state")
-    if not (values.get("blinking") is True and desired.get("blinking") is True):
-        return []
-    if state in (None, "interactive"):
-        return []
-    return [f"a Pepper blinks only while autonomous life is interactive, not {state}"]
-
-
-def _distances(values: Mapping[str, Json]) -> list[str]:
-    sentences = []
+    state, blinks = values.get("state"), values.get("blinking") is True
+    body_breathes = values.get("body_breathing") is True
     for name in ("tangential", "orthogonal"):
         metres = values.get(name)
         if isinstance(metres, int | float) and not isinstance(metres, bool) and metres < NEAR_M:
-            sentences.append(
-                f"the {name} security distance is {metres:g} m: the robot may hit people"
-            )
-    return sentences
-
-
-def _breathes(values: Mapping[str, Json], part: str) -> bool:
-    return values.get(part) is True or values.get("body_breathing") is True
+            yield f"the {name} security distance is {metres:g} m: the robot may hit people"
+    if values.get("awake") is False and state not in (*BUSY, "safeguard"):
+        yield "the motors are off: nothing moves until the robot is woken up"
+    if any(verb in used for verb in STEERS_HEAD):
+        if values.get("awareness") is True:
+            yield "awareness turns the head away from where the wizard has turned it"
+        if body_breathes or values.get("head_breathing") is True:
+            yield "the head breathes while the wizard turns it"
+    arms_breathe = body_breathes or values.get("arms_breathing") is True
+    if arms_breathe and any(verb in used for verb in GESTURES):
+        yield "the arms breathe: animations and poses begin and end with a jerk"
+    if "say" in used and values.get("speaking_movement") is True:
+        yield "speaking movement adds gestures of its own to those in a sentence's tags"
+    # The example of WoZ4U's paper. Where nobody asked for it, nobody waits for it either.
+    if blinks and desired.get("blinking") is True and state not in (None, "interactive"):
+        yield f"a Pepper blinks only while autonomous life is interactive, not {state}"
+    elif blinks and "eyes" in used:
+        yield "blinking darkens the eyes now and then, whatever their colour"
+    if state in BUSY:
+        yield f"autonomous life is {state}: the robot moves and talks by itself"
+    elif state == "safeguard":
+        yield "autonomous life is safeguard: the robot protects itself and may not obey"

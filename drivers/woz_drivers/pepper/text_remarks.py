@@ -115,11 +115,6 @@ def _sound(argument: _Value) -> Iterator[tuple[str, str]]:
         yield problem, "name it by its way from the experiment's folder"
 
 
-def _address(argument: _Value) -> Iterator[tuple[str, str]]:
-    address.parse(argument.text)
-    yield from ()
-
-
 def _read(read: Callable[[str], object]) -> _Check:
     """Whether `perform` can read a text, by what it reads it with."""
 
@@ -128,6 +123,9 @@ def _read(read: Callable[[str], object]) -> _Check:
         yield from ()
 
     return check
+
+
+_address = _read(address.parse)
 
 
 def _joints(argument: _Value) -> Iterator[tuple[str, str]]:

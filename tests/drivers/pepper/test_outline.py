@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.pepper import body_joints, outline, tags
+from woz_drivers.pepper import body_joints, tags
 from woz_drivers.pepper.animations import MOVES, path_of
+from woz_drivers.pepper.driver import Pepper
 from woz_drivers.pepper.eyes import EyeColor
 from woz_drivers.pepper.robot_settings import SETTINGS
 from woz_drivers.pepper.settings import AutonomySettings, PepperSettings, VoiceSettings
@@ -32,7 +33,7 @@ def wanted(settings: PepperSettings = ONE) -> DesiredSettings:
 
 
 def test_the_outline_is_read_by_the_console_and_has_every_setting() -> None:
-    told = RobotOutline.read(outline.outline(ONE))
+    told = RobotOutline.read(Pepper.outline(ONE))
     assert told is not None
     assert sorted(line.name for line in told.settings) == sorted(SETTINGS)
     assert told.robots == ["10.0.0.1", "10.0.0.2", "simulated"]

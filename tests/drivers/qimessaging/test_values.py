@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from qimessaging import ProtocolError
-from qimessaging.decoding import DEEPEST, MOST_VALUES, ValueDecoder, decode
+from qimessaging.decoding import MOST_VALUES, ValueDecoder, decode
 from qimessaging.encoding import encode
-from qimessaging.signature import LONGEST, parse, parse_members
+from qimessaging.signature import DEEPEST_VALUE, LONGEST, parse, parse_members
 
 WHOLE = {"c": 8, "w": 16, "i": 32, "l": 64}
 PLAIN: dict[str, st.SearchStrategy[Any]] = {
@@ -180,7 +180,7 @@ def test_strings_that_are_no_text_come_whole() -> None:
         ("{[i]s}", struct.pack("<III", 1, 0, 0)),  # a key which nothing can be looked up by
         ("m", b"\x02\0\0\0[m"),
         ("m", b"\x01\0\0\0\xff"),
-        ("m", b"\x01\0\0\0m" * (DEEPEST + 2) + b"\x01\0\0\0v"),
+        ("m", b"\x01\0\0\0m" * (DEEPEST_VALUE + 2) + b"\x01\0\0\0v"),
         ("i", b"\0\0\0\0\0"),
     ],
 )

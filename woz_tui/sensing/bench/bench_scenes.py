@@ -166,8 +166,8 @@ def _course(
     def at(seconds: float) -> Truth:
         truth = scene.after if seconds >= moment else scene.before
         if scene.walks:
-            gone = near + (seconds - moment) * WALKS
-            truth = Truth(True, True, min(BACK, max(TALKS, gone)))
+            metres = near + (seconds - moment) * WALKS
+            truth = Truth(True, True, min(BACK, max(TALKS, metres)))
         if any(begin <= seconds < end for begin, end in glances):
             truth = Truth(truth.present, not truth.looks, truth.metres)
         return truth

@@ -1,4 +1,4 @@
-"""What can go wrong with the robot on demand, and the record of what it was asked to do."""
+"""Faults of the simulated robot on demand, and the record of the calls that it got."""
 
 from __future__ import annotations
 

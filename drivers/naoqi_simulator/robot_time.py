@@ -1,4 +1,4 @@
-"""How the stand-in's time passes, and what is going on in it: all that lasts can be ended."""
+"""The simulated robot's time, and the activities in it, each of which can be ended."""
 
 from __future__ import annotations
 

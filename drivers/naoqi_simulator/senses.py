@@ -1,4 +1,4 @@
-"""What the robot perceives, as keys of ALMemory, and the services that switch it on.
+"""The robot's perception as keys of ALMemory, and the services that switch it on.
 
 As on the real robot a key has a value only while somebody is subscribed to the service that
 fills it.

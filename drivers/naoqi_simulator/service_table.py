@@ -1,4 +1,4 @@
-"""How a service says what it offers: methods and signals with the signatures of the qi wire.
+"""Declares what a service offers: methods and signals with the signatures of the qi wire.
 
 A service is a class with methods marked by `offers`; whoever hosts it (`host_qi`, `host_own`) reads
 `methods_of` and `Service.signals` and knows nothing else of it. Overloads are several Python

@@ -1,4 +1,4 @@
-"""ALTabletService. It really fetches what it is told to show, so that a wrong address is seen."""
+"""ALTabletService: it really fetches what it shows, so that a wrong address is noticed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The people around the robot: one visitor after the other, drawn from a seed.
+"""Simulated visitors before the robot, one after the other, drawn from a seed.
 
 A visitor comes nearer, stays for a while, looks, talks, turns away in between, and leaves. Where
 somebody is at a time depends on the seed and that time alone.

@@ -1,4 +1,4 @@
-"""Addresses that the simulated robot and its tablet really fetch, so that a wrong one is seen."""
+"""Fetches addresses for the simulated robot and its tablet, so that a wrong one is noticed."""
 
 from __future__ import annotations
 

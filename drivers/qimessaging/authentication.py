@@ -1,4 +1,4 @@
-"""Getting in: what the client says first, and what the other end may answer.
+"""The login: what a client sends first, and what the other end may answer.
 
 libqi's client calls action 8 of service 0 with its capabilities, and with `auth_user` and
 `auth_token` where it has them. A server of that time replies with its own capabilities and

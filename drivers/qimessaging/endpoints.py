@@ -1,4 +1,4 @@
-"""Where a service is to be found: what the directory says, and which of it can be reached."""
+"""Addresses of services: what the directory says, and which of them can be reached."""
 
 from __future__ import annotations
 

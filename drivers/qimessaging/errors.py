@@ -1,4 +1,4 @@
-"""What can go wrong between two ends of the qi messaging protocol."""
+"""Exceptions of the qi messaging protocol."""
 
 from __future__ import annotations
 

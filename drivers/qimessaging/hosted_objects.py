@@ -1,4 +1,4 @@
-"""What a service of ours is made of: methods, signals and properties, and who hears it."""
+"""Services of ours: their methods, signals and properties, and who listens to them."""
 
 from __future__ import annotations
 

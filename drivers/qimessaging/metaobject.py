@@ -1,4 +1,4 @@
-"""What an object offers: its methods, signals and properties with their numbers and signatures."""
+"""Meta objects: methods, signals and properties of an object with their numbers and signatures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a visitor's answer means: a name, yes, no. Names are taken out of sentences.
+"""Parses a visitor's answer: a name, yes or no. Names are taken out of sentences.
 
 The phrases are those of `LANGUAGES`: words are compared without accents, case and punctuation
 (`heiße` is `heisse`, `sì` is `si`), and all languages count at once, since visitors do not announce

@@ -1,4 +1,4 @@
-"""Where speech begins and ends, when all that is known are values of loudness now and then."""
+"""Finds where speech begins and ends from values of loudness now and then."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a raw value of a sensor means, whatever it is; None stands for "says nothing".
+"""Reads raw values of sensors, whatever they are; None stands for "says nothing".
 
 The paper does not say what becomes of a missing or an impossible value. Here it is no evidence,
 neither for nor against: it takes no place in a queue. Nothing in here ever raises.

@@ -1,4 +1,4 @@
-"""Where speech begins and ends, counted in chunks of sound; free of clock, samples and files.
+"""Finds where speech begins and ends, counted in chunks of sound; free of clock and files.
 
 After section 2.2 of Maniscalco, Storniolo and Messina (Int. J. of Social Robotics 14, 2022, doi
 10.1007/s12369-021-00855-w): a chunk is loud or not by its RMS; the segment that is kept begins

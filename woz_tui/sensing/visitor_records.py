@@ -1,4 +1,4 @@
-"""Visitors who have a name, what may be done to the list of them, and its text in a file.
+"""Named visitors, the changes of their list, and its text in a file.
 
 A change is a function that fits onto a list or does not (`VisitorRefusedError`). So a change that
 could not be written down can be made again on whatever the file holds by then.

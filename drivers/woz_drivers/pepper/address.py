@@ -1,4 +1,4 @@
-"""Where a robot is: what stands in `robots:` and what the wizard types."""
+"""Addresses of robots, as `robots:` lists them and the wizard types them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Camera pictures as files: whole or not at all, each under a name that was free."""
+"""Writes camera pictures as PNG files: whole or not at all, each under a free name."""
 
 from __future__ import annotations
 

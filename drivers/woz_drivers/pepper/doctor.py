@@ -1,4 +1,4 @@
-"""What `woz doctor` finds out about the robots of a file: it asks, and moves nothing."""
+"""Examines the robots of a file for `woz doctor`: it asks, and moves nothing."""
 
 from __future__ import annotations
 

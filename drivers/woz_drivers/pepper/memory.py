@@ -1,4 +1,4 @@
-"""What single values of ALMemory mean: numbers, the sonar, the battery, a sound's direction.
+"""Reads single values of ALMemory: numbers, the sonar, the battery, a sound's direction.
 
 Whatever a robot puts there, nothing in here raises: None is "that makes no sense". Shapes are those
 of NAOqi 2.4 to 2.9 (doc.aldebaran.com, "naoqi/audio/alsoundlocalization", "naoqi/core/almemory").

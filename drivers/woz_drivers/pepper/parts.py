@@ -1,4 +1,4 @@
-"""What a Pepper is made of for its driver: parts, each with its verbs, its settings, its stop.
+"""The parts of a Pepper for its driver: each has its verbs, its settings and its stop.
 
 The driver (`driver.py`) hands each verb to its part, asks every part to stop at once, and tells all
 of them when the robot is there again with fresh services.

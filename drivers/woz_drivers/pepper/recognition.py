@@ -1,4 +1,4 @@
-"""What a visitor says, as far as the robot understands it: phrases of a list, as text.
+"""Publishes what a visitor says, as far as the robot understands it: phrases of a list.
 
 ALSpeechRecognition knows no other words than those it is given. It is polled like all senses: its
 events do not work with NAOqi 2.5 ("Invalid signature"). What it has recognised stays in ALMemory,

@@ -1,4 +1,4 @@
-"""What the robot senses all the time: distance, people, loudness, direction of sounds, battery.
+"""Publishes what the robot senses: distance, people, loudness, direction of sounds, battery.
 
 ALMemory is polled, for the signals of ALMemory do not work with NAOqi 2.5 ("Invalid signature").
 One question a round brings all keys; what belongs to a person is asked for from the round after

@@ -1,4 +1,4 @@
-"""Any call of any service of the robot, for what no verb is made for."""
+"""The verb `naoqi`: calls any method of any service of the robot."""
 
 from __future__ import annotations
 

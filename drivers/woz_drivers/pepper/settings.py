@@ -1,4 +1,4 @@
-"""What a robot file may say about a Pepper."""
+"""The settings of a Pepper in a robot file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a `screen` shows, and the page that holds a picture on the tablet's 1280 x 800."""
+"""The kinds of things that the tablet shows, and the page for a picture on its 1280 x 800."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""Tags in an utterance: which there are, and sentences about those that the robot will not take.
+r"""The tags of an utterance, and sentences about those that the robot does not understand.
 
 Two families: `\rspd=80\\` changes the voice from there on, `^run(animations/...)` moves the body
 meanwhile. A tag that is wrong is told and still sent as it was written: whoever wrote it decides.

@@ -1,4 +1,4 @@
-"""Arguments of commands turned into numbers, poses, colours and files, or refused."""
+"""Reads arguments of commands as numbers, poses, colours and files, or refuses them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `woz doctor` says of a simulated robot: what of its settings deserves a thought."""
+"""Findings of `woz doctor` about the settings of a simulated robot."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the simulated robot's sensors say, and what break-downs make of it."""
+"""Publishes the simulated robot's readings, as far as break-downs let them through."""
 
 from __future__ import annotations
 

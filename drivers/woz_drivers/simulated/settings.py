@@ -1,4 +1,4 @@
-"""What a robot file may say about the simulated robot; every line has a default."""
+"""The settings of the simulated robot; every one has a default."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the simulated robot's camera sees: a wall, a floor, and the visitor if one is there."""
+"""Pictures of the simulated robot's camera: a wall, a floor, and the visitor if one is there."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the simulated robot offers: the common verbs, and one that breaks it."""
+"""The verbs of the simulated robot: the common ones, and one that breaks it."""
 
 from __future__ import annotations
 

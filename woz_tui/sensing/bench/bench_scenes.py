@@ -1,4 +1,4 @@
-"""What visitors do, and what sensors make of it: rows of samples of a scene.
+"""Scenes of the bench: what visitors do, and the rows of samples that sensors make of it.
 
 Times are seconds from the beginning of a scene. For the first `CALM` seconds nothing errs, so
 that every filter has a full queue and the right verdict; what a scene is about happens later.

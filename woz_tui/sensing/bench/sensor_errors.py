@@ -1,4 +1,4 @@
-"""How sensors of a visitor fail: an error model fitted to the paper's Table 1.
+"""Errors of a visitor's sensors: a model fitted to the paper's Table 1.
 
 The table (Maniscalco, Storniolo and Messina 2022) gives, per sign, in how many of 50 trials the
 unfiltered sign stayed right for 10, 20 and 30 s. That is too little to tell much of a model, so

@@ -118,7 +118,7 @@ class AutonomousLife(Service):
         self._world.store.raise_event("AutonomousLife/State", state)
 
     def drift(self) -> str:
-        """Change something of autonomy as the real robot does; say what it was."""
+        """Change something of autonomy as the real robot does; return what it was."""
         draw = self._world.random
         what = draw.choice([*self._abilities, "state"])
         if what == "state":

@@ -75,7 +75,7 @@ class SpeechRecognition(ExtractorService):
         return ["English", "French", "German", "Japanese"]
 
     def say(self, text: str) -> None:
-        """Whoever stands there says this now."""
+        """Let the visitor say this now."""
         self._begin(text, 0.0)
 
     def _remember(self, sentence: Any) -> None:

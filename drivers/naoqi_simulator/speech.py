@@ -18,7 +18,7 @@ _LIMITS = {"pitchShift": (0.0, 4.0), "speed": (50.0, 400.0), "volume": (0.0, 100
 
 
 class SpeechVoice:
-    """The voice itself: what it says now, how, and what it has said."""
+    """The voice: the utterance under way, its manner, and all utterances so far."""
 
     def __init__(self, world: SimulatedWorld) -> None:
         self._world = world

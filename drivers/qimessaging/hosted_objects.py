@@ -131,10 +131,10 @@ class HostedObject:
             raise RefusedError(f"there is no signal {signal}")
         return len(self._hearing.get(self._uids[signal], ()))
 
-    # What `Host` calls.
+    # What `ObjectHost` calls.
 
     def passed(self) -> bytes:
-        """Return this object as it is written into a message; `Host` gives it its place."""
+        """Return this object as it is written into a message; `ObjectHost` gives it its place."""
         if self.place is None:
             raise ProtocolError("an object is returned as such or not at all")
         return self.described + encode("(II)", self.place)

@@ -1,10 +1,13 @@
 """A server: services of ours with a directory of their own, for clients of any make.
 
-    server = Server()
+    server = QiServer()
     speech = server.add(
         "ALTextToSpeech",
-        methods=[Method("say", "(s)", "v", say), Method("getVolume", "()", "f", volume)],
-        signals=[Signal("textDone", "()")],
+        methods=[
+            HostedMethod("say", "(s)", "v", say),
+            HostedMethod("getVolume", "()", "f", volume),
+        ],
+        signals=[HostedSignal("textDone", "()")],
     )
     endpoint = await server.listen("127.0.0.1", 9559)
     server.emit("ALTextToSpeech", "textDone")     # or speech.emit("textDone")

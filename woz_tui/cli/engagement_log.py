@@ -263,7 +263,7 @@ def rerun(
 
     `settings` hold from the beginning (None: from where the log tells some), and all the time
     unless `above` says what is made of those that the log tells.
-    Raises `FileNotFoundError` and `ValueError` as `record.log.read` does.
+    Raises `FileNotFoundError` and `ValueError` as `log_reader.read` does.
     """
     again = ModelRerun(
         settings, above or (SettingsOverride.always(settings) if settings else SettingsOverride())

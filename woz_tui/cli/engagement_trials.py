@@ -169,7 +169,7 @@ def trials(
     above: SettingsOverride | None = None,
 ) -> Trials:
     """Run a session through the model with and without filters; `settings` and `above` are as
-    `engagement_log.recounted` has them.
+    `engagement_log.rerun` takes them.
     """
     above = above or (SettingsOverride.always(settings) if settings else SettingsOverride())
     plain = SettingsOverride(

@@ -82,7 +82,7 @@ class AutonomyPart(PepperPart):
         return dict(changes)
 
     async def connected(self) -> None:
-        """Apply what the robot file says, or the wizard since; what the robot refuses is told."""
+        """Apply what the file says, or the wizard since; what the robot refuses is a notice."""
         changes = dict(self._desired)
         if "state" in changes and await self._state() == changes["state"]:
             # Sent again, `disabled` sends a robot to rest that was woken since.

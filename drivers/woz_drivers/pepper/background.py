@@ -13,7 +13,7 @@ _T = TypeVar("_T")
 
 
 class Background:
-    """One task at a time. If it fails the wizard is told: nothing else would notice."""
+    """One task at a time. If it fails the wizard gets a notice: nothing else would show it."""
 
     def __init__(self, what: str, context: DriverContext) -> None:
         self._what = what

@@ -156,7 +156,7 @@ class CameraPart(PepperPart):
             raise DriverError(received, _NO_PICTURE)
 
     def _report(self, error: DriverError) -> None:
-        """Say once why there are no pictures; that the robot is gone is told by others."""
+        """Report once why there are no pictures; the connection reports a lost robot."""
         if not isinstance(error, DeviceLostError) and self._trouble != error.what:
             self._trouble = error.what
             self._context.notice("warning", f"no camera picture: {error.what}", error.remedy)

@@ -70,7 +70,7 @@ async def _robot(text: str, probe: Probe) -> list[Finding]:
 
 
 async def _visit(address: Address, link: NaoqiLink, settings: PepperSettings) -> list[Finding]:
-    """What a robot that is there says of itself. Raises `LinkError` if it goes."""
+    """Findings about a connected robot. Raises `LinkError` if the connection is lost."""
     services = await link.services(_WITHIN_S)
     findings = [await _line(address, link)]
     if address.secure:

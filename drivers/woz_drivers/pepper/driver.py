@@ -192,7 +192,7 @@ class Pepper(Driver):
         return sent
 
     async def stop(self, scope: Scope) -> StopReport | None:
-        """Ask every part at once to stand still; says which of them confirmed in time.
+        """Ask every part at once to stand still; return which of them confirmed in time.
 
         A robot that was lost cannot confirm anything. Nothing is stopped where none was connected.
         """

@@ -90,7 +90,7 @@ class MicrophonesPart(PepperPart):
         return {"microphones": ", ".join(active) or "off"}
 
     async def close(self) -> None:
-        """End both; a robot that does not confirm it may record on, which is told."""
+        """End both; a robot that does not confirm it may record on: a notice says so."""
         if self._listening is not None:
             with contextlib.suppress(DriverError):  # it is written as far as it came
                 await self._end_listen()

@@ -37,7 +37,7 @@ class ServiceAbsentError(DriverError):
 
 
 class RobotCalls(Protocol):
-    """The robot as its parts see it: `connection.Connection` implements it.
+    """The robot as its parts see it: `RobotConnection` implements it.
 
     All raise `drivers.contract` errors: `DeviceLostError` when the robot is not connected or silent
     (nothing is sent while it is silent), `DriverError` with the robot's own words when it says no,
@@ -63,7 +63,7 @@ class RobotCalls(Protocol):
         ...
 
     async def serve(self, name: str, methods: Methods) -> Unsubscribe:
-        """Offer the robot a service of ours (`Link.serve`) until the connection is lost."""
+        """Offer the robot a service of ours (`NaoqiLink.serve`) until the connection is lost."""
         ...
 
     @property
@@ -98,12 +98,12 @@ class PepperPart:
 
     @classmethod
     def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
-        """What it offers."""
+        """The verbs that it offers."""
         return ()
 
     @classmethod
     def sensors(cls, settings: PepperSettings) -> tuple[str, ...]:
-        """What it publishes."""
+        """The sensors that it publishes."""
         return ()
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
@@ -157,7 +157,7 @@ Call = Coroutine[Any, Any, Any]
 
 
 async def answers(calls: Mapping[str, Call]) -> dict[str, Any]:
-    """Ask everything at once; whatever the robot did not say is left out.
+    """Await everything at once; what the robot did not answer is left out.
 
     Raises `DeviceLostError` when nothing at all was answered because the robot is gone.
     """

@@ -122,7 +122,7 @@ class RecognitionPart(PepperPart):
             await asyncio.sleep(POLL_S)
 
     async def _poll_once(self) -> None:
-        """Ask once, and tell what is new. Raises `DeviceLostError`."""
+        """Ask once, and publish what is new. Raises `DeviceLostError`."""
         values = await self._query.values((DETECTED, RECOGNIZED))
         speaks = flag(values[DETECTED]) is True
         if not speaks:

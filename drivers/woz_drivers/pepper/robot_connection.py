@@ -6,7 +6,7 @@ What is promised about calls, and what cannot be:
   A robot that was killed is known at once; one that is frozen or cut off after at most 2 s, and all
   calls under way end in that moment.
 - A call is sent only while the robot is known to be alive: it was heard within the last 0.02 s
-  (`connection_line.FRESH_S`), or it has just answered a question that was asked for this call. If
+  (`robot_line.FRESH_S`), or it has just answered a question that was asked for this call. If
   it is silent, the call is refused and never sent. Only calls that end something (`HALTS`) are sent
   in any case, because late they do no harm.
 - What was sent into a cut cable is forgotten by this machine within 1.5 s and on closing: it does
@@ -64,7 +64,7 @@ _T = TypeVar("_T")
 
 
 class RobotConnection:
-    """Implements `parts.Robot`. Made in the event loop; begins with `start`, ends with `close`.
+    """Implements `RobotCalls`. Made in the event loop; begins with `start`, ends with `close`.
 
     `on_connected` is awaited after each connection, once the robot is silent and its services are
     there; `on_lost` is called when such a connection is gone.
@@ -143,7 +143,7 @@ class RobotConnection:
         """Which robot is being played, as shown; empty: none."""
         return self._address.shown if self._address is not None else ""
 
-    # -- for the parts: `parts.Robot` ----------------------------------------------------------
+    # -- for the parts: `RobotCalls` -----------------------------------------------------------
 
     @property
     def available(self) -> bool:
@@ -318,7 +318,7 @@ class RobotConnection:
         return RobotLine(link, address, self._settings.heartbeat)
 
     async def _served(self, line: RobotLine, first: asyncio.Future[None]) -> bool:
-        """Watch this connection until it is lost; tells whether it had been ready."""
+        """Watch this connection until it is lost; return whether it had been ready."""
         getting_ready = asyncio.create_task(self._get_ready(line, first))
         try:
             line.why = await line.until_lost(getting_ready)
@@ -365,7 +365,7 @@ class RobotConnection:
             first.set_result(None)
 
     def _report_certificate(self, line: RobotLine) -> None:
-        """Once for each robot on a secured line of which the file does not say what to trust."""
+        """Report a certificate once where the file does not say which one to trust."""
         found = line.link.certificate
         if found and not self._settings.trusted:
             self._context.notice(

@@ -79,11 +79,11 @@ class RobotLine:
 
     @property
     def shown(self) -> str:
-        """Which robot."""
+        """The address of the robot, as the wizard reads it."""
         return self.address.shown
 
     def lost(self, reason: str) -> DeviceLostError:
-        """What those are told whose calls ended with it."""
+        """The error for calls that ended with this connection."""
         if self.why is not None:
             return DeviceLostError(self.why.what, self.why.remedy)
         return DeviceLostError(f"{self.shown} is lost: {reason}", _LOOKED_FOR)

@@ -99,7 +99,7 @@ class SensorModules:
         self._missing = dict.fromkeys(self._modules, "")
 
     async def begin(self) -> None:
-        """Begin whatever does not run; what the robot does not have is told, the others go on."""
+        """Begin what does not run; what the robot does not have is reported, the others go on."""
         missing = list(self._missing)
         answers = await asyncio.gather(
             *(self._robot.call(one.service, *one.begin) for one in missing), return_exceptions=True
@@ -271,7 +271,7 @@ class SensesPart(PepperPart):
             await asyncio.sleep(due - loop.time())
 
     async def _round(self) -> None:
-        """Ask once, and say what came. Raises `DeviceLostError`."""
+        """Ask once, and publish what came. Raises `DeviceLostError`."""
         if (
             not self._modules.complete
             and self._context.clock.now_us() - self._begun_us >= _AGAIN_US
@@ -348,7 +348,7 @@ class ValueRefusal:
 
 
 class RoundReport:
-    """Says what came of each round."""
+    """Publishes the readings of each round."""
 
     def __init__(self, context: DriverContext) -> None:
         self._context = context

@@ -171,7 +171,7 @@ class FileServer:
             client.close()
 
     def _shut(self, error: OSError) -> None:
-        """Nobody can be let in for now; told once."""
+        """Accept nobody for a while; reported once."""
         if not self._told_shut:
             self._told_shut = True
             self._troubled(f"the robot cannot load files at the moment: {error.strerror or error}")

@@ -109,7 +109,7 @@ class SettingsReader:
         return self._names.get(self._connection.robot, self._connection.robot)
 
     def _complain(self, part: str, error: BaseException) -> None:
-        """A mistake of ours: told once, and the others are still read."""
+        """Report an error of this program once; the other parts are still read."""
         if part not in self._broken:
             self._broken.add(part)
             log.error("reading the settings of %s failed", part, exc_info=error)
@@ -137,7 +137,7 @@ def _names(settings: PepperSettings) -> dict[str, str]:
 
 
 def _steady(name: str, value: Json) -> Json:
-    """Without digits that nobody wants to be told of: a battery never stands still."""
+    """Rounded, so that small changes are not published: a battery never stands still."""
     if not isinstance(value, float):
         return value
     return round(value, 2 if name == "battery" else 3)

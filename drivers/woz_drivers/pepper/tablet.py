@@ -87,7 +87,7 @@ def _within(point: Place) -> Place:
 
 
 class Touch:
-    """Listens to the tablet and tells where it is touched: down, move, up."""
+    """Publishes where the tablet is touched: down, move, up."""
 
     def __init__(self, robot: RobotCalls, context: DriverContext) -> None:
         self._robot = robot
@@ -205,7 +205,7 @@ class Touch:
             self._publish(position, "move")
 
     def _too_many(self) -> bool:
-        """Whether a tablet tells more than anybody can touch: a log is not filled with that."""
+        """Whether more touches come than fingers can make: a log is not filled with those."""
         if _now() - self._second >= 1.0:
             self._second, self._count = _now(), 0
         self._count += 1
@@ -462,7 +462,7 @@ class TabletPart(PepperPart):
         self._over(video)
 
     def _finished(self, *_: Any) -> None:
-        """The tablet says that its video is over."""
+        """Called when the video is over."""
         if self._video is not None:
             self._watching.cancel()
             self._over(self._video)

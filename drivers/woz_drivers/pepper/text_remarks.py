@@ -84,7 +84,7 @@ def _text_file(argument: _Value) -> Iterator[tuple[str, str]]:
 
 
 def _mend(problem: str) -> str:
-    """Sentences about tags say what would be right, but where nobody can tell."""
+    """The remedy for a wrong tag whose sentence does not say what would be right."""
     return "correct the tag, or the robot reads it out" if problem.endswith(" knows") else ""
 
 

@@ -57,11 +57,11 @@ class Publisher:
             )
 
     def silent(self, sensor: str, now: float) -> bool:
-        """Whether a sensor says nothing at all."""
+        """Whether a sensor is silent."""
         return self._faults.holding("silent", sensor, now) is not None
 
     def broken(self, sensor: str, value: float | None, now: float) -> float | None:
-        """What a sensor says for `value`: something else while it is broken."""
+        """The reading of a sensor for `value`: another one while it is broken."""
         if self._faults.holding("nan", sensor, now):
             return math.nan
         if self._faults.holding("stuck", sensor, now):

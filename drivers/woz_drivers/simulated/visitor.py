@@ -50,7 +50,7 @@ _WHETHER = re.compile(r"\b(right|correct)\b", re.IGNORECASE)
 
 
 def reply(name: str, robot_text: str, chance: Random) -> str:
-    """What the visitor `name` says to a robot that `said` something.
+    """The answer of the visitor `name` to `robot_text`, which the robot said.
 
     A question for the name gets the name. A question that contains it gets a yes, and a question
     whether something is right that does not gets a no.

@@ -56,7 +56,7 @@ class ControlOutline(msgspec.Struct, frozen=True):
     label: str = ""
 
 
-class _Joint(msgspec.Struct):
+class _JointOutline(msgspec.Struct):
     name: str
     home: float = 0.0
     min: float = -90.0
@@ -100,7 +100,7 @@ def _body(driver: str, told: Mapping[str, Json]) -> BodyOutline | None:
         chain = KinematicChain.of_outline(dict(told))
     except (ValueError, KeyError, TypeError):
         return None
-    joints = _all_of(told.get("joints"), _Joint)
+    joints = _all_of(told.get("joints"), _JointOutline)
     lights = _all_of([told.get("face")], _Lights)
     return BodyOutline(
         driver,

@@ -1,4 +1,4 @@
-"""A picture in half blocks: two pixels a cell, one above the other, and only what has changed.
+"""Draws pictures in half blocks: two pixels a cell, one above the other, only what has changed.
 
 A camera's picture is never twice the same: a pixel counts as changed when it is further from what
 is shown than the camera's noise. Where the line cannot take all that has changed, the cells that

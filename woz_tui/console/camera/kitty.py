@@ -1,4 +1,4 @@
-"""Pictures in kitty's graphics protocol, drawn over placeholders: characters that are a picture.
+"""Writes kitty's graphics protocol: pictures behind placeholders, characters that show them.
 
 The picture is sent once, invisible; wherever the placeholder U+10EEEE stands the terminal draws
 the part of the picture that belongs there. To Textual these are characters like all others: it

@@ -1,4 +1,4 @@
-"""A robot's settings as rows of cells.
+"""Draws a robot's settings as rows of cells.
 
 On top the robot and its conflicts, at the bottom what is known of the chosen line, between them as
 many lines as fit. All three keep their places whatever the robot says.

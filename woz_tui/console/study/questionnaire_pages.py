@@ -1,4 +1,4 @@
-"""The pages of a questionnaire as rows: large, calm, one thing at a time."""
+"""Draws the pages of a questionnaire as rows: large, calm, one thing at a time."""
 
 from __future__ import annotations
 

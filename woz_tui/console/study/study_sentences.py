@@ -1,4 +1,4 @@
-"""Messages of the study as lines for the wizard's list of events.
+"""Puts messages of the study into lines for the wizard's list of events.
 
 Answers of a participant have no line: they are for the log, not for whoever plays the robot.
 """

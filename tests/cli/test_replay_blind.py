@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from tests.replay.again import written
 from tests.replay.test_plan import END, LOG, Timed, command, dispatched, done
 from woz_tui.cli import main
-from woz_tui.cli.rerun_headless import Progress
+from woz_tui.cli.rerun_headless import RerunLines
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
 from woz_tui.host.experiment_view import ExperimentView, plan_of
@@ -152,7 +152,7 @@ def test_so_are_they_while_it_runs_without_a_console(tmp_path: Path) -> None:
     study = plan_of(ExperimentView(read, installed(), values=dict(read.variables))).settings.study
     long = command("c1", args={"text": "Good day. " * 9}, source="replay", **TELLING)
     sent = m.RerunSent(command="c1", original_command="c9", due=0, late_us=0)
-    progress = Progress(redactor=Redactor(study))
+    progress = RerunLines(redactor=Redactor(study))
     lines = [line for message in (long, sent) for line in progress.take(message)]
     assert "{greeting}" in "".join(lines)
     assert not [secret for secret in SECRETS[:4] if secret in "".join(lines)]

@@ -12,7 +12,7 @@ from tests.fakes.terminal import FakeTerminal
 from tests.replay.again import written
 from tests.replay.test_plan import END, LOG, Timed, command, dispatched, done
 from woz_tui.cli import main
-from woz_tui.cli.rerun_headless import Progress
+from woz_tui.cli.rerun_headless import RerunLines
 from woz_tui.cli.rerun_table import clock
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
@@ -154,12 +154,12 @@ def test_no_log_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> N
 # -- the lines of a headless re-run --------------------------------------------------------------
 
 
-def lines(progress: Progress, *messages: m.AnyMessage) -> list[str]:
+def lines(progress: RerunLines, *messages: m.AnyMessage) -> list[str]:
     return [line.strip() for message in messages for line in progress.take(message)]
 
 
 def test_each_command_has_a_line_with_its_lateness_and_streams_have_none() -> None:
-    progress = Progress(frozenset({("robot", "gaze")}))
+    progress = RerunLines(frozenset({("robot", "gaze")}))
     told = lines(
         progress,
         m.RerunStarted(original="x", original_session="S01", commands=2, t=1_000_000),
@@ -181,7 +181,7 @@ def test_each_command_has_a_line_with_its_lateness_and_streams_have_none() -> No
 
 
 def test_other_peoples_commands_are_none_of_it() -> None:
-    progress = Progress()
+    progress = RerunLines()
     own = m.Command(command="c1", verb="say", args={}, driver="robot", source="key")
     assert lines(progress, own, m.Failed(command="c1", reason="pulled")) == []
     assert progress.failed == 0

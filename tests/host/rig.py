@@ -14,7 +14,7 @@ from tests.session.rig import Puppet, experiment
 from woz_tui.config.experiment import Experiment, SessionSettings
 from woz_tui.drivers.contract import Driver
 from woz_tui.host.request_handlers import RequestHandlers
-from woz_tui.host.server import SessionServer
+from woz_tui.host.session_server import SessionServer
 from woz_tui.host.session_sockets import bind
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m

@@ -36,7 +36,7 @@ _STYLES = {"ok": "green", "info": "dim", "warning": "yellow", "error": "bold red
 
 
 @dataclass(frozen=True, slots=True)
-class Section:
+class DoctorSection:
     """Findings that belong together, under a heading."""
 
     title: str
@@ -69,11 +69,11 @@ def run(arguments: Namespace) -> int:
     return 1 if _count(sections, "error") else 0
 
 
-def examine(experiment: Path | None, recordings: Path) -> Iterator[Section]:
+def examine(experiment: Path | None, recordings: Path) -> Iterator[DoctorSection]:
     """All checks, section by section. Bounded in time; never raises."""
-    yield Section("Terminal", _terminal())
-    yield Section("Machine", _machine(recordings))
-    yield Section("Ports", _ports())
+    yield DoctorSection("Terminal", _terminal())
+    yield DoctorSection("Machine", _machine(recordings))
+    yield DoctorSection("Ports", _ports())
     if experiment is not None:
         yield from _experiment(experiment)
 
@@ -136,7 +136,7 @@ def _ports() -> list[Finding]:
 # -- the experiment and its drivers -------------------------------------------------------------
 
 
-def _experiment(path: Path) -> Iterator[Section]:
+def _experiment(path: Path) -> Iterator[DoctorSection]:
     loaded: list[tuple[Experiment, plugins.Catalogue]] = []
 
     def load() -> list[Finding]:
@@ -145,10 +145,12 @@ def _experiment(path: Path) -> Iterator[Section]:
             loaded.append(result)
         return findings
 
-    yield Section("Experiment", bounded(str(path), load, LOAD_S))
+    yield DoctorSection("Experiment", bounded(str(path), load, LOAD_S))
     for experiment, catalogue in loaded:
         for spec in experiment.drivers:
-            yield Section(f"Driver {spec.name} ({spec.type})", _driver(spec, experiment, catalogue))
+            yield DoctorSection(
+                f"Driver {spec.name} ({spec.type})", _driver(spec, experiment, catalogue)
+            )
 
 
 def _load(path: Path) -> tuple[list[Finding], tuple[Experiment, plugins.Catalogue] | None]:
@@ -190,11 +192,11 @@ def _driver(
 # -- showing ------------------------------------------------------------------------------------
 
 
-def _count(sections: list[Section], level: str) -> int:
+def _count(sections: list[DoctorSection], level: str) -> int:
     return sum(finding.level == level for section in sections for finding in section.findings)
 
 
-def _as_json(sections: list[Section]) -> str:
+def _as_json(sections: list[DoctorSection]) -> str:
     return json_text(
         {
             "errors": _count(sections, "error"),
@@ -209,7 +211,7 @@ def _as_json(sections: list[Section]) -> str:
     )
 
 
-def _table(section: Section, console: TextConsole) -> Table:
+def _table(section: DoctorSection, console: TextConsole) -> Table:
     glyphs = _GLYPHS if console.encoding.lower().startswith("utf") else _PLAIN_GLYPHS
     table = Table(box=None, show_header=False, padding=(0, 1, 0, 0), title_justify="left")
     table.title = Text(section.title, style="bold")
@@ -229,7 +231,7 @@ def _row(finding: Finding, glyphs: dict[str, str]) -> tuple[Text, Text, Text]:
     return Text(glyphs[level], style=_STYLES[level]), Text(finding.subject), words
 
 
-def _summary(sections: list[Section]) -> Text:
+def _summary(sections: list[DoctorSection]) -> Text:
     errors, warnings = _count(sections, "error"), _count(sections, "warning")
     text = f"\n{_number(errors, 'error')}, {_number(warnings, 'warning')}"
     return Text(text, style=_STYLES["error" if errors else "warning" if warnings else "ok"])

@@ -31,7 +31,7 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 @dataclass
-class Progress:
+class RerunLines:
     """What has been heard of a re-run; `take` returns the lines that are worth printing.
 
     `streams`: driver and verb of setpoints that get no line each. `redactor`: hides what the
@@ -102,7 +102,7 @@ def watch(launch: Launch, streams: frozenset[tuple[str, str]], redactor: Redacto
     except LaunchError as error:
         print(error, file=sys.stderr)
         return 1
-    progress = Progress(streams, redactor)
+    progress = RerunLines(streams, redactor)
     stopped = False
     try:
         with contextlib.suppress(ConnectionError, FileNotFoundError):  # gone, as is told below
@@ -119,7 +119,7 @@ def watch(launch: Launch, streams: frozenset[tuple[str, str]], redactor: Redacto
     return int(progress.over.reason != "done" or progress.failed > 0)
 
 
-def _watch(robot: RobotProcess, progress: Progress) -> bool:
+def _watch(robot: RobotProcess, progress: RerunLines) -> bool:
     """Print until the robot process closes the connection; whether it was stopped from here."""
     stopped = False
     with contextlib.ExitStack() as opened:
@@ -159,7 +159,7 @@ def _received(link: socket.socket) -> bytes:
         return b""
 
 
-def _print(progress: Progress, lines: list[bytes]) -> None:
+def _print(progress: RerunLines, lines: list[bytes]) -> None:
     for line in lines:
         with contextlib.suppress(codec.WireError):
             for text in progress.take(codec.decode_incoming(line)):

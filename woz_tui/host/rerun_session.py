@@ -13,7 +13,7 @@ from pathlib import Path
 
 from woz_tui.bus.bus import STOP_WAIT_S
 from woz_tui.config.experiment import Call, Experiment
-from woz_tui.host.server import SessionServer
+from woz_tui.host.session_server import SessionServer
 from woz_tui.protocol import messages as m
 from woz_tui.replay.rerun_plan import REPLAY, RerunPlan, fitted, plan_of
 from woz_tui.replay.rerun_player import DONE, LEAD_US, STOPPED, RerunPlayer

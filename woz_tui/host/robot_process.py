@@ -22,7 +22,7 @@ from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import Catalogue, installed
 from woz_tui.host.request_handlers import RequestHandlers
-from woz_tui.host.server import SessionServer
+from woz_tui.host.session_server import SessionServer
 from woz_tui.host.session_sockets import bind, next_session, running, socket_path, starting
 from woz_tui.log.file_names import file_stem, name_after
 from woz_tui.log.recorder import Recorder

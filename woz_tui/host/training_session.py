@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from statistics import median
 
 from woz_tui.config.experiment import Experiment
-from woz_tui.host.server import SessionServer
+from woz_tui.host.session_server import SessionServer
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import RequestError, SessionIdentity
 from woz_tui.training.cue_plan import PlannedCue, moves_robot, planned_cues

@@ -118,7 +118,7 @@ def _services(address: Address, services: frozenset[str]) -> Finding:
 
 
 @dataclass(frozen=True, slots=True)
-class _Question:
+class _RobotCheck:
     """One call that changes nothing, and what its answer means: level, text, remedy."""
 
     service: str
@@ -126,7 +126,7 @@ class _Question:
     judged: Callable[[Any], tuple[str, str, str]]
 
 
-async def _check(address: Address, link: NaoqiLink, question: _Question) -> Finding:
+async def _check(address: Address, link: NaoqiLink, question: _RobotCheck) -> Finding:
     what = f"{question.service}.{question.method}"
     try:
         answer = await link.call(question.service, question.method, within=_WITHIN_S)
@@ -187,12 +187,12 @@ def _tablet(status: Any) -> tuple[str, str, str]:
 
 
 _CHECKS = (
-    _Question("ALSystem", "systemVersion", lambda it: ("ok", f"runs NAOqi {_word(it)}", "")),
-    _Question("ALSystem", "robotName", lambda it: ("ok", f"is called {_word(it)}", "")),
-    _Question("ALBattery", "getBatteryCharge", _charge),
-    _Question("ALMotion", "robotIsWakeUp", _awake),
-    _Question("ALAutonomousLife", "getState", _life),
-    _Question("ALTabletService", "getWifiStatus", _tablet),
+    _RobotCheck("ALSystem", "systemVersion", lambda it: ("ok", f"runs NAOqi {_word(it)}", "")),
+    _RobotCheck("ALSystem", "robotName", lambda it: ("ok", f"is called {_word(it)}", "")),
+    _RobotCheck("ALBattery", "getBatteryCharge", _charge),
+    _RobotCheck("ALMotion", "robotIsWakeUp", _awake),
+    _RobotCheck("ALAutonomousLife", "getState", _life),
+    _RobotCheck("ALTabletService", "getWifiStatus", _tablet),
 )
 
 

@@ -12,7 +12,7 @@ import sys
 import time
 from pathlib import Path
 
-from woz_tui.cli.console_start import favour_keys
+from woz_tui.cli.console_start import prioritise_keys
 from woz_tui.console.app import Console
 from woz_tui.console.host_connection import HostConnection
 from woz_tui.console.keyboard import Keyboard
@@ -47,7 +47,7 @@ def main() -> None:
     link = HostConnection(Path(sys.argv[1]))
     console = BlockedConsole(link, Keyboard(link), driver_class=WizardDriver)
     console.spinning = sys.argv[2] == "spinning"
-    favour_keys()
+    prioritise_keys()
     console.run()
 
 

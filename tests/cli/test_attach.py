@@ -47,7 +47,7 @@ def arguments(*words: str) -> argparse.Namespace:
 def test_what_is_proposed_keeps_the_options(
     words: list[str], options: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert attach.chosen(arguments(*words)) is None
+    assert attach.find_socket(arguments(*words)) is None
     told = capsys.readouterr().err
     proposed = [line.partition("   # for ") for line in sorted(told.splitlines()[1:])]
     assert [line for line, _, _ in proposed] == [f"  woz attach S0{n}{options}" for n in (1, 2)]
@@ -56,13 +56,13 @@ def test_what_is_proposed_keeps_the_options(
 
 def test_a_session_behind_the_option_is_the_session(sessions: list[Path]) -> None:
     given = arguments("--questionnaire", "S02")
-    assert attach.chosen(given) == sessions[1]
+    assert attach.find_socket(given) == sessions[1]
     assert given.questionnaire == ""
 
 
 def test_a_questionnaire_of_a_session(sessions: list[Path]) -> None:
     given = arguments("S01", "--questionnaire", "S02")
-    assert attach.chosen(given) == sessions[0]
+    assert attach.find_socket(given) == sessions[0]
     assert given.questionnaire == "S02"
 
 

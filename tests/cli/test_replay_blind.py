@@ -153,7 +153,7 @@ def test_so_are_they_while_it_runs_without_a_console(tmp_path: Path) -> None:
     long = command("c1", args={"text": "Good day. " * 9}, source="replay", **TELLING)
     sent = m.RerunSent(command="c1", original_command="c9", due=0, late_us=0)
     progress = RerunLines(redactor=Redactor(study))
-    lines = [line for message in (long, sent) for line in progress.take(message)]
+    lines = [line for message in (long, sent) for line in progress.lines(message)]
     assert "{greeting}" in "".join(lines)
     assert not [secret for secret in SECRETS[:4] if secret in "".join(lines)]
 

@@ -155,7 +155,7 @@ def test_no_log_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> N
 
 
 def lines(progress: RerunLines, *messages: m.AnyMessage) -> list[str]:
-    return [line.strip() for message in messages for line in progress.take(message)]
+    return [line.strip() for message in messages for line in progress.lines(message)]
 
 
 def test_each_command_has_a_line_with_its_lateness_and_streams_have_none() -> None:

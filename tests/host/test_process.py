@@ -265,7 +265,7 @@ def test_sessions_that_start_at_once_have_codes_of_their_own(
         assert {robot.socket.stem for robot in robots} == {"S01", "S02", "S03"}
         assert {session_code(robot.log.stem) for robot in robots} == {"S01", "S02", "S03"}
         # Started again after it was lost, a session is found where it was.
-        assert robots[0].again == [
+        assert robots[0].restart_arguments == [
             "--name",
             robots[0].socket.stem,
             "--session",

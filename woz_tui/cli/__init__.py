@@ -45,20 +45,20 @@ COMMANDS = {
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code."""
     clean_streams()
-    given = list(sys.argv[1:] if arguments is None else arguments)
+    words = list(sys.argv[1:] if arguments is None else arguments)
     parser = ArgumentParser(
         prog="woz", description="A wizard plays a social robot from a terminal."
     )
     parser.add_argument("--version", action="version", version=f"woz-tui {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    chosen = next((word for word in given if not word.startswith("-")), "")
+    command_name = next((word for word in words if not word.startswith("-")), "")
     for name, summary in COMMANDS.items():
         command = commands.add_parser(name, help=summary, description=f"woz {name}: {summary}")
-        if name == chosen:
+        if name == command_name:
             module = importlib.import_module(f"woz_tui.cli.{name.replace('-', '_')}")
             command.set_defaults(run=module.run)
             module.add(command)
-    parsed = parser.parse_args(given)
+    parsed = parser.parse_args(words)
     try:
         code: int = parsed.run(parsed)
         if sys.stdout is not None:  # it may have been closed: >&-

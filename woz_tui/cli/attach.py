@@ -38,15 +38,15 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Open the console on a running session."""
-    refused = console_start.refusal()
-    if refused:
-        print(f"woz: {refused}", file=sys.stderr)
+    refusal = console_start.refusal()
+    if refusal:
+        print(f"woz: {refusal}", file=sys.stderr)
         return 2
     return with_error_sentences(lambda: _attach(arguments))
 
 
 def _attach(arguments: Namespace) -> int:
-    socket = chosen(arguments)
+    socket = find_socket(arguments)
     if socket is None:
         return 1
     if arguments.questionnaire is not None:
@@ -66,20 +66,20 @@ def _attach(arguments: Namespace) -> int:
     return code
 
 
-def chosen(arguments: Namespace) -> Path | None:
+def find_socket(arguments: Namespace) -> Path | None:
     """The socket of the session that is meant, or None after saying why there is none."""
-    _sort(arguments)
-    return _find(arguments.name, _kept(arguments))
+    _sort_names(arguments)
+    return _find(arguments.name, _repeated_options(arguments))
 
 
-def _sort(arguments: Namespace) -> None:
+def _sort_names(arguments: Namespace) -> None:
     """In `--questionnaire S02` the word is meant as the session, if one of this name runs."""
     word = arguments.questionnaire
     if word and not arguments.name and word in {path.stem for path in session_sockets.running()}:
         arguments.name, arguments.questionnaire = word, ""
 
 
-def _kept(arguments: Namespace) -> str:
+def _repeated_options(arguments: Namespace) -> str:
     """The options that a proposal has to repeat: a participant must get no wizard's console."""
     if arguments.questionnaire is not None:
         return f" --questionnaire {arguments.questionnaire}".rstrip()

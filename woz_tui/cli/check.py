@@ -102,8 +102,8 @@ def check(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
 
 def _print_errors(problems: list[Problem], arguments: Namespace) -> None:
     if arguments.format == "json":
-        found: Json = {"file": str(arguments.file), "ok": False, "problems": _problems(problems)}
-        print(json.dumps(found, indent=2))
+        report: Json = {"file": str(arguments.file), "ok": False, "problems": _problems(problems)}
+        print(json.dumps(report, indent=2))
     for problem in problems:
         print(problem, file=sys.stderr)
     print(f"{arguments.file}: {_count(len(problems), 'error')}", file=sys.stderr)
@@ -121,8 +121,8 @@ def _print(
 ) -> None:
     console = TextConsole(page=_PAGE)
     console.print(Text(experiment.title, style="bold"))
-    asked = arguments.terminal or arguments.layout or arguments.keymap
-    if arguments.keys or arguments.all or asked:
+    key_options = arguments.terminal or arguments.layout or arguments.keymap
+    if arguments.keys or arguments.all or key_options:
         console.print(f"keys on a {terminal.name} terminal with a {layout} keyboard", style="dim")
         console.print(_keys_table(experiment, keymap))
         for line in _moved_builtins(keymap):
@@ -173,42 +173,42 @@ def _keys_table(experiment: Experiment, keymap: keys.KeyMap) -> Table:
     table.add_column("sends", no_wrap=True, style="dim")
     table.add_column("label", overflow="fold")
     table.add_column("does", overflow="fold", ratio=1)
-    mains = main_arguments(experiment)
+    main_names = main_arguments(experiment)
     for panel in experiment.panels:
         for index, action in enumerate(panel.actions):
-            found = keymap.actions[action.name]
+            assigned = keymap.actions[action.name]
             table.add_row(
                 Text(panel.title if index == 0 else ""),
-                Text(f"{found.press}*" if found.reserve else found.press or "-"),
-                Text(keys.describe_bytes(found.data)),
+                Text(f"{assigned.press}*" if assigned.reserve else assigned.press or "-"),
+                Text(keys.describe_bytes(assigned.data)),
                 Text(action.label),
-                _does(action, found, mains),
+                _action_cell(action, assigned, main_names),
                 end_section=index == len(panel.actions) - 1,
             )
     return table
 
 
-def _does(action: Action, found: keys.AssignedKey, mains: Mapping[str, str]) -> Text:
+def _action_cell(action: Action, assigned: keys.AssignedKey, main_names: Mapping[str, str]) -> Text:
     """What the action does, and what is the matter with its key."""
-    text = Text(described(action, mains))
+    text = Text(action_text(action, main_names))
     if action.locked:
         text.append(" (locked)", style="yellow")
-    if found.reserve:
-        text.append(f"\n* instead of {found.wanted}: {found.why}", style="yellow")
-    elif found.wanted and not found.press:
-        text.append(f"\nno key: {found.wanted}: {found.why}", style="red")
-    elif found.why:
-        text.append(f"\n{found.wanted}: {found.why}", style="dim")
+    if assigned.reserve:
+        text.append(f"\n* instead of {assigned.wanted}: {assigned.why}", style="yellow")
+    elif assigned.wanted and not assigned.press:
+        text.append(f"\nno key: {assigned.wanted}: {assigned.why}", style="red")
+    elif assigned.why:
+        text.append(f"\n{assigned.wanted}: {assigned.why}", style="dim")
     return text
 
 
 def _moved_builtins(keymap: keys.KeyMap) -> Iterator[str]:
-    for found in keymap.builtins.values():
-        item = keys.builtin_key(found.name)
-        if item is None or found.press == item.chord:
+    for assigned in keymap.builtins.values():
+        item = keys.builtin_key(assigned.name)
+        if item is None or assigned.press == item.chord:
             continue
-        why = f" ({found.wanted}: {found.why})" if found.why else ""
-        yield f"{found.press or 'no key'}: {item.description}{why}"
+        why = f" ({assigned.wanted}: {assigned.why})" if assigned.why else ""
+        yield f"{assigned.press or 'no key'}: {item.description}{why}"
 
 
 def _pairs() -> Table:
@@ -251,12 +251,12 @@ def _argument(argument: Argument) -> str:
     return f"{argument.name}: {', '.join(facts)}{summary}"
 
 
-def described(action: Action, mains: Mapping[str, str]) -> str:
+def action_text(action: Action, main_names: Mapping[str, str]) -> str:
     """An action in one line: calls together joined by `+`, steps by `, then`.
 
-    `mains` names the main argument of each verb, which needs no name.
+    `main_names` names the main argument of each verb, which needs no name.
     """
-    return ", then ".join(_step(step, mains) for step in action.steps)
+    return ", then ".join(_step(step, main_names) for step in action.steps)
 
 
 def main_arguments(experiment: Experiment) -> dict[str, str]:
@@ -266,29 +266,29 @@ def main_arguments(experiment: Experiment) -> dict[str, str]:
     return {verb.name: verb.arguments[0].name for verb in verbs if verb.arguments}
 
 
-def _step(step: Step, mains: Mapping[str, str]) -> str:
+def _step(step: Step, main_names: Mapping[str, str]) -> str:
     if isinstance(step, Wait):
         return f"wait {step.seconds:g} s"
-    return " + ".join(_call(call, mains) for call in step.calls)
+    return " + ".join(_call(call, main_names) for call in step.calls)
 
 
-def _call(call: Call, mains: Mapping[str, str]) -> str:
+def _call(call: Call, main_names: Mapping[str, str]) -> str:
     words = [call.verb]
     values = {name: _value(value) for name, value in call.args.items()}
-    values |= {name: _chosen(choice) for name, choice in call.choices.items()}
+    values |= {name: _variants(choice) for name, choice in call.choices.items()}
     for name, value in values.items():
-        words += [value] if name == mains.get(call.verb) else [name, value]
-    who = f" ({call.driver})" if "." in call.driver else ""
-    return " ".join(words) + who
+        words += [value] if name == main_names.get(call.verb) else [name, value]
+    driver = f" ({call.driver})" if "." in call.driver else ""
+    return " ".join(words) + driver
 
 
-def _chosen(choice: TextVariants) -> str:
+def _variants(choice: TextVariants) -> str:
     """Every text with its condition, and variants side by side."""
-    each = (
+    groups = (
         (f"{condition}: " if condition else "") + " | ".join(map(_value, texts))
         for condition, texts in choice.texts.items()
     )
-    return f"{{{'; '.join(each)}}}"
+    return f"{{{'; '.join(groups)}}}"
 
 
 def _value(value: Json) -> str:
@@ -314,7 +314,7 @@ def _value(value: Json) -> str:
 def _report(
     experiment: Experiment, keymap: keys.KeyMap, terminal: keys.Terminal, layout: str
 ) -> Json:
-    mains = main_arguments(experiment)
+    main_names = main_arguments(experiment)
     engagement = experiment.engagement
     return {
         "file": str(experiment.path),
@@ -324,13 +324,18 @@ def _report(
         "layout": layout,
         "problems": _problems(list(experiment.warnings)),
         "keys": [
-            _key(action, keymap.actions[action.name], mains)
+            _key(action, keymap.actions[action.name], main_names)
             for panel in experiment.panels
             for action in panel.actions
         ],
         "console": [
-            {"id": found.name, "key": found.press, "wanted": found.wanted, "why": found.why}
-            for found in keymap.builtins.values()
+            {
+                "id": assigned.name,
+                "key": assigned.press,
+                "wanted": assigned.wanted,
+                "why": assigned.why,
+            }
+            for assigned in keymap.builtins.values()
         ],
         "notes": list(keymap.warnings),
         "drivers": [_driver(spec) for spec in experiment.drivers],
@@ -349,17 +354,17 @@ def _problems(problems: list[Problem]) -> list[Json]:
     ]
 
 
-def _key(action: Action, found: keys.AssignedKey, mains: Mapping[str, str]) -> Json:
+def _key(action: Action, assigned: keys.AssignedKey, main_names: Mapping[str, str]) -> Json:
     return {
         "panel": action.panel,
         "action": action.name,
         "label": action.label,
-        "key": found.press,
-        "wanted": found.wanted,
-        "reserve": found.reserve,
-        "why": found.why,
-        "sends": found.data.hex(),
-        "does": described(action, mains),
+        "key": assigned.press,
+        "wanted": assigned.wanted,
+        "reserve": assigned.reserve,
+        "why": assigned.why,
+        "sends": assigned.data.hex(),
+        "does": action_text(action, main_names),
     }
 
 
@@ -400,15 +405,15 @@ def _engagement_lines(experiment: Experiment, engagement: Engagement) -> Iterato
     yield "engaged", _condition(settings)
     shown = Model(settings).shown().signs
     for sign in SIGNS:
-        counted = _filter(shown[sign]) + _rate(settings.sign(sign).rate)
-        yield sign, f"{counted}, {_given(experiment, settings, sign)}"
+        filter_text = _filter(shown[sign]) + _rate(settings.sign(sign).rate)
+        yield sign, f"{filter_text}, {_sign_sources(experiment, settings, sign)}"
     yield "speech", _speech(experiment, settings)
-    limits = [f"{name} {seconds:g} s" for name, seconds in _limits(settings.timeouts)]
+    limits = [f"{name} {seconds:g} s" for name, seconds in _active_timeouts(settings.timeouts)]
     yield "timeouts", ", ".join(limits) or "none"
     yield "handshake", _handshake(settings)
     yield "starts", {"run": "running", "hold": "on hold", "off": "switched off"}[settings.start]
-    for state, doing in _effects(engagement, main_arguments(experiment)):
-        yield f"on {state}", ", beside it ".join(doing)
+    for state, lines in _effects(engagement, main_arguments(experiment)):
+        yield f"on {state}", ", beside it ".join(lines)
 
 
 def _engagement(experiment: Experiment, engagement: Engagement) -> Json:
@@ -431,7 +436,7 @@ def _engagement(experiment: Experiment, engagement: Engagement) -> Json:
         "start": settings.start,
         "social_distance": settings.social_distance,
         "signs": signs,
-        "timeouts": dict(_limits(settings.timeouts)),
+        "timeouts": dict(_active_timeouts(settings.timeouts)),
         "handshake": settings.handshake.by,
         "on_enter": dict(_effects(engagement, main_arguments(experiment))),
         "verbs": [*map(_verb, engagement_verbs())],
@@ -461,7 +466,7 @@ def _rate(rate: float | None) -> str:
     return "" if rate is None else f", at most {rate:g} samples a second"
 
 
-def _given(experiment: Experiment, settings: EngagementSettings, sign: str) -> str:
+def _sign_sources(experiment: Experiment, settings: EngagementSettings, sign: str) -> str:
     """Where a sign comes from: sensors and the wizard's actions."""
     sensors = [*_sensors(experiment, settings, sign)]
     actions = [f"{name!r}" for name in _actions(experiment, sign)]
@@ -471,15 +476,15 @@ def _given(experiment: Experiment, settings: EngagementSettings, sign: str) -> s
 
 
 def _sensors(experiment: Experiment, settings: EngagementSettings, sign: str) -> Sequence[str]:
-    return _publishing(experiment, settings.sign(sign).sensor or sign)
+    return _publishers(experiment, settings.sign(sign).sensor or sign)
 
 
-def _publishing(experiment: Experiment, wanted: str) -> Sequence[str]:
+def _publishers(experiment: Experiment, reading: str) -> Sequence[str]:
     """Each reading of this name with its driver."""
     return [
-        f"{wanted} ({driver})"
+        f"{reading} ({driver})"
         for driver, names in published_names(experiment.drivers).items()
-        if wanted in names.values()
+        if reading in names.values()
     ]
 
 
@@ -491,18 +496,18 @@ def _actions(experiment: Experiment, sign: str) -> Iterator[str]:
 
 
 def _speech(experiment: Experiment, settings: EngagementSettings) -> str:
-    cutting = [spec.name for spec in experiment.drivers if SPEECH in spec.sensors]
-    if cutting:
-        return f"cut by {' and '.join(cutting)}"
-    heard = _publishing(experiment, settings.sound.sensor)
-    if not heard:
+    segmenting = [spec.name for spec in experiment.drivers if SPEECH in spec.sensors]
+    if segmenting:
+        return f"cut by {' and '.join(segmenting)}"
+    publishers = _publishers(experiment, settings.sound.sensor)
+    if not publishers:
         return "no driver detects it"
     threshold = settings.sound.threshold
     loud = f"louder than {threshold:g}" if threshold is not None else "above the learnt threshold"
-    return f"{' and '.join(heard)}, {loud}, {settings.sound.hang_over:g} s of silence end it"
+    return f"{' and '.join(publishers)}, {loud}, {settings.sound.hang_over:g} s of silence end it"
 
 
-def _limits(timeouts: Timeouts) -> Iterator[tuple[str, float]]:
+def _active_timeouts(timeouts: Timeouts) -> Iterator[tuple[str, float]]:
     """Those that are on."""
     for item in fields(timeouts):
         seconds: float | None = getattr(timeouts, item.name)
@@ -519,10 +524,12 @@ def _handshake(settings: EngagementSettings) -> str:
     return f"led by the robot, asks {handshake.attempts} times within {handshake.seconds:g} s"
 
 
-def _effects(engagement: Engagement, mains: Mapping[str, str]) -> Iterator[tuple[str, list[str]]]:
+def _effects(
+    engagement: Engagement, main_names: Mapping[str, str]
+) -> Iterator[tuple[str, list[str]]]:
     for state in ENTERED:
         own = engagement.effects.get(state)
-        doing = [described(own, mains)] if own is not None else []
-        doing += [f"plays {name!r}" for name in engagement.plays.get(state, ())]
-        if doing:
-            yield state, doing
+        lines = [action_text(own, main_names)] if own is not None else []
+        lines += [f"plays {name!r}" for name in engagement.plays.get(state, ())]
+        if lines:
+            yield state, lines

@@ -47,9 +47,9 @@ class ScreenOptions:
 
 def refusal() -> str:
     """Why the console cannot be opened on this terminal; empty if it can."""
-    from woz_tui.console.exit_handler import missing_terminal as refused  # noqa: PLC0415
+    from woz_tui.console.exit_handler import missing_terminal  # noqa: PLC0415
 
-    return refused(sys.stdin, sys.stdout, os.environ)
+    return missing_terminal(sys.stdin, sys.stdout, os.environ)
 
 
 def load_modules() -> None:
@@ -73,7 +73,7 @@ def make_console(options: ScreenOptions) -> Console:
     from woz_tui.console.keyboard import Keyboard  # noqa: PLC0415
     from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
 
-    look, stops = found_look(options.theme)
+    look, stops = detect_appearance(options.theme)
     link = HostConnection(
         options.socket,
         role="watcher" if options.watch else "wizard",
@@ -99,7 +99,7 @@ def make_console(options: ScreenOptions) -> Console:
     return app
 
 
-def found_look(theme: str) -> tuple[Appearance, tuple[str, ...]]:
+def detect_appearance(theme: str) -> tuple[Appearance, tuple[str, ...]]:
     """What suits this terminal, and the stops that were pressed while it was asked.
 
     `theme` as `add_theme` has it; a choice is remembered.
@@ -111,9 +111,9 @@ def found_look(theme: str) -> tuple[Appearance, tuple[str, ...]]:
 
     def light() -> bool | None:
         nonlocal stops
-        found = ask_background(sys.stdin.fileno(), sys.stdout.fileno())
-        stops = found.stops
-        return found.light
+        answer = ask_background(sys.stdin.fileno(), sys.stdout.fileno())
+        stops = answer.stops
+        return answer.light
 
     if theme:
         theme = theme.replace("auto", "")
@@ -132,7 +132,7 @@ def open_questionnaire(socket: Path, only: str, theme: str = "") -> tuple[str, i
     from woz_tui.console.participant_app import ParticipantApp  # noqa: PLC0415
     from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
 
-    look, stops = found_look(theme)
+    look, stops = detect_appearance(theme)
     link = HostConnection(socket, role="participant", name=os.environ.get("TERM", ""))
     link.connect()
     keyboard = Keyboard(link)
@@ -145,7 +145,7 @@ def open_questionnaire(socket: Path, only: str, theme: str = "") -> tuple[str, i
         look=look,
         driver_class=WizardDriver,
     )
-    favour_keys()
+    prioritise_keys()
     return app.run(mouse=False) or "", app.return_code or 0
 
 
@@ -154,12 +154,12 @@ def run_console(app: Console) -> tuple[str, int]:
 
     `failed`: it crashed before the robot process had answered it.
     """
-    favour_keys()
+    prioritise_keys()
     left, code = app.run(mouse=False) or "", app.return_code or 0
     return ("failed" if code == 1 and not app.picture.welcomed else left), code
 
 
-def favour_keys() -> None:
+def prioritise_keys() -> None:
     """Tune the interpreter so that the screen's work gives way to the thread that reads keys."""
     gc.freeze()
     gc.set_threshold(*GC_THRESHOLDS)
@@ -187,7 +187,7 @@ ENDED = "woz: the console did not open; the robot process was ended"
 
 
 @dataclass(frozen=True, slots=True)
-class Opened:
+class SessionResult:
     """How the console was left (ended, detached, lost, failed), its exit code, and what ran."""
 
     left: str
@@ -196,9 +196,9 @@ class Opened:
     launch: Launch
 
 
-def open_both(
+def run_session(
     command: list[str], options: Callable[[RobotProcess], ScreenOptions]
-) -> Opened | None:
+) -> SessionResult | None:
     """Start `woz host` with `command` and a console with `options` on it; returns when the
     console is left. None: the robot process did not start, and its words were printed.
 
@@ -220,4 +220,4 @@ def open_both(
     if left == "failed":
         launch.abandon()
         print(ENDED, file=sys.stderr)
-    return Opened(left, code, robot, launch)
+    return SessionResult(left, code, robot, launch)

@@ -51,7 +51,7 @@ def convert(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     source = _source(arguments.file)
     output: Path | None = arguments.output
     if output is not None:
-        _free(output, arguments.file, force=arguments.force)
+        _check_output(output, arguments.file, force=arguments.force)
     try:
         experiment = load(arguments.file, catalogue)
     except ExperimentError as error:
@@ -59,7 +59,7 @@ def convert(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
             print(problem, file=sys.stderr)
         count = f"{len(error.problems)} error{'s' if len(error.problems) > 1 else ''}"
         return _told(f"{arguments.file}: {count}; nothing was written")
-    opened = woz4u.translate_file(source, TOP_LEVEL, _move(arguments.file, output))
+    opened = woz4u.translate_file(source, TOP_LEVEL, _path_rewriter(arguments.file, output))
     table = opened.root.node
     assert isinstance(table, MappingNode)  # it was one when it was recognised
     text = yaml_text(table, opened.remarks, _HEAD.format(name=one_line(arguments.file.name)))
@@ -87,19 +87,21 @@ def _source(file: Path) -> SourceFile:
     if node is None and report.errors:
         raise ConvertError(str(report.errors[0]))
     if not isinstance(node, MappingNode) or not woz4u.recognised(node, TOP_LEVEL):
-        ours = isinstance(node, MappingNode) and not {"panels", "robot", "robots"}.isdisjoint(
-            node.entries
-        )
+        is_experiment = isinstance(node, MappingNode) and not {
+            "panels",
+            "robot",
+            "robots",
+        }.isdisjoint(node.entries)
         raise ConvertError(
             f"{file} is already a woz-tui experiment file"
-            if ours
+            if is_experiment
             else f"{file} is not a WoZ4U file: it has no section such as pepper_ips,"
             " animated_speech, gestures, tablet_items"
         )
     return source
 
 
-def _free(output: Path, original: Path, *, force: bool) -> None:
+def _check_output(output: Path, original: Path, *, force: bool) -> None:
     """Raises `ConvertError` if writing there would lose something."""
     try:
         if output.exists() and output.samefile(original):
@@ -112,25 +114,25 @@ def _free(output: Path, original: Path, *, force: bool) -> None:
         raise ConvertError(f"{output}: {error.strerror or error}") from error
 
 
-def _move(original: Path, output: Path | None) -> woz4u.PathRewriter:
+def _path_rewriter(original: Path, output: Path | None) -> woz4u.PathRewriter:
     """Relative paths begin at the file they stand in, so they change with its folder."""
     if output is None:
         return str
     try:
-        way = os.path.relpath(original.resolve().parent, output.resolve().parent)
-        way.encode()
+        relative = os.path.relpath(original.resolve().parent, output.resolve().parent)
+        relative.encode()
     except UnicodeEncodeError as error:
         sign = f"U+{ord(error.object[error.start]):04X}"
         raise ConvertError(
-            f"{way!r} cannot be written: there is no {sign} in {error.encoding}"
+            f"{relative!r} cannot be written: there is no {sign} in {error.encoding}"
         ) from error
     except (OSError, RuntimeError, ValueError) as error:
         raise ConvertError(f"{output}: {error}") from error
-    return str if way == "." else lambda path: _joined(way, path)
+    return str if relative == "." else lambda path: _joined(relative, path)
 
 
-def _joined(way: str, path: str) -> str:
-    return path if path.startswith("~") else str(PurePosixPath(way) / path)
+def _joined(relative: str, path: str) -> str:
+    return path if path.startswith("~") else str(PurePosixPath(relative) / path)
 
 
 def _told(sentence: str) -> int:

@@ -111,12 +111,12 @@ def _sockets() -> list[Finding]:
         running = session_sockets.running()
     except OSError as error:
         return [Finding("error", "socket", str(error), "see docs/reference/protocol.md")]
-    found = [_socket_folder(path.parent)]
-    found += [
+    findings = [_socket_folder(path.parent)]
+    findings += [
         Finding("info", "socket", f"a session is running at {other}: it uses its devices")
         for other in running
     ]
-    return found
+    return findings
 
 
 def _socket_folder(folder: Path) -> Finding:
@@ -170,8 +170,8 @@ def _load(path: Path) -> tuple[list[Finding], tuple[Experiment, plugins.Catalogu
     count = sum(len(panel.actions) for panel in experiment.panels)
     drivers = _number(len(experiment.drivers), "driver")
     text = f"{experiment.title}: {_number(count, 'action')}, {drivers}"
-    about = Finding("ok", path.name, text)
-    return [about, *map(_problem, experiment.warnings)], (experiment, catalogue)
+    summary = Finding("ok", path.name, text)
+    return [summary, *map(_problem, experiment.warnings)], (experiment, catalogue)
 
 
 def _problem(problem: Problem) -> Finding:

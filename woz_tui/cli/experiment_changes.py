@@ -18,13 +18,13 @@ from woz_tui.system.text_cleaning import clean
 
 #: Lines of a difference that are shown at most; the rest is counted.
 DIFFERENCE = 200
-_KEPT = "the wizards of this study are blind to the condition: --reveal shows the texts"
+_BLIND = "the wizards of this study are blind to the condition: --reveal shows the texts"
 
 
-def changed(told: ExperimentOrigin, experiment: Experiment, *, reveal: bool) -> list[str]:
+def change_lines(origin: ExperimentOrigin, experiment: Experiment, *, reveal: bool) -> list[str]:
     """The difference between then and now in lines for the terminal; empty: there is none."""
-    kept = experiment_origin.was_blind(told, experiment) and not reveal
-    lines = experiment_origin.differences(told, experiment, places=kept)
+    hidden = experiment_origin.was_blind(origin, experiment) and not reveal
+    lines = experiment_origin.differences(origin, experiment, places=hidden)
     if not lines:
         return []
     more = len(lines) - DIFFERENCE
@@ -32,25 +32,25 @@ def changed(told: ExperimentOrigin, experiment: Experiment, *, reveal: bool) -> 
         f"woz: {experiment.path} has changed since the session was played:",
         *map(clean, lines[:DIFFERENCE]),
         *([f"... {more} more lines"] if more > 0 else []),
-        *([f"woz: {_KEPT}"] if kept else []),
+        *([f"woz: {_BLIND}"] if hidden else []),
     ]
 
 
-def wrong(told: ExperimentOrigin, error: ExperimentError, *, reveal: bool) -> Iterator[str]:
+def error_lines(origin: ExperimentOrigin, error: ExperimentError, *, reveal: bool) -> Iterator[str]:
     """The errors that the experiment has now. They quote the file, so a blind wizard is told only
     where they are.
     """
-    if not told.blind or reveal:
+    if not origin.blind or reveal:
         yield from map(str, error.problems)
         return
     for problem in error.problems:
         yield f"{problem.place}: {'warning' if problem.warning else 'an error'}"
-    yield f"woz: {_KEPT}"
+    yield f"woz: {_BLIND}"
 
 
-def redactor_of(told: ExperimentOrigin, experiment: Experiment, *, reveal: bool) -> Redactor:
+def redactor_of(origin: ExperimentOrigin, experiment: Experiment, *, reveal: bool) -> Redactor:
     """Hides from the commands of a log what its wizard was not to know."""
     if reveal:
         return Redactor()
-    then = told.study
-    return Redactor(then if then is not None and then.blind else study_settings(experiment))
+    study = origin.study
+    return Redactor(study if study is not None and study.blind else study_settings(experiment))

@@ -35,7 +35,7 @@ class RobotProcess:
     pid: int
 
     @property
-    def again(self) -> list[str]:
+    def restart_arguments(self) -> list[str]:
         """Arguments with which `woz host` has the same session's code and socket again."""
         session = session_code(self.log.stem)
         return ["--name", self.socket.stem, *(("--session", session) if session else ())]
@@ -65,8 +65,8 @@ class Launch:
 
     def wait(self, seconds: float = START_WAIT_S) -> RobotProcess:
         """The process once it listens. Raises `LaunchError` with its own words if it does not."""
-        said = self._announcement(seconds)
-        if said is None:
+        announcement = self._announcement(seconds)
+        if announcement is None:
             ended = self._process.poll() is not None
             self.abandon()
             self._errors.seek(0)
@@ -80,7 +80,10 @@ class Launch:
                 )
             )
         return RobotProcess(
-            Path(said["socket"]), Path(said["log"]), Path(said["host_log"]), self._process.pid
+            Path(announcement["socket"]),
+            Path(announcement["log"]),
+            Path(announcement["host_log"]),
+            self._process.pid,
         )
 
     def abandon(self) -> None:
@@ -107,8 +110,8 @@ class Launch:
             *lines, rest = (rest + chunk).split(b"\n")
             for line in lines:
                 if line.startswith(b'{"socket"'):  # else a driver's library greets its users
-                    said: dict[str, str] = json.loads(line)
-                    return said
+                    announcement: dict[str, str] = json.loads(line)
+                    return announcement
         return None
 
 

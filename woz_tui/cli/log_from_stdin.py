@@ -79,9 +79,9 @@ def with_logs(arguments: Namespace, work: Callable[[Namespace], int], who: str) 
     """`work` with `arguments`, in whose `logs` a file stands for standard input. The exit code: 1
     if it cannot be kept, 2 if it is named twice or nothing can come from it.
     """
-    wrong = _wrong(arguments.logs.count(STDIN))
-    if wrong:
-        print(f"{who}: {wrong}", file=sys.stderr)
+    refusal = _refusal(arguments.logs.count(STDIN))
+    if refusal:
+        print(f"{who}: {refusal}", file=sys.stderr)
         return 2
     if STDIN not in arguments.logs:
         return work(arguments)
@@ -94,7 +94,7 @@ def with_logs(arguments: Namespace, work: Callable[[Namespace], int], who: str) 
         return 1
 
 
-def _wrong(times: int) -> str:
+def _refusal(times: int) -> str:
     """Why standard input cannot be read as often as it is named."""
     if times > 1:
         return "- is standard input and can be used only once"

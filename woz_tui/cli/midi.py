@@ -112,13 +112,13 @@ def _show(arguments: Namespace) -> int:
 def _learn(arguments: Namespace) -> int:
     file: Path = arguments.file
     panel = _panel(plugins.installed())
-    again = file.exists() and not arguments.like
-    settings = _settings(panel, str(file) if again else arguments.like or _STANDARD)
-    lesson: _Lesson = panel.lesson(arguments.device, settings, keep=again)
+    relearn = file.exists() and not arguments.like
+    settings = _settings(panel, str(file) if relearn else arguments.like or _STANDARD)
+    lesson: _Lesson = panel.lesson(arguments.device, settings, keep=relearn)
     try:
         print(f"Learning {file}: {_HELP}.")
         with _keys():
-            _converse(lesson)
+            _ask_controls(lesson)
         if not lesson.count:
             print("No control was learnt; no file was written.")
             return 1
@@ -129,24 +129,24 @@ def _learn(arguments: Namespace) -> int:
     return 0
 
 
-def _converse(lesson: _Lesson) -> None:
+def _ask_controls(lesson: _Lesson) -> None:
     """Ask until all is answered or the wizard has enough."""
-    asked = ""
+    printed = ""
     sources: list[Any] = [lesson, sys.stdin]
     while not lesson.over:
-        if lesson.question != asked:
-            asked = lesson.question
-            print(asked, flush=True)
+        if lesson.question != printed:
+            printed = lesson.question
+            print(printed, flush=True)
         ready, _, _ = select.select(sources, [], [])
         if lesson in ready:
-            said = lesson.hear()
-            if said:
-                print(f"    {said}", flush=True)
-        if sys.stdin in ready and not _obey(lesson, os.read(sys.stdin.fileno(), 64)):
+            answer = lesson.hear()
+            if answer:
+                print(f"    {answer}", flush=True)
+        if sys.stdin in ready and not _handle_keys(lesson, os.read(sys.stdin.fileno(), 64)):
             return
 
 
-def _obey(lesson: _Lesson, typed: bytes) -> bool:
+def _handle_keys(lesson: _Lesson, typed: bytes) -> bool:
     """Do what the keys say; False ends. So does the end of the input."""
     for key in typed.decode("utf-8", "replace").lower():
         if key in "q\x04":

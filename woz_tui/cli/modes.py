@@ -14,7 +14,7 @@ from woz_tui.motion.modes import BLINKS, BREATHES, MODE_RULES, InputKind, Mode, 
 _PAGE = 120
 
 #: What counts for the stop and what a body does by itself, beside the table of inputs.
-_ITSELF = (("breathing", BREATHES), ("blinking", BLINKS))
+_AUTOMATIC = (("breathing", BREATHES), ("blinking", BLINKS))
 
 
 def add(parser: ArgumentParser) -> None:
@@ -31,7 +31,7 @@ def run(arguments: Namespace) -> int:
         return 0
     console = TextConsole(page=_PAGE)
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
-    for title in _heads():
+    for title in _headings():
         table.add_column(title, overflow="fold")
     for row in rows():
         table.add_row(*row)
@@ -41,7 +41,7 @@ def run(arguments: Namespace) -> int:
 
 def markdown() -> str:
     """The same as a page of Markdown."""
-    heads = _heads()
+    headings = _headings()
     lines = [
         "# Modes",
         "",
@@ -49,8 +49,8 @@ def markdown() -> str:
         " that does not",
         "have an effect is refused and changes nothing. The stop works in every mode.",
         "",
-        f"| {' | '.join(heads)} |",
-        f"|{'---|' * len(heads)}",
+        f"| {' | '.join(headings)} |",
+        f"|{'---|' * len(headings)}",
         *(f"| {' | '.join(row)} |" for row in rows()),
         "",
         "Where the wizard and other software differ, both are named. Other software is whatever",
@@ -65,14 +65,14 @@ def rows() -> list[tuple[str, ...]]:
         (kind.value, *(_cell(row, mode) for mode in Mode), _verbs(kind), row.note)
         for kind, row in MODE_RULES.items()
     ]
-    itself = [
+    automatic = [
         (name, *("on" if mode in modes else "off" for mode in Mode), "", "by itself")
-        for name, modes in _ITSELF
+        for name, modes in _AUTOMATIC
     ]
-    return [*inputs, *itself]
+    return [*inputs, *automatic]
 
 
-def _heads() -> tuple[str, ...]:
+def _headings() -> tuple[str, ...]:
     return ("input", *(mode.value for mode in Mode), "verbs and controls", "note")
 
 
@@ -89,5 +89,5 @@ def _verbs(kind: InputKind) -> str:
     names = [verb for verb, row in KINDS.items() if row is kind]
     controls = [name for name, row in CONTROL_KINDS.items() if row is kind]
     joints = ["of each joint"] if kind is InputKind.JOINTS else []
-    knobs = [*joints, *controls]
-    return ", ".join([*names, *([f"control {', '.join(knobs)}"] if knobs else [])])
+    control_names = [*joints, *controls]
+    return ", ".join([*names, *([f"control {', '.join(control_names)}"] if control_names else [])])

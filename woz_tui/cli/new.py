@@ -60,35 +60,35 @@ def new(arguments: Namespace, catalogue: Mapping[str, type[Driver]], ask: Ask | 
         print(f"woz: {path} is there already; choose another name", file=sys.stderr)
         return 1
     try:
-        wanted = _wanted(arguments, ask)
+        answers = _answers(arguments, ask)
     except EOFError:
         print("\nNothing was written.")
         return 1
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        offer = _offer(wanted["robot"], path.parent, catalogue)
-        text = templates.written(templates.TEMPLATES[arguments.template], wanted, offer)
+        offer = _abilities(answers["robot"], path.parent, catalogue)
+        text = templates.written(templates.TEMPLATES[arguments.template], answers, offer)
         with path.open("x", encoding="utf-8") as file:
             file.write(text)
     except FileExistsError:
         print(f"woz: {path} is there already; choose another name", file=sys.stderr)
         return 1
     except ExperimentError as error:
-        return _refused(error, wanted)
+        return _print_refusal(error, answers)
     try:
         experiment = load(path, catalogue)
     except ExperimentError as error:
         path.unlink()
-        return _refused(error, wanted)
+        return _print_refusal(error, answers)
     _print(path, experiment, offer)
     return 0
 
 
-def _refused(error: ExperimentError, wanted: Mapping[str, str]) -> int:
+def _print_refusal(error: ExperimentError, answers: Mapping[str, str]) -> int:
     for problem in error.problems:
         print(f"{problem.path}: {problem.message}", file=sys.stderr)
-    said = ", ".join(f"{name} {value}" for name, value in wanted.items() if value)
-    print(f"woz: no file was written ({said})", file=sys.stderr)
+    text = ", ".join(f"{name} {value}" for name, value in answers.items() if value)
+    print(f"woz: no file was written ({text})", file=sys.stderr)
     return 1
 
 
@@ -135,7 +135,7 @@ class _Question:
         return self.usual
 
 
-def _wanted(arguments: Namespace, ask: Ask | None) -> dict[str, str]:
+def _answers(arguments: Namespace, ask: Ask | None) -> dict[str, str]:
     """The five answers."""
     kind = {True: "study", False: "free", None: None}[arguments.study]
     if kind is None and arguments.conditions is not None:
@@ -147,17 +147,17 @@ def _wanted(arguments: Namespace, ask: Ask | None) -> dict[str, str]:
     )
     language = _Question("language", f"4 of 5  Language ({', '.join(shipped())})", DEFAULT)
     keyboard = _Question("keyboard", "5 of 5  Wizard's keyboard", "us", tuple(LAYOUTS))
-    wanted = {"robot": robot.answer(arguments.robot, ask), "kind": study.answer(kind, ask)}
-    wanted["conditions"] = ""
-    if wanted["kind"] == "study":
-        said = conditions.answer(arguments.conditions, ask)
-        wanted["conditions"] = "" if said.strip().lower() == "none" else said
-    wanted["language"] = language.answer(arguments.language, ask)
-    wanted["keyboard"] = keyboard.answer(arguments.keyboard, ask)
-    return wanted
+    answers = {"robot": robot.answer(arguments.robot, ask), "kind": study.answer(kind, ask)}
+    answers["conditions"] = ""
+    if answers["kind"] == "study":
+        text = conditions.answer(arguments.conditions, ask)
+        answers["conditions"] = "" if text.strip().lower() == "none" else text
+    answers["language"] = language.answer(arguments.language, ask)
+    answers["keyboard"] = keyboard.answer(arguments.keyboard, ask)
+    return answers
 
 
-def _offer(robot: str, folder: Path, catalogue: Mapping[str, type[Driver]]) -> templates.Offer:
+def _abilities(robot: str, folder: Path, catalogue: Mapping[str, type[Driver]]) -> templates.Offer:
     """What the robot can do, as an experiment beside the new file would find it.
 
     Raises `ExperimentError` if there is no such robot, or if it cannot speak.
@@ -174,6 +174,10 @@ def _offer(robot: str, folder: Path, catalogue: Mapping[str, type[Driver]]) -> t
             Path(file.name).unlink()
     verbs = {verb.name: verb for spec in experiment.drivers for verb in spec.verbs}
     play = verbs.get("play")
-    moves = next((each.choices for each in play.arguments if each.choices), ()) if play else ()
+    moves = (
+        next((argument.choices for argument in play.arguments if argument.choices), ())
+        if play
+        else ()
+    )
     sensors = {name for spec in experiment.drivers for name in spec.sensors}
     return templates.Offer(frozenset(moves), {"presence", "gaze", "distance"} <= sensors)

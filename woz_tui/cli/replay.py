@@ -110,8 +110,8 @@ def _number(text: str) -> float:
 def run(arguments: argparse.Namespace) -> int:
     """Replay it; the exit code."""
     if arguments.coder and (arguments.reveal or arguments.robot or arguments.dry_run):
-        wrong = "--reveal" if arguments.reveal else "--robot"
-        print(f"woz: --coder hides the condition: leave {wrong} out", file=sys.stderr)
+        option = "--reveal" if arguments.reveal else "--robot"
+        print(f"woz: --coder hides the condition: leave {option} out", file=sys.stderr)
         return 2
     if arguments.robot or arguments.dry_run:
         from woz_tui.cli import rerun  # noqa: PLC0415
@@ -163,10 +163,13 @@ def feed_of(index: LogIndex, path: Path, arguments: argparse.Namespace) -> Repla
             file=sys.stderr,
         )
         return None
-    plan, against = _experiment(index, path, arguments)
-    if against and not arguments.changed:
+    plan, objections = _experiment(index, path, arguments)
+    if objections and not arguments.changed:
         print(
-            *against, "woz: use --changed to show the log nevertheless", sep="\n", file=sys.stderr
+            *objections,
+            "woz: use --changed to show the log nevertheless",
+            sep="\n",
+            file=sys.stderr,
         )
         return None
     coder = arguments.coder
@@ -190,41 +193,43 @@ def _experiment(
 
     An experiment that is not there any more stands against nothing: the log has what is needed.
     """
-    from woz_tui.cli.experiment_changes import changed, wrong  # noqa: PLC0415
+    from woz_tui.cli.experiment_changes import change_lines, error_lines  # noqa: PLC0415
     from woz_tui.config.experiment import ExperimentError  # noqa: PLC0415
     from woz_tui.drivers.plugins import installed  # noqa: PLC0415
     from woz_tui.replay import experiment_origin  # noqa: PLC0415
     from woz_tui.replay.experiment_origin import origin_of  # noqa: PLC0415
 
-    told = origin_of(index.actions)
+    origin = origin_of(index.actions)
     catalogue = installed()
     try:
-        experiment = experiment_origin.find_experiment(path, told, catalogue, arguments.experiment)
+        experiment = experiment_origin.find_experiment(
+            path, origin, catalogue, arguments.experiment
+        )
     except experiment_origin.OriginError:
-        return _bundled_plan(told, catalogue), []
+        return _bundled_plan(origin, catalogue), []
     except ExperimentError as error:
         return None, [
-            *wrong(told, error, reveal=arguments.reveal),
-            f"woz: {told.name} has errors now, so it is not the version of the session",
+            *error_lines(origin, error, reveal=arguments.reveal),
+            f"woz: {origin.name} has errors now, so it is not the version of the session",
         ]
-    against = changed(told, experiment, reveal=arguments.reveal)
-    return (None, against) if against else (_plan(experiment, catalogue), [])
+    objections = change_lines(origin, experiment, reveal=arguments.reveal)
+    return (None, objections) if objections else (_plan(experiment, catalogue), [])
 
 
-def _bundled_plan(told: ExperimentOrigin, catalogue: Catalogue) -> SessionPlan | None:
+def _bundled_plan(origin: ExperimentOrigin, catalogue: Catalogue) -> SessionPlan | None:
     """What the experiment of this name shows that comes with woz-tui, if it is the very same."""
     from woz_tui.cli.demo import demo_file  # noqa: PLC0415
     from woz_tui.config.experiment import ExperimentError  # noqa: PLC0415
     from woz_tui.config.loading import load  # noqa: PLC0415
 
-    file = demo_file(Path(told.name).name) if told.name else None
+    file = demo_file(Path(origin.name).name) if origin.name else None
     if file is None:
         return None
     try:
         experiment = load(file, catalogue)
     except ExperimentError:
         return None
-    return _plan(experiment, catalogue) if told.made_with(experiment) else None
+    return _plan(experiment, catalogue) if origin.made_with(experiment) else None
 
 
 def _plan(experiment: Experiment, catalogue: Catalogue) -> SessionPlan:
@@ -236,7 +241,7 @@ def _plan(experiment: Experiment, catalogue: Catalogue) -> SessionPlan:
 
 def _console(feed: ReplayFeed, theme: str) -> ReplayConsole:
     """The console, ready to run."""
-    from woz_tui.cli.console_start import found_look  # noqa: PLC0415
+    from woz_tui.cli.console_start import detect_appearance  # noqa: PLC0415
     from woz_tui.config.keys.terminals import detect_terminal  # noqa: PLC0415
     from woz_tui.console.replay.replay_app import ReplayConsole  # noqa: PLC0415
     from woz_tui.console.replay.replay_commands import ReplayKeyboard  # noqa: PLC0415
@@ -245,7 +250,7 @@ def _console(feed: ReplayFeed, theme: str) -> ReplayConsole:
     return ReplayConsole(
         feed,
         ReplayKeyboard(feed),
-        look=found_look(theme)[0],
+        look=detect_appearance(theme)[0],
         terminal=detect_terminal(os.environ),
         driver_class=WizardDriver,
     )

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from woz_tui.cli import rerun_table as table
-from woz_tui.cli.console_start import open_both
+from woz_tui.cli.console_start import run_session
 from woz_tui.cli.error_sentences import with_error_sentences
-from woz_tui.cli.experiment_changes import changed, redactor_of, wrong
+from woz_tui.cli.experiment_changes import change_lines, error_lines, redactor_of
 from woz_tui.cli.host_start import Launch, host_arguments
 from woz_tui.config.experiment import Experiment, ExperimentError
 from woz_tui.log.file_names import current_path
@@ -24,7 +24,7 @@ _YES = "yes"
 
 
 @dataclass(frozen=True, slots=True)
-class _Prepared:
+class _Rerun:
     """What is to be run: the log, the experiment of now, the plan for its robot, the same as its
     wizard may see it, and what has changed since.
     """
@@ -32,7 +32,7 @@ class _Prepared:
     log: Path
     experiment: Experiment
     plan: RerunPlan
-    shown: RerunPlan
+    visible_plan: RerunPlan
     changed: list[str]
     redactor: Redactor
 
@@ -55,38 +55,38 @@ def play(arguments: argparse.Namespace) -> int:
 
 
 def _play(arguments: argparse.Namespace) -> int:
-    prepared = _prepare(arguments)
-    if prepared is None:
+    rerun = _prepare(arguments)
+    if rerun is None:
         return 1
     if arguments.dry_run:
-        return _dry_run(prepared, arguments)
-    if not _admitted(prepared, arguments) or not _agreed(arguments.yes):
+        return _dry_run(rerun, arguments)
+    if not _check_runnable(rerun, arguments) or not _confirmed(arguments.yes):
         return 1
-    words = _host_words(prepared, arguments)
+    command = _host_command(rerun, arguments)
     if arguments.headless:
         from woz_tui.cli import rerun_headless  # noqa: PLC0415
 
-        launch = Launch([*words, "--headless"])
-        return rerun_headless.watch(launch, _streams(prepared), prepared.redactor)
-    return _in_console(words)
+        launch = Launch([*command, "--headless"])
+        return rerun_headless.watch(launch, _streams(rerun), rerun.redactor)
+    return _in_console(command)
 
 
-def _admitted(prepared: _Prepared, arguments: argparse.Namespace) -> bool:
+def _check_runnable(rerun: _Rerun, arguments: argparse.Namespace) -> bool:
     """Whether nothing stands against it; says what does, and else what will be run."""
-    if prepared.changed and not arguments.changed:
-        print(*prepared.changed, sep="\n", file=sys.stderr)
+    if rerun.changed and not arguments.changed:
+        print(*rerun.changed, sep="\n", file=sys.stderr)
         print("woz: use --changed to run it nevertheless", file=sys.stderr)
         return False
-    if not prepared.plan.sent:
-        print(*table.table(prepared.shown), sep="\n")
+    if not rerun.plan.sent:
+        print(*table.table(rerun.visible_plan), sep="\n")
         print("woz: this log has no command that can be sent again", file=sys.stderr)
         return False
-    told = table.summary(prepared.shown, prepared.experiment, headless=arguments.headless)
-    print(*told, sep="\n")
+    summary = table.summary(rerun.visible_plan, rerun.experiment, headless=arguments.headless)
+    print(*summary, sep="\n")
     return True
 
 
-def _prepare(arguments: argparse.Namespace) -> _Prepared | None:
+def _prepare(arguments: argparse.Namespace) -> _Rerun | None:
     """Everything that has to be known before; None after saying why it cannot be."""
     from woz_tui.replay import experiment_origin  # noqa: PLC0415
     from woz_tui.replay.opened_log import LogError, log_in  # noqa: PLC0415
@@ -95,28 +95,30 @@ def _prepare(arguments: argparse.Namespace) -> _Prepared | None:
     try:
         log = log_in(arguments.file)
         plan = plan_of(log)
-        place = arguments.experiment or _bundled(log, plan.origin.name)
-        experiment = _found(log, plan, place, reveal=arguments.reveal)
+        file = arguments.experiment or _bundled(log, plan.origin.name)
+        experiment = _load_experiment(log, plan, file, reveal=arguments.reveal)
     except (ValueError, LogError, experiment_origin.OriginError) as error:
         print(f"woz: {error}", file=sys.stderr)
         return None
     if experiment is None:
         return None
-    against = changed(plan.origin, experiment, reveal=arguments.reveal)
+    changes = change_lines(plan.origin, experiment, reveal=arguments.reveal)
     redactor = redactor_of(plan.origin, experiment, reveal=arguments.reveal)
     plan = fitted(plan, experiment)
-    return _Prepared(log, experiment, plan, table.redacted(plan, redactor), against, redactor)
+    return _Rerun(log, experiment, plan, table.redacted(plan, redactor), changes, redactor)
 
 
-def _found(log: Path, plan: RerunPlan, place: Path | None, *, reveal: bool) -> Experiment | None:
+def _load_experiment(
+    log: Path, plan: RerunPlan, file: Path | None, *, reveal: bool
+) -> Experiment | None:
     """The experiment of now; None after saying what is wrong with it."""
     from woz_tui.drivers.plugins import installed  # noqa: PLC0415
     from woz_tui.replay import experiment_origin  # noqa: PLC0415
 
     try:
-        return experiment_origin.find_experiment(log, plan.origin, installed(), place)
+        return experiment_origin.find_experiment(log, plan.origin, installed(), file)
     except ExperimentError as error:
-        print(*wrong(plan.origin, error, reveal=reveal), sep="\n", file=sys.stderr)
+        print(*error_lines(plan.origin, error, reveal=reveal), sep="\n", file=sys.stderr)
         return None
 
 
@@ -129,20 +131,20 @@ def _bundled(log: Path, name: str) -> Path | None:
     return demo_file(name) if name and not candidate_files(log, name) else None
 
 
-def _dry_run(prepared: _Prepared, arguments: argparse.Namespace) -> int:
+def _dry_run(rerun: _Rerun, arguments: argparse.Namespace) -> int:
     """Moves nothing, needs no robot. 1 if something of it could not be sent."""
     from woz_tui.replay.rerun_plan import unfit_steps  # noqa: PLC0415
 
-    shown = table.summary(prepared.shown, prepared.experiment, headless=arguments.headless)
-    print(*shown, *table.table(prepared.shown), *prepared.changed, sep="\n")
-    print(table.verdict(prepared.plan))
-    refused = bool(prepared.changed) and not arguments.changed
-    return int(refused or bool(unfit_steps(prepared.plan)) or not prepared.plan.sent)
+    summary = table.summary(rerun.visible_plan, rerun.experiment, headless=arguments.headless)
+    print(*summary, *table.table(rerun.visible_plan), *rerun.changed, sep="\n")
+    print(table.verdict(rerun.plan))
+    refused = bool(rerun.changed) and not arguments.changed
+    return int(refused or bool(unfit_steps(rerun.plan)) or not rerun.plan.sent)
 
 
-def _agreed(said_yes: bool) -> bool:
+def _confirmed(yes: bool) -> bool:
     """Ask, unless it was said already; nothing but the whole word counts."""
-    if said_yes:
+    if yes:
         return True
     if not sys.stdin.isatty():
         print(
@@ -160,40 +162,40 @@ def _agreed(said_yes: bool) -> bool:
     return False
 
 
-def _host_words(prepared: _Prepared, arguments: argparse.Namespace) -> list[str]:
+def _host_command(rerun: _Rerun, arguments: argparse.Namespace) -> list[str]:
     """Behind `woz host`. Nobody takes part in a re-run, so it has no participant and no condition;
     its log lies beside the original.
     """
-    recordings = getattr(arguments, "recordings", None) or prepared.log.absolute().parent
-    seed = prepared.plan.seed
+    recordings = getattr(arguments, "recordings", None) or rerun.log.absolute().parent
+    seed = rerun.plan.seed
     return [
         *host_arguments(
-            prepared.experiment.path,
+            rerun.experiment.path,
             recordings=recordings,
             spill=None,
             name="",
             codes={"seed": str(seed) if seed else ""},
         ),
         "--rerun",
-        str(prepared.log),
+        str(rerun.log),
     ]
 
 
-def _streams(prepared: _Prepared) -> frozenset[tuple[str, str]]:
+def _streams(rerun: _Rerun) -> frozenset[tuple[str, str]]:
     """Driver and verb of setpoints that come in streams: too many for a line each."""
     return frozenset(
         (spec.name, verb.name)
-        for spec in prepared.experiment.drivers
+        for spec in rerun.experiment.drivers
         for verb in spec.verbs
         if verb.stream
     )
 
 
-def _in_console(words: list[str]) -> int:
+def _in_console(command: list[str]) -> int:
     from woz_tui.cli.console_start import ScreenOptions  # noqa: PLC0415
 
     # Nobody starts it again from the console: the robot would begin from the beginning.
-    opened = open_both(words, lambda robot: ScreenOptions(socket=robot.socket))
+    opened = run_session(command, lambda robot: ScreenOptions(socket=robot.socket))
     if opened is None:
         return 1
     if opened.left == "detached":

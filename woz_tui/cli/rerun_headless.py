@@ -32,7 +32,7 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 @dataclass
 class RerunLines:
-    """What has been heard of a re-run; `take` returns the lines that are worth printing.
+    """The messages of a re-run so far; `lines` returns what is printed for the next one.
 
     `streams`: driver and verb of setpoints that get no line each. `redactor`: hides what the
     wizard of then was not to know.
@@ -43,14 +43,14 @@ class RerunLines:
     commands: dict[str, m.Command] = field(default_factory=dict)
     began: int = 0
     failed: int = 0
-    over: m.RerunEnded | None = None
+    ended: m.RerunEnded | None = None
 
-    def take(self, message: object) -> Iterator[str]:
+    def lines(self, message: object) -> Iterator[str]:
         """Lines for `message`; usually one or none."""
         if isinstance(message, m.Message):
-            seen = self.redactor.message(message)
-            if seen is not None:
-                yield from self._lines(seen)
+            visible = self.redactor.message(message)
+            if visible is not None:
+                yield from self._lines(visible)
 
     def _lines(self, message: m.Message) -> Iterator[str]:
         match message:
@@ -62,15 +62,15 @@ class RerunLines:
             case m.RerunSent():
                 yield from self._sent(message)
             case m.RerunSkipped():
-                yield f"{self._at(message.t)}  {message.original_command} is left out:" + (
+                yield f"{self._time(message.t)}  {message.original_command} is left out:" + (
                     f" {clean(message.reason)}"
                 )
             case m.RerunEnded():
-                self.over = message
+                self.ended = message
             case m.Notice(level=level, text=text):
-                yield f"{self._at(message.t)}  {level}: {clean(text)}"
+                yield f"{self._time(message.t)}  {level}: {clean(text)}"
             case m.DriverLost() | m.DriverFaulted():
-                yield f"{self._at(message.t)}  {message.driver}: {clean(message.detail)}"
+                yield f"{self._time(message.t)}  {message.driver}: {clean(message.detail)}"
             case m.End():
                 yield from self._end(message)
 
@@ -80,7 +80,7 @@ class RerunLines:
             return
         args = clean(", ".join(f"{name} {value}" for name, value in command.args.items()))
         what = clean(f"{command.driver}.{command.verb}")
-        yield f"{self._at(sent.due)}  {what} {args[:80]}  ({sent.late_us / 1000:.1f} ms late)"
+        yield f"{self._time(sent.due)}  {what} {args[:80]}  ({sent.late_us / 1000:.1f} ms late)"
 
     def _end(self, end: m.End) -> Iterator[str]:
         command = self.commands.pop(end.command, None)
@@ -89,14 +89,14 @@ class RerunLines:
         self.failed += 1
         how = OUTCOMES[type(end)].replace("_", " ")
         what = clean(f"{command.driver}.{command.verb}")
-        yield f"{self._at(end.t)}  {what} {how}: {clean(end.reason)}"
+        yield f"{self._time(end.t)}  {what} {how}: {clean(end.reason)}"
 
-    def _at(self, t: int) -> str:
+    def _time(self, t: int) -> str:
         return f"{clock(t - self.began):>10}"
 
 
 def watch(launch: Launch, streams: frozenset[tuple[str, str]], redactor: Redactor) -> int:
-    """Until the re-run is over: 0 if all was done, 130 after a stop from here, else 1."""
+    """Print its lines until it ends: 0 if all was done, 130 after a stop from here, else 1."""
     try:
         robot = launch.wait()
     except LaunchError as error:
@@ -106,52 +106,52 @@ def watch(launch: Launch, streams: frozenset[tuple[str, str]], redactor: Redacto
     stopped = False
     try:
         with contextlib.suppress(ConnectionError, FileNotFoundError):  # gone, as is told below
-            stopped = _watch(robot, progress)
+            stopped = _print_until_closed(robot, progress)
     except BaseException:
         launch.abandon()
         raise
     print(f"Log: {robot.log}")
     if stopped:
         return _STOPPED
-    if progress.over is None:
+    if progress.ended is None:
         print(f"woz: the robot process has ended; see {robot.host_log}", file=sys.stderr)
         return 1
-    return int(progress.over.reason != "done" or progress.failed > 0)
+    return int(progress.ended.reason != "done" or progress.failed > 0)
 
 
-def _watch(robot: RobotProcess, progress: RerunLines) -> bool:
+def _print_until_closed(robot: RobotProcess, progress: RerunLines) -> bool:
     """Print until the robot process closes the connection; whether it was stopped from here."""
     stopped = False
     with contextlib.ExitStack() as opened:
         link = opened.enter_context(_connected(robot.socket))
-        woken = opened.enter_context(_signals())
+        signals = opened.enter_context(_signals())
         keys = opened.enter_context(_keys())
-        waiting = opened.enter_context(selectors.DefaultSelector())
-        waiting.register(link, selectors.EVENT_READ)
-        waiting.register(woken, selectors.EVENT_READ)
+        selector = opened.enter_context(selectors.DefaultSelector())
+        selector.register(link, selectors.EVENT_READ)
+        selector.register(signals, selectors.EVENT_READ)
         if keys is not None:
-            waiting.register(keys, selectors.EVENT_READ)
+            selector.register(keys, selectors.EVENT_READ)
             print("escape or ctrl+c stops it", flush=True)
         rest = b""
         while True:
-            for key, _ in waiting.select():
+            for key, _ in selector.select():
                 if key.fileobj is link:
-                    data = _received(link)
+                    data = _receive(link)
                     if not data:
                         return stopped
                     *lines, rest = (rest + data).split(b"\n")
                     _print(progress, lines)
-                elif key.fileobj is woken or _stops(key.fd):
-                    if key.fileobj is woken:
-                        woken.recv(64)
+                elif key.fileobj is signals or _is_stop(key.fd):
+                    if key.fileobj is signals:
+                        signals.recv(64)
                     if stopped:
                         raise KeyboardInterrupt
                     stopped = True
                     with contextlib.suppress(ConnectionError):
-                        _say(link, AskStop(source="key"))
+                        _send(link, AskStop(source="key"))
 
 
-def _received(link: socket.socket) -> bytes:
+def _receive(link: socket.socket) -> bytes:
     """What has come; nothing when the robot process has closed, or died."""
     try:
         return link.recv(1 << 16)
@@ -162,16 +162,16 @@ def _received(link: socket.socket) -> bytes:
 def _print(progress: RerunLines, lines: list[bytes]) -> None:
     for line in lines:
         with contextlib.suppress(codec.WireError):
-            for text in progress.take(codec.decode_incoming(line)):
+            for text in progress.lines(codec.decode_incoming(line)):
                 print(text, flush=True)
 
 
-def _stops(keyboard: int) -> bool:
+def _is_stop(keyboard: int) -> bool:
     typed = os.read(keyboard, 64)
     return _ESCAPE in typed or _CTRL_C in typed
 
 
-def _say(link: socket.socket, request: Request) -> None:
+def _send(link: socket.socket, request: Request) -> None:
     link.sendall(codec.encode(request))
 
 
@@ -179,7 +179,7 @@ def _say(link: socket.socket, request: Request) -> None:
 def _connected(path: Path) -> Iterator[socket.socket]:
     with socket.socket(socket.AF_UNIX) as link:
         link.connect(str(path))
-        _say(link, Hello(role="program", name="rerun", stream="actions"))
+        _send(link, Hello(role="program", name="rerun", stream="actions"))
         yield link
 
 

@@ -21,10 +21,10 @@ REASONS = 8
 
 def redacted(plan: RerunPlan, redactor: Redactor) -> RerunPlan:
     """The plan as the wizard may see it."""
-    return replace(plan, steps=tuple(_seen(step, redactor) for step in plan.steps))
+    return replace(plan, steps=tuple(_visible_step(step, redactor) for step in plan.steps))
 
 
-def _seen(step: RerunStep, redactor: Redactor) -> RerunStep:
+def _visible_step(step: RerunStep, redactor: Redactor) -> RerunStep:
     command = redactor.message(step.command)
     if command is step.command or not isinstance(command, m.Command):
         return step
@@ -72,9 +72,9 @@ def _counts(plan: RerunPlan) -> str:
 def _reasons(plan: RerunPlan) -> list[tuple[int, str]]:
     """The reasons, the most frequent first; rare ones beyond `REASONS` together."""
     counted = Counter(clean(step.skip) for step in plan.skipped).most_common()
-    told = [(count, reason) for reason, count in counted[:REASONS]]
+    reasons = [(count, reason) for reason, count in counted[:REASONS]]
     rest = sum(count for _, count in counted[REASONS:])
-    return [*told, (rest, "for other reasons; --dry-run names each")] if rest else told
+    return [*reasons, (rest, "for other reasons; --dry-run names each")] if rest else reasons
 
 
 def table(plan: RerunPlan) -> Iterator[str]:
@@ -84,17 +84,17 @@ def table(plan: RerunPlan) -> Iterator[str]:
     yield f"{'time':>10}  {'command':{width}}  {'arguments':{ARGS}}  what"
     for name, step in zip(names, plan.steps, strict=True):
         time = clock(step.at - plan.start)
-        yield f"{time:>10}  {name:{width}}  {_args(step):{ARGS}}  {_fate(step, plan)}"
+        yield f"{time:>10}  {name:{width}}  {_args(step):{ARGS}}  {_outcome(step, plan)}"
 
 
 def verdict(plan: RerunPlan) -> str:
     """The last line of a dry run."""
-    said = f"{len(plan.sent)} would be sent, {len(plan.skipped)} left out"
+    text = f"{len(plan.sent)} would be sent, {len(plan.skipped)} left out"
     impossible = len(unfit_steps(plan))
-    return f"{said}, {impossible} of them because this robot cannot do them" if impossible else said
+    return f"{text}, {impossible} of them because this robot cannot do them" if impossible else text
 
 
-def _fate(step: RerunStep, plan: RerunPlan) -> str:
+def _outcome(step: RerunStep, plan: RerunPlan) -> str:
     if step.skip:
         return f"left out: {clean(step.skip)}"
     cut = ""
@@ -104,8 +104,8 @@ def _fate(step: RerunStep, plan: RerunPlan) -> str:
 
 
 def _args(step: RerunStep) -> str:
-    said = clean(json.dumps(step.command.args, ensure_ascii=False)) if step.command.args else ""
-    return said if len(said) <= ARGS else f"{said[: ARGS - 3]}..."
+    text = clean(json.dumps(step.command.args, ensure_ascii=False)) if step.command.args else ""
+    return text if len(text) <= ARGS else f"{text[: ARGS - 3]}..."
 
 
 def clock(us: int) -> str:

@@ -8,7 +8,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 from woz_tui.cli import console_start
-from woz_tui.cli.console_start import open_both
+from woz_tui.cli.console_start import run_session
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.host_start import host_arguments
 from woz_tui.cli.shared_options import (
@@ -38,9 +38,9 @@ def run(arguments: Namespace) -> int:
 
 def play(arguments: Namespace, experiment: Path) -> int:
     """A session on `experiment`; the exit code."""
-    refused = console_start.refusal()
-    if refused:
-        print(f"woz: {refused}", file=sys.stderr)
+    refusal = console_start.refusal()
+    if refusal:
+        print(f"woz: {refusal}", file=sys.stderr)
         return 2
     return with_error_sentences(lambda: _play(arguments, experiment))
 
@@ -48,43 +48,43 @@ def play(arguments: Namespace, experiment: Path) -> int:
 def _play(arguments: Namespace, experiment: Path) -> int:
     own_keys = builtins(arguments)
     command = _host_command(arguments, experiment)
-    opened = open_both(
+    result = run_session(
         command,
         lambda robot: console_start.ScreenOptions(
             socket=robot.socket,
             ask_participant=not arguments.participant,
-            restart=[*command, *robot.again],
+            restart=[*command, *robot.restart_arguments],
             builtins=own_keys,
             pictures=arguments.pictures,
             theme=arguments.theme,
         ),
     )
-    if opened is None:
+    if result is None:
         return 1
-    if opened.code != 128 + signal.SIGHUP:  # the terminal is gone: nobody reads this
-        _farewell(opened.left, opened.robot.log)
-    return opened.code
+    if result.code != 128 + signal.SIGHUP:  # the terminal is gone: nobody reads this
+        _print_end(result.left, result.robot.log)
+    return result.code
 
 
 def _host_command(arguments: Namespace, experiment: Path) -> list[str]:
-    who = identity(arguments)
+    codes = identity(arguments)
     return host_arguments(
         experiment,
         recordings=arguments.recordings,
         spill=arguments.spill,
         name=arguments.name,
         codes={
-            "session": who.session,
-            "participant": who.participant,
-            "condition": who.condition,
-            "wizard": who.wizard,
+            "session": codes.session,
+            "participant": codes.participant,
+            "condition": codes.condition,
+            "wizard": codes.wizard,
             "profile": arguments.profile,
-            "seed": str(who.seed) if who.seed else "",
+            "seed": str(codes.seed) if codes.seed else "",
         },
     )
 
 
-def _farewell(left: str, log: Path) -> None:
+def _print_end(left: str, log: Path) -> None:
     if left == "detached":
         print("The session continues; join it again with `woz attach`.")
     print(f"Log: {current_path(log)}")

@@ -14,7 +14,7 @@ from typing import Any, TextIO, cast
 from woz_tui.system.text_cleaning import clean_lines, escaped
 
 
-class _Cleaned:
+class _CleanStream:
     """A text stream that cleans what is written; all else is the stream's own."""
 
     def __init__(self, stream: TextIO) -> None:
@@ -37,12 +37,12 @@ class _Cleaned:
 
 def clean_streams() -> None:
     """Clean everything that is printed from now on, to the end of the process: tracebacks, too."""
-    sys.stdout = _cleaned(sys.stdout)
-    sys.stderr = _cleaned(sys.stderr)
+    sys.stdout = _clean_stream(sys.stdout)
+    sys.stderr = _clean_stream(sys.stderr)
 
 
-def _cleaned(stream: TextIO | None) -> Any:
-    return stream if stream is None or isinstance(stream, _Cleaned) else _Cleaned(stream)
+def _clean_stream(stream: TextIO | None) -> Any:
+    return stream if stream is None or isinstance(stream, _CleanStream) else _CleanStream(stream)
 
 
 def raw_stream(stream: TextIO) -> TextIO:

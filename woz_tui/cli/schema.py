@@ -41,20 +41,20 @@ def _schema(arguments: Namespace) -> dict[str, Any]:
         if "midi" not in catalogue:
             raise plugins.PluginError("no installed package offers the driver 'midi'")
         return included_schema(catalogue["midi"], "map")
-    usable = _usable(catalogue)
-    return robot_schema(usable) if arguments.robot else experiment_schema(usable, _tell)
+    usable = _loadable(catalogue)
+    return robot_schema(usable) if arguments.robot else experiment_schema(usable, _warn)
 
 
-def _usable(catalogue: Mapping[str, type[Driver]]) -> dict[str, type[Driver]]:
+def _loadable(catalogue: Mapping[str, type[Driver]]) -> dict[str, type[Driver]]:
     """Drivers that can be loaded: a broken one must not take the others' schema away."""
     usable = {}
     for name in catalogue:
         try:
             usable[name] = catalogue[name]
         except plugins.PluginError as error:
-            _tell(f"left out: {error}")
+            _warn(f"left out: {error}")
     return usable
 
 
-def _tell(text: str) -> None:
+def _warn(text: str) -> None:
     print(f"woz schema: {text}", file=sys.stderr)

@@ -34,7 +34,7 @@ def add_session(parser: ArgumentParser) -> None:
 
 
 def add_pictures(parser: ArgumentParser) -> None:
-    """Declare how a camera's pictures are drawn: the same words as `console.camera.ways.WAYS`."""
+    """Declare how a camera's pictures are drawn (see `console.camera.picture_widgets`)."""
     parser.add_argument(
         "--pictures",
         choices=("auto", "blocks", "kitty", "sixel", "off"),
@@ -44,7 +44,7 @@ def add_pictures(parser: ArgumentParser) -> None:
 
 
 def add_theme(parser: ArgumentParser) -> None:
-    """Declare the colours: the same words as `console.look.CHOICES`."""
+    """Declare the colours: the same words as `console.theme.CHOICES`."""
     parser.add_argument(
         "--theme",
         choices=("auto", "dark", "light", "16"),

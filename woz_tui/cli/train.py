@@ -12,7 +12,7 @@ from rich.table import Table
 
 from woz_tui.cli import console_start
 from woz_tui.cli.argument_types import number
-from woz_tui.cli.console_start import ScreenOptions, open_both
+from woz_tui.cli.console_start import ScreenOptions, run_session
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.host_start import host_arguments
 from woz_tui.cli.shared_options import add_keymap, add_theme, builtins
@@ -55,14 +55,14 @@ def run(arguments: Namespace) -> int:
     """Train, or show the scores."""
     if arguments.history:
         return with_error_sentences(lambda: _history(arguments))
-    wrong = _wrong(arguments)
-    if wrong:
-        print(f"woz: {wrong}", file=sys.stderr)
+    refusal = _refusal(arguments)
+    if refusal:
+        print(f"woz: {refusal}", file=sys.stderr)
         return 2
     return with_error_sentences(lambda: _train(arguments))
 
 
-def _wrong(arguments: Namespace) -> str:
+def _refusal(arguments: Namespace) -> str:
     """Why no training can begin; empty if one can."""
     if arguments.experiment is None:
         return "name an experiment file: woz train EXPERIMENT --wizard W1"
@@ -84,15 +84,15 @@ def _history(arguments: Namespace) -> int:
 def _train(arguments: Namespace) -> int:
     check_code(arguments.wizard, "wizard")
     own_keys = builtins(arguments)
-    opened = open_both(
+    result = run_session(
         _host_command(arguments),
         lambda robot: ScreenOptions(socket=robot.socket, builtins=own_keys, theme=arguments.theme),
     )
-    if opened is None:
+    if result is None:
         return 1
-    if opened.left != "ended":
-        opened.launch.abandon()  # nobody comes back to a training
-    return _farewell(arguments, opened.robot.log)
+    if result.left != "ended":
+        result.launch.abandon()  # nobody comes back to a training
+    return _print_result(arguments, result.robot.log)
 
 
 def _host_command(arguments: Namespace) -> list[str]:
@@ -112,7 +112,7 @@ def _host_command(arguments: Namespace) -> list[str]:
     return words
 
 
-def _farewell(arguments: Namespace, log: Path) -> int:
+def _print_result(arguments: Namespace, log: Path) -> int:
     score = score_of(log)
     if score is None:
         print(f"No cue was given. Log: {log}")

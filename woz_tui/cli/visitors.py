@@ -34,38 +34,42 @@ _Command = Callable[[VisitorStore, Namespace], int]
 
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options. Without a command it lists everybody."""
-    _which_store(parser, file=None, experiment=None, recordings=Path("recordings"), json=False)
-    parser.set_defaults(does=_list)
-    where = ArgumentParser(add_help=False)
-    _which_store(where)
+    _add_store_options(
+        parser, file=None, experiment=None, recordings=Path("recordings"), json=False
+    )
+    parser.set_defaults(command=_list)
+    store_options = ArgumentParser(add_help=False)
+    _add_store_options(store_options)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
 
-    def command(name: str, summary: str, does: _Command) -> ArgumentParser:
-        one = commands.add_parser(name, help=summary, description=summary, parents=[where])
-        one.set_defaults(does=does)
-        return one
+    def add_command(name: str, summary: str, command: _Command) -> ArgumentParser:
+        parser = commands.add_parser(
+            name, help=summary, description=summary, parents=[store_options]
+        )
+        parser.set_defaults(command=command)
+        return parser
 
-    command("list", "list all named visitors", _list)
-    show = command("show", "show all stored data of a visitor", _show)
+    add_command("list", "list all named visitors", _list)
+    show = add_command("show", "show all stored data of a visitor", _show)
     show.add_argument("name", help="name or face label, in any letter case")
-    new = command("add", "add a visitor before the first meeting", _add)
+    new = add_command("add", "add a visitor before the first meeting", _add)
     new.add_argument("name", help="a code or a name")
-    rename = command("rename", "give a visitor another name", _rename)
+    rename = add_command("rename", "give a visitor another name", _rename)
     rename.add_argument("name", help="present name")
     rename.add_argument("new", help="new name")
-    profile = command("profile", 'change the data of a visitor; "" removes a value', _profile)
+    profile = add_command("profile", 'change the data of a visitor; "" removes a value', _profile)
     profile.add_argument("name")
-    for one in (new, profile):
-        one.add_argument("--age-group", metavar="TEXT", help="for example child, adult")
-        one.add_argument("--address", metavar="TEXT", help="form of address, for example Ms")
-        one.add_argument("--label", metavar="TEXT", help="label of the face in the recogniser")
-    forget = command("forget", "delete all stored data of visitors", _forget)
+    for editor in (new, profile):
+        editor.add_argument("--age-group", metavar="TEXT", help="for example child, adult")
+        editor.add_argument("--address", metavar="TEXT", help="form of address, for example Ms")
+        editor.add_argument("--label", metavar="TEXT", help="label of the face in the recogniser")
+    forget = add_command("forget", "delete all stored data of visitors", _forget)
     forget.add_argument("name", nargs="*", help="visitors to delete")
     forget.add_argument("--all", action="store_true", help="everybody")
     forget.add_argument("--yes", action="store_true", help="do not ask for confirmation")
 
 
-def _which_store(parser: ArgumentParser, **defaults: object) -> None:
+def _add_store_options(parser: ArgumentParser, **defaults: object) -> None:
     """Options that stand before or after the command; only the former have `defaults`."""
     # A default after the command would take the place of what was given before it.
     default = {name: defaults.get(name, SUPPRESS) for name in _STORE_OPTIONS}
@@ -95,13 +99,13 @@ def _which_store(parser: ArgumentParser, **defaults: object) -> None:
 
 def run(arguments: Namespace) -> int:
     """Do what the command says."""
-    return with_error_sentences(lambda: _done(arguments))
+    return with_error_sentences(lambda: _run(arguments))
 
 
-def _done(arguments: Namespace) -> int:
+def _run(arguments: Namespace) -> int:
     try:
-        does: _Command = arguments.does
-        return does(VisitorStore(_path(arguments)), arguments)
+        command: _Command = arguments.command
+        return command(VisitorStore(_path(arguments)), arguments)
     except VisitorsError as error:
         # What could not be written is gone when this process ends.
         unchanged = "\nnothing was changed" if isinstance(error, UnsavedError) else ""
@@ -141,7 +145,7 @@ def _list(store: VisitorStore, arguments: Namespace) -> int:
 
 
 def _show(store: VisitorStore, arguments: Namespace) -> int:
-    _report(store.called(arguments.name) or _wanted(store, arguments.name), arguments)
+    _print_visitor(store.called(arguments.name) or _find(store, arguments.name), arguments)
     return 0
 
 
@@ -153,12 +157,12 @@ def _add(store: VisitorStore, arguments: Namespace) -> int:
         address=arguments.address or "",
         label=arguments.label or "",
     )
-    _report(visitor, arguments)
+    _print_visitor(visitor, arguments)
     return 0
 
 
 def _rename(store: VisitorStore, arguments: Namespace) -> int:
-    before = _wanted(store, arguments.name)
+    before = _find(store, arguments.name)
     after = store.rename(before.name, arguments.new)
     if arguments.json:
         _print_json({**_fields(after), "was": before.name})
@@ -171,7 +175,7 @@ def _profile(store: VisitorStore, arguments: Namespace) -> int:
     given = (arguments.age_group, arguments.address, arguments.label)
     if given == (None, None, None):
         raise VisitorRefusedError("nothing to change", "give --age-group, --address or --label")
-    before = _wanted(store, arguments.name)
+    before = _find(store, arguments.name)
     after = store.profile(
         before.name,
         age_group=arguments.age_group,
@@ -198,9 +202,9 @@ def _forget(store: VisitorStore, arguments: Namespace) -> int:
             "no visitor is named", "name visitors, or use --all without names"
         )
     names = arguments.name
-    visitors = store.everybody() if arguments.all else [_wanted(store, name) for name in names]
+    visitors = store.everybody() if arguments.all else [_find(store, name) for name in names]
     visitors = list(dict.fromkeys(visitors))
-    if visitors and not arguments.yes and not _agreed(visitors):
+    if visitors and not arguments.yes and not _confirmed(visitors):
         print("woz visitors: no visitor was deleted", file=sys.stderr)
         return 1
     if visitors:
@@ -211,9 +215,9 @@ def _forget(store: VisitorStore, arguments: Namespace) -> int:
         print(f"forgotten: {', '.join(visitor.name for visitor in visitors) or 'nobody'}")
     labels = [label for visitor in visitors for label in visitor.labels]
     if labels:
-        known = ", ".join(labels)
+        names = ", ".join(labels)
         print(
-            f"woz visitors: the face recogniser still has {known}; remove it there too",
+            f"woz visitors: the face recogniser still has {names}; remove it there too",
             file=sys.stderr,
         )
     return 0
@@ -222,8 +226,8 @@ def _forget(store: VisitorStore, arguments: Namespace) -> int:
 # -- asking and telling -------------------------------------------------------------------------
 
 
-def _agreed(visitors: list[Visitor]) -> bool:
-    """Whether whoever sits at the terminal wants it; `VisitorRefusedError` if nobody does."""
+def _confirmed(visitors: list[Visitor]) -> bool:
+    """Whether the person at the terminal confirms; `VisitorRefusedError` if nobody can be asked."""
     if not sys.stdin.isatty():
         raise VisitorRefusedError(
             "standard input is not a terminal, so this cannot be confirmed", "use --yes to confirm"
@@ -235,21 +239,22 @@ def _agreed(visitors: list[Visitor]) -> bool:
 
 
 def _meetings(visitor: Visitor) -> str:
-    often = {0: "not met yet", 1: "met once"}.get(visitor.meetings, f"met {visitor.meetings} times")
-    return f"{often}, last on {visitor.last_met}" if visitor.last_met else often
+    count = {0: "not met yet", 1: "met once"}.get(visitor.meetings, f"met {visitor.meetings} times")
+    return f"{count}, last on {visitor.last_met}" if visitor.last_met else count
 
 
-def _wanted(store: VisitorStore, name: str) -> Visitor:
-    visitor = store.find(name)
-    if visitor is not None:
-        return visitor
-    names = {key_of(one.name): one.name for one in store.everybody()}
-    near = [names[key] for key in difflib.get_close_matches(key_of(name), names)]
-    remedy = f"did you mean {' or '.join(near)}?" if near else "list all with: woz visitors list"
+def _find(store: VisitorStore, name: str) -> Visitor:
+    if found := store.find(name):
+        return found
+    names = {key_of(visitor.name): visitor.name for visitor in store.everybody()}
+    similar = [names[key] for key in difflib.get_close_matches(key_of(name), names)]
+    remedy = (
+        f"did you mean {' or '.join(similar)}?" if similar else "list all with: woz visitors list"
+    )
     raise VisitorRefusedError(f"{store.path}: there is no visitor {shown(name)}", remedy)
 
 
-def _report(visitor: Visitor, arguments: Namespace) -> None:
+def _print_visitor(visitor: Visitor, arguments: Namespace) -> None:
     if arguments.json:
         _print_json(_fields(visitor))
         return
@@ -284,5 +289,5 @@ def _table(visitors: list[Visitor]) -> Table:
     return table
 
 
-def _print_json(found: Json) -> None:
-    print(json_text(found, indent=2))
+def _print_json(value: Json) -> None:
+    print(json_text(value, indent=2))

@@ -63,7 +63,7 @@ class Way:
 
 def sentence(seat: Sitting, action: ActionView) -> str:
     """What the action says, as the console shows it before it is played."""
-    return seat.console.picture.sentence(action.name)
+    return seat.console.state.sentence(action.name)
 
 
 async def played(seat: Sitting, keys: Sequence[str]) -> str:
@@ -91,7 +91,7 @@ async def by_page(seat: Sitting, action: ActionView) -> Way | None:
     await seat.settle()
     rows = turned = 0
     while (row := _row(seat, panels, action)) is None:
-        if turned > len(seat.console.picture.front):
+        if turned > len(seat.console.state.front):
             return None
         rows, turned = rows + panels.size.height, turned + 1
         await seat.press("tab")
@@ -102,7 +102,7 @@ async def by_page(seat: Sitting, action: ActionView) -> Way | None:
 def _row(seat: Sitting, panels: ActionPanels, action: ActionView) -> int | None:
     """In which line the button stands, if it is on the page that is shown."""
     frame = PaintFrame(panels.size.width, panels.size.height, 0, seat.console.look.glyphs)
-    arranged = panels.arranged(seat.console.picture, frame)
+    arranged = panels.arranged(seat.console.state, frame)
     page = arranged.page_of(panels.board.chosen)
     slots = (slot for slot in arranged.slots if slot.page == page)
     return next((slot.row for slot in slots if slot.action == action), None)
@@ -110,7 +110,7 @@ def _row(seat: Sitting, panels: ActionPanels, action: ActionView) -> int | None:
 
 async def in_phase(seat: Sitting, action: ActionView, panel: str) -> Way | None:
     """The same, while the first phase that has the action's panel in front holds."""
-    phases = seat.console.picture.settings.phases
+    phases = seat.console.state.settings.phases
     phase = next((each for each in phases if panel in each.panels), None)
     if phase is None:
         return None
@@ -172,7 +172,7 @@ async def measure(first: Welcome, size: tuple[int, int], most: int) -> dict[str,
         name: [] for name in ("letter", "page", "phase", "finder", "words")
     }
     async with sitting(first, size=size) as seat:
-        panels = seat.console.picture.panels
+        panels = seat.console.state.panels
         actions = [(action, panel.title) for panel in panels for action in panel.actions]
         for action, panel in actions[:most]:
             found["letter"].append(await by_letter(seat, action))

@@ -178,7 +178,7 @@ async def test_the_first_alt_chord_of_a_plain_terminal_is_explained_once() -> No
         for _ in range(2):
             seat.console.keyboard.on_alt()
             await seat.settle()
-        told = [event for event in seat.console.picture.events if "alt" in event.text]
+        told = [event for event in seat.console.state.events if "alt" in event.text]
         assert len(told) == 1
         assert told[0].text[:20] in seat.text("EventList")
 
@@ -301,8 +301,8 @@ async def test_no_colour_means_none(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NO_COLOR", "1")
     first = scenes.welcome(state=[*scenes.healthy(), m.StopPressed(source="key", t=NOW)])
     async with sitting(first, look=Appearance(ASCII, "woz-16")) as seat:
-        picture = seat.console.export_screenshot()
-        assert "STOPPED" in picture.replace("&#160;", " ")
+        state = seat.console.export_screenshot()
+        assert "STOPPED" in state.replace("&#160;", " ")
         strips = seat.console.screen._compositor.render_strips()
         colours = {
             colour.name

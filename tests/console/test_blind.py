@@ -177,8 +177,8 @@ async def test_a_reload_that_blinds_the_wizard_counts_at_once() -> None:
         )
         await seat.tell(changed, m.SessionChanged(condition="cold", t=NOW))
         assert "Orange" in seat.text("StatusLines")
-        assert seat.console.picture.conditions == ("Lemon", "Orange")
-        assert seat.console.picture.study.order == ("Lemon", "Orange")
+        assert seat.console.state.conditions == ("Lemon", "Orange")
+        assert seat.console.state.study.order == ("Lemon", "Orange")
 
 
 def blind(labels: dict[str, str] = studied.LABELS, **more: Any) -> Redactor:
@@ -275,6 +275,6 @@ async def test_a_program_that_sees_all_is_named_as_long_as_it_is_there() -> None
 
 
 def test_an_utterance_shows_the_variable_and_not_its_value() -> None:
-    picture = ConsoleState()
-    picture.take([seen(welcome())], 0)
-    assert picture.filled("{greeting} {condition} {participant}") == "{greeting} {condition} P07"
+    state = ConsoleState()
+    state.take([seen(welcome())], 0)
+    assert state.filled("{greeting} {condition} {participant}") == "{greeting} {condition} P07"

@@ -24,9 +24,9 @@ def outline() -> PanelOutline:
 
 
 def knobs(*moved: m.ControlsMoved) -> m.ControlsMoved:
-    picture = ConsoleState()
-    picture.take([bodies.welcome(), *moved], 0)
-    return picture.session.controls.get("panel", m.ControlsMoved(values={}))
+    state = ConsoleState()
+    state.take([bodies.welcome(), *moved], 0)
+    return state.session.controls.get("panel", m.ControlsMoved(values={}))
 
 
 def text(rows: list[Row]) -> str:

@@ -28,9 +28,9 @@ LARGE, COMPACT = "▄█████▄", "⢀⣶⣷⣆"
 
 
 def pictured(*messages: m.AnyMessage, robots: tuple[str, ...] = ("",)) -> ConsoleState:
-    picture = ConsoleState()
-    picture.take([bodies.welcome(robots=robots), *messages], 0)
-    return picture
+    state = ConsoleState()
+    state.take([bodies.welcome(robots=robots), *messages], 0)
+    return state
 
 
 def text(rows: list[Row]) -> str:
@@ -131,9 +131,9 @@ def test_joints_that_nobody_speaks_of_any_more_are_old() -> None:
 
 
 def test_a_lost_session_makes_everything_old() -> None:
-    picture = pictured(*bodies.alive())
-    picture.lose("closed")
-    assert "old" in text(pane_rows(picture, PaintFrame(50, 20, NOW)))
+    state = pictured(*bodies.alive())
+    state.lose("closed")
+    assert "old" in text(pane_rows(state, PaintFrame(50, 20, NOW)))
 
 
 def test_before_the_first_face_its_place_is_kept() -> None:
@@ -150,9 +150,9 @@ def test_a_body_without_a_face_shows_its_links() -> None:
     welcome = msgspec.structs.replace(
         bodies.welcome(), settings=WelcomeSettings(outlines={"body": told})
     )
-    picture = ConsoleState()
-    picture.take([welcome, *bodies.joints({"pitch": 0.0}, {})], 0)
-    shown = text(pane_rows(picture, PaintFrame(50, 20, NOW)))
+    state = ConsoleState()
+    state.take([welcome, *bodies.joints({"pitch": 0.0}, {})], 0)
+    shown = text(pane_rows(state, PaintFrame(50, 20, NOW)))
     assert "side, front" in shown
     assert any("⠀" <= sign <= "⣿" for sign in shown)
 
@@ -160,8 +160,8 @@ def test_a_body_without_a_face_shows_its_links() -> None:
 @pytest.mark.toolkit("F5", "F3")
 def test_brightness_is_seen_in_the_lights_colour() -> None:
     def look(brightness: float) -> set[str]:
-        picture = pictured(bodies.face(brightness=brightness))
-        rows = pane_rows(picture, PaintFrame(50, 20, NOW))
+        state = pictured(bodies.face(brightness=brightness))
+        rows = pane_rows(state, PaintFrame(50, 20, NOW))
         return {look for row in rows for piece, look in row if "█" in piece}
 
     assert look(1.0) == {"face-4"}

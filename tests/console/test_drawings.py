@@ -36,7 +36,7 @@ def played(seat: Sitting) -> list[str]:
 @pytest.mark.parametrize("key", ["semicolon", "plus"])
 async def test_keys_play_while_it_is_drawn(key: str) -> None:
     async with sitting(bodies.welcome(bodies.alive())) as seat:
-        name = seat.console.picture.panels[0].actions[0]
+        name = seat.console.state.panels[0].actions[0]
         await seat.press(key)
         assert seat.console.dialog is not None
         assert seat.console.keyboard.arrive(name.key), "taken in the thread that reads the line"
@@ -69,7 +69,7 @@ async def test_body_and_panel_take_turns() -> None:
 
 async def test_a_text_field_over_it_has_the_keyboard_and_gives_it_back() -> None:
     async with sitting(bodies.welcome(bodies.alive())) as seat:
-        key = seat.console.picture.panels[0].actions[0].key
+        key = seat.console.state.panels[0].actions[0].key
         await seat.press("semicolon", "comma")
         await seat.press(key)
         assert not played(seat), "it belongs into the note"
@@ -81,7 +81,7 @@ async def test_a_text_field_over_it_has_the_keyboard_and_gives_it_back() -> None
 
 async def test_what_is_refused_is_told_with_its_remedy() -> None:
     async with sitting(bodies.welcome(bodies.alive())) as seat:
-        name = seat.console.picture.panels[0].actions[0]
+        name = seat.console.state.panels[0].actions[0]
         await seat.press("semicolon")
         await seat.tell(
             m.ActionRequested(run="a1", action=name.name, source="key", t=bodies.NOW),

@@ -23,9 +23,9 @@ LOW, MIDDLE, HIGH = PaintFrame(39, 6, NOW), PaintFrame(50, 11, NOW), PaintFrame(
 
 
 def pictured(*messages: m.AnyMessage) -> ConsoleState:
-    picture = ConsoleState()
-    picture.take([scenes.welcome(state=[*scenes.healthy(), *messages])], 0)
-    return picture
+    state = ConsoleState()
+    state.take([scenes.welcome(state=[*scenes.healthy(), *messages])], 0)
+    return state
 
 
 def text(rows: list[Row]) -> str:
@@ -124,9 +124,9 @@ def test_several_robots_keep_a_ruler_each_beside_the_models_own() -> None:
 def test_a_wait_grows_louder_with_a_sign(
     seconds: float, glyph: str, look: str, glyphs: Glyphs
 ) -> None:
-    picture = pictured(engaged.waits(seconds))
-    assert picture.engaged.shown is not None
-    (found,) = state_row(picture.engaged, picture.engaged.shown, NOW, glyphs, 80)
+    state = pictured(engaged.waits(seconds))
+    assert state.engaged.shown is not None
+    (found,) = state_row(state.engaged, state.engaged.shown, NOW, glyphs, 80)
     assert found[0].startswith(str(getattr(glyphs, glyph)))
     assert found[1] == look
     assert found[0].isascii() or glyphs is UNICODE
@@ -135,16 +135,16 @@ def test_a_wait_grows_louder_with_a_sign(
 
 
 def test_the_wait_goes_on_between_messages() -> None:
-    picture = pictured(engaged.waits(1.0))
+    state = pictured(engaged.waits(1.0))
     for later, wanted in (
         (0, "1.0 s"),
         (700_000, "1.7 s"),
         (9_000_000, "10 s"),
         (274_000_000, "04:35"),
     ):
-        rows = meter_rows(picture, PaintFrame(50, 30, NOW + later))
+        rows = meter_rows(state, PaintFrame(50, 30, NOW + later))
         assert f"visitor v12 waits for your answer, {wanted}" in text(rows)
-    assert picture.moves(NOW)
+    assert state.moves(NOW)
     assert not pictured(engaged.shown()).moves(NOW)
 
 
@@ -167,10 +167,10 @@ def test_without_a_level_the_speech_is_told_by_itself() -> None:
 
 def test_nobody_knows_of_speech_when_the_microphone_is_gone() -> None:
     lost = m.DriverLost(driver="microphone", detail="unplugged", t=NOW)
-    picture = ConsoleState()
-    picture.take([scenes.welcome(state=[engaged.shown()]), engaged.speaks(), lost], 0)
-    assert picture.engaged.speaking(NOW) is None
-    assert not picture.moves(NOW)
+    state = ConsoleState()
+    state.take([scenes.welcome(state=[engaged.shown()]), engaged.speaks(), lost], 0)
+    assert state.engaged.speaking(NOW) is None
+    assert not state.moves(NOW)
 
 
 # -- honest --------------------------------------------------------------------------------------
@@ -239,13 +239,13 @@ def test_a_sign_outside_the_condition_says_so() -> None:
 
 
 def test_a_lost_robot_process_leaves_no_verdict_and_no_clock() -> None:
-    picture = pictured(engaged.waits())
-    picture.lose("gone")
-    shown = text(meter_rows(picture, HIGH))
+    state = pictured(engaged.waits())
+    state.lose("gone")
+    shown = text(meter_rows(state, HIGH))
     assert shown.startswith(" ~ visitor v12")
     assert "3.2 s" not in shown
     assert "● yes" not in shown
-    assert not picture.moves(NOW)
+    assert not state.moves(NOW)
 
 
 def test_held_tells_where_it_would_go_and_off_that_it_is() -> None:

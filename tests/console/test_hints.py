@@ -17,9 +17,9 @@ from woz_tui.protocol import requests as r
 
 
 def named(first: r.Welcome) -> list[str]:
-    picture = ConsoleState()
-    picture.take([first], 0)
-    return [word for _, word in hints(picture, by_key(COMMANDS))]
+    state = ConsoleState()
+    state.take([first], 0)
+    return [word for _, word in hints(state, by_key(COMMANDS))]
 
 
 def test_a_robots_keys_are_named_where_there_is_a_robot() -> None:

@@ -16,16 +16,16 @@ def command(verb: str, **args: m.Json) -> m.Command:
 
 
 def test_a_turn_of_a_knob_is_no_event_and_nothing_that_could_be_cut_short() -> None:
-    picture = begun(command("control", control="pitch", value=0.5))
-    before = len(picture.events)
-    assert not picture.runs.active
+    state = begun(command("control", control="pitch", value=0.5))
+    before = len(state.events)
+    assert not state.runs.active
     done = m.Done(command="c9", driver="body", latency_us=1, duration_us=2, sent={}, t=NOW)
-    picture.take([done], 0)
-    assert len(picture.events) == before
-    assert not any("control" in event.text for event in picture.events)
+    state.take([done], 0)
+    assert len(state.events) == before
+    assert not any("control" in event.text for event in state.events)
 
 
 def test_a_press_of_a_panels_button_is_an_event() -> None:
-    picture = begun(command("play", move="nod"))
-    assert picture.events[-1].text == "play nod"
-    assert "c9" in picture.runs.active
+    state = begun(command("play", move="nod"))
+    assert state.events[-1].text == "play nod"
+    assert "c9" in state.runs.active

@@ -25,18 +25,18 @@ FRAME = PaintFrame(80, 13, NOW)
 
 
 def pictured(*messages: m.AnyMessage, shown: list[PanelView] | None = None) -> ConsoleState:
-    picture = ConsoleState()
-    picture.take([scenes.welcome(shown=shown), *messages], 0)
-    return picture
+    state = ConsoleState()
+    state.take([scenes.welcome(shown=shown), *messages], 0)
+    return state
 
 
 def lines(
-    picture: ConsoleState, frame: PaintFrame = FRAME, board: PanelSelection | None = None
+    state: ConsoleState, frame: PaintFrame = FRAME, board: PanelSelection | None = None
 ) -> list[str]:
     board = board or PanelSelection({})
-    cap = cap_width(picture, board, frame.glyphs)
-    arranged = lay_out(picture.panels, frame.width, frame.height, cap)
-    return ["".join(text for text, _ in row) for row in panel_rows(picture, frame, arranged, board)]
+    cap = cap_width(state, board, frame.glyphs)
+    arranged = lay_out(state.panels, frame.width, frame.height, cap)
+    return ["".join(text for text, _ in row) for row in panel_rows(state, frame, arranged, board)]
 
 
 def line_with(text: str, found: list[str]) -> str:
@@ -55,14 +55,14 @@ def test_thirty_actions_are_on_one_page_of_a_small_terminal_with_whole_labels() 
 
 
 def test_states_are_told_by_signs_and_words() -> None:
-    picture = pictured(
+    state = pictured(
         *scenes.speaking(left=2.1),
         *scenes.played("b1", "Bow", NOW - 1, 0, how="failed", reason="overloaded"),
         *scenes.played("b2", "Nod", NOW, 0),
         m.DriverLost(driver="face", t=NOW),
         m.PanelLocked(panel="Repair", locked=True, t=NOW),
     )
-    found = lines(picture, PaintFrame(130, 20, NOW))
+    found = lines(state, PaintFrame(130, 20, NOW))
     assert "▶ Map" in line_with("Map", found)
     assert "2.1" in line_with("Map", found)
     assert "◷ Question" in line_with("Question", found)
@@ -78,10 +78,10 @@ def test_states_are_told_by_signs_and_words() -> None:
 
 def test_the_bar_of_the_running_action_shrinks() -> None:
     def filled(left: float) -> int:
-        picture = pictured(*scenes.speaking(left=left))
+        state = pictured(*scenes.speaking(left=left))
         board = PanelSelection({})
-        arranged = lay_out(picture.panels, 80, 13, cap_width(picture, board, UNICODE))
-        rows = panel_rows(picture, FRAME, arranged, board)
+        arranged = lay_out(state.panels, 80, 13, cap_width(state, board, UNICODE))
+        rows = panel_rows(state, FRAME, arranged, board)
         return sum(cell_len(text) for row in rows for text, look in row if look == "fill")
 
     assert filled(3.4) > filled(1.8) > filled(0.3)
@@ -104,10 +104,10 @@ def test_nothing_moves_when_states_change() -> None:
 
 
 def test_sixty_actions_are_reached_by_paging() -> None:
-    picture = pictured(shown=scenes.many_panels(60))
+    state = pictured(shown=scenes.many_panels(60))
     seen = set()
     for chosen in range(6):
-        found = lines(picture, board=PanelSelection({}, chosen))
+        found = lines(state, board=PanelSelection({}, chosen))
         seen |= {n for n in range(60) if any(f"Action {n} " in line for line in found)}
     assert seen == set(range(60))
 
@@ -258,11 +258,11 @@ def test_a_blank_stands_before_the_time_left_and_the_word(width: int) -> None:
             ("More", "More", "Tell me more about that one, please."),
         )
     ]
-    picture = pictured(
+    state = pictured(
         *scenes.speaking(left=4.4, whole=9.0),
         *scenes.played("r1", "More", NOW, 0, how="refused"),
         shown=[PanelView(title="Talk", actions=actions)],
     )
-    found = lines(picture, PaintFrame(width, 6, NOW))
+    found = lines(state, PaintFrame(width, 6, NOW))
     assert " 4.4 " in line_with("Where", found)
     assert "refused" not in line_with("More", found) or " refused " in line_with("More", found)

@@ -268,12 +268,12 @@ def test_what_nobody_knows_cannot_be_hidden() -> None:
 
 
 def test_a_picture_never_holds_what_is_hidden() -> None:
-    picture = ConsoleState()
-    picture.take([seen(told(EVERYTHING))], 0)
-    assert picture.session.model.changed is None
-    assert picture.engaged.shown is None
-    assert not picture.session.faces
-    assert {each.value for each in map(picture.sensor, picture.sensors) if each} == {None}
+    state = ConsoleState()
+    state.take([seen(told(EVERYTHING))], 0)
+    assert state.session.model.changed is None
+    assert state.engaged.shown is None
+    assert not state.session.faces
+    assert {each.value for each in map(state.sensor, state.sensors) if each} == {None}
 
 
 async def test_hidden_signs_of_the_model_have_no_verdict() -> None:

@@ -39,7 +39,7 @@ def begins(phase: str, source: str = "key", **more: Any) -> m.PhaseChanged:
 
 async def at(seat: Sitting, message: Any, seq: int = 5000) -> None:
     """A message of this moment."""
-    now = seat.console.picture.now(seat.console.clock.now_us())
+    now = seat.console.state.now(seat.console.clock.now_us())
     await seat.tell(replace(message, seq=seq, t=now))
 
 

@@ -179,11 +179,11 @@ async def test_a_refused_press_says_so_at_the_button_the_event_and_the_bar() -> 
 @pytest.mark.parametrize("glyphs", [UNICODE, ASCII])
 @pytest.mark.parametrize("width", [60, 80, 100, 160])
 def test_long_names_leave_room_for_time_and_recorder(width: int, glyphs: Glyphs) -> None:
-    picture = ConsoleState()
+    state = ConsoleState()
     first = guide("those who are here for the first time" * 3)
-    picture.take([msgspec.structs.replace(first, title="A title " * 12)], 0)
+    state.take([msgspec.structs.replace(first, title="A title " * 12)], 0)
     frame = PaintFrame(width, 2, NOW, glyphs)
-    [top, _] = status_rows(picture, frame, StatusInfo())
+    [top, _] = status_rows(state, frame, StatusInfo())
     text = "".join(piece for piece, _ in top)
     assert len(text) == width
     for part in ("12:31", "those who", "ecording", "connect"):

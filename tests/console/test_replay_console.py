@@ -189,7 +189,7 @@ async def test_keys_move_through_the_log(keys: list[str], seconds: float) -> Non
 async def test_brackets_change_the_speed(keys: str, rate: float) -> None:
     async with watching() as seat:
         await seat.press(*keys)
-        assert seat.console.picture.rate == rate
+        assert seat.console.state.rate == rate
         assert f"{rate:g}x" in seat.text("StopBar")
 
 
@@ -268,7 +268,7 @@ async def test_escape_moves_nothing_says_so_and_closes_dialogs(key: str) -> None
         await seat.press(key)
         assert len(seat.console.screen_stack) == 1
         assert "the robot does not move" in seat.text("StopBar")
-        assert not seat.console.picture.stop
+        assert not seat.console.state.stop
 
 
 async def test_ctrl_q_leaves_at_once() -> None:

@@ -122,7 +122,7 @@ async def test_failures_are_read_and_seen() -> None:
         assert "servo 2 (pitch) overloaded" in seat.drawn()
         await seat.press("enter")
         assert "failed" not in seat.text("StatusLines")
-        assert seat.console.picture.runs.unseen() == []
+        assert seat.console.state.runs.unseen() == []
         await seat.press("enter")
         assert seat.console.dialog is None
 
@@ -143,7 +143,7 @@ async def test_what_changes_while_a_dialog_is_made_is_not_missed() -> None:
         def body(self) -> Iterable[Widget]:
             yield from super().body()
             lost = m.DriverLost(driver="head", detail="unplugged", remedy="plug in the U2D2")
-            self.picture.take([lost], NOW)
+            self.state.take([lost], NOW)
             self.console_app.paint()
 
     async with sitting() as seat:
@@ -360,7 +360,7 @@ async def test_a_lost_robot_process_says_so_and_offers_a_restart() -> None:
         await seat.press("enter")
         assert restarted == [1]
         await seat.tell(scenes.welcome())
-        assert seat.console.picture.lost == ""
+        assert seat.console.state.lost == ""
         assert "is back" in seat.text("StopBar")
 
 
@@ -371,7 +371,7 @@ async def test_what_was_too_old_for_a_robot_process_that_woke_is_told() -> None:
     ]
     async with sitting() as seat:
         seat.feed.cut("silent")
-        await seat.until(lambda: bool(seat.console.picture.lost))
+        await seat.until(lambda: bool(seat.console.state.lost))
         await seat.tell(scenes.welcome(recent=late))
         bar = seat.text("StopBar")
         assert "not played: Hello" in bar

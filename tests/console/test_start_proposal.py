@@ -217,7 +217,7 @@ async def crashed(seat: Sitting, *, log: str) -> None:
     await seat.until(lambda: isinstance(seat.console.dialog, LostDialog))
     plain = scenes.welcome([scenes.start("", "")], settings={"study": studied.told()})
     seat.feed.deliver(msgspec.structs.replace(plain, log=log))
-    await seat.until(lambda: not seat.console.picture.lost)
+    await seat.until(lambda: not seat.console.state.lost)
     await seat.settle()
 
 

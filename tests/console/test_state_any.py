@@ -111,24 +111,24 @@ def _any_message() -> st.SearchStrategy[Incoming]:
 
 @given(st.lists(_any_message(), max_size=25), st.integers(0, 1 << 40))
 def test_no_message_in_any_order_is_too_much(batch: list[Incoming], local: int) -> None:
-    picture = ConsoleState()
-    picture.take(batch, local)
-    now = picture.now(local)
-    for panel in picture.panels:
+    state = ConsoleState()
+    state.take(batch, local)
+    now = state.now(local)
+    for panel in state.panels:
         for action in panel.actions:
-            standing = picture.standing(panel, action, now)
+            standing = state.standing(panel, action, now)
             assert standing.share is None or 0 <= standing.share <= 1
-    assert 0 <= picture.position <= len(picture.script)
-    assert len(picture.runs.active) <= len(batch) + 20
-    for sensor in map(picture.sensor, picture.sensors):
+    assert 0 <= state.position <= len(state.script)
+    assert len(state.runs.active) <= len(batch) + 20
+    for sensor in map(state.sensor, state.sensors):
         assert sensor is not None
-        picture.is_stale(sensor, now)
+        state.is_stale(sensor, now)
 
 
 @given(st.permutations(scenes.history()))
 def test_a_shuffled_history_ends_every_run(shuffled: list[m.AnyMessage]) -> None:
-    picture = begun(*shuffled)
+    state = begun(*shuffled)
     again = begun(*shuffled, *shuffled)
     ended = {message.run for message in shuffled if isinstance(message, m.ActionEnd)}
-    assert {failure.run for failure in picture.runs.unseen()} == {"a5"}
+    assert {failure.run for failure in state.runs.unseen()} == {"a5"}
     assert {failure.run for failure in again.runs.unseen()} <= ended

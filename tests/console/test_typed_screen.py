@@ -132,7 +132,7 @@ async def test_a_copy_that_cannot_be_written_says_why_and_where_the_sentences_ar
         await seat.press("enter")
         await seat.until(lambda: "Read-only file system" in seat.drawn())
         assert "in the log" in seat.drawn()
-        assert seat.console.picture.log in seat.drawn()
+        assert seat.console.state.log in seat.drawn()
         assert seat.feed.last(r.AskEnd) is None
         await seat.press("n")
         await seat.until(lambda: seat.feed.last(r.AskEnd) is not None)

@@ -65,8 +65,8 @@ def test_killed_while_driving(lab: Lab, long_story: FakeTerminal) -> None:
     again.wait_for(
         lambda screen: "▶ Long story" in screen or bool(log.lines("command.done", command=say))
     )
-    picture = ("1/4", "P01", "session S01", "Driving stopped", "■ Far away", "● robot")
-    again.wait_for(lambda screen: all(shown in screen for shown in picture))
+    state = ("1/4", "P01", "session S01", "Driving stopped", "■ Far away", "● robot")
+    again.wait_for(lambda screen: all(shown in screen for shown in state))
     assert_only_driving_stopped(log, drive, say)
     again.wait_text("✓ Long story")
     again.send("h")

@@ -166,7 +166,7 @@ class Viewer:
         self, recording: Recording, start: ReplayStart | None = None, **options: Any
     ) -> None:
         self.player = ReplayPlayer(recording, start, **options)
-        self.picture = ConsoleState()
+        self.state = ConsoleState()
         self.now = 0
         self.heard: list[Incoming] = []
         self._take(self.player.begin(0))
@@ -201,7 +201,7 @@ class Viewer:
             codec.decode_incoming(codec.encode(each)) if isinstance(each, msgspec.Struct) else each
             for each in told
         ]
-        self.picture.take(decoded, self.now)
+        self.state.take(decoded, self.now)
 
     def kinds(self) -> list[str]:
         """Kinds of the log's lines that came, samples left out; then forget everything."""
@@ -216,49 +216,49 @@ class Viewer:
     @property
     def shown(self) -> dict[str, object]:
         """What a wizard sees now."""
-        return seen_by_wizard(self.picture, self.now)
+        return seen_by_wizard(self.state, self.now)
 
 
-def seen_by_wizard(picture: ConsoleState, local: int = 0) -> dict[str, object]:
+def seen_by_wizard(state: ConsoleState, local: int = 0) -> dict[str, object]:
     """Everything that is on the screen at a moment, as plain data."""
-    session = picture.session
+    session = state.session
     return {
-        "participant": (picture.participant, picture.condition, picture.trial),
-        "panels": picture.panels,
-        "position": picture.position,
+        "participant": (state.participant, state.condition, state.trial),
+        "panels": state.panels,
+        "position": state.position,
         "locks": {panel: changed.locked for panel, changed in session.locks.items()},
-        "drivers": picture.drivers,
-        "sensors": [picture.sensor(name) for name in picture.sensors],
-        "stop": picture.stop,
+        "drivers": state.drivers,
+        "sensors": [state.sensor(name) for name in state.sensors],
+        "stop": state.stop,
         "engagement": session.model.changed,
-        "shown": picture.engaged.shown,
+        "shown": state.engaged.shown,
         "modes": {driver: changed.now for driver, changed in session.modes.items()},
-        "active": [(run, picture.runs.get(run)) for run in picture.runs.active],
-        "outcomes": dict(picture.runs.outcomes),
-        "failures": [failure.run for failure in picture.runs.failures],
+        "active": [(run, state.runs.get(run)) for run in state.runs.active],
+        "outcomes": dict(state.runs.outcomes),
+        "failures": [failure.run for failure in state.runs.failures],
         "recorder": session.recorder,
-        "events": [_words(event) for event in picture.events],
+        "events": [_words(event) for event in state.events],
         "study": {
-            name: getattr(picture.study, name)
+            name: getattr(state.study, name)
             for name in (
                 *("trial", "last", "break_began", "planned", "order", "due", "checks", "next"),
                 *("participants", "asked"),
             )
         },
-        "had": set(picture.study.over),
-        "model": (picture.engaged.speaking(session.t), picture.engaged.heard()),
-        "changes": [*picture.engaged.changes],
+        "had": set(state.study.over),
+        "model": (state.engaged.speaking(session.t), state.engaged.heard()),
+        "changes": [*state.engaged.changes],
         "robots": session.robots.shown,
         "bodies": (session.bodies, session.faces, session.controls),
-        "profile": picture.profiles.current,
-        "under way": picture.moves(session.t),
-        "ended": picture.ended,
-        "now": picture.now(local),
+        "profile": state.profiles.current,
+        "under way": state.moves(session.t),
+        "ended": state.ended,
+        "now": state.now(local),
     }
 
 
 def distance(it: Viewer) -> SensorView:
     """The sensor of this name, as the wizard sees it."""
-    sensor = it.picture.sensor("distance")
+    sensor = it.state.sensor("distance")
     assert sensor is not None
     return sensor

@@ -29,14 +29,14 @@ def watched(folder: Path, coder: str = "K1", at: float = 0.0) -> Viewer:
 
 
 def codes(it: Viewer) -> list[tuple[int, str]]:
-    assert it.picture.replay is not None
-    return [(place.t, place.text) for place in it.picture.replay.places if place.sort == "code"]
+    assert it.state.replay is not None
+    return [(place.t, place.text) for place in it.state.replay.places if place.sort == "code"]
 
 
 def events(it: Viewer) -> list[tuple[int, str, str]]:
     return [
         (each.t // SECOND, each.text, each.detail)
-        for each in it.picture.events
+        for each in it.state.events
         if each.text.startswith("Code of")
     ]
 

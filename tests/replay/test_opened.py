@@ -154,11 +154,11 @@ def test_no_damage_keeps_the_rest_from_being_seen(
         assert words in "; ".join(notes)
         it.wait(61, ticks=61)
         assert it.player.ended
-        told = [event.text for event in it.picture.events]
+        told = [event.text for event in it.state.events]
         assert [text for text in told if text in ("Hello", "Go")] == ["Hello", "Go"]
         assert "comes back" in told
         it.go(16)
-        assert it.picture.stop is not None
+        assert it.state.stop is not None
 
 
 def test_a_log_without_samples_is_played(tmp_path: Path) -> None:
@@ -167,7 +167,7 @@ def test_a_log_without_samples_is_played(tmp_path: Path) -> None:
     with open_log(path) as index:
         it, _ = seen(index)
         it.go(30)
-        assert it.picture.sensors == []
+        assert it.state.sensors == []
 
 
 def test_a_session_that_was_killed_says_that_it_has_no_end(tmp_path: Path) -> None:
@@ -183,10 +183,10 @@ def test_golden_logs_of_every_schema_are_played(schema: str) -> None:
         it, _ = seen(index)
         it.wait(index.length_us / SECOND + 1, ticks=40)
         assert it.player.ended
-        assert it.picture.ended == "wizard"
-        assert it.picture.panels
+        assert it.state.ended == "wizard"
+        assert it.state.panels
         it.go(2)
-        assert it.picture.participant == "P07"
+        assert it.state.participant == "P07"
 
 
 def test_what_a_log_says_of_its_experiment() -> None:

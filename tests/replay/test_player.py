@@ -19,9 +19,9 @@ def test_it_begins_with_a_welcome_of_its_own_role() -> None:
     first = it.heard[0]
     assert isinstance(first, r.Welcome)
     assert (first.role, first.title, first.t) == ("replay", "Museum guide", 0)
-    assert it.picture.replay is not None
-    assert it.picture.replay.length_us == 60 * SECOND
-    assert [place.sort for place in it.picture.replay.places] == [
+    assert it.state.replay is not None
+    assert it.state.replay.length_us == 60 * SECOND
+    assert [place.sort for place in it.state.replay.places] == [
         *("marker", "mistake", "stop", "note", "trial", "end"),
     ]
 
@@ -35,7 +35,7 @@ def test_lines_come_in_order_and_when_they_are_due() -> None:
     assert it.kinds() == ["action.requested", "command.requested", "command.dispatched"]
     it.wait(3)
     assert it.kinds() == ["command.done", "action.done", "marker"]
-    assert it.picture.now(it.now) == 6 * SECOND
+    assert it.state.now(it.now) == 6 * SECOND
 
 
 def test_the_same_comes_whatever_the_speed() -> None:
@@ -45,7 +45,7 @@ def test_the_same_comes_whatever_the_speed() -> None:
     assert slow.kinds() == fast.kinds()
     assert slow.shown == fast.shown
     assert slow.player.ended
-    assert fast.picture.ended == "wizard"
+    assert fast.state.ended == "wizard"
 
 
 def test_samples_come_thinned_between_the_lines() -> None:
@@ -59,20 +59,20 @@ def test_samples_come_thinned_between_the_lines() -> None:
 def test_nothing_runs_on_while_it_stands_still() -> None:
     it = viewer()
     it.wait(9)
-    running = it.picture.standing(*_action(it, "Go"), it.picture.now(it.now))
+    running = it.state.standing(*_action(it, "Go"), it.state.now(it.now))
     assert running.state is ButtonState.RUNNING
     assert it.do("pause").ok
     it.wait(600, ticks=7)
-    assert it.picture.now(it.now) == 9 * SECOND
-    assert not it.picture.is_stale(distance(it), it.picture.now(it.now))
+    assert it.state.now(it.now) == 9 * SECOND
+    assert not it.state.is_stale(distance(it), it.state.now(it.now))
     assert it.do("pause").ok
     it.wait(3)
-    assert it.picture.now(it.now) == 12 * SECOND
-    assert it.picture.standing(*_action(it, "Go"), it.picture.now(it.now)).state is ButtonState.DONE
+    assert it.state.now(it.now) == 12 * SECOND
+    assert it.state.standing(*_action(it, "Go"), it.state.now(it.now)).state is ButtonState.DONE
 
 
 def _action(it: Viewer, name: str) -> tuple[PanelView, ActionView]:
-    (panel,) = it.picture.panels
+    (panel,) = it.state.panels
     return panel, next(action for action in panel.actions if action.name == name)
 
 
@@ -80,7 +80,7 @@ def test_the_speed_doubles_and_halves_within_its_limits() -> None:
     it = viewer()
     for rate in (2.0, 4.0, 8.0, 16.0):
         assert it.do("faster").ok
-        assert it.picture.rate == rate
+        assert it.state.rate == rate
     refused = it.do("faster")
     assert not refused.ok
     it.wait(1)
@@ -99,13 +99,13 @@ def test_a_step_goes_to_the_next_line_that_says_something() -> None:
     while (reply := it.do("step")).ok:
         assert isinstance(reply.data, dict)
         steps.append(reply.data["kind"])
-        assert it.picture.now(it.now) == reply.data["t"]
+        assert it.state.now(it.now) == reply.data["t"]
     lines = [
         m for m in story() if m.__struct_config__.tag not in ("sample", "clock", "session.plan")
     ]
     assert steps == [line.__struct_config__.tag for line in lines][1:]
     assert "no more lines" in reply.reason
-    assert it.picture.ended == "wizard"
+    assert it.state.ended == "wizard"
 
 
 def test_a_step_shows_one_line_only_also_where_several_have_one_time() -> None:
@@ -167,12 +167,12 @@ def test_samples_and_lines_come_in_the_order_of_their_numbers() -> None:
 def test_seeking_begins_anew_with_everything_that_held() -> None:
     it = viewer()
     it.go(16)
-    assert it.picture.stop is not None
-    assert it.picture.stop.confirmed == ("robot",)
-    assert [event.run for event in it.picture.events if event.mistake] == ["a2"]
+    assert it.state.stop is not None
+    assert it.state.stop.confirmed == ("robot",)
+    assert [event.run for event in it.state.events if event.mistake] == ["a2"]
     assert it.do("seek", by_s=-7.0).ok
     assert it.shown["stop"] is None
-    assert list(it.picture.runs.active) == ["a2"]
+    assert list(it.state.runs.active) == ["a2"]
     assert it.do("seek", by_s=-600.0).ok
     assert it.player.t == 0
     assert it.do("seek", by_s=600.0).ok
@@ -219,9 +219,9 @@ def test_a_mark_of_many_names_the_next_one() -> None:
 def test_at_the_end_it_stands_and_goes_on_from_where_one_goes_back() -> None:
     it = viewer()
     it.wait(100)
-    assert it.picture.replay is not None
-    assert it.picture.replay.ended
-    assert it.picture.rate == 0
+    assert it.state.replay is not None
+    assert it.state.replay.ended
+    assert it.state.rate == 0
     reply = it.do("pause")
     assert not reply.ok
     assert "home" in reply.hint
@@ -237,11 +237,11 @@ def test_idle_stretches_are_cut_and_the_cut_is_told() -> None:
     assert it.player.t == pytest.approx(20.9 * SECOND)
     it.wait(0.2)
     assert it.player.t == 49 * SECOND  # a second before the note that ends the stretch
-    assert it.picture.replay is not None
+    assert it.state.replay is not None
     # 3 of 4 s are shown before the cut, 1 s after it.
-    assert it.picture.replay.cut_us == 28 * SECOND
+    assert it.state.replay.cut_us == 28 * SECOND
     it.wait(1.5)
-    assert "comes back" in [event.text for event in it.picture.events]
+    assert "comes back" in [event.text for event in it.state.events]
 
 
 def test_arrows_walk_over_a_cut_in_both_directions() -> None:
@@ -294,9 +294,9 @@ def test_there_is_nothing_to_stop(request_: r.AnyRequest) -> None:
 
 def test_what_is_missing_is_told_at_the_beginning_and_stays_known() -> None:
     it = Viewer(recording_of(story()), notes=("3 damaged line(s) left out",))
-    assert "3 damaged line(s)" in it.picture.events[-1].text
+    assert "3 damaged line(s)" in it.state.events[-1].text
     it.go(10)
-    told = it.picture.settings.replay
+    told = it.state.settings.replay
     assert told
     assert told.notes == ["3 damaged line(s) left out"]
 

@@ -141,7 +141,7 @@ def test_unknown_kinds_are_handed_on_and_disturb_nothing() -> None:
     assert {"kind": "weather.changed", "sky": "blue"}.items() <= next(
         each for each in it.heard if isinstance(each, dict)
     ).items()
-    assert it.picture.ended == "wizard"
+    assert it.state.ended == "wizard"
     it.go(29.9)
     reply = it.do("step")
     assert reply.data == {"kind": "weather.changed", "t": 30 * SECOND}
@@ -217,13 +217,13 @@ def test_a_plan_of_the_middle_counts_from_then_on() -> None:
         settings=WelcomeSettings(),
     )
     it = Viewer(recording_of(stamped([(0, START), (1, PLAN), (5, later), (9, m.Marker())])))
-    assert it.picture.title == "Museum guide"
+    assert it.state.title == "Museum guide"
     it.wait(6)
-    assert it.picture.title == "Reloaded"
+    assert it.state.title == "Reloaded"
     it.go(2)
-    assert it.picture.title == "Museum guide"
+    assert it.state.title == "Museum guide"
     it.go(8)
-    assert it.picture.title == "Reloaded"
+    assert it.state.title == "Reloaded"
 
 
 def test_a_lock_of_before_a_reload_does_not_outlast_it() -> None:
@@ -297,9 +297,9 @@ def test_what_was_kept_from_the_wizard_is_kept_from_the_viewer_unless_told(revea
     it = Viewer(recording)
     it.wait(4)
     for _ in range(2):  # after playing, and after going there
-        assert it.picture.condition == ("cold" if reveal else "B")
+        assert it.state.condition == ("cold" if reveal else "B")
         assert (distance(it).value == 1.0) is reveal
         it.go(3.5)
-    assert it.picture.replay is not None
-    (trial,) = (place for place in it.picture.replay.places if place.sort == "trial")
+    assert it.state.replay is not None
+    (trial,) = (place for place in it.state.replay.places if place.sort == "trial")
     assert trial.text == f"trial 1 {'cold' if reveal else 'B'}"

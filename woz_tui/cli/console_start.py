@@ -156,7 +156,7 @@ def run_console(app: Console) -> tuple[str, int]:
     """
     prioritise_keys()
     left, code = app.run(mouse=False) or "", app.return_code or 0
-    return ("failed" if code == 1 and not app.picture.welcomed else left), code
+    return ("failed" if code == 1 and not app.state.welcomed else left), code
 
 
 def prioritise_keys() -> None:

@@ -214,12 +214,12 @@ class PanelSelection:
     pressed: str = ""
 
 
-def cap_width(picture: ConsoleState, board: PanelSelection, glyphs: Glyphs) -> int:
+def cap_width(state: ConsoleState, board: PanelSelection, glyphs: Glyphs) -> int:
     """One width for all key caps, so that labels stand in line."""
     longest = max(
         (
             cell_len(caption(board.caps.get(action.name, KeyCap(action.key)), glyphs))
-            for panel in picture.panels
+            for panel in state.panels
             for action in panel.actions
         ),
         default=1,
@@ -239,16 +239,16 @@ def arrange(panels: Sequence[PanelView], width: int, height: int, cap: int) -> P
 
 
 def panel_rows(
-    picture: ConsoleState, frame: PaintFrame, arranged: PanelLayout, board: PanelSelection
+    state: ConsoleState, frame: PaintFrame, arranged: PanelLayout, board: PanelSelection
 ) -> list[Row]:
     """The page with the chosen panel, as large as the frame."""
     page = arranged.page_of(board.chosen)
-    cap = cap_width(picture, board, frame.glyphs)
+    cap = cap_width(state, board, frame.glyphs)
     column_frame = replace(frame, width=arranged.width)
     grid: dict[tuple[int, int], Row] = {}
     for slot in arranged.slots:
         if slot.page == page:
-            grid[slot.row, slot.column] = _slot(picture, slot, column_frame, board, cap)
+            grid[slot.row, slot.column] = _slot(state, slot, column_frame, board, cap)
     rows = []
     blank: Row = ((" " * arranged.width, "plain"),)
     for y in range(frame.height):
@@ -262,36 +262,36 @@ def panel_rows(
 
 
 def _slot(
-    picture: ConsoleState, slot: Slot, frame: PaintFrame, board: PanelSelection, cap: int
+    state: ConsoleState, slot: Slot, frame: PaintFrame, board: PanelSelection, cap: int
 ) -> Row:
-    panel = picture.front[slot.panel]
+    panel = state.front[slot.panel]
     if slot.action is None:
-        return _title(picture, slot, frame, slot.panel == board.chosen)
-    standing = picture.standing(panel, slot.action, frame.now)
-    dim = picture.stop is not None or bool(picture.lost)
+        return _title(state, slot, frame, slot.panel == board.chosen)
+    standing = state.standing(panel, slot.action, frame.now)
+    dim = state.stop is not None or bool(state.lost)
     look = "muted" if dim and standing.state is ButtonState.READY else _LOOK[standing.state]
     key = caption(board.caps.get(slot.action.name, KeyCap(slot.action.key)), frame.glyphs)
     keylook = "flash" if board.pressed == slot.action.name else "key" if key else "plain"
-    word = "" if _said_above(picture, panel, standing.state) else _word(standing)
-    said = quotation(picture.words_on(slot.action.name, standing), frame.glyphs)
+    word = "" if _said_above(state, panel, standing.state) else _word(standing)
+    said = quotation(state.words_on(slot.action.name, standing), frame.glyphs)
     room = frame.width - cap - 1
     texts = clean(slot.action.label), said
     body = _body(texts, standing, (word, look), room, frame.glyphs)
     return ((_centred(key, cap, frame.glyphs.ellipsis), keylook), (" ", "plain"), *body)
 
 
-def _said_above(picture: ConsoleState, panel: PanelView, state: ButtonState) -> bool:
+def _said_above(state: ConsoleState, panel: PanelView, button: ButtonState) -> bool:
     """Whether the title or the status line has the word that would stand on every line here."""
-    if state is ButtonState.LOCKED:
-        return picture.is_locked(panel)
-    return state is ButtonState.UNREACHABLE and len(picture.drivers) == 1
+    if button is ButtonState.LOCKED:
+        return state.is_locked(panel)
+    return button is ButtonState.UNREACHABLE and len(state.drivers) == 1
 
 
-def _title(picture: ConsoleState, slot: Slot, frame: PaintFrame, chosen: bool) -> Row:
-    panel = picture.front[slot.panel]
+def _title(state: ConsoleState, slot: Slot, frame: PaintFrame, chosen: bool) -> Row:
+    panel = state.front[slot.panel]
     glyphs, width = frame.glyphs, frame.width
     mark = f"{glyphs.here} " if chosen and not slot.again else "  "
-    note = " locked" if picture.is_locked(panel) else " continued" if slot.again else ""
+    note = " locked" if state.is_locked(panel) else " continued" if slot.again else ""
     if slot.again and cell_len(clean(panel.title)) > width - 3 - len(note):
         note = note.replace("continued", glyphs.ellipsis)  # rather than half a title
     title = fit_most(panel.title, width - 2 - len(note) - 1, glyphs.ellipsis)
@@ -359,28 +359,26 @@ class ActionPanels(Cells):
         self._front: tuple[PanelView, ...] = ()
         self._layouts: dict[tuple[int, int, int], PanelLayout] = {}
 
-    def paint(self, picture: ConsoleState, frame: PaintFrame) -> None:
-        """Show the picture's panels as they stand."""
-        if not picture.welcomed:
+    def paint(self, state: ConsoleState, frame: PaintFrame) -> None:
+        """Show the panels as they are now."""
+        if not state.welcomed:
             text = f" Waiting for the robot process{frame.glyphs.ellipsis}"
             self.show([((fit(text, frame.width), "muted"),)])
         elif frame.width and frame.height:
-            self.show(panel_rows(picture, frame, self.arranged(picture, frame), self.board))
+            self.show(panel_rows(state, frame, self.arranged(state, frame), self.board))
 
-    def arranged(self, picture: ConsoleState, frame: PaintFrame) -> PanelLayout:
+    def arranged(self, state: ConsoleState, frame: PaintFrame) -> PanelLayout:
         """The arrangement for this size."""
-        self._arranged = self._layout(picture, frame.width, frame.height, frame.glyphs)
+        self._arranged = self._layout(state, frame.width, frame.height, frame.glyphs)
         return self._arranged
 
-    def _layout(
-        self, picture: ConsoleState, width: int, height: int, glyphs: Glyphs
-    ) -> PanelLayout:
+    def _layout(self, state: ConsoleState, width: int, height: int, glyphs: Glyphs) -> PanelLayout:
         """Made anew only where the file or the size has changed."""
-        if picture.front != self._front:
-            self._front, self._layouts = picture.front, {}
-        size = width, height, cap_width(picture, self.board, glyphs)
+        if state.front != self._front:
+            self._front, self._layouts = state.front, {}
+        size = width, height, cap_width(state, self.board, glyphs)
         if size not in self._layouts:
-            self._layouts[size] = arrange(picture.front, *size)
+            self._layouts[size] = arrange(state.front, *size)
         return self._layouts[size]
 
     @property
@@ -391,24 +389,24 @@ class ActionPanels(Cells):
             return ""
         return f"page {arranged.page_of(self.board.chosen) + 1}/{arranged.pages}"
 
-    def needs(self, picture: ConsoleState, glyphs: Glyphs) -> int:
+    def needs(self, state: ConsoleState, glyphs: Glyphs) -> int:
         """Lines in which all panels find room on one page of this width, as far as they do."""
-        found = self._layout(picture, self.size.width, MOST, glyphs)
+        found = self._layout(state, self.size.width, MOST, glyphs)
         return 1 + max((slot.row for slot in found.slots), default=0)
 
-    def walk(self, picture: ConsoleState, by: int) -> None:
+    def walk(self, state: ConsoleState, by: int) -> None:
         """Turn to the next page, or with a negative `by` to the one before; where there is one
         alone, choose the next panel.
         """
-        if not picture.front:
+        if not state.front:
             return
-        firsts = self._firsts(len(picture.front))
+        firsts = self._firsts(len(state.front))
         if len(firsts) > 1 and self._arranged is not None:
             pages = list(firsts)
             at = pages.index(self._arranged.page_of(self.board.chosen))
             chosen = firsts[pages[(at + by) % len(pages)]]
         else:
-            chosen = (self.board.chosen + by) % len(picture.front)
+            chosen = (self.board.chosen + by) % len(state.front)
         self.board = replace(self.board, chosen=chosen)
 
     def _firsts(self, panels: int) -> dict[int, int]:
@@ -419,9 +417,9 @@ class ActionPanels(Cells):
                 found.setdefault(arranged.page_of(panel), panel)
         return found
 
-    def turn_to(self, picture: ConsoleState, action: str) -> None:
+    def turn_to(self, state: ConsoleState, action: str) -> None:
         """Choose the panel on which an action is."""
-        for index, panel in enumerate(picture.front):
+        for index, panel in enumerate(state.front):
             if any(each.name == action for each in panel.actions):
                 self.board = replace(self.board, chosen=index)
 

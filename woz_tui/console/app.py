@@ -87,7 +87,7 @@ class Console(ScreenApp):
         self.caps: Mapping[str, KeyCap] = {}
         self.requests = RobotRequests(
             feed,
-            self.picture,
+            self.state,
             ArrowSteps(keyboard),
             news=self.news,
             key=self._key,
@@ -138,7 +138,7 @@ class Console(ScreenApp):
         """Paint if anything has come or moves with time; otherwise once a second."""
         self.keyboard.tick()
         local = self.clock.now_us()
-        moving = self._flash_until or self.picture.moves(self.picture.now(local))
+        moving = self._flash_until or self.state.moves(self.state.now(local))
         due = moving or self._stop_asked is not None or local - self._painted >= 1_000_000
         if self.inbox or due:
             self.paint()
@@ -155,42 +155,42 @@ class Console(ScreenApp):
         if self._news_until and local >= self._news_until:
             self._news, self._news_until = News(), 0
         self._measure()
-        self._show(self.picture.now(local))
+        self._show(self.state.now(local))
 
     def _take(self, local: int) -> None:
         for batch in self.inbox.batches():
-            self.picture.take(batch, local)
+            self.state.take(batch, local)
             for message in batch:
                 if isinstance(message, Reply):
                     self._replied(message)
                 elif isinstance(message, PictureShown):
                     self.requests.pictured(message)
                 elif isinstance(message, Welcome):
-                    self.picture.runs.read_refusal()  # an old one
+                    self.state.runs.read_refusal()  # an old one
                     self._welcomed(message)
                 elif isinstance(message, StopPressed) and message.scope == "all":
                     self._stop_asked = None  # also where its release came in the same batch
         self._follow_training()
-        if (refusal := self.picture.runs.read_refusal()) is not None:
-            self.news(refusal.sentence(self.picture.label(refusal.action)), "warn")
-        for tiding in self.picture.study.read_news():
+        if (refusal := self.state.runs.read_refusal()) is not None:
+            self.news(refusal.sentence(self.state.label(refusal.action)), "warn")
+        for tiding in self.state.study.read_news():
             self.news(self._sentence(tiding), tiding.look)
         for why in self.inbox.losses():
-            self.picture.lose(why)
+            self.state.lose(why)
             self.requests.forget()
             if not self._was_lost:
-                self._was_lost, self._lost_t = True, self.picture.now(local)
+                self._was_lost, self._lost_t = True, self.state.now(local)
                 calls("screens.lost:open_lost")(self)
-        if self.picture.stop is not None:
+        if self.state.stop is not None:
             self._stop_asked = None
             self._news_until = 1  # what was refused meanwhile need not be told after the release
-        if self.picture.edition != self._edition:
-            self._edition = self.picture.edition
+        if self.state.edition != self._edition:
+            self._edition = self.state.edition
             self._adopt()
 
     def _follow_training(self) -> None:
         """Offer what a training offers at this moment, once."""
-        training = self.picture.session.training
+        training = self.state.session.training
         if training != self._training:
             self._training = training
             calls("screens.training:open_training")(self)
@@ -213,15 +213,15 @@ class Console(ScreenApp):
             calls("screens.lost:close_lost")(self)
             self._back()
         asks = self.ask_participant and welcome.role == "wizard" and welcome.log != self._asked_in
-        if asks and not self.picture.participant:
+        if asks and not self.state.participant:
             self._asked_in = welcome.log
             self.do("start")
 
     def _back(self) -> None:
         """The robot process is there again: what it did not play of the keys pressed before."""
         late = {
-            self.picture.label(action): ended.reason
-            for action, ended in self.picture.runs.outcomes.items()
+            self.state.label(action): ended.reason
+            for action, ended in self.state.runs.outcomes.items()
             if ended.how == "refused" and ended.t > self._lost_t
         }
         back = "Robot process is back"
@@ -233,18 +233,18 @@ class Console(ScreenApp):
 
     def _adopt(self) -> None:
         """A new set of panels: bind its keys and show their caps."""
-        picture = self.picture
-        repairs = [action.name for action in picture.settings.repairs]
+        state = self.state
+        repairs = [action.name for action in state.settings.repairs]
         own = builtin_keys_with(repairs, self._builtins)
-        self.keymap = key_map(picture.panels, self.terminal, picture.keyboard, own)
+        self.keymap = key_map(state.panels, self.terminal, state.keyboard, own)
         self._main_screen.repairs.keys = {
             name: self._key(name.replace(" ", "_", 1)) for name in repairs
         }
         self.caps = {name: cap_of(found) for name, found in self.keymap.actions.items()}
         self._panels.bear(self.caps)
         self.keyboard.bind(self.keymap.table, self._own_keys())
-        self.keyboard.verbs = picture.verbs
-        self.requests.arrows.adopt(picture.settings.steps)
+        self.keyboard.verbs = state.verbs
+        self.requests.arrows.adopt(state.settings.steps)
         if self.keymap.warnings:
             self.news(self.keymap.warnings[0], "warn")
 
@@ -269,17 +269,17 @@ class Console(ScreenApp):
             self._news,
             self._hints(),
             self._key("script_next"),
-            self._key("release") if self.picture.role != "watcher" else "",
+            self._key("release") if self.state.role != "watcher" else "",
             self._stop_asked,
             skip=self._key("script_on"),
             take_over=self._key("take_over"),
-            then=tuple(map(self._cap_and_label, self.picture.then)),
+            then=tuple(map(self._cap_and_label, self.state.then)),
         )
         keys = self._key("failures"), self._key("phase_next")
         line = StatusInfo(self.feed.line_ok, self.feed.round_trip_us, *keys)
         frame = functools.partial(self._frame, now)
         self._main_screen.events.key = self._key("events")
-        self._main_screen.paint(self.picture, frame, line, bar, self.size)
+        self._main_screen.paint(self.state, frame, line, bar, self.size)
         if self.dialog is not None and self.dialog.is_mounted:
             self.dialog.refreshed()
 
@@ -287,7 +287,7 @@ class Console(ScreenApp):
         return PaintFrame(widget.size.width, widget.size.height, now, self.look.glyphs)
 
     def _hints(self) -> tuple[tuple[str, str], ...]:
-        named = ((self._key(name), word) for name, word in hints(self.picture, self.commands))
+        named = ((self._key(name), word) for name, word in hints(self.state, self.commands))
         return tuple((key, word) for key, word in named if key)
 
     def _key(self, name: str) -> str:
@@ -302,7 +302,7 @@ class Console(ScreenApp):
     def _measure(self) -> None:
         """Give all parts their places; each that has moved asks to be painted (`Cells.Resized`)."""
         base, glyphs = self.screen_stack[0], self.look.glyphs
-        self._main_screen.measure(self.size, base, self.picture, glyphs)
+        self._main_screen.measure(self.size, base, self.state, glyphs)
 
     def on_resize(self) -> None:
         """Paint every cell: small and back in a moment is no change, but the window lost it."""
@@ -329,17 +329,17 @@ class Console(ScreenApp):
 
     def _with_key(self, action: str) -> str:
         """`Hello (h)`."""
-        label, cap = self.picture.label(action), self.caps.get(action, KeyCap(""))
+        label, cap = self.state.label(action), self.caps.get(action, KeyCap(""))
         return f"{label} ({caption(cap, self.look.glyphs)})" if cap.chord else label
 
     def _cap_and_label(self, action: str) -> tuple[str, str]:
         """One without a key is the first in the finder."""
         cap = caption(self.caps.get(action, KeyCap("")), self.look.glyphs)
-        return cap or self._key("find"), self.picture.label(action)
+        return cap or self._key("find"), self.state.label(action)
 
     def walk(self, by: int) -> None:
         """Choose another panel."""
-        self._panels.walk(self.picture, by)
+        self._panels.walk(self.state, by)
         self.paint()
 
     def filter_events(self) -> None:
@@ -351,13 +351,13 @@ class Console(ScreenApp):
         if chord in STOPS:
             self._stopping()
             return
-        if action and not self.picture.lost:
+        if action and not self.state.lost:
             self._panels.press(action)
             self._flash_until = self.clock.now_us() + round(FLASH_S * 1_000_000)
             self.paint()
 
     def _stale(self, chord: str, name: str, ref: int) -> None:
-        what = self.picture.label(name) or key_name(chord, self.look.glyphs)
+        what = self.state.label(name) or key_name(chord, self.look.glyphs)
         self.news(f"Not played: {what}. The connection had stalled", "warn")
 
     def _held(self, chord: str, name: str, ref: int) -> None:
@@ -368,9 +368,9 @@ class Console(ScreenApp):
         """Say once what alt does here; the stop has been sent."""
         if not self._alt_told:
             self._alt_told = True
-            now = self.picture.now(self.clock.now_us())
+            now = self.state.now(self.clock.now_us())
             text = "This terminal sends escape with alt"
-            self.picture.events.append(EventLine("warning", text, "escape is the stop", now))
+            self.state.events.append(EventLine("warning", text, "escape is the stop", now))
             self.paint()
 
     def _prefix(self, prefix: str) -> None:
@@ -435,7 +435,7 @@ class Console(ScreenApp):
 
     def _stopping(self) -> None:
         """The stop was sent: every dialog closes, so that the wizard stands on known ground."""
-        self._stop_asked = self.picture.now(self.clock.now_us())
+        self._stop_asked = self.state.now(self.clock.now_us())
         while self.dialog is not None:
             self.close_dialog()
         self.paint()

@@ -31,9 +31,9 @@ from woz_tui.session.variables import HIDDEN_TEXT
 from woz_tui.timeline.episodes import StopEpisode
 
 
-def repair_row(picture: ConsoleState, frame: PaintFrame, keys: Mapping[str, str]) -> Row:
+def repair_row(state: ConsoleState, frame: PaintFrame, keys: Mapping[str, str]) -> Row:
     """Each repair with its key, in a replay alone; what is under way stands out."""
-    found = [_repair(picture, frame, action, keys) for action in picture.settings.repairs]
+    found = [_repair(state, frame, action, keys) for action in state.settings.repairs]
     need = sum(map(length, found))
     apart = 3 if need + 3 * len(found) <= frame.width else 1
     row: Row = ((" ", "plain"),)
@@ -43,17 +43,17 @@ def repair_row(picture: ConsoleState, frame: PaintFrame, keys: Mapping[str, str]
 
 
 def _repair(
-    picture: ConsoleState, frame: PaintFrame, action: ActionView, keys: Mapping[str, str]
+    state: ConsoleState, frame: PaintFrame, action: ActionView, keys: Mapping[str, str]
 ) -> Row:
     key = keys.get(action.name, "")
-    if picture.runs.of(action.name) is not None:
+    if state.runs.of(action.name) is not None:
         mark, look = frame.glyphs.running, "run"
-    elif picture.runs.failure_of(action.name) is not None:
+    elif state.runs.failure_of(action.name) is not None:
         mark, look = frame.glyphs.failed, "bad"
     else:
         mark, look = " ", "muted"
     label: Piece = (f"{mark}{clean(action.label)}", look)
-    if picture.replay is not None:  # no key plays anything there
+    if state.replay is not None:  # no key plays anything there
         return (label,)
     return (key, "key") if key else ("no key", "faint"), label
 
@@ -64,9 +64,9 @@ class RepairRow(Cells):
     #: Action -> its key, as a cap shows it; the app says so.
     keys: Mapping[str, str] = {}
 
-    def paint(self, picture: ConsoleState, frame: PaintFrame) -> None:
+    def paint(self, state: ConsoleState, frame: PaintFrame) -> None:
         """Show it."""
-        self.show([repair_row(picture, frame, self.keys)])
+        self.show([repair_row(state, frame, self.keys)])
 
 
 #: What stands for a text that is kept from the wizard.
@@ -85,14 +85,14 @@ def _call_words(call: FilledCall) -> str:
     return f"{call.verb} {text}" if call.args.get("text") else text
 
 
-def steps_text(picture: ConsoleState, action: str) -> str:
+def steps_text(state: ConsoleState, action: str) -> str:
     """All of its steps in one line; empty where nobody has told."""
-    return ", ".join(map(step_words, picture.steps(action)))
+    return ", ".join(map(step_words, state.steps(action)))
 
 
-def quoted(picture: ConsoleState, action: str, glyphs: Glyphs) -> str:
+def quoted(state: ConsoleState, action: str, glyphs: Glyphs) -> str:
     """What it says, between quotation marks; empty if it says nothing, or it is kept."""
-    return quotation(picture.sentence(action), glyphs)
+    return quotation(state.sentence(action), glyphs)
 
 
 def quotation(text: str, glyphs: Glyphs) -> str:
@@ -103,14 +103,14 @@ def quotation(text: str, glyphs: Glyphs) -> str:
     return f"{glyphs.opening}{glyphs.plain(said)}{glyphs.closing}"
 
 
-def sentence_rows(picture: ConsoleState, frame: PaintFrame, action: str) -> list[Row]:
+def sentence_rows(state: ConsoleState, frame: PaintFrame, action: str) -> list[Row]:
     """What it says, or what it does if it says nothing, in as many rows as the frame has."""
-    if picture.sentence(action) == HIDDEN_TEXT:
+    if state.sentence(action) == HIDDEN_TEXT:
         text, look = KEPT, "muted"
-    elif said := quoted(picture, action, frame.glyphs):
+    elif said := quoted(state, action, frame.glyphs):
         text, look = said, "strong"
     else:
-        text, look = frame.glyphs.plain(clean(steps_text(picture, action))), "muted"
+        text, look = frame.glyphs.plain(clean(steps_text(state, action))), "muted"
     rows = wrap_row(((f" {text}", look),), 2, frame.width) if text else []
     if len(rows) > frame.height > 0:
         rest = " ".join(
@@ -121,13 +121,13 @@ def sentence_rows(picture: ConsoleState, frame: PaintFrame, action: str) -> list
     return [cut(row, frame.width, frame.glyphs.ellipsis) for row in rows]
 
 
-def upcoming(picture: ConsoleState) -> str:
+def upcoming(state: ConsoleState) -> str:
     """The action that the script plays next; empty at its end."""
-    return picture.script[picture.position] if picture.position < len(picture.script) else ""
+    return state.script[state.position] if state.position < len(state.script) else ""
 
 
 def script_row(
-    picture: ConsoleState,
+    state: ConsoleState,
     frame: PaintFrame,
     key: str,
     skip: str = "",
@@ -144,27 +144,27 @@ def script_row(
             row += ((f" {cap or glyphs.dash} ", "key"), (f" {clean(label)}  ", "strong"))
         room = frame.width - length(row)
         if room >= THEN_ROOM:
-            return row + script_row(picture, replace(frame, width=room), key, skip)
+            return row + script_row(state, replace(frame, width=room), key, skip)
         return cut(row, frame.width, glyphs.ellipsis)
-    if not picture.script:
-        none = " no phase, no script" if picture.without_phase else " no script"
+    if not state.script:
+        none = " no phase, no script" if state.without_phase else " no script"
         return ((fit(none, frame.width), "faint"),)
-    count = len(picture.script)
-    right = f" {len(picture.played)}/{count} "
+    count = len(state.script)
+    right = f" {len(state.played)}/{count} "
     front: Row = ((f" {key} ", "key"), (" ", "plain"))
     room = frame.width - sum(cell_len(text) for text, _ in front) - len(right)
-    if picture.position >= count:
+    if state.position >= count:
         body: Row = (("Script has ended", "muted"),)
     else:
-        first = picture.script[picture.position]
-        behind = [at for at in range(picture.position + 1, count) if at not in picture.played]
-        body = ((f"{glyphs.here} {clean(picture.label(first))}", "strong"),)
-        if picture.halted:
+        first = state.script[state.position]
+        behind = [at for at in range(state.position + 1, count) if at not in state.played]
+        body = ((f"{glyphs.here} {clean(state.label(first))}", "strong"),)
+        if state.halted:
             goes_on = f", {skip} goes on" if skip else ""
-            stands = f"{picture.halted}: {key} plays it{goes_on}"
+            stands = f"{state.halted}: {key} plays it{goes_on}"
             body += ((f" {glyphs.warning} {stands} ", "warn"),)
-        for name in (picture.script[at] for at in behind[:AHEAD]):
-            body += ((f"  {glyphs.next} {clean(picture.label(name))}", "muted"),)
+        for name in (state.script[at] for at in behind[:AHEAD]):
+            body += ((f"  {glyphs.next} {clean(state.label(name))}", "muted"),)
     return (*front, *cut(body, max(1, room), glyphs.ellipsis), (right, "muted"))
 
 
@@ -180,32 +180,32 @@ WORDS = 2
 INDENT = 5
 
 
-def script_rows(picture: ConsoleState, frame: PaintFrame) -> list[Row]:
+def script_rows(state: ConsoleState, frame: PaintFrame) -> list[Row]:
     """Every line of the script with what is said; what has been played is quiet.
 
     Where not all of it has room it begins shortly before the next line.
     """
-    entries = [_entry(picture, index, frame) for index in range(len(picture.script))]
+    entries = [_entry(state, index, frame) for index in range(len(state.script))]
     first = 0
     if sum(map(len, entries)) > frame.height:
         last = len(entries)
         while last and sum(map(len, entries[last - 1 :])) <= frame.height:
             last -= 1
-        first = min(max(0, picture.position - BEFORE), last)
+        first = min(max(0, state.position - BEFORE), last)
     rows = [row for entry in entries[first:] for row in entry]
     return rows[: frame.height]
 
 
-def _entry(picture: ConsoleState, index: int, frame: PaintFrame) -> list[Row]:
-    glyphs, name = frame.glyphs, picture.script[index]
-    played, following = index in picture.played, index == picture.position
+def _entry(state: ConsoleState, index: int, frame: PaintFrame) -> list[Row]:
+    glyphs, name = frame.glyphs, state.script[index]
+    played, following = index in state.played, index == state.position
     mark = glyphs.here if following else glyphs.done if played else " "
     look = "strong" if following else "muted" if played else "plain"
-    label = clean(picture.label(name))
+    label = clean(state.label(name))
     rows: list[Row] = [((f" {mark} {label}", look),)]
     rows += [
         ((" " * INDENT, "plain"), (line, "faint" if played else "muted"))
-        for line in _wrapped(clean(picture.sentence(name)), frame)
+        for line in _wrapped(clean(state.sentence(name)), frame)
     ]
     return [cut(row, frame.width, glyphs.ellipsis) for row in rows]
 
@@ -218,12 +218,12 @@ def _wrapped(words: str, frame: PaintFrame) -> list[str]:
 class ScriptPane(Cells):
     """The whole script."""
 
-    def paint(self, picture: ConsoleState, frame: PaintFrame) -> None:
+    def paint(self, state: ConsoleState, frame: PaintFrame) -> None:
         """Show a heading and the lines."""
         if not self.display:
             return
         inner = replace(frame, height=frame.height - 1)
-        self.show([heading("Script", frame), *script_rows(picture, inner)])
+        self.show([heading("Script", frame), *script_rows(state, inner)])
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,18 +256,18 @@ class BarInfo:
     then: tuple[tuple[str, str], ...] = ()
 
 
-def bar_rows(picture: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
+def bar_rows(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
     """As many rows as the frame has, two at least. What is urgent takes the lowest."""
     lines = max(2, frame.height)
-    urgent = _urgent(picture, frame, bar)
-    script = [script_row(picture, frame, bar.next, bar.skip, bar.then)]
-    if picture.nobody_plays:
+    urgent = _urgent(state, frame, bar)
+    script = [script_row(state, frame, bar.next, bar.skip, bar.then)]
+    if state.nobody_plays:
         what = (
             f" {frame.glyphs.warning} Nobody plays the robot. {bar.take_over} plays it from here."
         )
         script = [((fit(what, frame.width), "alarm-soft"),)]
     if lines > len(script) + 1:
-        script += sentence_rows(picture, replace(frame, height=2), upcoming(picture))
+        script += sentence_rows(state, replace(frame, height=2), upcoming(state))
     hints = [hint_row(bar.hints, frame.width, bar.page)]
     rows = [*script, *hints][:lines]
     if urgent:
@@ -275,20 +275,20 @@ def bar_rows(picture: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row
     return rows
 
 
-def _urgent(picture: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
+def _urgent(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
     """What the wizard must know now, in two rows at most."""
     glyphs, width, asked_us = frame.glyphs, frame.width, bar.asked_us
-    if picture.ended and picture.lost and asked_us is None:
+    if state.ended and state.lost and asked_us is None:
         over, where = " The session has ended.", " enter shows where its log is"
         return [((fit(over, width), "strong"),), ((fit(where, width), "muted"),)]
-    if picture.lost and (asked_us is not None or picture.stop is not None):
+    if state.lost and (asked_us is not None or state.stop is not None):
         return _undelivered(glyphs, width)
-    if picture.lost:
-        why = f" {glyphs.error} The robot process is gone: {picture.lost}"
+    if state.lost:
+        why = f" {glyphs.error} The robot process is gone: {state.lost}"
         what = " No key is sent. It stops driving by itself. enter shows what can be done"
         return [((fit(why, width), "alarm"),), ((fit(what, width), "alarm-soft"),)]
-    if picture.stop is not None:
-        return _stopped(picture.stop, bar.release, glyphs, width)
+    if state.stop is not None:
+        return _stopped(state.stop, bar.release, glyphs, width)
     if asked_us is not None:
         waited = millis(frame.now - asked_us)
         first = f" {glyphs.stop} STOP SENT {glyphs.middle} no answer yet, {waited}"
@@ -352,6 +352,6 @@ def hint_row(hints: tuple[tuple[str, str], ...], width: int, page: str = "") -> 
 class StopBar(Cells):
     """The bar over the whole width at the bottom of every screen."""
 
-    def paint(self, picture: ConsoleState, frame: PaintFrame, bar: BarInfo) -> None:
+    def paint(self, state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> None:
         """Show the stop, or the news and hints."""
-        self.show(bar_rows(picture, frame, bar))
+        self.show(bar_rows(state, frame, bar))

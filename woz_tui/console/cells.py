@@ -1,7 +1,7 @@
 """Rows of text drawn by the line API: a widget that repaints only the cells that changed.
 
 A row is a tuple of pieces, a piece a text and the name of its look. What a widget shows is made
-by a plain function from the picture to rows, so it can be tested without a screen.
+by a plain function from the state to rows, so it can be tested without a screen.
 """
 
 from __future__ import annotations

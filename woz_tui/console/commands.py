@@ -60,13 +60,13 @@ def by_key(commands: Iterable[ConsoleCommand]) -> dict[str, ConsoleCommand]:
     return {key.id: command for command in commands for key in command.keys}
 
 
-def hints(picture: ConsoleState, commands: Mapping[str, ConsoleCommand]) -> list[tuple[str, str]]:
+def hints(state: ConsoleState, commands: Mapping[str, ConsoleCommand]) -> list[tuple[str, str]]:
     """Keys worth naming in this session: id and word, the most important first."""
     named = sorted(
         (command.hint.rank, name, command.hint.word)
         for name, command in commands.items()
         if name == command.name and command.hint is not None
-        if command.hint.worth(picture) and command.serves(picture.role)
+        if command.hint.worth(state) and command.serves(state.role)
     )
     return [(name, word) for _, name, word in named]
 
@@ -76,16 +76,16 @@ def _row(ids: str, run: Run | None = None, **more: Any) -> ConsoleCommand:
     return ConsoleCommand(keys, run, **more)
 
 
-def _has_robot(picture: ConsoleState) -> bool:
-    return bool(picture.robot_outlines)
+def _has_robot(state: ConsoleState) -> bool:
+    return bool(state.robot_outlines)
 
 
-def _has_phases(picture: ConsoleState) -> bool:
-    return bool(picture.settings.phases)
+def _has_phases(state: ConsoleState) -> bool:
+    return bool(state.settings.phases)
 
 
-def _has_script(picture: ConsoleState) -> bool:
-    return bool(picture.script) or not picture.welcomed
+def _has_script(state: ConsoleState) -> bool:
+    return bool(state.script) or not state.welcomed
 
 
 def _arrow(name: str, verb: str, argument: str, way: int, step: str) -> ConsoleCommand:
@@ -108,8 +108,8 @@ def _script(by: int) -> Run:
     """So many lines on without playing."""
 
     def run(app: ConsoleApp) -> None:
-        to = app.picture.position + by
-        if 0 <= to <= len(app.picture.script):
+        to = app.state.position + by
+        if 0 <= to <= len(app.state.script):
             app.requests.ask(AskScript(play=False, to=to))
 
     return run
@@ -139,7 +139,7 @@ def _interrupt(app: ConsoleApp) -> None:
 
 def _cut(app: ConsoleApp) -> None:
     """Cut the last run short."""
-    active = app.picture.runs.active
+    active = app.state.runs.active
     if active:
         app.requests.ask(AskCancel(run=next(reversed(active))))
     else:
@@ -203,7 +203,7 @@ COMMANDS = (
     _row(
         "queue",
         opens("screens.queue:QueueDialog"),
-        hint=KeyHint(0, "queue", lambda picture: bool(picture.runs.waiting)),
+        hint=KeyHint(0, "queue", lambda state: bool(state.runs.waiting)),
         users=WATCHER,
     ),
     _row("queue_empty", sends=lambda press: AskEmptyQueue()),

@@ -53,13 +53,13 @@ LOOK = {
 }
 
 
-def listed_events(picture: ConsoleState, height: int, view: str = ALL) -> list[EventLine]:
+def listed_events(state: ConsoleState, height: int, view: str = ALL) -> list[EventLine]:
     """The newest events, newest first; failures that nobody has seen stay among them, in half of
     the rows at most: the status line counts all of them, and what happens now is to be seen.
     """
-    listed = [event for event in picture.events if not event.model]
+    listed = [event for event in state.events if not event.model]
     events = [event for event in listed if _is_in(view, event)]
-    unseen = {failure.run for failure in picture.runs.unseen()}
+    unseen = {failure.run for failure in state.runs.unseen()}
     older = events[: max(0, len(events) - height)]
     pins = [event for event in older if event.run and event.run in unseen]
     pinned = pins[max(0, len(pins) - max(0, height) // 2) :]
@@ -79,25 +79,25 @@ def _is_in(view: str, event: EventLine) -> bool:
     return event.fault or (view != FAULTS and not event.machine)
 
 
-def event_rows(picture: ConsoleState, frame: PaintFrame, view: str = ALL) -> list[Row]:
+def event_rows(state: ConsoleState, frame: PaintFrame, view: str = ALL) -> list[Row]:
     """As many rows as the frame is high, at most; the engagement model's is the lowest."""
-    model = next((event for event in reversed(picture.events) if event.model), None)
+    model = next((event for event in reversed(state.events) if event.model), None)
     if model is None or view in (ACTS, FAULTS) or frame.height < MODEL_ROWS:
         return [
-            event_row(event, picture, frame) for event in listed_events(picture, frame.height, view)
+            event_row(event, state, frame) for event in listed_events(state, frame.height, view)
         ]
     height = frame.height - 1
-    rows = [event_row(event, picture, frame) for event in listed_events(picture, height, view)]
-    return [*rows, *[()] * (height - len(rows)), event_row(model, picture, frame)]
+    rows = [event_row(event, state, frame) for event in listed_events(state, height, view)]
+    return [*rows, *[()] * (height - len(rows)), event_row(model, state, frame)]
 
 
-def event_row(event: EventLine, picture: ConsoleState, frame: PaintFrame) -> Row:
+def event_row(event: EventLine, state: ConsoleState, frame: PaintFrame) -> Row:
     """One event: when, its mark, what, details as far as there is room, how long it took."""
     glyphs = frame.glyphs
     look = LOOK.get(event.mark, "plain")
     mark = str(getattr(glyphs, event.mark, glyphs.info))
     front: tuple[Piece, ...] = ((f" {elapsed(event.t):>5} ", "muted"), (f"{mark} ", look))
-    back = _back(event, picture, frame)
+    back = _back(event, state, frame)
     room = frame.width - sum(cell_len(text) for text, _ in (*front, back))
     text = glyphs.plain(clean(event.text))
     times = f"{event.times} times" if event.times > 1 else ""
@@ -111,7 +111,7 @@ def event_row(event: EventLine, picture: ConsoleState, frame: PaintFrame) -> Row
     return (*front, *cut(body, max(1, room), glyphs.ellipsis), back)
 
 
-def _back(event: EventLine, picture: ConsoleState, frame: PaintFrame) -> Piece:
+def _back(event: EventLine, state: ConsoleState, frame: PaintFrame) -> Piece:
     if event.mistake:
         return (" mistake ", "warn")
     if event.took_us is not None:
@@ -119,19 +119,19 @@ def _back(event: EventLine, picture: ConsoleState, frame: PaintFrame) -> Piece:
         told = told and not event.untimed
         return (f" {seconds(event.took_us)} " if told else " ", "muted")
     if event.mark == "running":
-        return _under_way(event, picture, frame)
+        return _under_way(event, state, frame)
     return (" ", "plain")
 
 
-def _under_way(event: EventLine, picture: ConsoleState, frame: PaintFrame) -> Piece:
-    run = picture.runs.get(event.run)
+def _under_way(event: EventLine, state: ConsoleState, frame: PaintFrame) -> Piece:
+    run = state.runs.get(event.run)
     if run is None:
         return (" ", "plain")
     if (held := run.held_for(frame.now)) is not None:
         return (f" waits {seconds(held[0])} ", "wait")
     if not run.running:
         return (" queued ", "wait")
-    untimed = event.untimed or picture.untimed(event.action)
+    untimed = event.untimed or state.untimed(event.action)
     to_go = None if untimed else run.timing(frame.now)[0]
     shown = seconds(frame.now - event.t)
     if to_go is not None:
@@ -153,13 +153,13 @@ class EventList(Cells):
         """Go on to the next view."""
         self.view = VIEWS[(VIEWS.index(self.view) + 1) % len(VIEWS)]
 
-    def paint(self, picture: ConsoleState, frame: PaintFrame) -> None:
+    def paint(self, state: ConsoleState, frame: PaintFrame) -> None:
         """Show a heading and the newest events; in a flood of them not every time. A
         replay that stands still has no floods.
         """
         inner = replace(frame, height=frame.height - 1)
-        rows = [self._heading(frame), *event_rows(picture, inner, self.view)]
-        if not picture.rate or self._affords(rows, frame, picture):
+        rows = [self._heading(frame), *event_rows(state, inner, self.view)]
+        if not state.rate or self._affords(rows, frame, state):
             self.show(rows)
 
     def _heading(self, frame: PaintFrame) -> Row:
@@ -168,12 +168,12 @@ class EventList(Cells):
         bare = heading("Events", replace(frame, width=max(0, frame.width - cell_len(turns) - 1)))
         return (*bare, (turns, "muted"), (" ", "plain"))
 
-    def _affords(self, rows: list[Row], frame: PaintFrame, picture: ConsoleState) -> bool:
+    def _affords(self, rows: list[Row], frame: PaintFrame, state: ConsoleState) -> bool:
         """Whether so many rows may change now; a new size or a new beginning is always drawn."""
-        passed_us = max(0, frame.now - self._painted_us) / picture.rate
+        passed_us = max(0, frame.now - self._painted_us) / state.rate
         self._painted_us = frame.now
         self._budget = min(BURST_ROWS, self._budget + passed_us * ROWS_S / 1e6)
-        now = (frame.width, frame.height, picture.edition, self.view)
+        now = (frame.width, frame.height, state.edition, self.view)
         shape, self._shape = self._shape, now
         if self._budget <= 0 and shape == self._shape:
             return False

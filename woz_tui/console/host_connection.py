@@ -31,7 +31,7 @@ RETRY_S = 1.0
 GOODBYE_S = 0.3
 #: Requests that may wait for a host that does not read; then the connection is given up.
 WAITING_LIMIT = 1000
-#: A line from the host may be longer than one to it: the welcome holds the whole picture.
+#: A line from the host may be longer than one to it: the welcome holds the whole state.
 LINE_LIMIT = 16 * codec.MAX_LINE
 _READ = 256 * 1024
 

@@ -140,9 +140,9 @@ _SORTS = {
 }
 
 
-def cue_lines(size: Size, picture: ConsoleState) -> int:
+def cue_lines(size: Size, state: ConsoleState) -> int:
     """Lines of the cue; none outside of a training."""
-    training = picture.session.training
+    training = state.session.training
     if training is None or training.state != "runs":
         return 0
     return _HIGH if size.height >= _TALL else _LOW
@@ -151,9 +151,9 @@ def cue_lines(size: Size, picture: ConsoleState) -> int:
 class CueBoard(Cells):
     """The cue that waits; between two of them what became of the last one."""
 
-    def paint(self, picture: ConsoleState, frame: PaintFrame) -> None:
+    def paint(self, state: ConsoleState, frame: PaintFrame) -> None:
         """Show it."""
-        cue, last = picture.session.cue, picture.study.judged
+        cue, last = state.session.cue, state.study.judged
         if cue is not None:
             given = cue.given
             text = f"\N{LEFT DOUBLE QUOTATION MARK}{given.text}\N{RIGHT DOUBLE QUOTATION MARK}"
@@ -207,43 +207,43 @@ class MainScreen:
         yield self.bar
 
     def measure(
-        self, size: Size, base: Screen[object], picture: ConsoleState, glyphs: Glyphs
+        self, size: Size, base: Screen[object], state: ConsoleState, glyphs: Glyphs
     ) -> None:
         """Choose what fits: everything, no side, or a sentence and the stop."""
         width, height = size
         base.set_class(width < FULL_SIZE.width or height < FULL_SIZE.height, "-small")
         base.set_class(width < LEAST_SIZE.width or height < LEAST_SIZE.height, "-tiny")
-        lines = bar_lines(size, any(picture.scripts.values()))
+        lines = bar_lines(size, any(state.scripts.values()))
         if self.bar.styles.height is None or self.bar.styles.height.value != lines:
             self.bar.styles.height = lines
-        cue = cue_lines(size, picture)
+        cue = cue_lines(size, state)
         self.cue.display = cue > 0
         self.cue.styles.height = cue or 1
         self.body.lay_out(
             Size(width, height - cue),
             Needs(
-                self.panels.needs(picture, glyphs),
+                self.panels.needs(state, glyphs),
                 self.meters.needs,
-                len(body_outlines(picture.outlines)),
+                len(body_outlines(state.outlines)),
                 lines,
             ),
         )
 
     def paint(
         self,
-        picture: ConsoleState,
+        state: ConsoleState,
         frame: Callable[[Cells], PaintFrame],
         line: StatusInfo,
         bar: BarInfo,
         size: Size,
     ) -> None:
         """Show what has changed; `frame` tells each part's room and the moment."""
-        self.status.paint(picture, frame(self.status), line)
+        self.status.paint(state, frame(self.status), line)
         if self.cue.display:
-            self.cue.paint(picture, frame(self.cue))
+            self.cue.paint(state, frame(self.cue))
         parts = (self.panels, self.meters, self.bodies, self.events, self.script, self.repairs)
         for part in parts:
-            part.paint(picture, frame(part))
-        self.bar.paint(picture, frame(self.bar), replace(bar, page=self.panels.page))
+            part.paint(state, frame(part))
+        self.bar.paint(state, frame(self.bar), replace(bar, page=self.panels.page))
         ellipsis = frame(self.small).glyphs.ellipsis
         self.small.show([((fit(f" {SMALL.format(*size)}", size.width, ellipsis), "warn"),)])

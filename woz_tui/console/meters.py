@@ -51,26 +51,26 @@ _FOR_THE_LOG = re.compile(r"(.*\.)?(tick|speech)")
 _LAST = ("direction", "base")
 
 
-def joint_rows(picture: ConsoleState, frame: PaintFrame, room: int, others: int) -> list[Row]:
+def joint_rows(state: ConsoleState, frame: PaintFrame, room: int, others: int) -> list[Row]:
     """A row for each joint, or if that leaves less than `others` of `room`, all of them as text."""
-    joints = _joints(picture)
+    joints = _joints(state)
     if not joints:
         return []
-    if picture.perception.hides("joints"):
+    if state.perception.hides("joints"):
         return [hidden_row("pose", frame)]
     if len(joints) + others <= room:
-        return [_joint(picture, name, shown, frame) for name, shown in joints.items()]
-    return _folded(picture, joints, frame, max(1, room - 1))
+        return [_joint(state, name, shown, frame) for name, shown in joints.items()]
+    return _folded(state, joints, frame, max(1, room - 1))
 
 
-def _joints(picture: ConsoleState) -> dict[str, str]:
+def _joints(state: ConsoleState) -> dict[str, str]:
     """Joints by their full name, with the short one where that is no other joint's.
 
     In the robot file's order; those that it does not tell come last, by name.
     """
-    found = (_JOINT.match(name) for name in picture.sensors)
+    found = (_JOINT.match(name) for name in state.sensors)
     known = {f"{match['whose'] or ''}{match['name']}": None for match in found if match}
-    told = [name for name in _limits(picture) if name in known]
+    told = [name for name in _limits(state) if name in known]
     full = list(dict.fromkeys((*told, *known)))
     short = [name.rpartition(".")[2] for name in full]
     return {
@@ -79,28 +79,28 @@ def _joints(picture: ConsoleState) -> dict[str, str]:
     }
 
 
-def _sensor(picture: ConsoleState, kind: str, joint: str) -> SensorView | None:
+def _sensor(state: ConsoleState, kind: str, joint: str) -> SensorView | None:
     """The sensor of a joint, also of one robot's among several: `left.joint.pan` of `left.pan`."""
     whose, dot, name = joint.rpartition(".")
-    found = picture.sensor(f"{kind}.{joint}")
-    return found or picture.sensor(f"{whose}{dot}{kind}.{name}")
+    found = state.sensor(f"{kind}.{joint}")
+    return found or state.sensor(f"{whose}{dot}{kind}.{name}")
 
 
-def _limits(picture: ConsoleState) -> dict[str, tuple[float, float]]:
+def _limits(state: ConsoleState) -> dict[str, tuple[float, float]]:
     """Joint -> lowest and highest angle in degrees, as far as the host has told."""
-    joints = picture.settings.joints
+    joints = state.settings.joints
     return {name: (low, high) for name, (low, high) in joints.items() if low < high}
 
 
-def _joint(picture: ConsoleState, name: str, shown: str, frame: PaintFrame) -> Row:
+def _joint(state: ConsoleState, name: str, shown: str, frame: PaintFrame) -> Row:
     """Where the joint is (full mark) and where it should be (hollow mark) between its limits."""
     glyphs, width = frame.glyphs, track_width(frame)
-    present, wanted = _sensor(picture, "joint", name), _sensor(picture, "setpoint", name)
+    present, wanted = _sensor(state, "joint", name), _sensor(state, "setpoint", name)
     here = present.value if present is not None else None
     there = wanted.value if wanted is not None else None
-    limits = _limits(picture)
+    limits = _limits(state)
     low, high = _range(limits.get(name, limits.get(name.rpartition(".")[2])), here, there)
-    stale = present is not None and picture.is_stale(present, frame.now)
+    stale = present is not None and state.is_stale(present, frame.now)
     spots: dict[int, tuple[str, str]] = {}
     texts = []
     if here is not None:
@@ -130,16 +130,14 @@ def _range(
     return -half, half
 
 
-def _folded(
-    picture: ConsoleState, joints: dict[str, str], frame: PaintFrame, room: int
-) -> list[Row]:
+def _folded(state: ConsoleState, joints: dict[str, str], frame: PaintFrame, room: int) -> list[Row]:
     """All joints as text, on as many lines as there is room for."""
     pieces = []
     for name, short in joints.items():
-        sensor = _sensor(picture, "joint", name) or _sensor(picture, "setpoint", name)
+        sensor = _sensor(state, "joint", name) or _sensor(state, "setpoint", name)
         if sensor is not None:
             value = "?" if sensor.value is None else f"{round(sensor.value)}{frame.glyphs.degrees}"
-            pieces.append(_member(short, f"{value:<4}", picture.is_stale(sensor, frame.now), frame))
+            pieces.append(_member(short, f"{value:<4}", state.is_stale(sensor, frame.now), frame))
     return _wrapped(name_piece("pose"), pieces, frame, room)
 
 
@@ -164,45 +162,45 @@ def _wrapped(front: Piece, members: Sequence[Row], frame: PaintFrame, room: int)
 # -- everything else ----------------------------------------------------------------------------
 
 
-def other_rows(picture: ConsoleState, frame: PaintFrame, known: Sequence[str]) -> dict[str, Row]:
+def other_rows(state: ConsoleState, frame: PaintFrame, known: Sequence[str]) -> dict[str, Row]:
     """Sensors that are not `known` and no joint, by name: one a line, those with a common first
     name (`base.x`, `base.y`) together on one.
     """
     groups: dict[str, list[SensorView]] = {}
-    for name in sorted(picture.sensors, key=lambda name: (len(name), name)):
+    for name in sorted(state.sensors, key=lambda name: (len(name), name)):
         told = any(shape.fullmatch(name) for shape in (_JOINT, _THRESHOLD, _FOR_THE_LOG))
-        if name not in known and not told and (sensor := picture.sensor(name)) is not None:
+        if name not in known and not told and (sensor := state.sensor(name)) is not None:
             groups.setdefault(name.rpartition(".")[0] or name, []).append(sensor)
     names = sorted(groups, key=lambda name: (name in _LAST, name))
-    return {name: _group(name, groups[name], picture, frame) for name in names}
+    return {name: _group(name, groups[name], state, frame) for name in names}
 
 
-def _group(name: str, sensors: list[SensorView], picture: ConsoleState, frame: PaintFrame) -> Row:
+def _group(name: str, sensors: list[SensorView], state: ConsoleState, frame: PaintFrame) -> Row:
     if len(sensors) == 1:
-        return _alone(sensors[0], picture, frame)
+        return _alone(sensors[0], state, frame)
     members = []
-    if all(picture.perception.hides(perceived_kind(sensor.name)) for sensor in sensors):
+    if all(state.perception.hides(perceived_kind(sensor.name)) for sensor in sensors):
         return hidden_row(name, frame)
     for sensor in sensors:
         # What has never been anything, such as a touch of a tablet, does not get old.
-        stale = sensor.value is not None and picture.is_stale(sensor, frame.now)
+        stale = sensor.value is not None and state.is_stale(sensor, frame.now)
         last = sensor.name.rpartition(".")[2]
         members.append(_member(last, f"{figure(sensor, frame.glyphs):<7}", stale, frame))
     return _wrapped(name_piece(name), members, frame, 1)[0]
 
 
-def _alone(sensor: SensorView, picture: ConsoleState, frame: PaintFrame) -> Row:
-    if picture.perception.hides(perceived_kind(sensor.name)):
+def _alone(sensor: SensorView, state: ConsoleState, frame: PaintFrame) -> Row:
+    if state.perception.hides(perceived_kind(sensor.name)):
         return hidden_row(sensor.name, frame)
-    stale = picture.is_stale(sensor, frame.now)
+    stale = state.is_stale(sensor, frame.now)
     parts = (clean(sensor.text), figure(sensor, frame.glyphs))
     text = " ".join(part for part in parts if part) or "nothing"
-    state = age_note(sensor, frame) if stale else clean(sensor.state)
-    room = max(1, frame.width - NAME - cell_len(state) - 2)
+    note = age_note(sensor, frame) if stale else clean(sensor.state)
+    room = max(1, frame.width - NAME - cell_len(note) - 2)
     return (
         name_piece(sensor.name),
         (fit(text, room), "stale" if stale else "plain"),
-        (f" {state} ", "stale" if stale else "muted"),
+        (f" {note} ", "stale" if stale else "muted"),
     )
 
 
@@ -227,26 +225,26 @@ MOST = 40
 _KNOWN = ("distance", "loudness", "presence", "gaze", "identity")
 
 
-def meter_rows(picture: ConsoleState, frame: PaintFrame) -> list[Row]:
+def meter_rows(state: ConsoleState, frame: PaintFrame) -> list[Row]:
     """At most the frame's height; joints fold into text where room is short."""
-    known = [name for name in picture.sensors if name.rpartition(".")[2] in _KNOWN]
+    known = [name for name in state.sensors if name.rpartition(".")[2] in _KNOWN]
     near = [name for name in known if name.endswith("distance")]
-    shown = picture.engaged.shown
+    shown = state.engaged.shown
     if shown is not None:
-        parts = block_rows(picture, shown, frame, _loudness_rows)
+        parts = block_rows(state, shown, frame, _loudness_rows)
         for name in near if len(near) > 1 else ():  # one alone is the model's, which has its place
-            parts[name] = [*parts.get(name, ()), *_distance(picture, name, frame)]
+            parts[name] = [*parts.get(name, ()), *_distance(state, name, frame)]
     else:
-        parts = {name: _distance(picture, name, frame) for name in near}
-        parts["loudness"] = _loudness_rows(picture, frame, "")
+        parts = {name: _distance(state, name, frame) for name in near}
+        parts["loudness"] = _loudness_rows(state, frame, "")
         for robot in _robots(known):
-            parts[f"{robot}visitor"] = _verdicts(picture, robot, frame)
-        parts["engagement"] = _engagement(picture, frame)
-    others = other_rows(picture, frame, known)
+            parts[f"{robot}visitor"] = _verdicts(state, robot, frame)
+        parts["engagement"] = _engagement(state, frame)
+    others = other_rows(state, frame, known)
     room = frame.height - sum(map(len, parts.values()))
-    parts["pose"] = joint_rows(picture, frame, room, len(others))
+    parts["pose"] = joint_rows(state, frame, room, len(others))
     parts |= {name: [row] for name, row in others.items()}
-    rows = [row for name in _ordered(parts, picture.settings.sensors) for row in parts[name]]
+    rows = [row for name in _ordered(parts, state.settings.sensors) for row in parts[name]]
     if not rows:
         rows = [((fit(" no sensor has said anything yet", frame.width), "muted"),)]
     return cut_rows(rows, frame)
@@ -270,15 +268,15 @@ def _is_named(part: str, wish: str) -> bool:
 # -- distance and loudness ----------------------------------------------------------------------
 
 
-def _distance(picture: ConsoleState, name: str, frame: PaintFrame) -> list[Row]:
-    sensor = picture.sensor(name)
-    if sensor is None or picture.perception.hides("distance"):
+def _distance(state: ConsoleState, name: str, frame: PaintFrame) -> list[Row]:
+    sensor = state.sensor(name)
+    if sensor is None or state.perception.hides("distance"):
         return [hidden_row(_short(name), frame)]
     glyphs, width = frame.glyphs, track_width(frame)
-    if picture.perception.blurs("distance"):
-        return [_coarse(picture, sensor, frame)]
+    if state.perception.blurs("distance"):
+        return [_coarse(state, sensor, frame)]
     ticks = {track_cell(limit / FARTHEST, width): glyphs.tick for limit, _ in ZONES}
-    stale = picture.is_stale(sensor, frame.now)
+    stale = state.is_stale(sensor, frame.now)
     if sensor.value is None:
         text = age_note(sensor, frame) if stale else "nothing seen"
         look = "stale" if stale else "muted"
@@ -293,9 +291,9 @@ def _distance(picture: ConsoleState, name: str, frame: PaintFrame) -> list[Row]:
     return [meter_row(_short(name), ruler(width, ticks, spot, glyphs), text, look)]
 
 
-def _coarse(picture: ConsoleState, sensor: SensorView, frame: PaintFrame) -> Row:
+def _coarse(state: ConsoleState, sensor: SensorView, frame: PaintFrame) -> Row:
     """A blurred value in a word, on a track without marks."""
-    stale = picture.is_stale(sensor, frame.now)
+    stale = state.is_stale(sensor, frame.now)
     track_row: Row = ((frame.glyphs.track * track_width(frame), "faint"),)
     text = age_note(sensor, frame) if stale else sensor.text or "nothing seen"
     return meter_row(_short(sensor.name), track_row, text, "stale" if stale else "plain")
@@ -312,27 +310,27 @@ def _robots(names: list[str]) -> list[str]:
     return list(dict.fromkeys(name[: -len(name.rpartition(".")[2])] for name in names))
 
 
-def _loudness_rows(picture: ConsoleState, frame: PaintFrame, speech: str) -> list[Row]:
+def _loudness_rows(state: ConsoleState, frame: PaintFrame, speech: str) -> list[Row]:
     """Every microphone's level; `speech` is said of an utterance that is being cut out of it."""
-    loud = [name for name in picture.sensors if name.rpartition(".")[2] == "loudness"]
-    return [row for name in loud for row in _loudness(picture, name, frame, speech)]
+    loud = [name for name in state.sensors if name.rpartition(".")[2] == "loudness"]
+    return [row for name in loud for row in _loudness(state, name, frame, speech)]
 
 
-def _loudness(picture: ConsoleState, name: str, frame: PaintFrame, speech: str = "") -> list[Row]:
+def _loudness(state: ConsoleState, name: str, frame: PaintFrame, speech: str = "") -> list[Row]:
     """The level on a track of decibels, quiet below the threshold of speech, green in a voice."""
-    sensor = picture.sensor(name)
-    if sensor is None or picture.perception.hides("loudness"):
+    sensor = state.sensor(name)
+    if sensor is None or state.perception.hides("loudness"):
         return [hidden_row(_short(name), frame)]
-    if picture.perception.blurs("loudness"):
-        return [_coarse(picture, sensor, frame)]
+    if state.perception.blurs("loudness"):
+        return [_coarse(state, sensor, frame)]
     glyphs, width = frame.glyphs, track_width(frame)
-    if sensor.value is None or picture.is_stale(sensor, frame.now):
+    if sensor.value is None or state.is_stale(sensor, frame.now):
         empty: Row = ((glyphs.track * width, "faint"),)
         return [meter_row(_short(name), empty, age_note(sensor, frame), "stale")]
     level = decibels(sensor.value)
     speaking = sensor.state == "speaking"
     full = track_cell(1 - level / SILENCE_DB, width + 1)
-    threshold = _threshold(picture, name)
+    threshold = _threshold(state, name)
     mark_at = None if threshold is None else track_cell(1 - decibels(threshold) / SILENCE_DB, width)
     loud = "good" if speaking else "muted"
     cells = [(glyphs.bar, loud) if x < full else (glyphs.track, "faint") for x in range(width)]
@@ -345,34 +343,34 @@ def _loudness(picture: ConsoleState, name: str, frame: PaintFrame, speech: str =
     return [meter_row(_short(name), merge_pieces(cells), f"{level:3.0f} dB {mark}", look)]
 
 
-def _threshold(picture: ConsoleState, loudness: str) -> float | None:
+def _threshold(state: ConsoleState, loudness: str) -> float | None:
     """RMS from which a voice counts, as the microphone published it."""
-    published = picture.sensor(f"{loudness}.threshold")
+    published = state.sensor(f"{loudness}.threshold")
     return published.value if published is not None else None
 
 
 # -- who is there, and what the robot makes of it -------------------------------------------------
 
 
-def _verdicts(picture: ConsoleState, robot: str, frame: PaintFrame) -> list[Row]:
+def _verdicts(state: ConsoleState, robot: str, frame: PaintFrame) -> list[Row]:
     """Presence, gaze and identity with a mark each: yes, no, old."""
     pieces: list[Piece] = []
     for name, word in (("presence", "person"), ("gaze", "looks")):
-        sensor = picture.sensor(f"{robot}{name}")
+        sensor = state.sensor(f"{robot}{name}")
         if sensor is None:
             continue
-        if picture.perception.hides(name):
+        if state.perception.hides(name):
             pieces.append((f"{frame.glyphs.middle} {word} {HIDDEN}", "faint"))
         else:
             yes = bool(FLAGS[name](sensor.value))
-            pieces.append(_verdict(yes, word, picture.is_stale(sensor, frame.now), frame.glyphs))
+            pieces.append(_verdict(yes, word, state.is_stale(sensor, frame.now), frame.glyphs))
         pieces.append(("  ", "plain"))
-    who = picture.sensor(f"{robot}identity")
-    if who is not None and picture.perception.hides("identity"):
+    who = state.sensor(f"{robot}identity")
+    if who is not None and state.perception.hides("identity"):
         pieces.append((f"who {HIDDEN}", "faint"))
     elif who is not None:
         name = clean(who.text) or "unknown"
-        look = "stale" if picture.is_stale(who, frame.now) else "plain" if who.text else "muted"
+        look = "stale" if state.is_stale(who, frame.now) else "plain" if who.text else "muted"
         pieces.append((name, look))
     return [(name_piece(f"{robot}visitor"), *pieces)] if pieces else []
 
@@ -385,9 +383,9 @@ def _verdict(yes: bool, word: str, stale: bool, glyphs: Glyphs) -> Piece:
     return (f"{glyphs.no} {word}", "muted")
 
 
-def _engagement(picture: ConsoleState, frame: PaintFrame) -> list[Row]:
-    changed = picture.session.model.changed
-    if picture.perception.hides("engagement") and is_offered(picture.engaged, picture.verbs):
+def _engagement(state: ConsoleState, frame: PaintFrame) -> list[Row]:
+    changed = state.session.model.changed
+    if state.perception.hides("engagement") and is_offered(state.engaged, state.verbs):
         return [hidden_row("engaged", frame)]
     if changed is None:
         return []
@@ -418,11 +416,11 @@ class Meters(Cells):
     #: Lines they would like to have; never less than before, so that nothing jumps back.
     needs = 1
 
-    def paint(self, picture: ConsoleState, frame: PaintFrame) -> None:
+    def paint(self, state: ConsoleState, frame: PaintFrame) -> None:
         """Show a heading, and what the sensors said last."""
         inner = replace(frame, height=MOST)
-        rows = meter_rows(picture, inner)
+        rows = meter_rows(state, inner)
         self.needs = max(self.needs, len(rows) + 1)
         if len(rows) > frame.height - 1:
-            rows = meter_rows(picture, replace(frame, height=frame.height - 1))
+            rows = meter_rows(state, replace(frame, height=frame.height - 1))
         self.show([heading("Sensors", frame), *rows])

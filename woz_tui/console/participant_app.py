@@ -56,7 +56,7 @@ class ParticipantApp(ScreenApp):
         if not self.inbox or not self.screen_stack or not self.is_running:
             return
         for batch in self.inbox.batches():
-            self.picture.take(batch, self.clock.now_us())
+            self.state.take(batch, self.clock.now_us())
             for message in batch:
                 if isinstance(message, Reply):
                     self._waiting.pop(message.ref, _nobody)(message)
@@ -66,18 +66,18 @@ class ParticipantApp(ScreenApp):
                     self._thanks = False
         for why in self.inbox.losses():
             self._cut(why)
-        if self.picture.ended and self.picture.lost:
+        if self.state.ended and self.state.lost:
             self.exit("ended")
         self._begin()
-        lost, halted = bool(self.picture.lost), self.picture.stop is not None
+        lost, halted = bool(self.state.lost), self.state.stop is not None
         for sheet in self.query(QuestionnaireSheet):
             notice = self._words.stopped if halted else ""
             sheet.follow(self._asked(), self._lines(), words=self._words, away=lost, notice=notice)
 
     def _begin(self) -> None:
         """Whoever waits for one questionnaire alone asks for it as soon as it is due."""
-        study = self.picture.study
-        due = self._only in study.due and study.asked is None and not self.picture.lost
+        study = self.state.study
+        due = self._only in study.due and study.asked is None and not self.state.lost
         if due and not self._begun:
             request = AskQuestionnaire(questionnaire=self._only, source="participant")
             self._ask(request, _nobody)
@@ -85,28 +85,28 @@ class ParticipantApp(ScreenApp):
 
     def _cut(self, why: str) -> None:
         """No reply will come any more; what was not confirmed goes out again later."""
-        self.picture.lose(why)
+        self.state.lose(why)
         waiting, self._waiting = self._waiting, {}
         for ref, on_reply in waiting.items():
             on_reply(Reply(ref=ref, ok=False, reason=GONE))
 
     def _asked(self) -> OpenQuestionnaire | None:
-        asked = self.picture.study.asked
+        asked = self.state.study.asked
         wanted = asked is not None and self._only in ("", asked.name)
         return asked if wanted else None
 
     @property
     def _words(self) -> QuestionnaireWords:
-        return self.picture.settings.study.words
+        return self.state.settings.study.words
 
     def _lines(self) -> Words:
         """What is shown while nothing is asked."""
         words = self._words
         wait: Words = [(words.wait, "strong")]
-        if self.picture.lost:
+        if self.state.lost:
             lost: Words = [(words.moment, "strong"), ("", "plain"), (words.kept, "muted")]
             return thanks(words) if self._thanks else lost
-        if self.picture.stop is not None:
+        if self.state.stop is not None:
             return [(words.stopped, "strong"), ("", "plain"), *wait]
         return thanks(words) if self._thanks else wait
 

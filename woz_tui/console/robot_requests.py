@@ -23,7 +23,7 @@ class RobotRequests:
 
     Args:
         feed: Where requests go.
-        picture: What is known.
+        state: State of the console.
         arrows: How far the arrow keys go.
         news: Shows a sentence above the hints.
         key: The key of one of the console's own commands, as a cap shows it.
@@ -34,7 +34,7 @@ class RobotRequests:
     def __init__(
         self,
         feed: MessageFeed,
-        picture: ConsoleState,
+        state: ConsoleState,
         arrows: ArrowSteps,
         *,
         news: Callable[[str, str], None],
@@ -42,7 +42,7 @@ class RobotRequests:
         later: Callable[[OnReply, r.Reply], object],
         over: Callable[[], None],
     ) -> None:
-        self._feed, self._picture, self.arrows = feed, picture, arrows
+        self._feed, self._picture, self.arrows = feed, state, arrows
         self._news, self._key, self._later, self._over = news, key, later, over
         self._waiting: dict[int, OnReply] = {}
         self._watching: dict[int, OnPicture] = {}

@@ -123,7 +123,7 @@ class ScreenApp(App[str]):
         self.look, self.theme = look, look.theme
         self.feed, self.keyboard = feed, keyboard
         self.clock = clock or RealClock()
-        self.picture = ConsoleState()
+        self.state = ConsoleState()
         self.inbox = Inbox(self.wake)
 
     def get_default_screen(self) -> Screen[object]:

@@ -37,19 +37,19 @@ class StatusInfo:
     phase: str = ""
 
 
-def status_rows(picture: ConsoleState, frame: PaintFrame, line: StatusInfo) -> list[Row]:
+def status_rows(state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> list[Row]:
     """Two rows of the frame's width. What does not fit is left out from the right, as a whole."""
     glyphs, width = frame.glyphs, frame.width
-    vitals = _log(picture, glyphs) or (
-        *(("  ", "plain"), *_recorder(picture, frame)),
+    vitals = _log(state, glyphs) or (
+        *(("  ", "plain"), *_recorder(state, frame)),
         *(("  ", "plain"), *_line(line, frame)),
     )
-    vitals = (*_profile(picture, frame), *vitals)
-    failures = (*_seers(picture), *_failures(picture, glyphs, line.failures))
+    vitals = (*_profile(state, frame), *vitals)
+    failures = (*_seers(state), *_failures(state, glyphs, line.failures))
     room = width - length(vitals)
-    first = spread(_whole(_session(picture, frame, room), room), vitals, width, glyphs.ellipsis)
-    drivers = _drivers(picture, glyphs)
-    phase = _phase(picture, frame, line.phase, width - length(drivers) - length(failures))
+    first = spread(_whole(_session(state, frame, room), room), vitals, width, glyphs.ellipsis)
+    drivers = _drivers(state, glyphs)
+    phase = _phase(state, frame, line.phase, width - length(drivers) - length(failures))
     return [first, spread(drivers, (*phase, *failures), width, glyphs.ellipsis)]
 
 
@@ -63,15 +63,15 @@ def _whole(parts: list[Row], width: int) -> Row:
     return row
 
 
-def _session(picture: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
+def _session(state: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
     """The more important, the earlier. A long title gives way to the time."""
     glyphs = frame.glyphs
-    time = elapsed(frame.now) if picture.welcomed else "--:--"
-    title = clean(picture.title) or "woz"
-    values = _values(picture, frame)
-    badge, watches = _badge(picture), picture.role == "watcher"
+    time = elapsed(frame.now) if state.welcomed else "--:--"
+    title = clean(state.title) or "woz"
+    values = _values(state, frame)
+    badge, watches = _badge(state), state.role == "watcher"
     spare = room - len(time) - 3 - (length(badge) if watches else 0)
-    if picture.study.counts:  # then who and what is worth more than the title
+    if state.study.counts:  # then who and what is worth more than the title
         spare -= sum(cell_len(value) + 3 for value in values[:3])
         spare = max(spare, 1 if watches else TITLE)
     title = fit(title, min(cell_len(title), max(1, spare)), glyphs.ellipsis)
@@ -85,33 +85,33 @@ def _session(picture: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
     return parts
 
 
-def _badge(picture: ConsoleState) -> Row:
+def _badge(state: ConsoleState) -> Row:
     """What this console is, if it does not play."""
-    if picture.role == "watcher":
-        return ((" NOBODY PLAYS " if picture.nobody_plays else " WATCHING ", "alarm-soft"),)
-    if picture.replay is not None:
-        told = picture.settings.replay
+    if state.role == "watcher":
+        return ((" NOBODY PLAYS " if state.nobody_plays else " WATCHING ", "alarm-soft"),)
+    if state.replay is not None:
+        told = state.settings.replay
         coder = f"CODER {told.coder}" if told and told.coder else "REPLAY"
         return ((f" {coder} ", "fill"),)
     return ()
 
 
-def _values(picture: ConsoleState, frame: PaintFrame) -> list[str]:
+def _values(state: ConsoleState, frame: PaintFrame) -> list[str]:
     """Who takes part, under which condition, in which trial, and so on."""
-    asked, start = picture.study.asked, picture.session.start
+    asked, start = state.study.asked, state.session.start
     found = (
-        clean(picture.participant) or "no participant",
-        clean(picture.condition) or ("no condition" if picture.conditions else ""),
-        _trial(picture, frame),
+        clean(state.participant) or "no participant",
+        clean(state.condition) or ("no condition" if state.conditions else ""),
+        _trial(state, frame),
         f"questions {asked.answered}/{len(asked.items)}" if asked is not None else "",
         f"session {clean(start.session)}" if start is not None and start.session else "",
     )
     return [value for value in found if value]
 
 
-def _trial(picture: ConsoleState, frame: PaintFrame) -> str:
+def _trial(state: ConsoleState, frame: PaintFrame) -> str:
     """The trial's number and, where the robot process counts them, its time, or the break's."""
-    study, now = picture.study, frame.now
+    study, now = state.study, frame.now
     of = f"{' of ' if frame.width >= WORDY else '/'}{study.planned}" if study.planned else ""
     if study.break_began is not None:
         return f"break {elapsed(now - study.break_began)}"
@@ -123,12 +123,12 @@ def _trial(picture: ConsoleState, frame: PaintFrame) -> str:
         return f"trial {study.last[0]}{of} {study.last[1]:<5}"
     if study.designed:
         return "no trial yet"
-    return f"trial {picture.trial}" if picture.trial is not None else ""
+    return f"trial {state.trial}" if state.trial is not None else ""
 
 
-def _profile(picture: ConsoleState, frame: PaintFrame) -> Row:
+def _profile(state: ConsoleState, frame: PaintFrame) -> Row:
     """At the right, where it takes nothing else's place and is never left out."""
-    name = clean(picture.profiles.current)
+    name = clean(state.profiles.current)
     if not name:
         return ()
     word = "profile " if frame.width >= WORDY else ""
@@ -136,14 +136,14 @@ def _profile(picture: ConsoleState, frame: PaintFrame) -> Row:
     return (("  ", "plain"), (f"{frame.glyphs.locked} {word}{shown}", "wait"))
 
 
-def _recorder(picture: ConsoleState, frame: PaintFrame) -> Row:
+def _recorder(state: ConsoleState, frame: PaintFrame) -> Row:
     """Whether the log is written; how far it lags, where there is room or it is too much."""
     glyphs = frame.glyphs
-    if picture.ended:
+    if state.ended:
         return (("session over", "muted"),)
-    if picture.lost:
+    if state.lost:
         return ((f" {glyphs.error} ROBOT PROCESS LOST ", "alarm"),)
-    recorder = picture.session.recorder
+    recorder = state.session.recorder
     if recorder is None:
         return ((f"{glyphs.no} Not recording yet", "muted"),)
     lag = millis(recorder.lag_us)
@@ -157,15 +157,15 @@ def _recorder(picture: ConsoleState, frame: PaintFrame) -> Row:
     return levels.get(recorder.level, ((f"{glyphs.no} Not recording yet", "muted"),))
 
 
-def _log(picture: ConsoleState, glyphs: Glyphs) -> Row:
+def _log(state: ConsoleState, glyphs: Glyphs) -> Row:
     """In a replay: the day of the session, and whether all of its log is there."""
-    if picture.replay is None:
+    if state.replay is None:
         return ()
-    began = wall_time(picture.settings, 0)
+    began = wall_time(state.settings, 0)
     day = f"  {began:%Y-%m-%d}  " if began is not None else "  "
-    damaged = bool(picture.settings.replay and picture.settings.replay.notes)
-    state = (f"{glyphs.warning} log incomplete ", "warn") if damaged else ("log complete ", "muted")
-    return (day, "plain"), state
+    damaged = bool(state.settings.replay and state.settings.replay.notes)
+    found = (f"{glyphs.warning} log incomplete ", "warn") if damaged else ("log complete ", "muted")
+    return (day, "plain"), found
 
 
 def _alarm(lag_us: int) -> str:
@@ -196,36 +196,36 @@ _HEALTH = {
 }
 
 
-def _drivers(picture: ConsoleState, glyphs: Glyphs) -> Row:
+def _drivers(state: ConsoleState, glyphs: Glyphs) -> Row:
     row: list[Piece] = [(" ", "plain")]
-    for driver in picture.drivers.values():
+    for driver in state.drivers.values():
         sign, look, word = _HEALTH.get(driver.health, _HEALTH["unknown"])
         row.append((f"{getattr(glyphs, sign)} {clean(driver.name)}{word}", look))
-        changed = picture.session.modes.get(driver.name)
+        changed = state.session.modes.get(driver.name)
         if changed is not None and changed.now not in ("", "normal"):
             row.append((f" {changed.now}", "wait"))
-        trouble = driver_trouble(picture, driver.name)
+        trouble = driver_trouble(state, driver.name)
         if trouble:
             row.append((f": {glyphs.warning} {trouble}", "warn"))
         row.append(("   ", "plain"))
     return tuple(row)
 
 
-def _failures(picture: ConsoleState, glyphs: Glyphs, key: str) -> Row:
-    count = len(picture.runs.unseen())
+def _failures(state: ConsoleState, glyphs: Glyphs, key: str) -> Row:
+    count = len(state.runs.unseen())
     if not count:
         return ()
     return ((f" {glyphs.failed} {count} failed: {key} ", "alarm"),)
 
 
-def _phase(picture: ConsoleState, frame: PaintFrame, key: str, room: int) -> Row:
+def _phase(state: ConsoleState, frame: PaintFrame, key: str, room: int) -> Row:
     """The phase with its time and, where there is room, the key and the phase that it begins."""
-    study, phases = picture.session.study, picture.settings.phases
+    study, phases = state.session.study, state.settings.phases
     if not phases:
         return ()
     row: Row = (("no phase ", "muted"),)
     if (present := study.phase) is not None:
-        name = fit_most(picture.heading(present.label), PHASE, frame.glyphs.ellipsis)
+        name = fit_most(state.heading(present.label), PHASE, frame.glyphs.ellipsis)
         planned, passed = present.changed.planned_us, frame.now - present.begin
         limit = f"/{elapsed(planned)}" if planned else ""
         late = "warn" if 0 < planned < passed else "plain"
@@ -238,15 +238,15 @@ def _phase(picture: ConsoleState, frame: PaintFrame, key: str, room: int) -> Row
     return row
 
 
-def _seers(picture: ConsoleState) -> Row:
+def _seers(state: ConsoleState) -> Row:
     """Programs that see what is kept from the wizard."""
-    names = ", ".join(map(clean, picture.study.seers.values()))
-    return ((f" {names} sees all ", "wait"),) if names and picture.keeps else ()
+    names = ", ".join(map(clean, state.study.seers.values()))
+    return ((f" {names} sees all ", "wait"),) if names and state.keeps else ()
 
 
 class StatusLines(Cells):
     """The status line."""
 
-    def paint(self, picture: ConsoleState, frame: PaintFrame, line: StatusInfo) -> None:
-        """Show the picture's state."""
-        self.show(status_rows(picture, frame, line))
+    def paint(self, state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> None:
+        """Show the state of the session."""
+        self.show(status_rows(state, frame, line))

@@ -170,7 +170,7 @@ async def test_a_camera_that_falls_silent_is_stale_and_says_why() -> None:
             m.DriverLost(
                 driver="head",
                 detail="rpicam-vid ended",
-                t=seat.console.picture.now(seat.clock.now_us()),
+                t=seat.console.state.now(seat.clock.now_us()),
             )
         )
         assert "head is lost: rpicam-vid ended" in words(seat)

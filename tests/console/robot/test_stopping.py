@@ -22,9 +22,9 @@ NOW = scenes.NOW
 
 
 def stopped(*confirmations: m.StopConfirmed) -> ConsoleState:
-    picture = ConsoleState()
-    picture.take([scenes.welcome(), m.StopPressed(source="key", t=NOW), *confirmations], 0)
-    return picture
+    state = ConsoleState()
+    state.take([scenes.welcome(), m.StopPressed(source="key", t=NOW), *confirmations], 0)
+    return state
 
 
 def confirmation(
@@ -43,16 +43,16 @@ def confirmation(
     )
 
 
-def bar(picture: ConsoleState, width: int = 80) -> str:
-    rows = bar_rows(picture, PaintFrame(width, 2, NOW), BarInfo(release="^R"))
+def bar(state: ConsoleState, width: int = 80) -> str:
+    rows = bar_rows(state, PaintFrame(width, 2, NOW), BarInfo(release="^R"))
     assert [length(row) for row in rows] == [width, width]
     return "".join(text for text, _ in rows[1]).strip()
 
 
 def test_parts_that_confirmed_are_named_behind_their_driver() -> None:
     parts = {"pepper": ["speech", "motion", "tablet"]}
-    picture = stopped(confirmation(["pepper", "range"], [], parts, {}))
-    assert bar(picture) == "confirmed: pepper (speech, motion, tablet), range"
+    state = stopped(confirmation(["pepper", "range"], [], parts, {}))
+    assert bar(state) == "confirmed: pepper (speech, motion, tablet), range"
 
 
 def test_a_part_that_is_missing_is_named_and_so_are_those_that_stand_still() -> None:
@@ -86,11 +86,11 @@ def test_events_and_the_replay_name_what_was_not_reached_too(missing: list[str])
     told = m.StopConfirmed(
         confirmed=["head"], missing=missing, unreached=["robot"], elapsed_us=1, t=NOW
     )
-    picture = stopped(told)
-    event = picture.events[-1]
+    state = stopped(told)
+    event = state.events[-1]
     assert "not reached" in f"{event.text} {event.detail}".lower()
     assert "robot" in event.detail
-    row = replay_rows(picture, PaintFrame(120, 2, NOW), BarInfo())[0]
+    row = replay_rows(state, PaintFrame(120, 2, NOW), BarInfo())[0]
     assert "NOT REACHED: robot" in "".join(text for text, _ in row)
 
 
@@ -127,8 +127,8 @@ def test_who_was_missing_stays_missing_with_its_parts() -> None:
 
 
 def test_the_list_of_events_names_the_part() -> None:
-    picture = stopped(confirmation([], ["pepper"], {}, {"pepper": ["tablet", "eyes"]}))
-    assert picture.events[-1].detail == "pepper: tablet, eyes"
+    state = stopped(confirmation([], ["pepper"], {}, {"pepper": ["tablet", "eyes"]}))
+    assert state.events[-1].detail == "pepper: tablet, eyes"
 
 
 def test_a_robot_that_is_unplugged_confirms_no_stop(tmp_path: Path) -> None:
@@ -148,8 +148,8 @@ def test_a_robot_that_is_unplugged_confirms_no_stop(tmp_path: Path) -> None:
     live.take([scenes.welcome(), *lines], 0)
     late = ConsoleState()
     late.take([scenes.welcome(state=live.session.messages())], 0)
-    for picture in (live, late):
-        shown = bar(picture)
+    for state in (live, late):
+        shown = bar(state)
         assert "NOT REACHED: robot" in shown
         assert shown.endswith("confirmed: nobody")
     told = [f"{event.text} {event.detail}" for event in live.events if event.mark == "error"]

@@ -31,9 +31,9 @@ GAP = 2
 NARROWEST = 12
 
 
-def pane_rows(picture: ConsoleState, frame: PaintFrame) -> list[Row]:
+def pane_rows(state: ConsoleState, frame: PaintFrame) -> list[Row]:
     """All bodies side by side, as many as have room."""
-    seen = body_views(picture, frame.now, frame.glyphs)
+    seen = body_views(state, frame.now, frame.glyphs)
     count = min(len(seen), max(1, (frame.width + GAP) // (NARROWEST + GAP)))
     if not count:
         return []
@@ -159,10 +159,10 @@ def _hidden_view(width: int, height: int) -> list[Row]:
 class BodyPane(Cells):
     """The bodies; takes no room in a session without one."""
 
-    def paint(self, picture: ConsoleState, frame: PaintFrame) -> None:
+    def paint(self, state: ConsoleState, frame: PaintFrame) -> None:
         """Show what they look like now."""
         if self.display:
-            self.show(pane_rows(picture, frame))
+            self.show(pane_rows(state, frame))
 
 
 #: Cells of one column of the table, and lines of the picture at the least.
@@ -173,9 +173,9 @@ def full_rows(seen: BodyView, frame: PaintFrame) -> list[Row]:
     """As large as the frame."""
     columns = max(1, frame.width // COLUMN)
     table = min(-(-len(FORMATS) // columns), max(0, frame.height - PICTURE - 2))
-    picture = frame.height - table - 2
+    state = frame.height - table - 2
     title: Row = ((clean(seen.outline.driver), "title"), (f"  {seen.old}", "stale"))
-    rows = [title, *_picture(seen, frame, picture), ()]
+    rows = [title, *_picture(seen, frame, state), ()]
     return cut_rows([*rows, *table_rows(seen, frame.glyphs, frame.width, table)], frame)
 
 

@@ -32,28 +32,24 @@ class BodyView:
         return next((self.values[name] for name in names if name in self.values), None)
 
 
-def body_views(picture: ConsoleState, now: int, glyphs: Glyphs) -> list[BodyView]:
+def body_views(state: ConsoleState, now: int, glyphs: Glyphs) -> list[BodyView]:
     """Every body of the session, in the robot file's order."""
-    return [
-        _body_view(picture, outline, now, glyphs) for outline in body_outlines(picture.outlines)
-    ]
+    return [_body_view(state, outline, now, glyphs) for outline in body_outlines(state.outlines)]
 
 
-def _body_view(picture: ConsoleState, outline: BodyOutline, now: int, glyphs: Glyphs) -> BodyView:
+def _body_view(state: ConsoleState, outline: BodyOutline, now: int, glyphs: Glyphs) -> BodyView:
     driver = outline.driver
-    session = picture.session
+    session = state.session
     body, mode = session.bodies.get(driver), session.modes.get(driver)
     values = dict(_flattened(body.values if body is not None else {}))
-    reached = _sensors(picture, outline, "joint")
-    wanted = _sensors(picture, outline, "setpoint")
+    reached = _sensors(state, outline, "joint")
+    wanted = _sensors(state, outline, "setpoint")
     newest = max((sensor.t for sensor in (*reached.values(), *wanted.values())), default=None)
-    lost = picture.health(driver) == "lost"
-    if picture.perception.hides("joints"):
+    lost = state.health(driver) == "lost"
+    if state.perception.hides("joints"):
         reached, wanted = {}, {}  # not even how old they are
-    stale = (
-        bool(picture.lost) or lost or any(picture.is_stale(one, now) for one in reached.values())
-    )
-    since = picture.drivers[driver].t if lost else newest
+    stale = bool(state.lost) or lost or any(state.is_stale(one, now) for one in reached.values())
+    since = state.drivers[driver].t if lost else newest
     old = ""
     if stale:
         old = f"{glyphs.stale}{age(now - since)} old" if since is not None else "lost"
@@ -64,20 +60,20 @@ def _body_view(picture: ConsoleState, outline: BodyOutline, now: int, glyphs: Gl
         values,
         (mode.now if mode is not None else "") or str(values.get("mode") or "normal"),
         old,
-        picture.perception.hidden,
+        state.perception.hidden,
     )
 
 
-def _sensors(picture: ConsoleState, outline: BodyOutline, kind: str) -> dict[str, SensorView]:
+def _sensors(state: ConsoleState, outline: BodyOutline, kind: str) -> dict[str, SensorView]:
     """The newest sensor of each joint of this robot, from whichever of its drivers; where
     several publish it, the body's own counts.
     """
     found: dict[str, SensorView] = {}
-    for name in picture.sensors:
+    for name in state.sensors:
         head, _, joint = name.rpartition(".")
         if head.rpartition(".")[2] != kind or joint not in outline.home:
             continue
-        sensor = picture.sensor(name)
+        sensor = state.sensor(name)
         if sensor is None or not sensor.driver.startswith(outline.robot):
             continue
         if joint not in found or sensor.driver == outline.driver:

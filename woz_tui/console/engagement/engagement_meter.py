@@ -54,44 +54,44 @@ Loudness = Callable[[ConsoleState, PaintFrame, str], list[Row]]
 
 
 def block_rows(
-    picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame, loudness: Loudness
+    state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame, loudness: Loudness
 ) -> dict[str, list[Row]]:
     """The parts for a session with a model; `loudness` draws the rows that are not the model's."""
-    speech = _speech(picture, frame)
-    loud = loudness(picture, frame, speech)
+    speech = _speech(state, frame)
+    loud = loudness(state, frame, speech)
     unheard = "" if loud else speech
-    rows = [_state(picture, shown, frame)]
+    rows = [_state(state, shown, frame)]
     heard: list[Row] = []
     if frame.height >= FULL:
         rows.append((name_piece("now"), *(_now(shown, frame, unheard) or [_dash(frame)])))
-        rows += [_why(picture, frame), *_singles(picture, shown, frame)]
-        heard.append((name_piece("heard"), *_heard(picture, frame)))
+        rows += [_why(state, frame), *_singles(state, shown, frame)]
+        heard.append((name_piece("heard"), *_heard(state, frame)))
     else:
-        rows.append(_now_or_heard(picture, shown, frame, unheard))
+        rows.append(_now_or_heard(state, shown, frame, unheard))
         if frame.height >= MIDDLE:
-            rows.append(_why(picture, frame))
-        rows += _pairs(picture, shown, frame)
-    distance = _distance(picture, shown, frame)
+            rows.append(_why(state, frame))
+        rows += _pairs(state, shown, frame)
+    distance = _distance(state, shown, frame)
     return {"engagement": rows, "distance": distance, "loudness": loud, "heard": heard}
 
 
 # -- state, waiting, path, why ------------------------------------------------------------------
 
 
-def _state(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
+def _state(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
     """The state as a sentence and for how long; the attempt of a handshake."""
     glyphs = frame.glyphs
-    row = state_row(picture.engaged, shown, frame.now, glyphs, frame.width - 1)
-    if picture.lost:
+    row = state_row(state.engaged, shown, frame.now, glyphs, frame.width - 1)
+    if state.lost:
         told = state_sentence(shown.state, shown.visitor, glyphs)
         row = ((f"{glyphs.stale} {told}", "stale"),)
     attempt = f" attempt {shown.attempt}" if shown.attempt else ""
     return ((" ", "plain"), *row, (attempt, "muted"))
 
 
-def _speech(picture: ConsoleState, frame: PaintFrame) -> str:
+def _speech(state: ConsoleState, frame: PaintFrame) -> str:
     """`speech 3.1 s` while somebody speaks."""
-    segment = None if picture.lost else picture.engaged.speaking(frame.now)
+    segment = None if state.lost else state.engaged.speaking(frame.now)
     return "" if segment is None else f"speech {seconds(frame.now - segment.begin)}"
 
 
@@ -109,36 +109,36 @@ def _now(shown: m.EngagementShown, frame: PaintFrame, unheard: str) -> list[Piec
 
 
 def _now_or_heard(
-    picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame, unheard: str
+    state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame, unheard: str
 ) -> Row:
     """What asks for the wizard now with what was just heard, or else what was heard last."""
-    heard = picture.engaged.heard()
+    heard = state.engaged.heard()
     recent = bool(heard) and frame.now - heard[0].t < HEARD_US
     now = _now(shown, frame, unheard)
     if now and recent:
         now += [("  ", "plain"), quoted(heard[0], frame.glyphs)]
-    return ((" ", "plain"), *(now or _heard(picture, frame)))
+    return ((" ", "plain"), *(now or _heard(state, frame)))
 
 
 def _dash(frame: PaintFrame) -> Piece:
     return (frame.glyphs.dash, "faint")
 
 
-def _why(picture: ConsoleState, frame: PaintFrame) -> Row:
+def _why(state: ConsoleState, frame: PaintFrame) -> Row:
     """Why the last change came about."""
-    changes = picture.engaged.changes
-    last = changes[-1] if changes else picture.session.model.changed
+    changes = state.engaged.changes
+    last = changes[-1] if changes else state.session.model.changed
     if last is None:
         return (name_piece("why"), _dash(frame))
     hand: Row = ((f"{frame.glyphs.forced} ", "wait"),) if last.forced else ()
     return (name_piece("why"), *hand, (frame.glyphs.plain(clean(change_reason(last))), "muted"))
 
 
-def _heard(picture: ConsoleState, frame: PaintFrame) -> Row:
+def _heard(state: ConsoleState, frame: PaintFrame) -> Row:
     """What was understood last, and when."""
-    if picture.perception.hides("transcript"):
+    if state.perception.hides("transcript"):
         return ((HIDDEN, "faint"),)
-    heard = picture.engaged.heard()
+    heard = state.engaged.heard()
     if not heard:
         return (_dash(frame),)
     last = heard[0]
@@ -154,18 +154,18 @@ def quoted(heard: m.SpeechText, glyphs: Glyphs) -> Piece:
 # -- signs --------------------------------------------------------------------------------------
 
 
-def _pairs(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
+def _pairs(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
     """Two signs in a row: mark, word, fill of the queue."""
     half = replace(frame, width=(frame.width - 2) // 2)
-    found = [((" ", "plain"), *_pair(name, shown, picture, half)) for name in signs_of(shown)]
+    found = [((" ", "plain"), *_pair(name, shown, state, half)) for name in signs_of(shown)]
     return [
         (*first, *second) for first, second in zip_longest(found[::2], found[1::2], fillvalue=())
     ]
 
 
-def _pair(name: str, shown: m.EngagementShown, picture: ConsoleState, frame: PaintFrame) -> Row:
+def _pair(name: str, shown: m.EngagementShown, state: ConsoleState, frame: PaintFrame) -> Row:
     sign, glyphs = shown.signs[name], frame.glyphs
-    found = sign_verdict(name, sign, glyphs, old=bool(picture.lost))
+    found = sign_verdict(name, sign, glyphs, old=bool(state.lost))
     is_named = name == "identity" and found.look == "good"
     word = found.word if is_named else WORD[name]
     front: Piece = (f"{found.sign} {fit(word, _WORD - 1, glyphs.ellipsis)} ", found.look)
@@ -185,14 +185,14 @@ def _pair(name: str, shown: m.EngagementShown, picture: ConsoleState, frame: Pai
     return cut((front, *back), frame.width, glyphs.ellipsis)
 
 
-def _singles(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
+def _singles(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
     """A row for each sign: name, fill of the queue, verdict with its count."""
-    return [_single(name, shown, picture, frame) for name in signs_of(shown)]
+    return [_single(name, shown, state, frame) for name in signs_of(shown)]
 
 
-def _single(name: str, shown: m.EngagementShown, picture: ConsoleState, frame: PaintFrame) -> Row:
+def _single(name: str, shown: m.EngagementShown, state: ConsoleState, frame: PaintFrame) -> Row:
     sign, glyphs = shown.signs[name], frame.glyphs
-    found = sign_verdict(name, sign, glyphs, old=bool(picture.lost))
+    found = sign_verdict(name, sign, glyphs, old=bool(state.lost))
     quiet = found.look == "stale" or sign.forced or not is_used(name, shown)
     bar = queue_bar(sign, track_width(frame), glyphs, "muted" if quiet else "good")
     if not is_used(name, shown):
@@ -206,14 +206,14 @@ def _single(name: str, shown: m.EngagementShown, picture: ConsoleState, frame: P
     return meter_row(WORD[name], bar, value, found.look)
 
 
-def _distance(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
+def _distance(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
     """Where the visitor stands among Hall's spaces; no row in a session without a distance."""
     sign = shown.signs.get("distance")
-    if sign is not None and picture.sensor("distance") and picture.perception.keeps("distance"):
-        return [_hidden_distance(picture, frame)]
-    if sign is None or (sign.raw is None and picture.sensor("distance") is None):
+    if sign is not None and state.sensor("distance") and state.perception.keeps("distance"):
+        return [_hidden_distance(state, frame)]
+    if sign is None or (sign.raw is None and state.sensor("distance") is None):
         return []
-    stale = bool(picture.lost) or sign.stale
+    stale = bool(state.lost) or sign.stale
     bar = distance_bar(
         sign.raw,
         shown.social_distance,
@@ -229,12 +229,12 @@ def _distance(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame
     return [meter_row("distance", bar, f"{figure} {zone(sign.raw)}", "plain")]
 
 
-def _hidden_distance(picture: ConsoleState, frame: PaintFrame) -> Row:
+def _hidden_distance(state: ConsoleState, frame: PaintFrame) -> Row:
     """Its place where the wizard does not see it, or only near and far."""
-    sensor = picture.sensor("distance")
-    if sensor is None or picture.perception.hides("distance"):
+    sensor = state.sensor("distance")
+    if sensor is None or state.perception.hides("distance"):
         return hidden_row("distance", frame)
-    stale = picture.is_stale(sensor, frame.now)
+    stale = state.is_stale(sensor, frame.now)
     text = age_note(sensor, frame) if stale else sensor.text or "nothing seen"
     bar: Row = ((frame.glyphs.track * track_width(frame), "faint"),)
     return meter_row("distance", bar, text, "stale" if stale else "plain")

@@ -49,19 +49,19 @@ _HEARD_LINES = 2
 _TALL = 24
 
 
-def full_rows(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
+def full_rows(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
     """As many rows as the frame is high; what matters most stands on top."""
-    table = [*_signs(picture, shown, frame), _condition(picture, shown, frame)]
-    top = [_head(picture, shown, frame), _second(picture, shown, frame)]
+    table = [*_signs(state, shown, frame), _condition(state, shown, frame)]
+    top = [_head(state, shown, frame), _second(state, shown, frame)]
     drawn = frame.width >= WIDTH and frame.height >= len(top) + HEIGHT + len(table) + _LEAST_HISTORY
     side = drawn and frame.width >= SIDE_BY_SIDE
     if drawn:
-        top += _states(picture, shown, frame, side=side)
+        top += _states(state, shown, frame, side=side)
     else:
         top.append((("path  ", "muted"), *path_row(shown, frame.width - 6, frame.glyphs)))
     rows = [*top, *_spacer(frame), *table, *_spacer(frame)]
-    heard = [] if side else _heard(picture, frame, _HEARD_LINES if frame.height >= _TALL else 1)
-    rows += _history(picture, frame, max(1, frame.height - len(rows) - len(heard)))
+    heard = [] if side else _heard(state, frame, _HEARD_LINES if frame.height >= _TALL else 1)
+    rows += _history(state, frame, max(1, frame.height - len(rows) - len(heard)))
     return cut_rows(rows, frame, heard)
 
 
@@ -73,11 +73,11 @@ def _spacer(frame: PaintFrame) -> list[Row]:
 # -- what is now --------------------------------------------------------------------------------
 
 
-def _head(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
+def _head(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
     """State, time, run; at the right visitor and attention."""
     glyphs = frame.glyphs
     row: Row = (
-        *headline(shown, glyphs, old=bool(picture.lost)),
+        *headline(shown, glyphs, old=bool(state.lost)),
         (f"  {elapsed(frame.now - shown.since)}", "plain"),
     )
     if shown.attempt:
@@ -87,7 +87,7 @@ def _head(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) ->
         row += (("   ", "plain"), run)
     parts: list[Piece] = []
     if visitor := visitor_code(shown):
-        about = picture.engaged.visitors.get(shown.visitor, {})
+        about = state.engaged.visitors.get(shown.visitor, {})
         told = ", ".join(clean(value) for value in about.values() if value)
         parts.append((f"visitor {visitor}{f' ({told})' if told else ''}", "run"))
     if shown.attention:
@@ -100,37 +100,37 @@ def _head(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) ->
     return spread(row, right, frame.width, glyphs.ellipsis)
 
 
-def _second(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
+def _second(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
     """The state as a sentence, what is being said, which limits run."""
-    glyphs, engaged = frame.glyphs, picture.engaged
-    if picture.lost:
+    glyphs, engaged = frame.glyphs, state.engaged
+    if state.lost:
         return ((f"{glyphs.stale} the robot process is gone: all this is old", "stale"),)
     row = (*state_row(engaged, shown, frame.now, glyphs, frame.width)[:2], ("   ", "plain"))
     if (segment := engaged.speaking(frame.now)) is not None:
         row += ((f"{glyphs.yes} speech {seconds(frame.now - segment.begin)}   ", "good"),)
-    limits = running_limits(picture, shown, frame.now)
+    limits = running_limits(state, shown, frame.now)
     return (*row, *((f"{text}   ", look) for text, look in limits))
 
 
 def _states(
-    picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame, *, side: bool
+    state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame, *, side: bool
 ) -> list[Row]:
     """The diagram, at its right what was heard."""
-    way = [(change.was, change.now) for change in reversed(picture.engaged.changes)]
+    way = [(change.was, change.now) for change in reversed(state.engaged.changes)]
     if not way or way[0][1] != shown.state:  # its message is still on the way, or was left out
         way = list(zip(shown.trail, shown.trail[1:], strict=False))[::-1]
     drawn = diagram(shown.state, way, frame.glyphs)
     if not side:
         return drawn
     room = frame.width - WIDTH - 2
-    heard = _heard(picture, replace(frame, width=room), HEIGHT)
+    heard = _heard(state, replace(frame, width=room), HEIGHT)
     return side_by_side([(drawn, WIDTH), (heard, room)], HEIGHT, frame.glyphs, 2)
 
 
 # -- signs ----------------------------------------------------------------------------------------
 
 
-def _signs(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
+def _signs(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
     """A line for each sign beneath the names of the columns."""
     filtered = _FILTER + 1 if frame.width >= _WITH_FILTER else 0
     bar = min(_BAR, max(6, frame.width - _NAME - _SENSED - 2 - filtered - 1 - _VERDICT))
@@ -144,17 +144,17 @@ def _signs(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -
     inner = replace(frame, width=bar)
     return [
         tuple((fit(title, width), "title") for title, width in columns),
-        *(_sign(name, shown, picture, inner, filtered) for name in signs_of(shown)),
+        *(_sign(name, shown, state, inner, filtered) for name in signs_of(shown)),
     ]
 
 
 def _sign(
-    name: str, shown: m.EngagementShown, picture: ConsoleState, frame: PaintFrame, filtered: int
+    name: str, shown: m.EngagementShown, state: ConsoleState, frame: PaintFrame, filtered: int
 ) -> Row:
     """One of them. `frame` is the bar's; the filter's name has `filtered` cells."""
     sign = shown.signs[name]
     glyphs = frame.glyphs
-    found = sign_verdict(name, sign, glyphs, old=bool(picture.lost))
+    found = sign_verdict(name, sign, glyphs, old=bool(state.lost))
     used = is_used(name, shown)
     quiet = sign.forced or found.look == "stale" or not used
     row: Row = (
@@ -191,8 +191,8 @@ def _sensed(name: str, sign: m.SignShown) -> str:
     return "yes" if FLAGS[name](sign.raw) else "no"
 
 
-def _condition(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
-    old = bool(picture.lost)
+def _condition(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
+    old = bool(state.lost)
     row = condition_row(shown, frame.glyphs, old=old)
     if length(row) > frame.width:
         row = condition_row(shown, frame.glyphs, old=old, brief=True)
@@ -205,7 +205,7 @@ def _condition(picture: ConsoleState, shown: m.EngagementShown, frame: PaintFram
 # -- what was -------------------------------------------------------------------------------------
 
 
-def _history(picture: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
+def _history(state: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
     """The changes, newest on top: when, to what, by which outcome, why, and by whom."""
     glyphs = frame.glyphs
     rows: list[Row] = [
@@ -216,18 +216,18 @@ def _history(picture: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
             (fit(change.outcome, 15, glyphs.ellipsis), "muted"),
             (glyphs.plain(clean(change_reason(change))), "muted"),
         )
-        for change in reversed(picture.engaged.changes)
+        for change in reversed(state.engaged.changes)
     ]
     return rows[:room] or [(("nothing has changed yet", "muted"),)]
 
 
-def _heard(picture: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
+def _heard(state: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
     """What was understood, newest on top."""
-    if picture.perception.hides("transcript"):
+    if state.perception.hides("transcript"):
         return [((f"what was said is {HIDDEN}", "faint"),)]
     rows: list[Row] = [
         ((f"{elapsed(segment.t):>6} ", "muted"), quoted(segment, frame.glyphs))
-        for segment in picture.engaged.heard()
+        for segment in state.engaged.heard()
     ]
     return rows[:room]
 
@@ -246,9 +246,9 @@ _BUSY = ("Handshake", "UserSpeaks", "RobotThinks", "RobotReplies", "RobotSpeaks"
 _SOON = 0.75
 
 
-def running_limits(picture: ConsoleState, shown: m.EngagementShown, now: int) -> list[Piece]:
+def running_limits(state: ConsoleState, shown: m.EngagementShown, now: int) -> list[Piece]:
     """`12 of 60 s to speak` for the present state, and that it ends soon as nobody is there."""
-    limits = picture.settings.engagement
+    limits = state.settings.engagement
     name, words = _LIMITS.get(shown.state, ("", ""))
     limit = limits.timeouts.get(name)
     if shown.state == "Handshake":

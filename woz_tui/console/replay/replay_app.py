@@ -59,7 +59,7 @@ class ReplayConsole(Console):
 
     def _pace(self) -> float:
         """The faster it goes, the more of the screen a painting changes: a slow line gets fewer."""
-        return next(beats for rate, beats in PACES if self.picture.rate <= rate) * BEAT
+        return next(beats for rate, beats in PACES if self.state.rate <= rate) * BEAT
 
     def beat(self) -> None:
         """As in a session; what hurries is painted as often as it may be."""
@@ -69,7 +69,7 @@ class ReplayConsole(Console):
             self.keyboard.tick()
             return
         super().beat()
-        if self.picture.rate > 1:
+        if self.state.rate > 1:
             self.wake()
 
     def _take(self, local: int) -> None:
@@ -78,7 +78,7 @@ class ReplayConsole(Console):
             self._news_until = self._sentence_until
         while self.inbox.played:
             action = self.inbox.played.popleft()
-            self._panels.turn_to(self.picture, action)
+            self._panels.turn_to(self.state, action)
             self._panels.press(action)
             self._flash_until = local + round(FLASH_S * 1_000_000)
 
@@ -103,11 +103,11 @@ class ReplayConsole(Console):
 
     def _adopt(self) -> None:
         """Caps show the session's keys; the keyboard has those of the replay."""
-        picture = self.picture
-        played = key_map(picture.panels, self.terminal, picture.keyboard)
+        state = self.state
+        played = key_map(state.panels, self.terminal, state.keyboard)
         self.caps = {name: cap_of(found) for name, found in played.actions.items()}
         self._panels.bear(self.caps)
-        self.keymap = key_map((), self.terminal, picture.keyboard, self._builtins)
+        self.keymap = key_map((), self.terminal, state.keyboard, self._builtins)
         self.keyboard.bind({}, self._own_keys())
 
     def _stopping(self) -> None:

@@ -36,7 +36,7 @@ class GoDialog(SearchDialog[TimelinePlace]):
 
     def matching(self, typed: str) -> list[TimelinePlace]:
         """All places; from a time that is typed on, or those that the letters stand for."""
-        replay = self.picture.replay
+        replay = self.state.replay
         places = list(replay.places) if replay is not None else []
         t = time_of(typed)
         if t is not None:
@@ -76,7 +76,7 @@ class _PausesReplay(Dialog):
 
     def on_mount(self) -> None:
         """Stand still."""
-        replay = self.picture.replay
+        replay = self.state.replay
         self._was_playing = replay is not None and not replay.paused and not replay.ended
         self._toggle()
 
@@ -99,7 +99,7 @@ class CodeDialog(_PausesReplay, SearchDialog[str]):
 
     def matching(self, typed: str) -> list[str]:
         """Codes of before that begin so, the one set last first; what is typed is a code, too."""
-        replay = self.picture.replay
+        replay = self.state.replay
         places = replay.places if replay is not None else ()
         before = dict.fromkeys(place.text for place in reversed(places) if place.sort == "code")
         found = [code for code in before if code.casefold().startswith(typed.strip().casefold())]
@@ -150,17 +150,17 @@ class AboutDialog(ReportDialog):
 
     def lines(self) -> list[Row]:
         """One fact a line; what is missing in full sentences."""
-        picture, told = self.picture, self.picture.settings.replay or ReplayedLog()
-        began = wall_time(picture.settings, 0)
-        start = picture.session.start
-        length = elapsed(picture.replay.length_us) if picture.replay is not None else ""
+        state, told = self.state, self.state.settings.replay or ReplayedLog()
+        began = wall_time(state.settings, 0)
+        start = state.session.start
+        length = elapsed(state.replay.length_us) if state.replay is not None else ""
         facts = {
-            "log": picture.log,
+            "log": state.log,
             "began": f"{began:%Y-%m-%d %H:%M:%S} UTC" if began is not None else "",
             "length": length,
             "session": start.session if start is not None else "",
-            "participant": picture.participant,
-            "condition": picture.condition,
+            "participant": state.participant,
+            "condition": state.condition,
             **{name: getattr(told, name) for name in ("wizard", "experiment", "software")},
         }
         rows: list[Row] = [
@@ -171,7 +171,7 @@ class AboutDialog(ReportDialog):
         return [*rows, (), *self._state()]
 
     def _state(self) -> list[Row]:
-        told = self.picture.settings.replay or ReplayedLog()
+        told = self.state.settings.replay or ReplayedLog()
         if not told.notes:
             return [((f"{self.glyphs.yes} ", "good"), ("The log is complete.", "plain"))]
         mark = (f"{self.glyphs.warning} ", "warn")

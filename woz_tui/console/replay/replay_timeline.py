@@ -49,23 +49,23 @@ def sign_of(sort: str, glyphs: Glyphs) -> Piece:
     return str(getattr(glyphs, name)), look
 
 
-def replay_rows(picture: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
+def replay_rows(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
     """As many rows as the frame has, two at least."""
-    rows = [_session_row(picture, frame, bar)]
+    rows = [_session_row(state, frame, bar)]
     if frame.height > 2:
-        rows += sentence_rows(picture, replace(frame, height=frame.height - 2), upcoming(picture))
-    return [*rows, time_row(picture, frame, bar.hints)]
+        rows += sentence_rows(state, replace(frame, height=frame.height - 2), upcoming(state))
+    return [*rows, time_row(state, frame, bar.hints)]
 
 
-def _session_row(picture: ConsoleState, frame: PaintFrame, bar: BarInfo) -> Row:
+def _session_row(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> Row:
     """A sentence for the viewer; else the stop as it was; else the script, or what keys do."""
     glyphs, width = frame.glyphs, frame.width
     if bar.news.text:
         return ((fit(f" {glyphs.plain(bar.news.text)}", width, glyphs.ellipsis), bar.news.look),)
-    if picture.stop is not None:
-        return _stop_row(picture.stop, glyphs, width)
-    if picture.script:
-        return script_row(picture, frame, "script")
+    if state.stop is not None:
+        return _stop_row(state.stop, glyphs, width)
+    if state.script:
+        return script_row(state, frame, "script")
     return cut(hint_row(bar.hints, width), width, glyphs.ellipsis)
 
 
@@ -80,15 +80,15 @@ def _stop_row(stop: StopEpisode, glyphs: Glyphs, width: int) -> Row:
 
 
 def time_row(
-    picture: ConsoleState, frame: PaintFrame, hints: tuple[tuple[str, str], ...] = ()
+    state: ConsoleState, frame: PaintFrame, hints: tuple[tuple[str, str], ...] = ()
 ) -> Row:
     """Where the replay is: state, time, the line with its places, clock of then, speed."""
-    replay = picture.replay
+    replay = state.replay
     if replay is None:
         return ((fit(f" reading the log{frame.glyphs.ellipsis}", frame.width), "muted"),)
     now = min(frame.now, replay.length_us) if replay.length_us else frame.now
     left = _left(replay, now, frame.glyphs)
-    right = _right(picture, replay, now, hints)
+    right = _right(state, replay, now, hints)
     if frame.width >= ROOMY:
         right = (*right, *hint_row(hints[:4], frame.width // 3))
     room = frame.width - length(left) - length(right)
@@ -110,10 +110,10 @@ def _left(replay: ReplayState, now: int, glyphs: Glyphs) -> Row:
 
 
 def _right(
-    picture: ConsoleState, replay: ReplayState, now: int, hints: tuple[tuple[str, str], ...]
+    state: ConsoleState, replay: ReplayState, now: int, hints: tuple[tuple[str, str], ...]
 ) -> Row:
     row: list[Piece] = [(" ", "plain")]
-    clock = wall_time(picture.settings, now)
+    clock = wall_time(state.settings, now)
     if clock:
         row.append((f"{clock:%H:%M:%S} UTC ", "plain"))
     if replay.cut_us:
@@ -158,6 +158,6 @@ def _cell(t: int, length_us: int, width: int) -> int:
 class TimeBar(StopBar):
     """The bar over the whole width at the bottom of a replay."""
 
-    def paint(self, picture: ConsoleState, frame: PaintFrame, bar: BarInfo) -> None:
+    def paint(self, state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> None:
         """Show the stop or the script of then, and the time line."""
-        self.show(replay_rows(picture, frame, bar))
+        self.show(replay_rows(state, frame, bar))

@@ -44,7 +44,7 @@ class SettingRequests:
     """Asks, and remembers what for.
 
     Args:
-        picture: What is known.
+        state: State of the console.
         ask: Sends a request, and calls with its reply.
         refused: What to do with a refusal that nobody looks at any more.
         key: The key that opened the screen, for the log.
@@ -53,13 +53,13 @@ class SettingRequests:
 
     def __init__(
         self,
-        picture: ConsoleState,
+        state: ConsoleState,
         ask: Ask,
         refused: Callable[[Reply], None],
         key: str,
         watched: Callable[[], bool],
     ) -> None:
-        self._picture, self._ask, self._refused, self._key = picture, ask, refused, key
+        self._picture, self._ask, self._refused, self._key = state, ask, refused, key
         self._pending: dict[Key, PendingSetting] = {}
         self._refusals: dict[Key, str] = {}
         self._watched = watched

@@ -53,12 +53,12 @@ class RobotView:
 
 
 class SettingViewer:
-    """Describes robots of the picture; `arrows` and `requests` tell what it does not know."""
+    """Describes robots of the console state; `arrows` and `requests` tell what it does not know."""
 
     def __init__(
-        self, picture: ConsoleState, glyphs: Glyphs, arrows: ArrowSteps, requests: SettingRequests
+        self, state: ConsoleState, glyphs: Glyphs, arrows: ArrowSteps, requests: SettingRequests
     ) -> None:
-        self._picture, self._glyphs = picture, glyphs
+        self._picture, self._glyphs = state, glyphs
         self._arrows, self._requests = arrows, requests
 
     def lines(self, driver: str, outline: RobotOutline) -> list[SettingLine]:
@@ -198,7 +198,7 @@ def _label(line: SettingLine) -> str:
     return label if line.kind is LineKind.ROBOT else label[:1].upper() + label[1:]
 
 
-def locked_by(picture: ConsoleState, verb: str) -> str:
+def locked_by(state: ConsoleState, verb: str) -> str:
     """The title of a locked panel that covers `verb`, or nothing."""
-    covering = (panel for panel in picture.panels if verb in panel.covers)
-    return next((clean(panel.title) for panel in covering if picture.is_locked(panel)), "")
+    covering = (panel for panel in state.panels if verb in panel.covers)
+    return next((clean(panel.title) for panel in covering if state.is_locked(panel)), "")

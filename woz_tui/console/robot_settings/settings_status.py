@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 NAMED = 30
 
 
-def is_stale(picture: ConsoleState, driver: str) -> bool:
+def is_stale(state: ConsoleState, driver: str) -> bool:
     """Whether the robot's settings are old: the robot or the robot process is not connected."""
-    return bool(picture.lost) or picture.health(driver) not in ("connected", "faulted")
+    return bool(state.lost) or state.health(driver) not in ("connected", "faulted")
 
 
 def trouble_words(robot: SettingsShown, names: str = "", first: str = "") -> str:
@@ -38,14 +38,14 @@ def trouble_words(robot: SettingsShown, names: str = "", first: str = "") -> str
     return ", ".join(found)
 
 
-def driver_trouble(picture: ConsoleState, driver: str) -> str:
+def driver_trouble(state: ConsoleState, driver: str) -> str:
     """The same of a driver, with the names of what differs and the first conflict if they are
     short; nothing where what it told is old.
     """
-    robot = picture.session.robots.shown.get(driver)
-    if robot is None or is_stale(picture, driver):
+    robot = state.session.robots.shown.get(driver)
+    if robot is None or is_stale(state, driver):
         return ""
-    return trouble_words(robot, _names(picture, driver, robot), _gist(robot))
+    return trouble_words(robot, _names(state, driver, robot), _gist(robot))
 
 
 def _gist(robot: SettingsShown) -> str:
@@ -54,9 +54,9 @@ def _gist(robot: SettingsShown) -> str:
     return gist if colon and cell_len(gist) <= NAMED else ""
 
 
-def _names(picture: ConsoleState, driver: str, robot: SettingsShown) -> str:
+def _names(state: ConsoleState, driver: str, robot: SettingsShown) -> str:
     """Labels of the settings that are not as requested; nothing if they take too much room."""
-    outline = picture.robot_outlines.get(driver)
+    outline = state.robot_outlines.get(driver)
     labels = {} if outline is None else {line.name: line.label for line in outline.settings}
     told = [clean(labels.get(name, "")) for name in robot.wanted]
     names = ", ".join(label[:1].lower() + label[1:] for label in told)

@@ -18,11 +18,11 @@ class BodyDialog(DrawingDialog):
 
     def count(self) -> int:
         """Bodies of the session."""
-        return len(body_outlines(self.picture.outlines))
+        return len(body_outlines(self.state.outlines))
 
     def rows(self, chosen: int, frame: PaintFrame) -> list[Row]:
         """The chosen body."""
-        return full_rows(body_views(self.picture, frame.now, frame.glyphs)[chosen], frame)
+        return full_rows(body_views(self.state, frame.now, frame.glyphs)[chosen], frame)
 
     def nothing(self) -> str:
         """What stands there in a session without a body."""

@@ -61,7 +61,7 @@ class CameraDialog(Dialog):
         words.styles.height = _WORDS
         yield words
         app = self.console_app
-        if app.pictures == "off" or self.picture.role == "replay":
+        if app.pictures == "off" or self.state.role == "replay":
             return
         plain = self.glyphs.ascii or self.app.no_color
         depth = depth_of(self.app.console.color_system, plain=plain)
@@ -165,7 +165,7 @@ class CameraDialog(Dialog):
     def _words(self) -> Row:
         watching, view = self._watching, self._view
         if watching is None or view is None:
-            return ((REPLAY if self.picture.role == "replay" else OFF, "muted"),)
+            return ((REPLAY if self.state.role == "replay" else OFF, "muted"),)
         trouble = self._trouble(watching)
         if watching.last is None:
             return ((trouble or "waiting for the first picture", "warn" if trouble else "muted"),)
@@ -187,9 +187,9 @@ class CameraDialog(Dialog):
 
     def _trouble(self, watching: PictureRequester) -> str:
         """Why there are no pictures, as far as anybody knows."""
-        if self.picture.lost:
+        if self.state.lost:
             return "the robot process is gone"
-        driver = self.picture.drivers.get(watching.camera)
+        driver = self.state.drivers.get(watching.camera)
         if driver is not None and driver.health in ("lost", "faulted"):
             return clean(f"{watching.camera} is {driver.health}: {driver.detail}")
         return clean(watching.why)
@@ -214,7 +214,7 @@ class CameraDialog(Dialog):
 
     def _take(self, camera: str) -> None:
         """Have the driver make a file of a picture."""
-        if _VERB not in self.picture.verbs.get(camera, ()):
+        if _VERB not in self.state.verbs.get(camera, ()):
             self.console_app.news(f"{camera or 'this camera'} cannot save pictures")
             return
         self.requests.ask(AskVerb(verb=_VERB, on=camera, source="key", key=_TAKE))

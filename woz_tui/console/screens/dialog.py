@@ -55,7 +55,7 @@ class KeyHint:
 
     rank: float
     word: str
-    worth: Callable[[ConsoleState], bool] = lambda picture: True
+    worth: Callable[[ConsoleState], bool] = lambda state: True
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,7 @@ class ConsoleCommand(ConsoleKey):
 class ConsoleApp(Protocol):
     """What dialogs and commands may use of the app."""
 
-    picture: ConsoleState
+    state: ConsoleState
     feed: MessageFeed
     requests: RobotRequests
     keyboard: Keyboard
@@ -193,9 +193,9 @@ class Dialog(PartialScreen[None], ModalScreen[None]):
         return self.console_app.requests
 
     @property
-    def picture(self) -> ConsoleState:
+    def state(self) -> ConsoleState:
         """What is known."""
-        return self.console_app.picture
+        return self.console_app.state
 
     @property
     def glyphs(self) -> Glyphs:
@@ -205,7 +205,7 @@ class Dialog(PartialScreen[None], ModalScreen[None]):
     @property
     def now(self) -> int:
         """The session's time, in microseconds."""
-        return self.picture.now(self.console_app.clock.now_us())
+        return self.state.now(self.console_app.clock.now_us())
 
     def compose(self) -> ComposeResult:
         """The frame with its heading, the body, the hint on the lower edge."""

@@ -20,11 +20,11 @@ class DriversDialog(LiveReportDialog):
     def lines(self) -> list[Row]:
         """One paragraph for each driver."""
         rows: list[Row] = []
-        for driver in self.picture.drivers.values():
+        for driver in self.state.drivers.values():
             sign = str(getattr(self.glyphs, _SIGNS.get(driver.health, "no")))
             look = _LOOKS.get(driver.health, "muted")
             rows.append(((f"{sign} {driver.name}  {driver.health}", look),))
-            verbs = ", ".join(self.picture.verbs.get(driver.name, []))
+            verbs = ", ".join(self.state.verbs.get(driver.name, []))
             for text, tone in ((driver.detail, "plain"), (driver.remedy, "run"), (verbs, "muted")):
                 if text:
                     rows.append(((f"    {text}", tone),))

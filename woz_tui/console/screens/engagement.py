@@ -39,30 +39,30 @@ class EngagementDialog(DrawingDialog):
 
     def count(self) -> int:
         """One, in a session with a model that has said something."""
-        return int(self.picture.engaged.shown is not None)
+        return int(self.state.engaged.shown is not None)
 
     def rows(self, chosen: int, frame: PaintFrame) -> list[Row]:
         """The model, then the legend."""
-        engaged = self.picture.engaged
+        engaged = self.state.engaged
         if engaged.shown is None:
             return []
         covered, glyphs = self._covered(), frame.glyphs
         legend = legend_rows(engaged, covered, frame.width, glyphs, steers=self._steers)
         inner = replace(frame, height=max(1, frame.height - len(legend)))
-        rows = full_rows(self.picture, engaged.shown, inner)
+        rows = full_rows(self.state, engaged.shown, inner)
         return [*rows, *[()] * (inner.height - len(rows)), *legend]
 
     def _covered(self) -> dict[str, str]:
         """The hand's keys that play an action of this experiment, with the action's label."""
         table = self.console_app.keymap.table
         found = {key: table[key] for key in BY_KEY if key in table}
-        return {key: self.picture.label(name) for key, name in found.items()}
+        return {key: self.state.label(name) for key, name in found.items()}
 
     def nothing(self) -> str:
         """What stands there in a session without a model."""
-        if self.picture.perception.hides("engagement"):
+        if self.state.perception.hides("engagement"):
             return "In this experiment the engagement model is kept from you."
-        if ENGAGEMENT in self.picture.verbs:
+        if ENGAGEMENT in self.state.verbs:
             return "Nothing has come from the engagement model yet."
         return (
             "This session has no engagement model.\n"

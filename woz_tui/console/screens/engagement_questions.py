@@ -47,8 +47,8 @@ def asked(order: Override, engaged: EngagementView, key: str = "") -> Dialog | N
 
 def steer(app: ConsoleApp, order: Override, key: str = "") -> None:
     """The wizard's hand on the engagement model; some orders ask for more first."""
-    engaged = app.picture.engaged
-    if not is_offered(engaged, app.picture.verbs):
+    engaged = app.state.engaged
+    if not is_offered(engaged, app.state.verbs):
         app.news("This session has no engagement model")
         return
     dialog = asked(order, engaged, key)
@@ -74,13 +74,13 @@ class ForceDialog(_OverrideDialog, ChoiceDialog):
 
     def lines(self) -> list[Row]:
         """Where it begins."""
-        shown = self.picture.engaged.shown
+        shown = self.state.engaged.shown
         here = clean(shown.state) if shown is not None else "not known"
         return [(("from ", "muted"), (here, "strong"), ("; the log marks it as forced", "muted"))]
 
     def choices(self) -> Sequence[ListChoice]:
         """Outcomes that leave the state first, then every other state."""
-        shown = self.picture.engaged.shown
+        shown = self.state.engaged.shown
         self._from = shown.state if shown is not None else ""
         arrow = self.glyphs.next
         return [
@@ -93,7 +93,7 @@ class ForceDialog(_OverrideDialog, ChoiceDialog):
 
     def _force(self, to: str, state: str) -> None:
         """By its outcome; by its state if the model has moved on meanwhile."""
-        shown = self.picture.engaged.shown
+        shown = self.state.engaged.shown
         moved = shown is not None and shown.state != self._from
         self.requests.ask(
             verb_request("force", {"to": state if state and moved else to}, self._key)
@@ -110,7 +110,7 @@ class IdentityDialog(_OverrideDialog, EntryDialog):
 
     def below(self) -> Iterable[Widget]:
         """Those of whom this session knows."""
-        known = list(self.picture.engaged.visitors)[-_KNOWN:]
+        known = list(self.state.engaged.visitors)[-_KNOWN:]
         if known:
             told = ", ".join(clean(name) for name in reversed(known))
             yield Static(content([((f"known: {told}", "muted"),)]), classes="caption")
@@ -128,9 +128,9 @@ class VisitorDialog(_OverrideDialog, FormDialog):
 
     def body(self) -> Iterable[Widget]:
         """Code, and what the robot may want to know of them."""
-        shown = self.picture.engaged.shown
+        shown = self.state.engaged.shown
         name = shown.visitor if shown is not None else ""
-        about = self.picture.engaged.visitors.get(name, {})
+        about = self.state.engaged.visitors.get(name, {})
         yield Static("Code of the visitor (never a name)", classes="caption")
         yield Input(clean(name), id="code")
         yield Static("Age group, such as child or adult (may stay empty)", classes="caption")

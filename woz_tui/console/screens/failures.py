@@ -14,9 +14,9 @@ from woz_tui.console.screens.lost import open_lost
 
 def open_failures(app: ConsoleApp) -> None:
     """Show failures; on a lost connection, what can be done."""
-    if app.picture.lost:
+    if app.state.lost:
         open_lost(app)
-    elif app.picture.runs.unseen():
+    elif app.state.runs.unseen():
         app.open_dialog(FailuresDialog())
     else:
         app.news("No unseen failures")
@@ -34,8 +34,8 @@ class FailuresDialog(ReportDialog):
     def lines(self) -> list[Row]:
         """Newest first."""
         rows: list[Row] = []
-        for failure in reversed(self.picture.runs.unseen()):
-            name = self.picture.label(failure.action) if failure.action else failure.what
+        for failure in reversed(self.state.runs.unseen()):
+            name = self.state.label(failure.action) if failure.action else failure.what
             front = (" " * self.indent, "plain")
             rows += [
                 ((f"{elapsed(failure.t):>7}  ", "muted"), (f"{self.glyphs.failed} {name}", "bad")),
@@ -47,6 +47,6 @@ class FailuresDialog(ReportDialog):
 
     def action_see(self) -> None:
         """All seen."""
-        self.picture.runs.see_all()
+        self.state.runs.see_all()
         self.leave()
         self.console_app.paint()

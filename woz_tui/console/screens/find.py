@@ -44,11 +44,11 @@ OFFERED_CALLS = (
 )
 
 
-def offered_calls(picture: ConsoleState) -> Iterator[tuple[str, OfferedCall]]:
+def offered_calls(state: ConsoleState) -> Iterator[tuple[str, OfferedCall]]:
     """Driver and order, of the drivers that tell of a whole robot and offer the verb."""
-    for driver in picture.robot_outlines:
+    for driver in state.robot_outlines:
         for order in OFFERED_CALLS:
-            if order.verb in picture.verbs.get(driver, ()):
+            if order.verb in state.verbs.get(driver, ()):
                 yield driver, order
 
 
@@ -134,13 +134,13 @@ class FindDialog(SearchDialog[SearchItem]):
 
     def _actions(self) -> Iterable[SearchItem]:
         """Those first that are likely to follow the last act, then those of the present phase."""
-        then, front = self.picture.then, {panel.title for panel in self.picture.front}
-        actions = [(each, panel) for panel in self.picture.panels for each in panel.actions]
+        then, front = self.state.then, {panel.title for panel in self.state.front}
+        actions = [(each, panel) for panel in self.state.panels for each in panel.actions]
         actions.sort(key=lambda pair: pair[1].title not in front)
         actions.sort(key=lambda pair: (pair[0].name not in then, *map(pair[0].name.__ne__, then)))
         for action, panel in actions:
             cap = self.console_app.caps.get(action.name, KeyCap(action.key))
-            said = quoted(self.picture, action.name, self.glyphs)
+            said = quoted(self.state, action.name, self.glyphs)
             where = panel.title if not action.help else f"{panel.title}: {action.help}"
             request = AskAction(action=action.name, source="palette")
             yield SearchItem(
@@ -154,14 +154,14 @@ class FindDialog(SearchDialog[SearchItem]):
             )
 
     def _phases(self) -> Iterable[SearchItem]:
-        for phase in self.picture.settings.phases:
+        for phase in self.state.settings.phases:
             request = AskPhase(phase=phase.name, source="palette")
             name = f"Phase {phase.heading}"
             yield SearchItem(name, "", "phase", functools.partial(self.requests.ask, request), name)
 
     def _locks(self) -> Iterable[SearchItem]:
-        for panel in self.picture.panels:
-            locked = self.picture.is_locked(panel)
+        for panel in self.state.panels:
+            locked = self.state.is_locked(panel)
             word = "Unlock" if locked else "Lock"
             request = AskLock(panel=panel.title, locked=not locked)
             name = f"{word} {panel.title}"
@@ -169,7 +169,7 @@ class FindDialog(SearchDialog[SearchItem]):
 
     def _orders(self) -> Iterable[SearchItem]:
         """What the hand may do to the engagement model, in a session that has one."""
-        if is_offered(self.picture.engaged, self.picture.verbs):
+        if is_offered(self.state.engaged, self.state.verbs):
             for order in OVERRIDES:
                 do = functools.partial(steer, self.console_app, order)
                 yield SearchItem(order.text, "", "engagement", do, order.text)
@@ -177,7 +177,7 @@ class FindDialog(SearchDialog[SearchItem]):
     def _robots(self) -> Iterable[SearchItem]:
         """What a robot can do that needs no button."""
         key = self.console_app.key_of("find")
-        for driver, order in offered_calls(self.picture):
+        for driver, order in offered_calls(self.state):
             args = dict(order.args)
             request = AskVerb(verb=order.verb, args=args, on=driver, source="key", key=key)
             do = functools.partial(self.requests.ask, request)
@@ -187,10 +187,10 @@ class FindDialog(SearchDialog[SearchItem]):
         app = self.console_app
         for name, command in app.commands.items():
             bound = name in app.keymap.builtins or not command.keys[0].chord
-            serves = bound and command.found and command.serves(self.picture.role)
+            serves = bound and command.found and command.serves(self.state.role)
             if name == command.name and serves:
                 key, words = key_name(app.key_of(name), self.glyphs), command.words
-                said = quoted(self.picture, name.replace("_", " ", 1), self.glyphs)  # of a repair
+                said = quoted(self.state, name.replace("_", " ", 1), self.glyphs)  # of a repair
                 do = functools.partial(app.do, name)
                 yield SearchItem(words, key, said or "console", do, words, said)
 

@@ -26,17 +26,17 @@ class HelpDialog(ReportDialog):
     def lines(self) -> list[Row]:
         """Key and meaning, one a line."""
         rows: list[Row] = [((_SIGNS, "muted"),), (), (("Console", "title"),)]
-        offered = {verb for verbs in self.picture.verbs.values() for verb in verbs}
+        offered = {verb for verbs in self.state.verbs.values() for verb in verbs}
         bound = self.console_app.keymap.builtins
         for command in dict.fromkeys(self.console_app.commands.values()):
             if command.verb in {"", *offered}:
-                note = "" if command.serves(self.picture.role) else "for the wizard"
+                note = "" if command.serves(self.state.role) else "for the wizard"
                 for key in command.keys:
                     if (found := bound.get(key.id)) is not None:
                         rows += self._key(cap_of(found), found.wanted, key.description, note)
         rows += self._by_hand()
-        for panel in self.picture.panels:
-            locked = "  locked" if self.picture.is_locked(panel) else ""
+        for panel in self.state.panels:
+            locked = "  locked" if self.state.is_locked(panel) else ""
             rows += [(), ((panel.title, "title"), (locked, "muted"))]
             for action in panel.actions:
                 cap = self.console_app.caps.get(action.name, KeyCap(action.key))
@@ -45,7 +45,7 @@ class HelpDialog(ReportDialog):
 
     def _by_hand(self) -> list[Row]:
         """Keys of the engagement model, in a session that has one."""
-        if not is_offered(self.picture.engaged, self.picture.verbs):
+        if not is_offered(self.state.engaged, self.state.verbs):
             return []
         key = self.console_app.key_of("engagement")
         opens = f"after {key_name(key, self.glyphs)} and Tab" if key else ""

@@ -19,12 +19,12 @@ class KnobsDialog(DrawingDialog):
 
     def count(self) -> int:
         """Panels of the session."""
-        return len(panel_outlines(self.picture.outlines))
+        return len(panel_outlines(self.state.outlines))
 
     def rows(self, chosen: int, frame: PaintFrame) -> list[Row]:
         """The chosen panel with its name."""
-        outline = panel_outlines(self.picture.outlines)[chosen]
-        moved = self.picture.session.controls.get(outline.driver)
+        outline = panel_outlines(self.state.outlines)[chosen]
+        moved = self.state.session.controls.get(outline.driver)
         knobs = moved or ControlsMoved(driver=outline.driver, values={})
         title: Row = (
             (clean(outline.driver), "title"),
@@ -34,8 +34,8 @@ class KnobsDialog(DrawingDialog):
         return [title, *panel_rows(PanelState(outline, knobs, self._old(outline, frame)), inner)]
 
     def _old(self, outline: PanelOutline, frame: PaintFrame) -> str:
-        driver = self.picture.drivers.get(outline.driver)
-        if self.picture.lost:
+        driver = self.state.drivers.get(outline.driver)
+        if self.state.lost:
             return "the robot process is gone"
         if driver is None or driver.health != "lost":
             return ""

@@ -23,8 +23,8 @@ class LeaveDialog(ChoiceDialog):
     def lines(self) -> list[Row]:
         """Where the log is, and what would be cut off."""
         warning = self.glyphs.warning
-        cut: list[Row] = [((f"{warning} {told}", "warn"),) for told in cut_off(self.picture.study)]
-        log = self.picture.log
+        cut: list[Row] = [((f"{warning} {told}", "warn"),) for told in cut_off(self.state.study)]
+        log = self.state.log
         rows: list[Row] = [(("log: ", "muted"), (log or "none", "plain"))]
         if gets_participant(log):
             rows.append((("its name gets the participant's code at the end", "muted"),))
@@ -47,16 +47,16 @@ class LeaveDialog(ChoiceDialog):
         """End it; what is to be asked at the end is offered first, unless something is being
         asked: then the dialog has told of it.
         """
-        study = self.picture.study
+        study = self.state.study
         due = study.unasked() if study.asked is None else []
-        if due and self.picture.role == "wizard":
+        if due and self.state.role == "wizard":
             self.console_app.open_dialog(OfferDialog(due[0], self._end))
         else:
             self._end()
 
     def _end(self) -> None:
         """With what was typed offered for the file."""
-        if self.picture.role == "wizard" and has_typed(self.picture):
+        if self.state.role == "wizard" and has_typed(self.state):
             self.console_app.open_dialog(KeepTypedDialog(self.requests.end_session))
         else:
             self.requests.end_session()

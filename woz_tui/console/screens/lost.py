@@ -17,7 +17,7 @@ from woz_tui.log.file_names import current_path
 def open_lost(app: ConsoleApp) -> None:
     """The robot process is gone: say so and offer what can be done."""
     if not app.requests.ending:
-        app.open_dialog(EndedDialog() if app.picture.ended else LostDialog())
+        app.open_dialog(EndedDialog() if app.state.ended else LostDialog())
 
 
 def close_lost(app: ConsoleApp) -> None:
@@ -39,12 +39,12 @@ class LostDialog(ChoiceDialog):
 
     def lines(self) -> list[Row]:
         """What happened, and what is safe."""
-        picture = self.picture
+        state = self.state
         return [
-            ((f"{self.glyphs.error} {picture.lost}", "bad"),),
+            ((f"{self.glyphs.error} {state.lost}", "bad"),),
             (("No key reaches the robot from here until it is back, not even the stop.", "plain"),),
             (("Everything up to this moment is in the log:", "plain"),),
-            ((_log(picture.log) or "(the log is not known)", "strong"),),
+            ((_log(state.log) or "(the log is not known)", "strong"),),
         ]
 
     def choices(self) -> Sequence[ListChoice]:
@@ -68,10 +68,10 @@ class EndedDialog(ChoiceDialog):
         """Why, and where the log is."""
         typed: Row = (("The sentences typed in it are in the log too.", "plain"),)
         return [
-            ((f"It was ended: {self.picture.ended}.", "plain"),),
+            ((f"It was ended: {self.state.ended}.", "plain"),),
             (("The log is finished:", "plain"),),
-            ((_log(self.picture.log), "strong"),),
-            *([typed] if has_typed(self.picture) else []),
+            ((_log(self.state.log), "strong"),),
+            *([typed] if has_typed(self.state) else []),
         ]
 
     def choices(self) -> Sequence[ListChoice]:

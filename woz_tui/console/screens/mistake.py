@@ -23,7 +23,7 @@ class MistakeDialog(ChoiceDialog):
     hint = "enter labels it in the log · ctrl+q closes"
 
     def _events(self) -> list[EventLine]:
-        runs = [event for event in self.picture.events if event.run]
+        runs = [event for event in self.state.events if event.run]
         return runs[::-1][:OFFERED]
 
     def lines(self) -> list[Row]:

@@ -22,20 +22,20 @@ from woz_tui.console.screens.dialog import Completion, ConsoleApp, EntryDialog, 
 MATCHES = 8
 
 
-def players(picture: ConsoleState) -> list[str]:
+def players(state: ConsoleState) -> list[str]:
     """Drivers that play animations."""
-    return [name for name, verbs in picture.verbs.items() if "play" in verbs]
+    return [name for name, verbs in state.verbs.items() if "play" in verbs]
 
 
-def known_moves(picture: ConsoleState, driver: str) -> list[str]:
+def known_moves(state: ConsoleState, driver: str) -> list[str]:
     """Names that the driver is known to play; it may play others."""
-    outline = picture.robot_outlines.get(driver)
+    outline = state.robot_outlines.get(driver)
     return outline.moves if outline is not None else []
 
 
 def open_move(app: ConsoleApp) -> None:
     """Type an animation, where one can be played."""
-    if players(app.picture):
+    if players(app.state):
         app.open_dialog(MoveDialog())
     else:
         app.news("No driver plays animations")
@@ -74,9 +74,9 @@ class MoveDialog(EntryDialog):
         yield Static("", id="player", classes="caption")
 
     def _adopt(self) -> None:
-        playing = players(self.picture)
+        playing = players(self.state)
         self._driver = playing[self._player % len(playing)] if playing else ""
-        self._names = list(dict.fromkeys(known_moves(self.picture, self._driver)))
+        self._names = list(dict.fromkeys(known_moves(self.state, self._driver)))
         self.entry.suggester = Completion(self._suggest)
         text = f"robot: {self._driver}  (ctrl+o: another)" if len(playing) > 1 else ""
         self.update("player", plain(text))

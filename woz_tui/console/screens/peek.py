@@ -24,7 +24,7 @@ class PeekDialog(LiveReportDialog):
 
     def lines(self) -> list[Row]:
         """The action of the key pressed last; before, the script's next one."""
-        action = self._action or ("" if self._typed else upcoming(self.picture))
+        action = self._action or ("" if self._typed else upcoming(self.state))
         if action:
             return self._of(action)
         if self._typed:
@@ -40,33 +40,33 @@ class PeekDialog(LiveReportDialog):
         return ((f"{key} ", "key"), (app.commands[own].words, "strong"))
 
     def _of(self, name: str) -> list[Row]:
-        app, picture, glyphs = self.console_app, self.picture, self.glyphs
+        app, state, glyphs = self.console_app, self.state, self.glyphs
         panel = next(
-            (each for each in picture.panels if any(a.name == name for a in each.actions)), None
+            (each for each in state.panels if any(a.name == name for a in each.actions)), None
         )
-        view = picture.action(name)
+        view = state.action(name)
         key = caption(app.caps.get(name, KeyCap("")), glyphs)
         where = panel.title if panel is not None else ""
         rows: list[Row] = [
             (
                 (f"{key} " if key else "", "key"),
-                (picture.label(name), "strong"),
+                (state.label(name), "strong"),
                 (f"  {where}", "muted"),
             )
         ]
         if view is not None and view.help:
             rows.append(((view.help, "muted"),))
-        if name == upcoming(picture):
+        if name == upcoming(state):
             script = key_name(app.key_of("script_next"), glyphs)
             rows.append(((f"{script} plays it next", "muted"),))
-        if (panel is not None and picture.is_locked(panel)) or (view is not None and view.locked):
+        if (panel is not None and state.is_locked(panel)) or (view is not None and view.locked):
             rows.append((("It is locked and plays nothing.", "warn"),))
-        said = picture.sentence(name)
+        said = state.sentence(name)
         if said == HIDDEN_TEXT:
             rows += [(), ((KEPT, "muted"),)]
         elif said:
             rows += [(), ((f"{glyphs.opening}{said}{glyphs.closing}", "plain"),)]
-        steps = [glyphs.plain(step_words(step)) for step in picture.steps(name)]
+        steps = [glyphs.plain(step_words(step)) for step in state.steps(name)]
         if not said or len(steps) > 1 or " + " in "".join(steps):
             rows.append(())
             rows += [((f"{n}. ", "muted"), (step, "plain")) for n, step in enumerate(steps, 1)]
@@ -88,6 +88,6 @@ class PeekDialog(LiveReportDialog):
         self._typed = both if both in keys.table else chord
         own = keys.builtin_table.get(chord, "")
         repair = own.replace("_", " ", 1) if own.startswith("repair_") else ""
-        played = upcoming(self.picture) if own == "script_next" else repair
+        played = upcoming(self.state) if own == "script_next" else repair
         self._action = keys.table.get(self._typed, played)
         self.refreshed()

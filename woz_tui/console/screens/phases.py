@@ -32,13 +32,13 @@ class PhasesDialog(ChoiceDialog):
 
     @property
     def _phases(self) -> Sequence[PhaseView]:
-        return self.picture.settings.phases
+        return self.state.settings.phases
 
     def choices(self) -> Sequence[ListChoice]:
         """All phases of the file, in its order; a refusal is shown above the hints."""
         phases = self._phases
         width = min(TITLE, max((cell_len(clean(each.heading)) for each in phases), default=1))
-        following = self.picture.session.study.next_phase(phases)
+        following = self.state.session.study.next_phase(phases)
         self.first = phases.index(following) if following is not None else None
         return [
             ListChoice(
@@ -53,18 +53,18 @@ class PhasesDialog(ChoiceDialog):
         ]
 
     def _mark(self, phase: PhaseView) -> str:
-        study = self.picture.session.study
+        study = self.state.session.study
         if study.phase is not None and study.phase.label == phase.name:
             return self.glyphs.here
         return self.glyphs.done if phase.name in study.phases else " "
 
     def _about(self, phase: PhaseView) -> str:
-        study, picture = self.picture.session.study, self.picture
+        study, state = self.state.session.study, self.state
         parts = []
         if study.phase is not None and study.phase.label == phase.name:
             parts.append("present")
         elif not study.can_begin(phase, self._phases):
-            parts.append(f"after {' or '.join(map(picture.heading, phase.after))}")
+            parts.append(f"after {' or '.join(map(state.heading, phase.after))}")
         if phase.planned:
             parts.append(f"planned {elapsed(round(phase.planned * 1_000_000))}")
         if phase.panels:

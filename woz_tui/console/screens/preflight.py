@@ -46,10 +46,10 @@ def _findings(data: object) -> list[Finding]:
     return found
 
 
-def key_findings(picture: ConsoleState, caps: Mapping[str, KeyCap]) -> list[Finding]:
+def key_findings(state: ConsoleState, caps: Mapping[str, KeyCap]) -> list[Finding]:
     """What the console itself knows: keys of the file that this terminal cannot send."""
     findings = []
-    for panel in picture.panels:
+    for panel in state.panels:
         for action in panel.actions:
             cap = caps.get(action.name)
             if cap is not None and cap.why:
@@ -59,9 +59,9 @@ def key_findings(picture: ConsoleState, caps: Mapping[str, KeyCap]) -> list[Find
     return findings or [Finding("ok", "keys", "all keys of the file reach the robot")]
 
 
-def sign_findings(picture: ConsoleState) -> list[Finding]:
+def sign_findings(state: ConsoleState) -> list[Finding]:
     """Signs of the engagement model that nobody has given so far."""
-    shown = picture.engaged.shown
+    shown = state.engaged.shown
     if shown is None:
         return []
     wanted = [name for name in signs_of(shown) if name in shown.uses]
@@ -129,7 +129,7 @@ class PreflightDialog(ReportDialog):
 
     def body(self) -> Iterable[Widget]:
         """The human's list, then the findings."""
-        self._shown = dict(self.picture.study.checks)
+        self._shown = dict(self.state.study.checks)
         if self._shown:
             yield Static("You check these", classes="caption")
             yield OptionList(*map(self._check, self._shown), id="checks")
@@ -164,7 +164,7 @@ class PreflightDialog(ReportDialog):
         for choices in self.query("#checks").results(OptionList):
             if choices.has_focus and choices.highlighted is not None:
                 check = list(self._shown)[choices.highlighted]
-                request = AskCheck(check=check, ok=not self.picture.study.checks.get(check, False))
+                request = AskCheck(check=check, ok=not self.state.study.checks.get(check, False))
                 self.requests.ask(request, self._ticked)
                 return True
         return False
@@ -176,7 +176,7 @@ class PreflightDialog(ReportDialog):
 
     def refreshed(self) -> None:
         """Show ticks as they come, also those of another console."""
-        known = self.picture.study.checks
+        known = self.state.study.checks
         if known == self._shown:
             return
         changed = [check for check in self._shown if known.get(check) != self._shown[check]]
@@ -215,8 +215,8 @@ class PreflightDialog(ReportDialog):
             *terminal,
             line_finding(app.feed.round_trip_us),
             kind_finding(app.terminal),
-            *sign_findings(self.picture),
-            *key_findings(self.picture, app.caps),
+            *sign_findings(self.state),
+            *key_findings(self.state, app.caps),
         ]
         self._findings.sort(key=lambda found: _ORDER.get(found.level, len(_ORDER)))
         self._judge()
@@ -228,7 +228,7 @@ class PreflightDialog(ReportDialog):
         if reply is None or self._terminal is None:
             return
         levels = Counter(found.level for found in self._findings)
-        unticked = len(self.picture.study.unticked())
+        unticked = len(self.state.study.unticked())
         if not reply.ok:
             self._said = refusal_text(reply)
         elif levels["error"] or levels["warning"] or unticked:

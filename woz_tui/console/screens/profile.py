@@ -26,13 +26,13 @@ class ProfileDialog(ChoiceDialog):
 
     def lines(self) -> list[Row]:
         """What a profile is; where there is none, that the file names none."""
-        if self.picture.profiles.names:
+        if self.state.profiles.names:
             return [(("The stop, markers and notes count in each of them.", "muted"),)]
         return [(("The experiment file names no profiles.", "muted"),)]
 
     def choices(self) -> Sequence[ListChoice]:
         """Everything first, then the file's; each with what it allows."""
-        self._shown = self.picture.profiles
+        self._shown = self.state.profiles
         self._names = self._shown.offered
         self.first = self._names.index(self._shown.current)
         return [
@@ -55,7 +55,7 @@ class ProfileDialog(ChoiceDialog):
 
     def refreshed(self) -> None:
         """Somebody else may change it while the list is open: the lines stay, the mark moves."""
-        known = self.picture.profiles
+        known = self.state.profiles
         for choices in self.query("#choices").results(OptionList):
             if known != self._shown:
                 self._shown = known
@@ -64,5 +64,5 @@ class ProfileDialog(ChoiceDialog):
 
     def _use(self, name: str) -> None:
         """Ask for it, unless it is in use; a refusal is shown above the hints."""
-        if name != self.picture.profiles.current:
+        if name != self.state.profiles.current:
             self.requests.ask(AskProfile(profile=name, source="key"))

@@ -39,10 +39,10 @@ class QuestionnaireDialog(Dialog):
 
     def refreshed(self) -> None:
         """Follow what is asked."""
-        asked, lost = self.picture.study.asked, bool(self.picture.lost)
+        asked, lost = self.state.study.asked, bool(self.state.lost)
         for sheet in self.query(QuestionnaireSheet):
-            words = self.picture.settings.study.words
-            self._over = asked is None and not lost and self.picture.welcomed
+            words = self.state.settings.study.words
+            self._over = asked is None and not lost and self.state.welcomed
             if asked is not None:
                 self._shown = True
                 sheet.follow(asked, words=words)

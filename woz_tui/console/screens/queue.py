@@ -24,7 +24,7 @@ class QueueDialog(LiveReportDialog):
     def lines(self) -> list[Row]:
         """A paragraph for each lane in which something waits."""
         lanes: dict[str, list[CommandEpisode]] = {}
-        for command in self.picture.runs.waiting:
+        for command in self.state.runs.waiting:
             lanes.setdefault(self._lane(command), []).append(command)
         rows: list[Row] = []
         for lane, waiting in lanes.items():
@@ -36,7 +36,7 @@ class QueueDialog(LiveReportDialog):
         return [*rows, empties] if key else rows
 
     def _at_work(self, lane: str) -> Iterable[Row]:
-        for command in self.picture.session.commands.values():
+        for command in self.state.session.commands.values():
             if command.started is not None and self._lane(command) == lane:
                 yield ((f"{'runs':>10}  ", "run"), (self._what(command), "run"))
 
@@ -46,9 +46,9 @@ class QueueDialog(LiveReportDialog):
 
     def _lane(self, command: CommandEpisode) -> str:
         request = command.request
-        lane = self.picture.settings.lanes.get(request.driver, {}).get(request.verb, request.verb)
+        lane = self.state.settings.lanes.get(request.driver, {}).get(request.verb, request.verb)
         return f"{request.driver} {lane}"
 
     def _what(self, command: CommandEpisode) -> str:
         request = command.request
-        return self.picture.label(request.action) if request.action else command_words(request)
+        return self.state.label(request.action) if request.action else command_words(request)

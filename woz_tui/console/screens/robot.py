@@ -65,7 +65,7 @@ class RobotDialog(DrawingDialog):
     def on_mount(self) -> None:
         """Now the app is known: its keys, its requests."""
         app = self.console_app
-        if app.picture.replay is None:
+        if app.state.replay is None:
             self.own_keys |= _FAR - app.keymap.table.keys()
         else:
             self._only_look()
@@ -77,12 +77,12 @@ class RobotDialog(DrawingDialog):
         """Made when it is first needed: a painting may come before the mounting."""
         key = self.console_app.key_of("robot")
         return SettingRequests(
-            self.picture, self.requests.ask, self.requests.refused, key, watched=lambda: self._open
+            self.state, self.requests.ask, self.requests.refused, key, watched=lambda: self._open
         )
 
     @cached_property
     def _viewer(self) -> SettingViewer:
-        return SettingViewer(self.picture, self.glyphs, self.requests.arrows, self._hand)
+        return SettingViewer(self.state, self.glyphs, self.requests.arrows, self._hand)
 
     def _first_line(self) -> int:
         """Where it opens: without a robot where one is taken, with settings that differ at the
@@ -91,9 +91,9 @@ class RobotDialog(DrawingDialog):
         if not self.count():
             return 0
         lines, driver = self._lines(), self._driver
-        shown = self.picture.session.robots.shown.get(driver)
+        shown = self.state.session.robots.shown.get(driver)
         wanted = shown.wanted if shown is not None else {}
-        if is_stale(self.picture, driver):
+        if is_stale(self.state, driver):
             found = [number for number, line in enumerate(lines) if line.kind is LineKind.ROBOT]
         else:
             found = [number for number, line in enumerate(lines) if line.setting.name in wanted]
@@ -121,7 +121,7 @@ class RobotDialog(DrawingDialog):
 
     def count(self) -> int:
         """Robots of the session."""
-        return len(self.picture.robot_outlines)
+        return len(self.state.robot_outlines)
 
     def nothing(self) -> str:
         """What stands there in a session without such a robot."""
@@ -134,7 +134,7 @@ class RobotDialog(DrawingDialog):
     def rows(self, chosen: int, frame: PaintFrame) -> list[Row]:
         """The chosen robot."""
         self._hand.settle(frame.now)
-        driver, outline = list(self.picture.robot_outlines.items())[chosen]
+        driver, outline = list(self.state.robot_outlines.items())[chosen]
         view = self._viewer.see(driver, outline, frame.now)
         self._line = min(self._line, max(0, len(view.lines) - 1))
         self._top = scrolled(view.lines, self._line, self._top, frame)
@@ -165,10 +165,10 @@ class RobotDialog(DrawingDialog):
 
     @property
     def _driver(self) -> str:
-        return list(self.picture.robot_outlines)[self._chosen % self.count()]
+        return list(self.state.robot_outlines)[self._chosen % self.count()]
 
     def _lines(self) -> list[SettingLine]:
-        return self._viewer.lines(self._driver, self.picture.robot_outlines[self._driver])
+        return self._viewer.lines(self._driver, self.state.robot_outlines[self._driver])
 
     def _walk(self, chord: str) -> None:
         last = max(0, len(self._lines()) - 1)

@@ -46,13 +46,13 @@ def complete(text: str, utterances: Iterable[str], variables: Iterable[str]) -> 
     return None
 
 
-def utterances_of(picture: ConsoleState, said: Iterable[str]) -> list[str]:
+def utterances_of(state: ConsoleState, said: Iterable[str]) -> list[str]:
     """What was typed before, newest first, then all the session's utterances."""
     told = [
         utterance
-        for panel in picture.panels
+        for panel in state.panels
         for action in panel.actions
-        for utterance in action.utterances or [picture.sentence(action.name)]
+        for utterance in action.utterances or [state.sentence(action.name)]
         if utterance and utterance != HIDDEN_TEXT
     ]
     return list(dict.fromkeys([*reversed(list(said)), *told]))
@@ -83,7 +83,7 @@ class SayDialog(EntryDialog):
         """Utterances as they are now."""
         if not self.there:
             return
-        self._utterances = utterances_of(self.picture, self.requests.said)
+        self._utterances = utterances_of(self.state, self.requests.said)
         self.entry.suggester = Completion(self._suggest)
         self.watch(self.entry, "selection", self._show_matches, init=False)  # the caret
         self._show_voice()
@@ -94,7 +94,7 @@ class SayDialog(EntryDialog):
         yield Static("", id="voice", classes="caption")
 
     def _voices(self) -> list[str]:
-        return [name for name, verbs in self.picture.verbs.items() if "say" in verbs]
+        return [name for name, verbs in self.state.verbs.items() if "say" in verbs]
 
     def _show_voice(self) -> None:
         voices = self._voices()
@@ -112,7 +112,7 @@ class SayDialog(EntryDialog):
         """Of the robot that speaks; an empty one where it tells of none."""
         voices = self._voices()
         name = voices[self._voice] if voices else ""
-        return self.picture.robot_outlines.get(name) or RobotOutline()
+        return self.state.robot_outlines.get(name) or RobotOutline()
 
     def _offers(self, text: str, caret: int) -> tuple[PartialTag | None, list[TagOffer]]:
         """The tag that is being typed, and what it may become."""
@@ -177,7 +177,7 @@ class SayDialog(EntryDialog):
         begun, offered = self._offers(text, caret)
         if begun is not None:
             return completed(text, begun, offered[0]) if offered else (None, caret)
-        whole = complete(text, self._utterances, self.picture.variables)
+        whole = complete(text, self._utterances, self.state.variables)
         return whole, len(whole or "")
 
     @property

@@ -122,20 +122,20 @@ class StartDialog(FormDialog):
 
     def body(self) -> Iterable[Widget]:
         """Fields filled in with what holds now."""
-        picture = self.picture
+        state = self.state
         yield Static("Code of the participant (never a name)", classes="caption")
         yield Input(clean(self._present()), placeholder=clean(self._pattern()), id="participant")
         own = Static("Order (edit to override)", classes="caption", id="order-caption")
         for field in (Static("", id="proposal"), own, Input(id="order")):
             field.display = False
             yield field
-        if picture.conditions:
+        if state.conditions:
             yield Static("Condition", classes="caption one")
             with ConditionList(id="condition"):
-                for condition in picture.conditions:
-                    yield ConditionButton(condition, condition == picture.condition, self.glyphs)
+                for condition in state.conditions:
+                    yield ConditionButton(condition, condition == state.condition, self.glyphs)
         yield Static("Trial (may stay empty)", classes="caption")
-        yield Input("" if picture.trial is None else str(picture.trial), id="trial")
+        yield Input("" if state.trial is None else str(state.trial), id="trial")
         yield Static("", id="wrong", classes="wrong")
 
     def on_mount(self) -> None:
@@ -144,10 +144,10 @@ class StartDialog(FormDialog):
 
     def _present(self) -> str:
         """Who takes part; nobody yet: whoever did before the robot process was lost."""
-        return self.picture.participant or self.picture.before
+        return self.state.participant or self.state.before
 
     def _pattern(self) -> str:
-        found = example(self.picture.settings.participant_pattern or PATTERN)
+        found = example(self.state.settings.participant_pattern or PATTERN)
         return f"e.g. {found}" if found else ""
 
     # -- what is proposed -----------------------------------------------------------------------
@@ -165,7 +165,7 @@ class StartDialog(FormDialog):
         self.complain("")
         self._propose(None)
         self._accepts, self._refused = False, ""
-        self._awaited = self.picture.study.designed and bool(code)
+        self._awaited = self.state.study.designed and bool(code)
         if self._awaited:
             self.requests.ask(
                 AskProposal(participant=code), functools.partial(self._proposed, code)
@@ -201,8 +201,8 @@ class StartDialog(FormDialog):
         self.query_one("#order", Input).value = ", ".join(proposal.order)
         if proposal.trial is not None:
             self.query_one("#trial", Input).value = str(proposal.trial)
-        if proposal.condition in self.picture.conditions:
-            chosen = self.picture.conditions.index(proposal.condition)
+        if proposal.condition in self.state.conditions:
+            chosen = self.state.conditions.index(proposal.condition)
             for button in list(self.query(ConditionButton))[chosen : chosen + 1]:
                 button.value = True
 
@@ -239,9 +239,9 @@ class StartDialog(FormDialog):
 
     def _assign(self, code: str, trial: int | None) -> None:
         """The order, unless it is the participant's already: then only another trial."""
-        picture, order = self.picture, self._order()
-        if code == picture.participant and tuple(order) == picture.study.order:
-            self._assigned(trial if trial != picture.trial else None, Reply(ref=0, ok=True))
+        state, order = self.state, self._order()
+        if code == state.participant and tuple(order) == state.study.order:
+            self._assigned(trial if trial != state.trial else None, Reply(ref=0, ok=True))
             return
         assign = AskAssign(participant=code, order=order)
         other = trial if self._proposal is not None and trial != self._proposal.trial else None
@@ -266,19 +266,19 @@ class StartDialog(FormDialog):
         """Why the order in its field cannot be, or an empty string."""
         if self._proposal is None or len(self._proposal.order) == 1:
             return self._no_condition()
-        known = self.picture.conditions
+        known = self.state.conditions
         unknown = [name for name in self._order() if name not in known]
         if unknown:
             return f"There is no condition {unknown[0]!r}; there are: {', '.join(known)}"
         return "" if self._order() else "An order needs conditions."
 
     def _condition(self) -> str | None:
-        if not self.picture.conditions:
+        if not self.state.conditions:
             return None
         index = self.query_one("#condition", RadioSet).pressed_index
-        return self.picture.conditions[index] if index >= 0 else None
+        return self.state.conditions[index] if index >= 0 else None
 
     def _no_condition(self) -> str:
-        if self.picture.conditions and self._condition() is None:
+        if self.state.conditions and self._condition() is None:
             return self._refused or "Choose a condition."
         return ""

@@ -16,8 +16,8 @@ from woz_tui.protocol.requests import AskTraining
 
 def open_training(app: ConsoleApp) -> None:
     """Offer to begin, or show the score, as far as the training is."""
-    training = app.picture.session.training
-    if training is not None and app.picture.role == "wizard":
+    training = app.state.session.training
+    if training is not None and app.state.role == "wizard":
         if training.state == "waits":
             app.open_dialog(BeginDialog(training))
         elif training.state == "over":
@@ -26,7 +26,7 @@ def open_training(app: ConsoleApp) -> None:
 
 def open_trial(app: ConsoleApp) -> None:
     """Trials and breaks; before a training its beginning."""
-    training = app.picture.session.training
+    training = app.state.session.training
     if training is not None and training.state == "waits":
         open_training(app)
     else:

@@ -47,7 +47,7 @@ class TrialDialog(Dialog):
 
     def body(self) -> Iterable[Widget]:
         """Where the session stands, what can be done, a field for a word."""
-        self._steps = trial_steps(self.picture.study)
+        self._steps = trial_steps(self.state.study)
         yield Static(content(self.lines()), id="stands")
         yield OptionList(*map(self._line, self._steps), id="choices")
         field = Input(placeholder="why, in a word (may stay empty)", id="why")
@@ -59,7 +59,7 @@ class TrialDialog(Dialog):
 
     def lines(self) -> list[Row]:
         """Trial or break with its time, the order of the conditions."""
-        study, now = self.picture.study, self.now
+        study, now = self.state.study, self.now
         first: Row = ((trial_status(study, now), "strong"),)
         rows: list[Row] = [first]
         if study.order:
@@ -72,7 +72,7 @@ class TrialDialog(Dialog):
 
     def refreshed(self) -> None:
         """The time goes on."""
-        stood = trial_status(self.picture.study, self.now)
+        stood = trial_status(self.state.study, self.now)
         if stood != self._stood:
             self._stood = stood
             self.update("stands", content(self.lines()))
@@ -133,8 +133,8 @@ class OfferDialog(ChoiceDialog):
 
     def lines(self) -> list[Row]:
         """Which one."""
-        one = self.picture.study.questionnaire(self._asked)
-        title = questionnaire_title(self.picture.study, self._asked)
+        one = self.state.study.questionnaire(self._asked)
+        title = questionnaire_title(self.state.study, self._asked)
         count = f"  {len(one.items)} items" if one is not None else ""
         back = "It covers this screen; ctrl+q brings the console back."
         return [((clean(title), "strong"), (count, "muted")), ((back, "plain"),)]
@@ -145,7 +145,7 @@ class OfferDialog(ChoiceDialog):
         there = ListChoice(Content("At the participant's terminal"), partial(ask, here=False))
         return [
             ListChoice(Content("Ask it here"), partial(ask, here=True)),
-            *([there] if self.picture.study.participants else []),
+            *([there] if self.state.study.participants else []),
             ListChoice(Content("Without it" if self._otherwise else "Later"), self._otherwise),
         ]
 
@@ -249,7 +249,7 @@ def questionnaire_title(study: StudyView, name: str) -> str:
 
 def offer_due(app: ConsoleApp) -> None:
     """Offer what is to be asked now, if anything is and nothing is being asked."""
-    study = app.picture.study
+    study = app.state.study
     if study.due and study.asked is None:
         app.open_dialog(OfferDialog(study.due[0]))
 

@@ -16,11 +16,11 @@ from woz_tui.session.typed_actions import NAME, PANEL
 _LOOKS = {"+++": "muted", "---": "muted", "@@ ": "muted"}
 
 
-def has_typed(picture: ConsoleState) -> bool:
+def has_typed(state: ConsoleState) -> bool:
     """Whether sentences were typed in this session."""
     return any(
         action.name.startswith(NAME)
-        for panel in picture.panels
+        for panel in state.panels
         if panel.title == PANEL
         for action in panel.actions
     )
@@ -85,7 +85,7 @@ class KeepTypedDialog(ReportDialog):
         self._rows = [((f"{self.glyphs.error} {reply.reason}", "bad"),)]
         self._rows += [((str(detail), "plain"),) for detail in (*details, reply.hint) if detail]
         self._rows += [(), (("Nothing is lost: the sentences are in the log", "strong"),)]
-        self._rows += [((self.picture.log, "plain"),)] if self.picture.log else []
+        self._rows += [((self.state.log, "plain"),)] if self.state.log else []
 
     def action_write(self) -> None:
         """Write the copy that is shown; with nothing to write, close, but end nothing."""

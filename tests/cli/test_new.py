@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from woz_tui.cli import new
-from woz_tui.cli.new_templates import TEMPLATES
+from woz_tui.cli.new import TEMPLATES
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
 from woz_tui.drivers import plugins

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 import tempfile
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from woz_tui.cli import new_templates as templates
+import msgspec
+
 from woz_tui.cli.check import verdict
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.config.experiment import Experiment, ExperimentError
@@ -25,12 +27,53 @@ from woz_tui.drivers.contract import Driver
 Ask = Callable[[str], str]
 
 
+class Line(msgspec.Struct, frozen=True):
+    """A key with a sentence; `other` is the second condition's, `move` goes with it."""
+
+    key: str
+    label: str
+    text: str
+    other: str = ""
+    move: str = ""
+
+
+class Template(msgspec.Struct, frozen=True):
+    """Phases with their lines in order, and what participants are asked."""
+
+    title: str
+    about: str
+    phases: dict[str, list[Line]]
+    items: dict[str, str]
+
+
+class _TemplateFile(msgspec.Struct, frozen=True):
+    """`new_templates.json`; the lines of `always` are in every template."""
+
+    always: list[Line]
+    templates: dict[str, Template]
+
+
+@dataclass(frozen=True, slots=True)
+class Abilities:
+    """What the robot can do: its gestures by name, and whether it senses who is there."""
+
+    moves: frozenset[str]
+    senses: bool
+
+
+_FILE = msgspec.json.decode(
+    Path(__file__).with_name("new_templates.json").read_bytes(), type=_TemplateFile
+)
+TEMPLATES = _FILE.templates
+_ANY_TIME = "Any time"
+
+
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("file", type=Path, help="the file to write; never one that is there")
     parser.add_argument(
         "--template",
-        choices=tuple(templates.TEMPLATES),
+        choices=tuple(TEMPLATES),
         default="interview",
         help="what the robot does (default: interview)",
     )
@@ -66,8 +109,8 @@ def new(arguments: Namespace, catalogue: Mapping[str, type[Driver]], ask: Ask | 
         return 1
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        offer = _abilities(answers["robot"], path.parent, catalogue)
-        text = templates.written(templates.TEMPLATES[arguments.template], answers, offer)
+        abilities = _abilities(answers["robot"], path.parent, catalogue)
+        text = experiment_text(TEMPLATES[arguments.template], answers, abilities)
         with path.open("x", encoding="utf-8") as file:
             file.write(text)
     except FileExistsError:
@@ -80,7 +123,7 @@ def new(arguments: Namespace, catalogue: Mapping[str, type[Driver]], ask: Ask | 
     except ExperimentError as error:
         path.unlink()
         return _print_refusal(error, answers)
-    _print(path, experiment, offer)
+    _print(path, experiment, abilities)
     return 0
 
 
@@ -92,11 +135,11 @@ def _print_refusal(error: ExperimentError, answers: Mapping[str, str]) -> int:
     return 1
 
 
-def _print(path: Path, experiment: Experiment, offer: templates.Offer) -> None:
+def _print(path: Path, experiment: Experiment, abilities: Abilities) -> None:
     print(f"{path}: written. {verdict(experiment, len(experiment.warnings))}.")
     for warning in experiment.warnings:
         print(f"  {warning}")
-    if not offer.moves:
+    if not abilities.moves:
         print("  This robot has no gestures that the template knows; add `play: ...` yourself.")
     print("Next:")
     for command, what in (
@@ -111,58 +154,55 @@ def _print(path: Path, experiment: Experiment, offer: templates.Offer) -> None:
 # -- the questions ---------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
-class _Question:
-    """One question; `allowed`: what it may be, nothing: any text."""
-
-    name: str
-    text: str
-    usual: str
-    allowed: Sequence[str] = ()
-
-    def answer(self, given: str | None, ask: Ask | None) -> str:
-        """What an option gave, or what is typed; enter takes what is usual."""
-        if given is not None:
-            return given
-        while ask is not None:
-            typed = ask(f"{self.text} [{self.usual}]: ").strip()
-            near = [word for word in self.allowed if typed and word.startswith(typed.lower())]
-            if not typed or not self.allowed:
-                return typed or self.usual
-            if typed in self.allowed or len(near) == 1:
-                return typed if typed in self.allowed else near[0]
-            print(f"  one of: {', '.join(self.allowed)}")
-        return self.usual
+def _answer(
+    given: str | None, ask: Ask | None, text: str, default: str, choices: Sequence[str] = ()
+) -> str:
+    """What an option gave, or what is typed: one of `choices`, if there are any, or the beginning
+    of one. Enter takes the default.
+    """
+    if given is not None:
+        return given
+    while ask is not None:
+        typed = ask(f"{text} [{default}]: ").strip()
+        if not typed or not choices or typed in choices:
+            return typed or default
+        matching = [choice for choice in choices if choice.startswith(typed.lower())]
+        if len(matching) == 1:
+            return matching[0]
+        print(f"  one of: {', '.join(choices)}")
+    return default
 
 
 def _answers(arguments: Namespace, ask: Ask | None) -> dict[str, str]:
-    """The five answers."""
+    """The five answers by the question's name."""
     kind = {True: "study", False: "free", None: None}[arguments.study]
     if kind is None and arguments.conditions is not None:
         kind = "study"
-    robot = _Question("robot", "1 of 5  Robot (simulated, pepper, or a robot file)", "simulated")
-    study = _Question("kind", "2 of 5  A study, or free play?", "study", ("study", "free"))
-    conditions = _Question(
-        "conditions", "3 of 5  Conditions, with commas (or none)", "neutral, empathic"
-    )
-    language = _Question("language", f"4 of 5  Language ({', '.join(shipped())})", DEFAULT)
-    keyboard = _Question("keyboard", "5 of 5  Wizard's keyboard", "us", tuple(LAYOUTS))
-    answers = {"robot": robot.answer(arguments.robot, ask), "kind": study.answer(kind, ask)}
-    answers["conditions"] = ""
+    answers = {
+        "robot": _answer(
+            *(arguments.robot, ask, "1 of 5  Robot (simulated, pepper, or a robot file)"),
+            "simulated",
+        ),
+        "kind": _answer(kind, ask, "2 of 5  A study, or free play?", "study", ("study", "free")),
+        "conditions": "",
+    }
     if answers["kind"] == "study":
-        text = conditions.answer(arguments.conditions, ask)
-        answers["conditions"] = "" if text.strip().lower() == "none" else text
-    answers["language"] = language.answer(arguments.language, ask)
-    answers["keyboard"] = keyboard.answer(arguments.keyboard, ask)
+        text = "3 of 5  Conditions, with commas (or none)"
+        conditions = _answer(arguments.conditions, ask, text, "neutral, empathic")
+        answers["conditions"] = "" if conditions.strip().lower() == "none" else conditions
+    text = f"4 of 5  Language ({', '.join(shipped())})"
+    answers["language"] = _answer(arguments.language, ask, text, DEFAULT)
+    text = "5 of 5  Wizard's keyboard"
+    answers["keyboard"] = _answer(arguments.keyboard, ask, text, "us", tuple(LAYOUTS))
     return answers
 
 
-def _abilities(robot: str, folder: Path, catalogue: Mapping[str, type[Driver]]) -> templates.Offer:
+def _abilities(robot: str, folder: Path, catalogue: Mapping[str, type[Driver]]) -> Abilities:
     """What the robot can do, as an experiment beside the new file would find it.
 
     Raises `ExperimentError` if there is no such robot, or if it cannot speak.
     """
-    trial = f"title: T\nrobot: {templates.robot_of(robot)}\npanels:\n  - title: P\n    actions:\n"
+    trial = f"title: T\nrobot: {_robot(robot)}\npanels:\n  - title: P\n    actions:\n"
     with tempfile.NamedTemporaryFile(
         "w", suffix=".yaml", prefix=".woz-new-", dir=folder, delete=False
     ) as file:
@@ -173,11 +213,123 @@ def _abilities(robot: str, folder: Path, catalogue: Mapping[str, type[Driver]]) 
         with suppress(OSError):
             Path(file.name).unlink()
     verbs = {verb.name: verb for spec in experiment.drivers for verb in spec.verbs}
-    play = verbs.get("play")
-    moves = (
-        next((argument.choices for argument in play.arguments if argument.choices), ())
-        if play
-        else ()
-    )
+    play = verbs["play"].arguments if "play" in verbs else ()
+    moves = next((argument.choices for argument in play if argument.choices), ())
     sensors = {name for spec in experiment.drivers for name in spec.sensors}
-    return templates.Offer(frozenset(moves), {"presence", "gaze", "distance"} <= sensors)
+    return Abilities(frozenset(moves), {"presence", "gaze", "distance"} <= sensors)
+
+
+# -- the file --------------------------------------------------------------------------------------
+
+_HEAD = """\
+# {about}
+# `woz check` finds every mistake; docs/reference/experiment-file.md has every key.
+# The sentences are examples: write your own, in the language of your participants.
+title: {title}
+robot: {robot}
+language: {language}      # of what the console shows to participants
+keyboard: {keyboard}      # of the wizard
+"""
+_DESIGN = """\
+# Everybody gets all conditions, in a balanced order. `within: no`: each gets one.
+design: {order: latin-square}"""
+_QUESTIONNAIRE = """
+questionnaires:
+  - name: after
+    title: How was it?
+    when: {when}
+    scale: {{low: 1, high: 7, ends: [not at all, very much]}}
+    items:"""
+_PREFLIGHT = """
+preflight:                    # you tick these before the first participant (ctrl+f)
+  - The consent form is signed
+  - The participant cannot see the wizard
+"""
+_ENGAGEMENT = """\
+engagement:                   # is somebody there, and with the robot?
+  signals: none
+  handshake: {by: nobody}
+  timeouts: {lost: 2 s, absent: 10 s}   # gone for 10 s: nobody waits any more
+"""
+_REPAIRS = """\
+# Keys that save a dialogue: again, other words, yes, no, I do not know ...
+repairs: {}                   # the sentences of `language`; or your own
+"""
+_LAST_ACTIONS = """\
+      # one of several, in shuffled order, until all were said:
+      - {{key: {key}, label: Let me think, say: {{any: ["Hm, let me think.",\
+ "One moment, please.", "Let me see."]}}}}
+      - {{key: z, label: Marker, mark: look at this again}}
+"""
+_TRAINING = """\
+training:                     # `woz train`: a visitor is simulated, you answer
+  count: 10
+  cues:
+    - {{cue: approach, answers: {first}}}
+    - {{cue: question, says: ["Is that so?", "Really?"], answers: ["Yes", "No"]}}
+    - {{cue: question, says: ["I work here.", "It is warm today."], answers: I see}}
+    - {{cue: leave, answers: {last}}}
+"""
+
+
+def _robot(answer: str) -> str:
+    """The value of `robot:`."""
+    if answer == "pepper":
+        return "{drivers: {pepper: {type: pepper, robots: [simulated]}}}"
+    return answer if answer == "simulated" else json.dumps(answer)
+
+
+def experiment_text(template: Template, answers: Mapping[str, str], abilities: Abilities) -> str:
+    """The whole file; `answers` by the question's name."""
+    return "\n".join(_text_lines(template, answers, abilities))
+
+
+def _text_lines(
+    template: Template, answers: Mapping[str, str], abilities: Abilities
+) -> Iterator[str]:
+    conditions = [name.strip() for name in answers["conditions"].split(",") if name.strip()]
+    is_study = answers["kind"] == "study"
+    robot = _robot(answers["robot"])
+    if answers["robot"] == "pepper":
+        robot += "\n# instead of simulated: your robot's address"
+    yield _HEAD.format(**msgspec.structs.asdict(template), **{**answers, "robot": robot})
+    if is_study:
+        yield 'participants: {pattern: "P\\\\d\\\\d"}   # P01 ... P99: codes, never names'
+        if conditions:
+            yield f"conditions: {json.dumps(conditions, ensure_ascii=False)}"
+        if len(conditions) > 1:
+            yield _DESIGN
+        yield _QUESTIONNAIRE.format(when="condition" if len(conditions) > 1 else "trial")
+        for name, question in template.items.items():
+            yield f"      - {{name: {name}, question: {json.dumps(question)}}}"
+        yield _PREFLIGHT
+    if abilities.senses:
+        yield _ENGAGEMENT
+    yield _REPAIRS
+    yield "panels:"
+    for title, lines in {**template.phases, _ANY_TIME: _FILE.always}.items():
+        yield f"  - title: {title}"
+        yield "    actions:"
+        for line in lines:
+            move = f", play: {line.move}" if line.move in abilities.moves else ""
+            say = _sentence(line, conditions)
+            yield f"      - {{key: {json.dumps(line.key)}, label: {line.label}, say: {say}{move}}}"
+    script = [line for lines in template.phases.values() for line in lines]
+    used = {line.key for line in (*script, *_FILE.always)}
+    yield _LAST_ACTIONS.format(key=next(letter for letter in "lkjvx" if letter not in used))
+    yield "phases:                       # one key goes on; space plays the next line of a phase"
+    after = ""
+    for title, lines in template.phases.items():
+        labels = ", ".join(line.label for line in lines)
+        yield f"  - {{title: {title}, panels: [{title}, {_ANY_TIME}], script: [{labels}]{after}}}"
+        after = f", after: {title}"
+    yield ""
+    if is_study:
+        yield _TRAINING.format(first=script[0].label, last=script[-1].label)
+
+
+def _sentence(line: Line, conditions: list[str]) -> str:
+    """The sentence; one for each condition if they differ."""
+    if len(conditions) < 2 or not line.other:
+        return json.dumps(line.other if not conditions and line.other else line.text)
+    return json.dumps(dict.fromkeys(conditions, line.text) | {conditions[1]: line.other})

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from tests.replay.again import written
 from tests.replay.test_plan import END, LOG, Timed, command, dispatched, done
 from woz_tui.cli import main
-from woz_tui.cli.rerun_headless import RerunLines
+from woz_tui.cli.rerun import RerunLines
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
 from woz_tui.host.experiment_view import ExperimentView, plan_of

@@ -12,8 +12,7 @@ from tests.fakes.terminal import FakeTerminal
 from tests.replay.again import written
 from tests.replay.test_plan import END, LOG, Timed, command, dispatched, done
 from woz_tui.cli import main
-from woz_tui.cli.rerun_headless import RerunLines
-from woz_tui.cli.rerun_table import clock
+from woz_tui.cli.rerun import RerunLines, clock
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
 from woz_tui.protocol import messages as m

@@ -10,7 +10,7 @@ from pathlib import Path
 from woz_tui.analysis.played_actions import PlayedAct, PlayedSession, played_session
 from woz_tui.analysis.session_comparison import BY_COMMANDS, ActPair, Comparison, compare, facts
 from woz_tui.cli.error_sentences import with_error_sentences
-from woz_tui.cli.rerun_table import clock
+from woz_tui.cli.rerun import clock
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.log.log_reader import Damage, files_of, read
 from woz_tui.system.text_cleaning import clean

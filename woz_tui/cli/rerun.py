@@ -6,21 +6,48 @@ The options are declared by `woz replay` (`replay.py`), which calls `play`.
 from __future__ import annotations
 
 import argparse
+import contextlib
+import json
+import os
+import selectors
+import signal
+import socket
 import sys
-from dataclasses import dataclass
+import termios
+import tty
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from woz_tui.cli import rerun_table as table
-from woz_tui.cli.console_start import run_session
+from woz_tui.cli.console_start import ScreenOptions, refusal, run_session
+from woz_tui.cli.demo import demo_file
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.experiment_changes import change_lines, error_lines, redactor_of
-from woz_tui.cli.host_start import Launch, host_arguments
+from woz_tui.cli.host_start import Launch, LaunchError, RobotProcess, host_arguments
 from woz_tui.config.experiment import Experiment, ExperimentError
+from woz_tui.drivers.plugins import installed
 from woz_tui.log.file_names import current_path
-from woz_tui.replay.rerun_plan import RerunPlan
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.requests import AskStop, Hello, Request
+from woz_tui.replay import experiment_origin
+from woz_tui.replay.opened_log import LogError, log_in
+from woz_tui.replay.rerun_plan import RerunPlan, RerunStep, fitted, plan_of, unfit_steps
 from woz_tui.session.redactor import Redactor
+from woz_tui.system.text_cleaning import clean
+from woz_tui.timeline.episodes import OUTCOMES
 
 _YES = "yes"
+#: Ends of commands that are as planned.
+_EXPECTED = (m.Done, m.Stopped, m.Superseded)
+_ESCAPE, _CTRL_C = b"\x1b", b"\x03"
+_STOPPED = 130
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+#: Characters of the arguments that a line of the table has room for.
+ARGS = 56
+#: Different reasons for leaving something out that the summary tells.
+REASONS = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,11 +72,9 @@ def play(arguments: argparse.Namespace) -> int:
     be done or stood against it.
     """
     if not arguments.dry_run and not arguments.headless:
-        from woz_tui.cli import console_start  # noqa: PLC0415
-
-        refused = console_start.refusal()
-        if refused:
-            print(f"woz: {refused} (--headless runs it without a console)", file=sys.stderr)
+        problem = refusal()
+        if problem:
+            print(f"woz: {problem} (--headless runs it without a console)", file=sys.stderr)
             return 2
     return with_error_sentences(lambda: _play(arguments))
 
@@ -64,10 +89,8 @@ def _play(arguments: argparse.Namespace) -> int:
         return 1
     command = _host_command(rerun, arguments)
     if arguments.headless:
-        from woz_tui.cli import rerun_headless  # noqa: PLC0415
-
         launch = Launch([*command, "--headless"])
-        return rerun_headless.watch(launch, _streams(rerun), rerun.redactor)
+        return watch(launch, _streams(rerun), rerun.redactor)
     return _in_console(command)
 
 
@@ -78,20 +101,16 @@ def _check_runnable(rerun: _Rerun, arguments: argparse.Namespace) -> bool:
         print("woz: use --changed to run it nevertheless", file=sys.stderr)
         return False
     if not rerun.plan.sent:
-        print(*table.table(rerun.visible_plan), sep="\n")
+        print(*table_lines(rerun.visible_plan), sep="\n")
         print("woz: this log has no command that can be sent again", file=sys.stderr)
         return False
-    summary = table.summary(rerun.visible_plan, rerun.experiment, headless=arguments.headless)
+    summary = summary_lines(rerun.visible_plan, rerun.experiment, headless=arguments.headless)
     print(*summary, sep="\n")
     return True
 
 
 def _prepare(arguments: argparse.Namespace) -> _Rerun | None:
     """Everything that has to be known before; None after saying why it cannot be."""
-    from woz_tui.replay import experiment_origin  # noqa: PLC0415
-    from woz_tui.replay.opened_log import LogError, log_in  # noqa: PLC0415
-    from woz_tui.replay.rerun_plan import fitted, plan_of  # noqa: PLC0415
-
     try:
         log = log_in(arguments.file)
         plan = plan_of(log)
@@ -105,16 +124,13 @@ def _prepare(arguments: argparse.Namespace) -> _Rerun | None:
     changes = change_lines(plan.origin, experiment, reveal=arguments.reveal)
     redactor = redactor_of(plan.origin, experiment, reveal=arguments.reveal)
     plan = fitted(plan, experiment)
-    return _Rerun(log, experiment, plan, table.redacted(plan, redactor), changes, redactor)
+    return _Rerun(log, experiment, plan, redacted_plan(plan, redactor), changes, redactor)
 
 
 def _load_experiment(
     log: Path, plan: RerunPlan, file: Path | None, *, reveal: bool
 ) -> Experiment | None:
     """The experiment of now; None after saying what is wrong with it."""
-    from woz_tui.drivers.plugins import installed  # noqa: PLC0415
-    from woz_tui.replay import experiment_origin  # noqa: PLC0415
-
     try:
         return experiment_origin.find_experiment(log, plan.origin, installed(), file)
     except ExperimentError as error:
@@ -124,20 +140,15 @@ def _load_experiment(
 
 def _bundled(log: Path, name: str) -> Path | None:
     """The experiment of this name that comes with woz-tui, if there is none near the log."""
-    from woz_tui.cli.demo import demo_file  # noqa: PLC0415
-    from woz_tui.replay.experiment_origin import candidate_files  # noqa: PLC0415
-
     name = Path(name).name
-    return demo_file(name) if name and not candidate_files(log, name) else None
+    return demo_file(name) if name and not experiment_origin.candidate_files(log, name) else None
 
 
 def _dry_run(rerun: _Rerun, arguments: argparse.Namespace) -> int:
     """Moves nothing, needs no robot. 1 if something of it could not be sent."""
-    from woz_tui.replay.rerun_plan import unfit_steps  # noqa: PLC0415
-
-    summary = table.summary(rerun.visible_plan, rerun.experiment, headless=arguments.headless)
-    print(*summary, *table.table(rerun.visible_plan), *rerun.changed, sep="\n")
-    print(table.verdict(rerun.plan))
+    summary = summary_lines(rerun.visible_plan, rerun.experiment, headless=arguments.headless)
+    print(*summary, *table_lines(rerun.visible_plan), *rerun.changed, sep="\n")
+    print(verdict_line(rerun.plan))
     refused = bool(rerun.changed) and not arguments.changed
     return int(refused or bool(unfit_steps(rerun.plan)) or not rerun.plan.sent)
 
@@ -192,8 +203,6 @@ def _streams(rerun: _Rerun) -> frozenset[tuple[str, str]]:
 
 
 def _in_console(command: list[str]) -> int:
-    from woz_tui.cli.console_start import ScreenOptions  # noqa: PLC0415
-
     # Nobody starts it again from the console: the robot would begin from the beginning.
     opened = run_session(command, lambda robot: ScreenOptions(socket=robot.socket))
     if opened is None:
@@ -202,3 +211,291 @@ def _in_console(command: list[str]) -> int:
         print("The session continues, without driving; join it again with `woz attach`.")
     print(f"Log: {current_path(opened.robot.log)}")
     return opened.code
+
+
+# -- the summary before the question, and the dry run ---------------------------------------------
+
+
+def redacted_plan(plan: RerunPlan, redactor: Redactor) -> RerunPlan:
+    """The plan as the wizard may see it."""
+    return replace(plan, steps=tuple(_visible_step(step, redactor) for step in plan.steps))
+
+
+def _visible_step(step: RerunStep, redactor: Redactor) -> RerunStep:
+    command = redactor.message(step.command)
+    if command is step.command or not isinstance(command, m.Command):
+        return step
+    why = "reason is hidden: it could reveal what this study hides from you" if step.skip else ""
+    return replace(step, command=command, skip=why)
+
+
+def summary_lines(plan: RerunPlan, experiment: Experiment, *, headless: bool) -> Iterator[str]:
+    """What will be run, on what, and what will not."""
+    drives = sum(step.drives for step in plan.sent)
+    yield f"session     {plan.session or 'without a code'}  ({clean(plan.name)})"
+    yield f"experiment  {clean(experiment.title)}  ({experiment.path})"
+    yield f"robot       {_robot(plan, experiment)}"
+    yield f"commands    {len(plan.sent)} in {clock(plan.duration)}{_counts(plan)}"
+    if drives:
+        who = (
+            "are refused, because no wizard watches" if headless else "need a wizard at the console"
+        )
+        yield f"drives      {drives}: they {who}"
+    cut = sum(step.cut >= 0 for step in plan.sent)
+    if cut:
+        yield f"cut short   {cut}, at the same moments as in the log"
+    if plan.stops:
+        yield f"stops       {plan.stops} in the log; the stop is not pressed again"
+    for count, reason in _reasons(plan):
+        yield f"left out    {count}: {reason}"
+    if not plan.ended:
+        yield "the log has no end: its session was interrupted, or is still running"
+    for sentence in plan.damage:
+        yield f"damage      {clean(sentence)}"
+
+
+def _robot(plan: RerunPlan, experiment: Experiment) -> str:
+    types = {spec.name: spec.type for spec in experiment.drivers}
+    return ", ".join(f"{clean(name)} ({types.get(name, '?')})" for name in plan.drivers) or "none"
+
+
+def _counts(plan: RerunPlan) -> str:
+    by_driver: dict[str, list[str]] = {}
+    for (driver, verb), count in plan.counts.items():
+        by_driver.setdefault(clean(driver), []).append(f"{count} {clean(verb)}")
+    return "".join(f"\n              {name}: {', '.join(c)}" for name, c in by_driver.items())
+
+
+def _reasons(plan: RerunPlan) -> list[tuple[int, str]]:
+    """The reasons, the most frequent first; rare ones beyond `REASONS` together."""
+    counted = Counter(clean(step.skip) for step in plan.skipped).most_common()
+    reasons = [(count, reason) for reason, count in counted[:REASONS]]
+    rest = sum(count for _, count in counted[REASONS:])
+    return [*reasons, (rest, "for other reasons; --dry-run names each")] if rest else reasons
+
+
+def table_lines(plan: RerunPlan) -> Iterator[str]:
+    """One line for each command of the original, in order."""
+    names = [f"{clean(step.command.driver)}.{clean(step.command.verb)}" for step in plan.steps]
+    width = min(28, max(map(len, names), default=8))
+    yield f"{'time':>10}  {'command':{width}}  {'arguments':{ARGS}}  what"
+    for name, step in zip(names, plan.steps, strict=True):
+        time = clock(step.at - plan.start)
+        yield f"{time:>10}  {name:{width}}  {_args(step):{ARGS}}  {_outcome(step, plan)}"
+
+
+def verdict_line(plan: RerunPlan) -> str:
+    """The last line of a dry run."""
+    text = f"{len(plan.sent)} would be sent, {len(plan.skipped)} left out"
+    impossible = len(unfit_steps(plan))
+    return f"{text}, {impossible} of them because this robot cannot do them" if impossible else text
+
+
+def _outcome(step: RerunStep, plan: RerunPlan) -> str:
+    if step.skip:
+        return f"left out: {clean(step.skip)}"
+    cut = ""
+    if step.cut >= 0:
+        cut = f", cut at {clock(step.cut - plan.start)} ({clean(step.why_cut)})"
+    return f"{'drives' if step.drives else 'sent'}{cut}"
+
+
+def _args(step: RerunStep) -> str:
+    text = clean(json.dumps(step.command.args, ensure_ascii=False)) if step.command.args else ""
+    return text if len(text) <= ARGS else f"{text[: ARGS - 3]}..."
+
+
+def clock(us: int) -> str:
+    """`1:02.345`; before the first command `-0:00.500`."""
+    sign, us = ("-", -us) if us < 0 else ("", us)
+    minutes, rest = divmod(us, 60_000_000)
+    return f"{sign}{minutes}:{rest / 1_000_000:06.3f}"
+
+
+# -- without a console ----------------------------------------------------------------------------
+
+
+@dataclass
+class RerunLines:
+    """The messages of a re-run so far; `lines` returns what is printed for the next one.
+
+    `streams`: driver and verb of setpoints that get no line each. `redactor`: hides what the
+    wizard of then was not to know.
+    """
+
+    streams: frozenset[tuple[str, str]] = frozenset()
+    redactor: Redactor = field(default_factory=Redactor)
+    commands: dict[str, m.Command] = field(default_factory=dict)
+    began: int = 0
+    failed: int = 0
+    ended: m.RerunEnded | None = None
+
+    def lines(self, message: object) -> Iterator[str]:
+        """Lines for `message`; usually one or none."""
+        if isinstance(message, m.Message):
+            visible = self.redactor.message(message)
+            if visible is not None:
+                yield from self._lines(visible)
+
+    def _lines(self, message: m.Message) -> Iterator[str]:
+        match message:
+            case m.RerunStarted():
+                self.began = message.t
+                yield f"{message.commands} commands of {clean(message.original)}"
+            case m.Command(source="replay"):
+                self.commands[message.command] = message
+            case m.RerunSent():
+                yield from self._sent(message)
+            case m.RerunSkipped():
+                yield f"{self._time(message.t)}  {message.original_command} is left out:" + (
+                    f" {clean(message.reason)}"
+                )
+            case m.RerunEnded():
+                self.ended = message
+            case m.Notice(level=level, text=text):
+                yield f"{self._time(message.t)}  {level}: {clean(text)}"
+            case m.DriverLost() | m.DriverFaulted():
+                yield f"{self._time(message.t)}  {message.driver}: {clean(message.detail)}"
+            case m.End():
+                yield from self._end(message)
+
+    def _sent(self, sent: m.RerunSent) -> Iterator[str]:
+        command = self.commands.get(sent.command)
+        if command is None or (command.driver, command.verb) in self.streams:
+            return
+        args = clean(", ".join(f"{name} {value}" for name, value in command.args.items()))
+        what = clean(f"{command.driver}.{command.verb}")
+        yield f"{self._time(sent.due)}  {what} {args[:80]}  ({sent.late_us / 1000:.1f} ms late)"
+
+    def _end(self, end: m.End) -> Iterator[str]:
+        command = self.commands.pop(end.command, None)
+        if command is None or isinstance(end, _EXPECTED):
+            return
+        self.failed += 1
+        how = OUTCOMES[type(end)].replace("_", " ")
+        what = clean(f"{command.driver}.{command.verb}")
+        yield f"{self._time(end.t)}  {what} {how}: {clean(end.reason)}"
+
+    def _time(self, t: int) -> str:
+        return f"{clock(t - self.began):>10}"
+
+
+def watch(launch: Launch, streams: frozenset[tuple[str, str]], redactor: Redactor) -> int:
+    """Print its lines until it ends: 0 if all was done, 130 after a stop from here, else 1."""
+    try:
+        robot = launch.wait()
+    except LaunchError as error:
+        print(error, file=sys.stderr)
+        return 1
+    progress = RerunLines(streams, redactor)
+    stopped = False
+    try:
+        with contextlib.suppress(ConnectionError, FileNotFoundError):  # gone, as is told below
+            stopped = _print_until_closed(robot, progress)
+    except BaseException:
+        launch.abandon()
+        raise
+    print(f"Log: {robot.log}")
+    if stopped:
+        return _STOPPED
+    if progress.ended is None:
+        print(f"woz: the robot process has ended; see {robot.host_log}", file=sys.stderr)
+        return 1
+    return int(progress.ended.reason != "done" or progress.failed > 0)
+
+
+def _print_until_closed(robot: RobotProcess, progress: RerunLines) -> bool:
+    """Print until the robot process closes the connection; whether it was stopped from here."""
+    stopped = False
+    with contextlib.ExitStack() as opened:
+        link = opened.enter_context(_connected(robot.socket))
+        signals = opened.enter_context(_signals())
+        keys = opened.enter_context(_keys())
+        selector = opened.enter_context(selectors.DefaultSelector())
+        selector.register(link, selectors.EVENT_READ)
+        selector.register(signals, selectors.EVENT_READ)
+        if keys is not None:
+            selector.register(keys, selectors.EVENT_READ)
+            print("escape or ctrl+c stops it", flush=True)
+        rest = b""
+        while True:
+            for key, _ in selector.select():
+                if key.fileobj is link:
+                    data = _receive(link)
+                    if not data:
+                        return stopped
+                    *lines, rest = (rest + data).split(b"\n")
+                    _print(progress, lines)
+                elif key.fileobj is signals or _is_stop(key.fd):
+                    if key.fileobj is signals:
+                        signals.recv(64)
+                    if stopped:
+                        raise KeyboardInterrupt
+                    stopped = True
+                    with contextlib.suppress(ConnectionError):
+                        _send(link, AskStop(source="key"))
+
+
+def _receive(link: socket.socket) -> bytes:
+    """What has come; nothing when the robot process has closed, or died."""
+    try:
+        return link.recv(1 << 16)
+    except ConnectionError:
+        return b""
+
+
+def _print(progress: RerunLines, lines: list[bytes]) -> None:
+    for line in lines:
+        with contextlib.suppress(codec.WireError):
+            for text in progress.lines(codec.decode_incoming(line)):
+                print(text, flush=True)
+
+
+def _is_stop(keyboard: int) -> bool:
+    typed = os.read(keyboard, 64)
+    return _ESCAPE in typed or _CTRL_C in typed
+
+
+def _send(link: socket.socket, request: Request) -> None:
+    link.sendall(codec.encode(request))
+
+
+@contextlib.contextmanager
+def _connected(path: Path) -> Iterator[socket.socket]:
+    with socket.socket(socket.AF_UNIX) as link:
+        link.connect(str(path))
+        _send(link, Hello(role="program", name="rerun", stream="actions"))
+        yield link
+
+
+@contextlib.contextmanager
+def _signals() -> Iterator[socket.socket]:
+    """Readable as soon as a signal has come that means the end: then the robot is stopped first."""
+    reader, writer = socket.socketpair()
+    reader.setblocking(False)
+    writer.setblocking(False)
+    before = {number: signal.signal(number, lambda *_: None) for number in _SIGNALS}
+    wakeup = signal.set_wakeup_fd(writer.fileno(), warn_on_full_buffer=False)
+    try:
+        yield reader
+    finally:
+        signal.set_wakeup_fd(wakeup)
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        reader.close()
+        writer.close()
+
+
+@contextlib.contextmanager
+def _keys() -> Iterator[int | None]:
+    """The terminal's keys one by one; None if nobody can press any."""
+    if not sys.stdin.isatty():
+        yield None
+        return
+    keyboard = sys.stdin.fileno()
+    before = termios.tcgetattr(keyboard)
+    tty.setcbreak(keyboard)
+    try:
+        yield keyboard
+    finally:
+        termios.tcsetattr(keyboard, termios.TCSADRAIN, before)

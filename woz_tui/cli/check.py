@@ -21,7 +21,6 @@ from woz_tui.config.engagement_section import ENTERED, signs_given
 from woz_tui.config.experiment import (
     Action,
     Call,
-    DriverSpec,
     Engagement,
     Experiment,
     ExperimentError,
@@ -150,20 +149,43 @@ def _count(number: int, what: str) -> str:
 
 def _print_robot_and_study(console: TextConsole, experiment: Experiment) -> None:
     for spec in experiment.drivers:
-        console.print()
-        console.print(Text(f"{spec.name} ({spec.type})", style="bold"))
-        console.print(_verbs_table(spec.verbs, spec.sensors))
+        rows = _verb_rows(spec.verbs)
+        if spec.sensors:
+            sensors = Text(", ".join(spec.sensors), style="dim")
+            rows.append((Text("(senses)", style="dim"), sensors))
+        _print_section(console, f"{spec.name} ({spec.type})", rows)
     if experiment.engagement is not None:
-        console.print()
-        console.print(Text("engagement", style="bold"))
-        console.print(_table(_engagement_lines(experiment, experiment.engagement)))
-        console.print()
-        console.print(_verbs_table(engagement_verbs(), ()))
-    study = [*study_summary.study_lines(experiment)]
-    if study:
-        console.print()
-        console.print(Text("study", style="bold"))
-        console.print(_table(study))
+        lines = _engagement_lines(experiment, experiment.engagement)
+        _print_section(console, "engagement", _subject_rows(lines))
+        _print_section(console, "", _verb_rows(engagement_verbs()))
+    if study := [*study_summary.study_lines(experiment)]:
+        _print_section(console, "study", _subject_rows(study))
+
+
+def _print_section(console: TextConsole, title: str, rows: Iterable[tuple[Text, Text]]) -> None:
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), show_header=False)
+    table.add_column(no_wrap=True)
+    table.add_column(overflow="fold", ratio=1)
+    for row in rows:
+        table.add_row(*row)
+    console.print()
+    if title:
+        console.print(Text(title, style="bold"))
+    console.print(table)
+
+
+def _subject_rows(lines: Iterable[tuple[str, str]]) -> Iterator[tuple[Text, Text]]:
+    return ((Text(subject, style="dim"), Text(sentence)) for subject, sentence in lines)
+
+
+def _verb_rows(verbs: Sequence[Verb]) -> list[tuple[Text, Text]]:
+    return [
+        (
+            Text(verb.name, style="bold"),
+            Text("\n  ".join([verb.summary, *map(_argument, verb.arguments)])),
+        )
+        for verb in verbs
+    ]
 
 
 def _keys_table(experiment: Experiment, keymap: keys.KeyMap) -> Table:
@@ -209,31 +231,6 @@ def _moved_builtins(keymap: keys.KeyMap) -> Iterator[str]:
             continue
         why = f" ({assigned.wanted}: {assigned.why})" if assigned.why else ""
         yield f"{assigned.press or 'no key'}: {item.description}{why}"
-
-
-def _pairs() -> Table:
-    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), show_header=False)
-    table.add_column(no_wrap=True)
-    table.add_column(overflow="fold", ratio=1)
-    return table
-
-
-def _table(rows: Iterable[tuple[str, str]]) -> Table:
-    table = _pairs()
-    for about, text in rows:
-        table.add_row(Text(about, style="dim"), Text(text))
-    return table
-
-
-def _verbs_table(verbs: Sequence[Verb], sensors: Sequence[str]) -> Table:
-    table = _pairs()
-    for verb in verbs:
-        arguments = "\n".join(f"  {_argument(argument)}" for argument in verb.arguments)
-        text = verb.summary + (f"\n{arguments}" if arguments else "")
-        table.add_row(Text(verb.name, style="bold"), Text(text))
-    if sensors:
-        table.add_row(Text("(senses)", style="dim"), Text(", ".join(sensors), style="dim"))
-    return table
 
 
 def _argument(argument: Argument) -> str:
@@ -338,13 +335,22 @@ def _report(
             for assigned in keymap.builtins.values()
         ],
         "notes": list(keymap.warnings),
-        "drivers": [_driver(spec) for spec in experiment.drivers],
+        "drivers": [
+            {
+                "name": spec.name,
+                "type": spec.type,
+                "verbs": [*map(_verb, spec.verbs)],
+                "sensors": list(spec.sensors),
+            }
+            for spec in experiment.drivers
+        ],
         "engagement": _engagement(experiment, engagement) if engagement else None,
         "study": study_summary.as_json(experiment),
     }
 
 
 _PROBLEM = ("path", "message", "warning")
+_ARGUMENT = ("name", "kind", "summary", "required", "default")
 
 
 def _problems(problems: list[Problem]) -> list[Json]:
@@ -368,27 +374,14 @@ def _key(action: Action, assigned: keys.AssignedKey, main_names: Mapping[str, st
     }
 
 
-def _driver(spec: DriverSpec) -> Json:
-    return {
-        "name": spec.name,
-        "type": spec.type,
-        "verbs": [_verb(verb) for verb in spec.verbs],
-        "sensors": list(spec.sensors),
-    }
-
-
 def _verb(verb: Verb) -> Json:
     return {
         "name": verb.name,
         "summary": verb.summary,
         "arguments": [
             {
-                "name": argument.name,
-                "kind": argument.kind,
-                "summary": argument.summary,
-                "required": argument.required,
-                "default": argument.default,
-                "range": str(argument.range) if argument.range is not None else "",
+                **{name: getattr(argument, name) for name in _ARGUMENT},
+                "range": str(argument.range or ""),
                 "choices": list(argument.choices),
             }
             for argument in verb.arguments
@@ -405,8 +398,10 @@ def _engagement_lines(experiment: Experiment, engagement: Engagement) -> Iterato
     yield "engaged", _condition(settings)
     shown = Model(settings).shown().signs
     for sign in SIGNS:
-        filter_text = _filter(shown[sign]) + _rate(settings.sign(sign).rate)
-        yield sign, f"{filter_text}, {_sign_sources(experiment, settings, sign)}"
+        rate = settings.sign(sign).rate
+        limit = "" if rate is None else f", at most {rate:g} samples a second"
+        sources = _sign_sources(experiment, settings, sign)
+        yield sign, f"{_filter(shown[sign])}{limit}, {sources}"
     yield "speech", _speech(experiment, settings)
     limits = [f"{name} {seconds:g} s" for name, seconds in _active_timeouts(settings.timeouts)]
     yield "timeouts", ", ".join(limits) or "none"
@@ -427,7 +422,7 @@ def _engagement(experiment: Experiment, engagement: Engagement) -> Json:
             "needed": shown[sign].needed,
             "places": shown[sign].places,
             "rate": settings.sign(sign).rate,
-            "sensors": [*_sensors(experiment, settings, sign)],
+            "sensors": [*_sensors(experiment, settings.sign(sign).sensor or sign)],
             "actions": [*_actions(experiment, sign)],
         }
         for sign in SIGNS
@@ -462,25 +457,17 @@ def _filter(shown: SignShown) -> str:
             return f"{kind} {shown.needed} of {shown.places}"
 
 
-def _rate(rate: float | None) -> str:
-    return "" if rate is None else f", at most {rate:g} samples a second"
-
-
 def _sign_sources(experiment: Experiment, settings: EngagementSettings, sign: str) -> str:
     """Where a sign comes from: sensors and the wizard's actions."""
-    sensors = [*_sensors(experiment, settings, sign)]
-    actions = [f"{name!r}" for name in _actions(experiment, sign)]
+    sensors = _sensors(experiment, settings.sign(sign).sensor or sign)
+    actions = [repr(name) for name in _actions(experiment, sign)]
     parts = ["from " + " and ".join(sensors)] if sensors else []
     parts += ["by " + ", ".join(actions)] if actions else []
     return " and ".join(parts) or "no driver gives it"
 
 
-def _sensors(experiment: Experiment, settings: EngagementSettings, sign: str) -> Sequence[str]:
-    return _publishers(experiment, settings.sign(sign).sensor or sign)
-
-
-def _publishers(experiment: Experiment, reading: str) -> Sequence[str]:
-    """Each reading of this name with its driver."""
+def _sensors(experiment: Experiment, reading: str) -> list[str]:
+    """The readings of this name, each with its driver."""
     return [
         f"{reading} ({driver})"
         for driver, names in published_names(experiment.drivers).items()
@@ -488,18 +475,17 @@ def _publishers(experiment: Experiment, reading: str) -> Sequence[str]:
     ]
 
 
-def _actions(experiment: Experiment, sign: str) -> Iterator[str]:
-    for panel in experiment.panels:
-        for action in panel.actions:
-            if sign in signs_given(action):
-                yield action.name
+def _actions(experiment: Experiment, sign: str) -> list[str]:
+    """Names of the actions that give this sign."""
+    actions = (action for panel in experiment.panels for action in panel.actions)
+    return [action.name for action in actions if sign in signs_given(action)]
 
 
 def _speech(experiment: Experiment, settings: EngagementSettings) -> str:
-    segmenting = [spec.name for spec in experiment.drivers if SPEECH in spec.sensors]
-    if segmenting:
-        return f"cut by {' and '.join(segmenting)}"
-    publishers = _publishers(experiment, settings.sound.sensor)
+    speech_drivers = [spec.name for spec in experiment.drivers if SPEECH in spec.sensors]
+    if speech_drivers:
+        return f"cut by {' and '.join(speech_drivers)}"
+    publishers = _sensors(experiment, settings.sound.sensor)
     if not publishers:
         return "no driver detects it"
     threshold = settings.sound.threshold

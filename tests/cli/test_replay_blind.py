@@ -89,7 +89,7 @@ def told(
     capsys: pytest.CaptureFixture[str],
 ) -> str:
     """All that is printed, without the name of the test's own folder."""
-    monkeypatch.setattr("woz_tui.cli.console_start.refusal", lambda: "")
+    monkeypatch.setattr("woz_tui.cli.console_start.terminal_problem", lambda: "")
     assert main(["replay", str(path), *words]) == 1
     return "".join(capsys.readouterr()).replace(str(path.parent), "")
 

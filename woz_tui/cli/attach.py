@@ -7,7 +7,6 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 from woz_tui.cli import console_start
-from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.shared_options import add_keymap, add_pictures, add_theme, builtins
 from woz_tui.host import session_sockets
 
@@ -38,11 +37,7 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Open the console on a running session."""
-    refusal = console_start.refusal()
-    if refusal:
-        print(f"woz: {refusal}", file=sys.stderr)
-        return 2
-    return with_error_sentences(lambda: _attach(arguments))
+    return console_start.with_terminal(lambda: _attach(arguments))
 
 
 def _attach(arguments: Namespace) -> int:

@@ -12,11 +12,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.host_start import Launch, LaunchError, RobotProcess
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS, BuiltinKey
 
 if TYPE_CHECKING:
     from woz_tui.console.app import Console
+    from woz_tui.console.host_connection import HostConnection
+    from woz_tui.console.keyboard import Keyboard
     from woz_tui.console.theme import Appearance
 
 #: Collecting young objects is quick, a full collection is not: it must not fall into a key press.
@@ -45,7 +48,18 @@ class ScreenOptions:
     theme: str = ""
 
 
-def refusal() -> str:
+def with_terminal(work: Callable[[], int], hint: str = "") -> int:
+    """`with_error_sentences(work)`; 2 after saying why this terminal can have no console, and
+    `hint`.
+    """
+    problem = terminal_problem()
+    if problem:
+        print(f"woz: {problem}{hint}", file=sys.stderr)
+        return 2
+    return with_error_sentences(work)
+
+
+def terminal_problem() -> str:
     """Why the console cannot be opened on this terminal; empty if it can."""
     from woz_tui.console.exit_handler import missing_terminal  # noqa: PLC0415
 
@@ -70,7 +84,6 @@ def make_console(options: ScreenOptions) -> Console:
     from woz_tui.config.keys.terminals import detect_terminal  # noqa: PLC0415
     from woz_tui.console.app import Console  # noqa: PLC0415
     from woz_tui.console.host_connection import HostConnection  # noqa: PLC0415
-    from woz_tui.console.keyboard import Keyboard  # noqa: PLC0415
     from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
 
     look, stops = detect_appearance(options.theme)
@@ -80,13 +93,9 @@ def make_console(options: ScreenOptions) -> Console:
         name=os.environ.get("TERM", ""),
         take_over=options.take_over,
     )
-    link.connect()
-    keyboard = Keyboard(link)
-    for stop in stops:
-        keyboard.stop(stop)
     app = Console(
         link,
-        keyboard,
+        _connect(link, stops),
         look=look,
         terminal=detect_terminal(os.environ),
         builtins=options.builtins,
@@ -97,6 +106,17 @@ def make_console(options: ScreenOptions) -> Console:
     if options.restart is not None:
         app.restart = _restart(list(options.restart), app.call_from_thread, app.news)
     return app
+
+
+def _connect(link: HostConnection, stops: Sequence[str]) -> Keyboard:
+    """Connect, and press the stops that were pressed before there was a connection."""
+    from woz_tui.console.keyboard import Keyboard  # noqa: PLC0415
+
+    link.connect()
+    keyboard = Keyboard(link)
+    for stop in stops:
+        keyboard.stop(stop)
+    return keyboard
 
 
 def detect_appearance(theme: str) -> tuple[Appearance, tuple[str, ...]]:
@@ -128,23 +148,13 @@ def open_questionnaire(socket: Path, only: str, theme: str = "") -> tuple[str, i
     `only` is the name of the one questionnaire that is shown; empty: all.
     """
     from woz_tui.console.host_connection import HostConnection  # noqa: PLC0415
-    from woz_tui.console.keyboard import Keyboard  # noqa: PLC0415
     from woz_tui.console.participant_app import ParticipantApp  # noqa: PLC0415
     from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
 
     look, stops = detect_appearance(theme)
     link = HostConnection(socket, role="participant", name=os.environ.get("TERM", ""))
-    link.connect()
-    keyboard = Keyboard(link)
-    for stop in stops:
-        keyboard.stop(stop)
-    app = ParticipantApp(
-        link,
-        keyboard,
-        only=only,
-        look=look,
-        driver_class=WizardDriver,
-    )
+    keyboard = _connect(link, stops)
+    app = ParticipantApp(link, keyboard, only=only, look=look, driver_class=WizardDriver)
     prioritise_keys()
     return app.run(mouse=False) or "", app.return_code or 0
 

@@ -8,6 +8,7 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 
+from woz_tui.analysis.text_format import counted
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.config import woz4u
 from woz_tui.config.experiment import ExperimentError
@@ -57,8 +58,8 @@ def convert(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     except ExperimentError as error:
         for problem in error.problems:
             print(problem, file=sys.stderr)
-        count = f"{len(error.problems)} error{'s' if len(error.problems) > 1 else ''}"
-        return _told(f"{arguments.file}: {count}; nothing was written")
+        count = counted(len(error.problems), "error")
+        raise ConvertError(f"{arguments.file}: {count}; nothing was written") from error
     opened = woz4u.translate_file(source, TOP_LEVEL, _path_rewriter(arguments.file, output))
     table = opened.root.node
     assert isinstance(table, MappingNode)  # it was one when it was recognised
@@ -128,13 +129,6 @@ def _path_rewriter(original: Path, output: Path | None) -> woz4u.PathRewriter:
         ) from error
     except (OSError, RuntimeError, ValueError) as error:
         raise ConvertError(f"{output}: {error}") from error
-    return str if relative == "." else lambda path: _joined(relative, path)
-
-
-def _joined(relative: str, path: str) -> str:
-    return path if path.startswith("~") else str(PurePosixPath(relative) / path)
-
-
-def _told(sentence: str) -> int:
-    print(f"woz convert: {sentence}", file=sys.stderr)
-    return 1
+    if relative == ".":
+        return str
+    return lambda path: path if path.startswith("~") else str(PurePosixPath(relative) / path)

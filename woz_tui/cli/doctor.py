@@ -13,6 +13,7 @@ from pathlib import Path
 from rich.table import Table
 from rich.text import Text
 
+from woz_tui.analysis.text_format import counted
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.config.experiment import DriverSpec, Experiment, ExperimentError, Problem
 from woz_tui.console.text_console import TextConsole
@@ -168,8 +169,8 @@ def _load(path: Path) -> tuple[list[Finding], tuple[Experiment, plugins.Catalogu
         remedy = "check the path"
         return [Finding("error", str(path), error.strerror or str(error), remedy)], None
     count = sum(len(panel.actions) for panel in experiment.panels)
-    drivers = _number(len(experiment.drivers), "driver")
-    text = f"{experiment.title}: {_number(count, 'action')}, {drivers}"
+    drivers = counted(len(experiment.drivers), "driver")
+    text = f"{experiment.title}: {counted(count, 'action')}, {drivers}"
     summary = Finding("ok", path.name, text)
     return [summary, *map(_problem, experiment.warnings)], (experiment, catalogue)
 
@@ -233,9 +234,5 @@ def _row(finding: Finding, glyphs: dict[str, str]) -> tuple[Text, Text, Text]:
 
 def _summary(sections: list[DoctorSection]) -> Text:
     errors, warnings = _count(sections, "error"), _count(sections, "warning")
-    text = f"\n{_number(errors, 'error')}, {_number(warnings, 'warning')}"
+    text = f"\n{counted(errors, 'error')}, {counted(warnings, 'warning')}"
     return Text(text, style=_STYLES["error" if errors else "warning" if warnings else "ok"])
-
-
-def _number(count: int, noun: str) -> str:
-    return f"{count} {noun}{'' if count == 1 else 's'}"

@@ -8,17 +8,39 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli import console_start
+from woz_tui.cli.argument_types import number
+from woz_tui.cli.console_start import detect_appearance
+from woz_tui.cli.demo import demo_file
+from woz_tui.cli.experiment_changes import change_lines, error_lines
 from woz_tui.cli.shared_options import add_theme
+from woz_tui.config.experiment import Experiment, ExperimentError
+from woz_tui.config.keys.terminals import detect_terminal
+from woz_tui.config.loading import load
+from woz_tui.drivers.plugins import Catalogue, installed
+from woz_tui.host.experiment_view import ExperimentView, plan_of
+from woz_tui.log.coding_file import Coding, CodingError, coding_path
+from woz_tui.log.file_names import check_code
+from woz_tui.log.log_index import LogIndex
+from woz_tui.log.log_reader import files_of
+from woz_tui.protocol.messages import SessionPlan
+from woz_tui.replay import experiment_origin
+from woz_tui.replay.experiment_origin import ExperimentOrigin, origin_of
+from woz_tui.replay.opened_log import (
+    IndexedSamples,
+    LogError,
+    has_beginning,
+    log_in,
+    notes_of,
+    open_log,
+)
+from woz_tui.replay.player import FASTEST, SLOWEST, ReplayPlayer, ReplayStart
+from woz_tui.replay.recording import Recording
+from woz_tui.replay.replay_feed import ReplayFeed
+from woz_tui.replay.seek import ReplayError, seek_time
 
 if TYPE_CHECKING:
-    from woz_tui.config.experiment import Experiment
     from woz_tui.console.replay.replay_app import ReplayConsole
-    from woz_tui.drivers.plugins import Catalogue
-    from woz_tui.log.log_index import LogIndex
-    from woz_tui.protocol.messages import SessionPlan
-    from woz_tui.replay.experiment_origin import ExperimentOrigin
-    from woz_tui.replay.replay_feed import ReplayFeed
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -76,35 +98,21 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 
 def _speed(text: str) -> float:
-    from woz_tui.replay.player import FASTEST, SLOWEST  # noqa: PLC0415
+    return number(SLOWEST, FASTEST)(text.lower().removesuffix("x"))
 
-    value = _number(text.lower().removesuffix("x"))
-    if not SLOWEST <= value <= FASTEST:
-        raise argparse.ArgumentTypeError(f"the speed goes from {SLOWEST:g} to {FASTEST:g}")
-    return value
+
+def _seconds(text: str) -> float:
+    seconds = number(0.0, 1e6, "s")(text)
+    if not seconds:
+        raise argparse.ArgumentTypeError("give seconds, above 0")
+    return seconds
 
 
 def _coder(text: str) -> str:
-    from woz_tui.log.file_names import check_code  # noqa: PLC0415
-
     try:
         return check_code("coder", text)
     except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from None
-
-
-def _seconds(text: str) -> float:
-    value = _number(text)
-    if not 0 < value < 1e6:
-        raise argparse.ArgumentTypeError("give seconds, above 0")
-    return value
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -117,21 +125,10 @@ def run(arguments: argparse.Namespace) -> int:
         from woz_tui.cli import rerun  # noqa: PLC0415
 
         return rerun.play(arguments)
-    from woz_tui.cli import console_start  # noqa: PLC0415
-
-    refused = console_start.refusal()
-    if refused:
-        print(f"woz: {refused}", file=sys.stderr)
-        return 2
-    return with_error_sentences(lambda: _show(arguments))
+    return console_start.with_terminal(lambda: _show(arguments))
 
 
 def _show(arguments: argparse.Namespace) -> int:
-    from woz_tui.cli import console_start  # noqa: PLC0415
-    from woz_tui.log.coding_file import CodingError  # noqa: PLC0415
-    from woz_tui.replay.opened_log import LogError, log_in, open_log  # noqa: PLC0415
-    from woz_tui.replay.seek import ReplayError  # noqa: PLC0415
-
     try:
         path = log_in(arguments.file)
         with open_log(path) as index:
@@ -148,14 +145,6 @@ def _show(arguments: argparse.Namespace) -> int:
 
 def feed_of(index: LogIndex, path: Path, arguments: argparse.Namespace) -> ReplayFeed | None:
     """What plays the log; None after saying what stands against it."""
-    from woz_tui.log.coding_file import Coding, coding_path  # noqa: PLC0415
-    from woz_tui.log.log_reader import files_of  # noqa: PLC0415
-    from woz_tui.replay.opened_log import IndexedSamples, has_beginning, notes_of  # noqa: PLC0415
-    from woz_tui.replay.player import ReplayPlayer, ReplayStart  # noqa: PLC0415
-    from woz_tui.replay.recording import Recording  # noqa: PLC0415
-    from woz_tui.replay.replay_feed import ReplayFeed  # noqa: PLC0415
-    from woz_tui.replay.seek import seek_time  # noqa: PLC0415
-
     if not has_beginning(index) and not arguments.changed:
         print(
             f"woz: {path}: the log has no beginning: its first line, session.start, is missing\n"
@@ -193,12 +182,6 @@ def _experiment(
 
     An experiment that is not there any more stands against nothing: the log has what is needed.
     """
-    from woz_tui.cli.experiment_changes import change_lines, error_lines  # noqa: PLC0415
-    from woz_tui.config.experiment import ExperimentError  # noqa: PLC0415
-    from woz_tui.drivers.plugins import installed  # noqa: PLC0415
-    from woz_tui.replay import experiment_origin  # noqa: PLC0415
-    from woz_tui.replay.experiment_origin import origin_of  # noqa: PLC0415
-
     origin = origin_of(index.actions)
     catalogue = installed()
     try:
@@ -218,10 +201,6 @@ def _experiment(
 
 def _bundled_plan(origin: ExperimentOrigin, catalogue: Catalogue) -> SessionPlan | None:
     """What the experiment of this name shows that comes with woz-tui, if it is the very same."""
-    from woz_tui.cli.demo import demo_file  # noqa: PLC0415
-    from woz_tui.config.experiment import ExperimentError  # noqa: PLC0415
-    from woz_tui.config.loading import load  # noqa: PLC0415
-
     file = demo_file(Path(origin.name).name) if origin.name else None
     if file is None:
         return None
@@ -234,15 +213,11 @@ def _bundled_plan(origin: ExperimentOrigin, catalogue: Catalogue) -> SessionPlan
 
 def _plan(experiment: Experiment, catalogue: Catalogue) -> SessionPlan:
     """What it shows."""
-    from woz_tui.host.experiment_view import ExperimentView, plan_of  # noqa: PLC0415
-
     return plan_of(ExperimentView(experiment, catalogue, values=dict(experiment.variables)))
 
 
 def _console(feed: ReplayFeed, theme: str) -> ReplayConsole:
     """The console, ready to run."""
-    from woz_tui.cli.console_start import detect_appearance  # noqa: PLC0415
-    from woz_tui.config.keys.terminals import detect_terminal  # noqa: PLC0415
     from woz_tui.console.replay.replay_app import ReplayConsole  # noqa: PLC0415
     from woz_tui.console.replay.replay_commands import ReplayKeyboard  # noqa: PLC0415
     from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415

@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from woz_tui.cli.console_start import ScreenOptions, refusal, run_session
+from woz_tui.cli.console_start import ScreenOptions, run_session, with_terminal
 from woz_tui.cli.demo import demo_file
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.experiment_changes import change_lines, error_lines, redactor_of
@@ -30,7 +30,7 @@ from woz_tui.drivers.plugins import installed
 from woz_tui.log.file_names import current_path
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.requests import AskStop, Hello, Request
+from woz_tui.protocol.requests import AskStop, Hello
 from woz_tui.replay import experiment_origin
 from woz_tui.replay.opened_log import LogError, log_in
 from woz_tui.replay.rerun_plan import RerunPlan, RerunStep, fitted, plan_of, unfit_steps
@@ -71,12 +71,9 @@ def play(arguments: argparse.Namespace) -> int:
     changed) and `experiment` (where it is, or None). The exit code: 0, or 1 if something could not
     be done or stood against it.
     """
-    if not arguments.dry_run and not arguments.headless:
-        problem = refusal()
-        if problem:
-            print(f"woz: {problem} (--headless runs it without a console)", file=sys.stderr)
-            return 2
-    return with_error_sentences(lambda: _play(arguments))
+    if arguments.dry_run or arguments.headless:
+        return with_error_sentences(lambda: _play(arguments))
+    return with_terminal(lambda: _play(arguments), " (--headless runs it without a console)")
 
 
 def _play(arguments: argparse.Namespace) -> int:
@@ -408,7 +405,9 @@ def _print_until_closed(robot: RobotProcess, progress: RerunLines) -> bool:
     """Print until the robot process closes the connection; whether it was stopped from here."""
     stopped = False
     with contextlib.ExitStack() as opened:
-        link = opened.enter_context(_connected(robot.socket))
+        link = opened.enter_context(socket.socket(socket.AF_UNIX))
+        link.connect(str(robot.socket))
+        link.sendall(codec.encode(Hello(role="program", name="rerun", stream="actions")))
         signals = opened.enter_context(_signals())
         keys = opened.enter_context(_keys())
         selector = opened.enter_context(selectors.DefaultSelector())
@@ -433,7 +432,7 @@ def _print_until_closed(robot: RobotProcess, progress: RerunLines) -> bool:
                         raise KeyboardInterrupt
                     stopped = True
                     with contextlib.suppress(ConnectionError):
-                        _send(link, AskStop(source="key"))
+                        link.sendall(codec.encode(AskStop(source="key")))
 
 
 def _receive(link: socket.socket) -> bytes:
@@ -454,18 +453,6 @@ def _print(progress: RerunLines, lines: list[bytes]) -> None:
 def _is_stop(keyboard: int) -> bool:
     typed = os.read(keyboard, 64)
     return _ESCAPE in typed or _CTRL_C in typed
-
-
-def _send(link: socket.socket, request: Request) -> None:
-    link.sendall(codec.encode(request))
-
-
-@contextlib.contextmanager
-def _connected(path: Path) -> Iterator[socket.socket]:
-    with socket.socket(socket.AF_UNIX) as link:
-        link.connect(str(path))
-        _send(link, Hello(role="program", name="rerun", stream="actions"))
-        yield link
 
 
 @contextlib.contextmanager

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import signal
-import sys
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 from woz_tui.cli import console_start
 from woz_tui.cli.console_start import run_session
-from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.host_start import host_arguments
 from woz_tui.cli.shared_options import (
     add_keymap,
@@ -17,9 +15,11 @@ from woz_tui.cli.shared_options import (
     add_session,
     add_theme,
     builtins,
-    identity,
 )
 from woz_tui.log.file_names import current_path
+
+#: Options of `run` that `host` is given as they are.
+_CODES = ("session", "participant", "condition", "wizard", "profile", "seed")
 
 
 def add(parser: ArgumentParser) -> None:
@@ -38,11 +38,7 @@ def run(arguments: Namespace) -> int:
 
 def play(arguments: Namespace, experiment: Path) -> int:
     """A session on `experiment`; the exit code."""
-    refusal = console_start.refusal()
-    if refusal:
-        print(f"woz: {refusal}", file=sys.stderr)
-        return 2
-    return with_error_sentences(lambda: _play(arguments, experiment))
+    return console_start.with_terminal(lambda: _play(arguments, experiment))
 
 
 def _play(arguments: Namespace, experiment: Path) -> int:
@@ -67,20 +63,12 @@ def _play(arguments: Namespace, experiment: Path) -> int:
 
 
 def _host_command(arguments: Namespace, experiment: Path) -> list[str]:
-    codes = identity(arguments)
     return host_arguments(
         experiment,
         recordings=arguments.recordings,
         spill=arguments.spill,
         name=arguments.name,
-        codes={
-            "session": codes.session,
-            "participant": codes.participant,
-            "condition": codes.condition,
-            "wizard": codes.wizard,
-            "profile": arguments.profile,
-            "seed": str(codes.seed) if codes.seed else "",
-        },
+        codes={code: str(getattr(arguments, code) or "") for code in _CODES},
     )
 
 

@@ -68,7 +68,7 @@ def _refusal(arguments: Namespace) -> str:
         return "name an experiment file: woz train EXPERIMENT --wizard W1"
     if not arguments.wizard:
         return "name the wizard's code: --wizard W1 (no names)"
-    return console_start.refusal()
+    return console_start.terminal_problem()
 
 
 def _history(arguments: Namespace) -> int:

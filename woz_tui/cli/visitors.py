@@ -28,17 +28,15 @@ from woz_tui.sensing.visitor_store import (
 
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 120
-_STORE_OPTIONS = ("file", "experiment", "recordings", "json")
 _Command = Callable[[VisitorStore, Namespace], int]
 
 
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options. Without a command it lists everybody."""
-    _add_store_options(
-        parser, file=None, experiment=None, recordings=Path("recordings"), json=False
-    )
-    parser.set_defaults(command=_list)
-    store_options = ArgumentParser(add_help=False)
+    _add_store_options(parser)
+    parser.set_defaults(command=_list, recordings=Path("recordings"))
+    # A default after the command would take the place of what was given before it.
+    store_options = ArgumentParser(add_help=False, argument_default=SUPPRESS)
     _add_store_options(store_options)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
 
@@ -69,32 +67,19 @@ def add(parser: ArgumentParser) -> None:
     forget.add_argument("--yes", action="store_true", help="do not ask for confirmation")
 
 
-def _add_store_options(parser: ArgumentParser, **defaults: object) -> None:
-    """Options that stand before or after the command; only the former have `defaults`."""
-    # A default after the command would take the place of what was given before it.
-    default = {name: defaults.get(name, SUPPRESS) for name in _STORE_OPTIONS}
+def _add_store_options(parser: ArgumentParser) -> None:
+    """Options that stand before or after the command."""
     where = parser.add_argument_group("choose the store")
     file = where.add_mutually_exclusive_group()
-    file.add_argument(
-        "--file", type=Path, metavar="FILE", default=default["file"], help="path of the store"
-    )
-    file.add_argument(
-        "--experiment",
-        type=Path,
-        metavar="FILE",
-        default=default["experiment"],
-        help="store of this experiment",
-    )
+    file.add_argument("--file", type=Path, metavar="FILE", help="path of the store")
+    file.add_argument("--experiment", type=Path, metavar="FILE", help="store of this experiment")
     where.add_argument(
         "--recordings",
         type=Path,
         metavar="FOLDER",
-        default=default["recordings"],
         help="folder of the logs, which has the store by default (default: recordings)",
     )
-    parser.add_argument(
-        "--json", action="store_true", default=default["json"], help="one object, for programs"
-    )
+    parser.add_argument("--json", action="store_true", help="one object, for programs")
 
 
 def run(arguments: Namespace) -> int:
@@ -135,7 +120,7 @@ def _list(store: VisitorStore, arguments: Namespace) -> int:
     everybody = store.everybody()
     if arguments.json:
         visitors: list[Json] = [_fields(visitor) for visitor in everybody]
-        _print_json({"file": str(store.path), "visitors": visitors})
+        _print(arguments, {"file": str(store.path), "visitors": visitors}, "")
     elif everybody:
         TextConsole(page=_PAGE).print(_table(everybody))
     else:
@@ -164,10 +149,7 @@ def _add(store: VisitorStore, arguments: Namespace) -> int:
 def _rename(store: VisitorStore, arguments: Namespace) -> int:
     before = _find(store, arguments.name)
     after = store.rename(before.name, arguments.new)
-    if arguments.json:
-        _print_json({**_fields(after), "was": before.name})
-    else:
-        print(f"{before.name} is now {after.name}")
+    _print(arguments, {**_fields(after), "was": before.name}, f"{before.name} is now {after.name}")
     return 0
 
 
@@ -183,16 +165,14 @@ def _profile(store: VisitorStore, arguments: Namespace) -> int:
         label=arguments.label,
         anew=True,
     )
-    if arguments.json:
-        _print_json(_fields(after))
-        return 0
     old = dict(_facts(before))
     changes = [
         f"  {fact}: {old[fact] or '-'} -> {value or '-'}"
         for fact, value in _facts(after)
         if value != old[fact]
     ]
-    print("\n".join([after.name, *(changes or ["  as it was"])]))
+    text = "\n".join([after.name, *(changes or ["  as it was"])])
+    _print(arguments, _fields(after), text)
     return 0
 
 
@@ -209,10 +189,9 @@ def _forget(store: VisitorStore, arguments: Namespace) -> int:
         return 1
     if visitors:
         store.forget(*(visitor.name for visitor in visitors))
-    if arguments.json:
-        _print_json({"forgotten": [visitor.name for visitor in visitors]})
-    else:
-        print(f"forgotten: {', '.join(visitor.name for visitor in visitors) or 'nobody'}")
+    forgotten: list[Json] = [visitor.name for visitor in visitors]
+    text = ", ".join(visitor.name for visitor in visitors) or "nobody"
+    _print(arguments, {"forgotten": forgotten}, f"forgotten: {text}")
     labels = [label for visitor in visitors for label in visitor.labels]
     if labels:
         names = ", ".join(labels)
@@ -255,12 +234,12 @@ def _find(store: VisitorStore, name: str) -> Visitor:
 
 
 def _print_visitor(visitor: Visitor, arguments: Namespace) -> None:
-    if arguments.json:
-        _print_json(_fields(visitor))
-        return
-    print(visitor.name)
-    for fact, value in _facts(visitor):
-        print(f"  {fact}: {value or '-'}")
+    facts = [f"  {fact}: {value or '-'}" for fact, value in _facts(visitor)]
+    _print(arguments, _fields(visitor), "\n".join([visitor.name, *facts]))
+
+
+def _print(arguments: Namespace, value: Json, text: str) -> None:
+    print(json_text(value, indent=2) if arguments.json else text)
 
 
 def _fields(visitor: Visitor) -> dict[str, Json]:
@@ -287,7 +266,3 @@ def _table(visitors: list[Visitor]) -> Table:
     for visitor in visitors:
         table.add_row(Text(visitor.name), *(Text(value) for _, value in _facts(visitor)))
     return table
-
-
-def _print_json(value: Json) -> None:
-    print(json_text(value, indent=2))

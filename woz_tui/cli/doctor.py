@@ -30,10 +30,13 @@ DRIVER_S = 15.0
 #: Columns of what a finding is about.
 SUBJECT_WIDTH = 24
 
-LEVELS = ("ok", "info", "warning", "error")
-_GLYPHS = {"ok": "✓", "info": "·", "warning": "!", "error": "✗"}
-_PLAIN_GLYPHS = {"ok": "ok", "info": "-", "warning": "!", "error": "X"}
-_STYLES = {"ok": "green", "info": "dim", "warning": "yellow", "error": "bold red"}
+#: Of each level: its sign, the same in ASCII, its style.
+LEVELS = {
+    "ok": ("✓", "ok", "green"),
+    "info": ("·", "-", "dim"),
+    "warning": ("!", "!", "yellow"),
+    "error": ("✗", "X", "bold red"),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,22 +111,20 @@ def _machine(recordings: Path) -> list[Finding]:
 
 def _sockets() -> list[Finding]:
     try:
-        path = session_sockets.socket_path("S01")
+        folder = session_sockets.socket_path("S01").parent
         running = session_sockets.running()
     except OSError as error:
         return [Finding("error", "socket", str(error), "see docs/reference/protocol.md")]
-    findings = [_socket_folder(path.parent)]
-    findings += [
-        Finding("info", "socket", f"a session is running at {other}: it uses its devices")
-        for other in running
+    finding = Finding("ok", "socket", f"sockets of sessions are in {folder}")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        finding = Finding("error", "socket", f"{folder} cannot be written to", "set WOZ_SOCKET")
+    return [
+        finding,
+        *(
+            Finding("info", "socket", f"a session is running at {other}: it uses its devices")
+            for other in running
+        ),
     ]
-    return findings
-
-
-def _socket_folder(folder: Path) -> Finding:
-    if os.access(folder, os.W_OK | os.X_OK):
-        return Finding("ok", "socket", f"sockets of sessions are in {folder}")
-    return Finding("error", "socket", f"{folder} cannot be written to", "set WOZ_SOCKET")
 
 
 def _ports() -> list[Finding]:
@@ -139,40 +140,31 @@ def _ports() -> list[Finding]:
 
 def _experiment(path: Path) -> Iterator[DoctorSection]:
     loaded: list[tuple[Experiment, plugins.Catalogue]] = []
-
-    def load() -> list[Finding]:
-        findings, result = _load(path)
-        if result is not None:
-            loaded.append(result)
-        return findings
-
-    yield DoctorSection("Experiment", bounded(str(path), load, LOAD_S))
+    yield DoctorSection("Experiment", bounded(str(path), lambda: _load(path, loaded), LOAD_S))
     for experiment, catalogue in loaded:
         for spec in experiment.drivers:
-            yield DoctorSection(
-                f"Driver {spec.name} ({spec.type})", _driver(spec, experiment, catalogue)
-            )
+            findings = _driver(spec, experiment, catalogue)
+            yield DoctorSection(f"Driver {spec.name} ({spec.type})", findings)
 
 
-def _load(path: Path) -> tuple[list[Finding], tuple[Experiment, plugins.Catalogue] | None]:
+def _load(path: Path, loaded: list[tuple[Experiment, plugins.Catalogue]]) -> list[Finding]:
+    """Appends the experiment to `loaded` if it has no errors."""
     from woz_tui.config.loading import load  # noqa: PLC0415 - not without a file
 
     try:
         catalogue = plugins.installed()
         experiment = load(path, catalogue)
     except ExperimentError as error:
-        problems = [_problem(problem) for problem in error.problems]
-        return problems, None
+        return [*map(_problem, error.problems)]
     except plugins.PluginError as error:
-        return [Finding("error", "drivers", str(error))], None
+        return [Finding("error", "drivers", str(error))]
     except OSError as error:
-        remedy = "check the path"
-        return [Finding("error", str(path), error.strerror or str(error), remedy)], None
+        return [Finding("error", str(path), error.strerror or str(error), "check the path")]
+    loaded.append((experiment, catalogue))
     count = sum(len(panel.actions) for panel in experiment.panels)
     drivers = counted(len(experiment.drivers), "driver")
     text = f"{experiment.title}: {counted(count, 'action')}, {drivers}"
-    summary = Finding("ok", path.name, text)
-    return [summary, *map(_problem, experiment.warnings)], (experiment, catalogue)
+    return [Finding("ok", path.name, text), *map(_problem, experiment.warnings)]
 
 
 def _problem(problem: Problem) -> Finding:
@@ -213,26 +205,22 @@ def _as_json(sections: list[DoctorSection]) -> str:
 
 
 def _table(section: DoctorSection, console: TextConsole) -> Table:
-    glyphs = _GLYPHS if console.encoding.lower().startswith("utf") else _PLAIN_GLYPHS
+    is_ascii = not console.encoding.lower().startswith("utf")
     table = Table(box=None, show_header=False, padding=(0, 1, 0, 0), title_justify="left")
     table.title = Text(section.title, style="bold")
     table.add_column(width=2, no_wrap=True)
     table.add_column(width=min(SUBJECT_WIDTH, console.width // 4), overflow="fold")
     table.add_column(ratio=1, overflow="fold")
     for finding in section.findings:
-        table.add_row(*_row(finding, glyphs))
+        *signs, style = LEVELS.get(finding.level, LEVELS["error"])
+        text = Text(finding.text)
+        if finding.remedy:
+            text.append(f"\n> {finding.remedy}", style="italic")
+        table.add_row(Text(signs[is_ascii], style=style), Text(finding.subject), text)
     return table
-
-
-def _row(finding: Finding, glyphs: dict[str, str]) -> tuple[Text, Text, Text]:
-    level = finding.level if finding.level in LEVELS else "error"
-    words = Text(finding.text)
-    if finding.remedy:
-        words.append(f"\n> {finding.remedy}", style="italic")
-    return Text(glyphs[level], style=_STYLES[level]), Text(finding.subject), words
 
 
 def _summary(sections: list[DoctorSection]) -> Text:
     errors, warnings = _count(sections, "error"), _count(sections, "warning")
     text = f"\n{counted(errors, 'error')}, {counted(warnings, 'warning')}"
-    return Text(text, style=_STYLES["error" if errors else "warning" if warnings else "ok"])
+    return Text(text, style=LEVELS["error" if errors else "warning" if warnings else "ok"][-1])

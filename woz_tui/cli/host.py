@@ -9,7 +9,8 @@ from pathlib import Path
 
 from woz_tui.cli.argument_types import number
 from woz_tui.cli.error_sentences import with_error_sentences
-from woz_tui.cli.shared_options import add_session, identity
+from woz_tui.cli.shared_options import add_session
+from woz_tui.session.participant_identity import SessionIdentity
 
 LONGEST_WAIT_S = 3600.0
 
@@ -67,7 +68,6 @@ def run(arguments: Namespace) -> int:
     )
 
     def serve() -> int:
-        who = identity(arguments)
         rerun = training = None
         if arguments.rerun is not None:
             from woz_tui.host.rerun_session import RerunOptions  # noqa: PLC0415
@@ -80,7 +80,13 @@ def run(arguments: Namespace) -> int:
         return robot_process.run(
             robot_process.HostOptions(
                 experiment=arguments.experiment,
-                identity=who,
+                identity=SessionIdentity(
+                    session=arguments.session,
+                    participant=arguments.participant,
+                    condition=arguments.condition,
+                    wizard=arguments.wizard,
+                    seed=arguments.seed,
+                ),
                 name=arguments.name,
                 recordings=arguments.recordings,
                 spill=arguments.spill,

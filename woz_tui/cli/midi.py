@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import select
 import sys
-import termios
-import tty
 from argparse import ArgumentParser, Namespace
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from rich.table import Table
 
 from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.single_keys import single_keys
 from woz_tui.config.annotated_decoder import settings_from_texts
 from woz_tui.console.text_console import TextConsole
 from woz_tui.drivers import plugins
@@ -28,29 +26,8 @@ _STANDARD = "nanokontrol2"
 _HELP = "s skips, b goes back, q ends"
 
 
-class _Lesson(Protocol):
-    """What the driver offers for `learn`; see `woz_drivers.midi.learning`."""
-
-    @property
-    def over(self) -> bool: ...
-
-    @property
-    def question(self) -> str: ...
-
-    @property
-    def count(self) -> int: ...
-
-    def skip(self) -> None: ...
-
-    def back(self) -> None: ...
-
-    def fileno(self) -> int: ...
-
-    def hear(self) -> str: ...
-
-    def text(self) -> str: ...
-
-    def close(self) -> None: ...
+#: The driver's lesson: `woz_drivers.midi.learning`, which this package must not import.
+_Lesson = Any
 
 
 def add(parser: ArgumentParser) -> None:
@@ -117,7 +94,7 @@ def _learn(arguments: Namespace) -> int:
     lesson: _Lesson = panel.lesson(arguments.device, settings, keep=relearn)
     try:
         print(f"Learning {file}: {_HELP}.")
-        with _keys():
+        with single_keys():
             _ask_controls(lesson)
         if not lesson.count:
             print("No control was learnt; no file was written.")
@@ -156,17 +133,3 @@ def _handle_keys(lesson: _Lesson, typed: bytes) -> bool:
         elif key == "b":
             lesson.back()
     return bool(typed)
-
-
-@contextlib.contextmanager
-def _keys() -> Iterator[None]:
-    """Keys come singly and are not echoed, if there is a terminal."""
-    if not sys.stdin.isatty():
-        yield
-        return
-    before = termios.tcgetattr(sys.stdin)
-    tty.setcbreak(sys.stdin)
-    try:
-        yield
-    finally:
-        termios.tcsetattr(sys.stdin, termios.TCSADRAIN, before)

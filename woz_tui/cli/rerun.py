@@ -13,8 +13,6 @@ import selectors
 import signal
 import socket
 import sys
-import termios
-import tty
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
@@ -25,6 +23,7 @@ from woz_tui.cli.demo import demo_file
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.experiment_changes import change_lines, error_lines, redactor_of
 from woz_tui.cli.host_start import Launch, LaunchError, RobotProcess, host_arguments
+from woz_tui.cli.single_keys import single_keys
 from woz_tui.config.experiment import Experiment, ExperimentError
 from woz_tui.drivers.plugins import installed
 from woz_tui.log.file_names import current_path
@@ -409,7 +408,7 @@ def _print_until_closed(robot: RobotProcess, progress: RerunLines) -> bool:
         link.connect(str(robot.socket))
         link.sendall(codec.encode(Hello(role="program", name="rerun", stream="actions")))
         signals = opened.enter_context(_signals())
-        keys = opened.enter_context(_keys())
+        keys = opened.enter_context(single_keys())
         selector = opened.enter_context(selectors.DefaultSelector())
         selector.register(link, selectors.EVENT_READ)
         selector.register(signals, selectors.EVENT_READ)
@@ -471,18 +470,3 @@ def _signals() -> Iterator[socket.socket]:
             signal.signal(number, handler)
         reader.close()
         writer.close()
-
-
-@contextlib.contextmanager
-def _keys() -> Iterator[int | None]:
-    """The terminal's keys one by one; None if nobody can press any."""
-    if not sys.stdin.isatty():
-        yield None
-        return
-    keyboard = sys.stdin.fileno()
-    before = termios.tcgetattr(keyboard)
-    tty.setcbreak(keyboard)
-    try:
-        yield keyboard
-    finally:
-        termios.tcsetattr(keyboard, termios.TCSADRAIN, before)

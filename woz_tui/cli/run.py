@@ -58,7 +58,9 @@ def _play(arguments: Namespace, experiment: Path) -> int:
     if result is None:
         return 1
     if result.code != 128 + signal.SIGHUP:  # the terminal is gone: nobody reads this
-        _print_end(result.left, result.robot.log)
+        if result.left == "detached":
+            print("The session continues; join it again with `woz attach`.")
+        print(f"Log: {current_path(result.robot.log)}")
     return result.code
 
 
@@ -70,9 +72,3 @@ def _host_command(arguments: Namespace, experiment: Path) -> list[str]:
         name=arguments.name,
         codes={code: str(getattr(arguments, code) or "") for code in _CODES},
     )
-
-
-def _print_end(left: str, log: Path) -> None:
-    if left == "detached":
-        print("The session continues; join it again with `woz attach`.")
-    print(f"Log: {current_path(log)}")

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS, BuiltinKey
-from woz_tui.session.participant_identity import SessionIdentity
 
 
 def add_session(parser: ArgumentParser) -> None:
@@ -51,17 +50,6 @@ def add_theme(parser: ArgumentParser) -> None:
         default="",
         help="colours, remembered for the next time; 16: the terminal's own; auto: what suits the"
         " terminal",
-    )
-
-
-def identity(arguments: Namespace) -> SessionIdentity:
-    """The codes; the robot process finds a session code where none was given."""
-    return SessionIdentity(
-        session=arguments.session,
-        participant=arguments.participant,
-        condition=arguments.condition,
-        wizard=arguments.wizard,
-        seed=arguments.seed,
     )
 
 

@@ -124,6 +124,7 @@ def _print_result(arguments: Namespace, log: Path) -> int:
 
 #: Cells of a row without the experiment's title.
 _FIGURES = 73
+_COUNTS = ("cues", "right", "wrong", "missed", "uncalled")
 
 
 def _print(scores: Sequence[TrainingScore]) -> None:
@@ -133,7 +134,7 @@ def _print(scores: Sequence[TrainingScore]) -> None:
     table.add_column("day (UTC)", no_wrap=True, min_width=10)
     room = max(3, console.width - _FIGURES)
     table.add_column("experiment", no_wrap=True, overflow="ellipsis", max_width=room)
-    for name in ("cues", "right", "wrong", "missed", "uncalled", "score", "median", "p95"):
+    for name in (*_COUNTS, "score", "median", "p95"):
         table.add_column(name, justify="right", no_wrap=True, min_width=len(name))
     for score in scores:
         table.add_row(*_row(score))
@@ -146,11 +147,7 @@ def _row(score: TrainingScore) -> tuple[str, ...]:
         score.wizard or "-",
         score.started[:10],
         score.title,
-        str(training.cues),
-        str(training.right),
-        str(training.wrong),
-        str(training.missed),
-        str(training.uncalled),
+        *(str(getattr(training, name)) for name in _COUNTS),
         "-" if training.score is None else f"{training.score:.0%}",
         _seconds(training.times.median),
         _seconds(training.times.p95),

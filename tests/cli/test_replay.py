@@ -52,7 +52,7 @@ def log(folder: Path, *, schema: int = 2) -> Path:
 def shown(path: Path, *words: str) -> ReplayFeed | None:
     given = arguments(str(path), *words)
     with open_log(path) as index:
-        return replay.feed_of(index, path, given)
+        return replay.replay_feed(index, path, given)
 
 
 def title(feed: ReplayFeed | None) -> tuple[str, list[str]]:

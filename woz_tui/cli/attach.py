@@ -62,7 +62,7 @@ def _attach(arguments: Namespace) -> int:
 
 
 def find_socket(arguments: Namespace) -> Path | None:
-    """The socket of the session that is meant, or None after saying why there is none."""
+    """The socket of the chosen session, or None after printing why there is none."""
     _sort_names(arguments)
     return _find(arguments.name, _repeated_options(arguments))
 

@@ -1,4 +1,4 @@
-"""Opening the console on this terminal, for `run`, `demo` and `attach`."""
+"""Opens the console on this terminal, for `run`, `demo`, `train`, `replay` and `attach`."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ def _connect(link: HostConnection, stops: Sequence[str]) -> Keyboard:
 
 
 def detect_appearance(theme: str) -> tuple[Appearance, tuple[str, ...]]:
-    """What suits this terminal, and the stops that were pressed while it was asked.
+    """The colours and signs for this terminal, and the stops pressed during the query.
 
     `theme` as `add_theme` has it; a choice is remembered.
     """
@@ -210,7 +210,7 @@ def run_session(
     command: list[str], options: Callable[[RobotProcess], ScreenOptions]
 ) -> SessionResult | None:
     """Start `woz host` with `command` and a console with `options` on it; returns when the
-    console is left. None: the robot process did not start, and its words were printed.
+    console is left. None: the robot process did not start, and its error was printed.
 
     A robot process whose console does not open is ended.
     """

@@ -1,4 +1,4 @@
-"""Errors that a person can mend are told in sentences, not in tracebacks."""
+"""Prints errors that a person can correct as sentences, not as tracebacks."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""What is said of an experiment that is not any more what a session was played with.
+"""Lines about what has changed in an experiment since a session was played.
 
 Wizards may look at their own sessions while a study still runs. Where they are blind to the
-condition, they are told the places that have changed and no text, because the file says which text
+condition, they see the places that have changed and no text, because the file says which text
 is whose; `--reveal` shows everything, as it does on the screen.
 """
 

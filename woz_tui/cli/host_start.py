@@ -1,4 +1,4 @@
-"""Starting the robot process so that it outlives the terminal it was started from."""
+"""Starts the robot process so that it outlives the terminal it was started from."""
 
 from __future__ import annotations
 

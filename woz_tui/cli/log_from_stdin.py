@@ -1,4 +1,4 @@
-"""A session's log on standard input: kept in a folder of its own until whoever asked has read it.
+"""A session's log on standard input: written to a temporary folder while it is read.
 
 A log is read more than once (which settings it begins with, what is damaged), and the readers look
 for further files beside it, so it is written down first. A log and its samples may come one behind

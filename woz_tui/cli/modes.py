@@ -1,4 +1,4 @@
-"""`woz modes`: which mode takes which input, from the table that the body itself is held to."""
+"""`woz modes`: which mode accepts which input, from the rules that the body itself applies."""
 
 from __future__ import annotations
 
@@ -10,10 +10,20 @@ from woz_tui.console.text_console import TextConsole
 from woz_tui.motion.body_verbs import CONTROL_KINDS, KINDS
 from woz_tui.motion.modes import BLINKS, BREATHES, MODE_RULES, InputKind, Mode, ModeRule
 
+_PAGE_TEXT = """\
+# Modes
+
+Which input has an effect in which mode; `woz modes` prints this table. An input that does not
+have an effect is refused and changes nothing. The stop works in every mode.
+
+{table}
+
+Where the wizard and other software differ, both are named. Other software is whatever
+comes over the socket with the source `program`, and the engagement machine."""
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 120
 
-#: What counts for the stop and what a body does by itself, beside the table of inputs.
+#: What a body does by itself, and in which modes.
 _AUTOMATIC = (("breathing", BREATHES), ("blinking", BLINKS))
 
 
@@ -42,21 +52,10 @@ def run(arguments: Namespace) -> int:
 def markdown() -> str:
     """The same as a page of Markdown."""
     headings = _headings()
-    lines = [
-        "# Modes",
-        "",
-        "Which input has an effect in which mode; `woz modes` prints this table. An input"
-        " that does not",
-        "have an effect is refused and changes nothing. The stop works in every mode.",
-        "",
-        f"| {' | '.join(headings)} |",
-        f"|{'---|' * len(headings)}",
-        *(f"| {' | '.join(row)} |" for row in rows()),
-        "",
-        "Where the wizard and other software differ, both are named. Other software is whatever",
-        "comes over the socket with the source `program`, and the engagement machine.",
-    ]
-    return "\n".join(lines)
+    rule = ["---"] * len(headings)
+    table = [f"| {' | '.join(row)} |" for row in (headings, *rows())]
+    table.insert(1, f"|{'|'.join(rule)}|")
+    return _PAGE_TEXT.format(table="\n".join(table))
 
 
 def rows() -> list[tuple[str, ...]]:

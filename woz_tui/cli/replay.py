@@ -132,7 +132,7 @@ def _show(arguments: argparse.Namespace) -> int:
     try:
         path = log_in(arguments.file)
         with open_log(path) as index:
-            feed = feed_of(index, path, arguments)
+            feed = replay_feed(index, path, arguments)
             if feed is None:
                 return 1
             _, code = console_start.run_console(_console(feed, arguments.theme))
@@ -143,8 +143,8 @@ def _show(arguments: argparse.Namespace) -> int:
         return 1
 
 
-def feed_of(index: LogIndex, path: Path, arguments: argparse.Namespace) -> ReplayFeed | None:
-    """What plays the log; None after saying what stands against it."""
+def replay_feed(index: LogIndex, path: Path, arguments: argparse.Namespace) -> ReplayFeed | None:
+    """The feed that plays the log; None after printing why it cannot be shown."""
     if not has_beginning(index) and not arguments.changed:
         print(
             f"woz: {path}: the log has no beginning: its first line, session.start, is missing\n"
@@ -178,9 +178,9 @@ def feed_of(index: LogIndex, path: Path, arguments: argparse.Namespace) -> Repla
 def _experiment(
     index: LogIndex, path: Path, arguments: argparse.Namespace
 ) -> tuple[SessionPlan | None, list[str]]:
-    """What the experiment shows, for a log that does not tell itself, and what has changed in it.
+    """What the experiment shows, for a log that does not contain it, and what has changed in it.
 
-    An experiment that is not there any more stands against nothing: the log has what is needed.
+    A missing experiment is no objection: the log has what is needed.
     """
     origin = origin_of(index.actions)
     catalogue = installed()
@@ -200,7 +200,7 @@ def _experiment(
 
 
 def _bundled_plan(origin: ExperimentOrigin, catalogue: Catalogue) -> SessionPlan | None:
-    """What the experiment of this name shows that comes with woz-tui, if it is the very same."""
+    """The plan of the bundled experiment of this name, if it has not changed."""
     file = demo_file(Path(origin.name).name) if origin.name else None
     if file is None:
         return None
@@ -212,7 +212,7 @@ def _bundled_plan(origin: ExperimentOrigin, catalogue: Catalogue) -> SessionPlan
 
 
 def _plan(experiment: Experiment, catalogue: Catalogue) -> SessionPlan:
-    """What it shows."""
+    """The plan that the experiment shows."""
     return plan_of(ExperimentView(experiment, catalogue, values=dict(experiment.variables)))
 
 

@@ -68,7 +68,7 @@ def play(arguments: argparse.Namespace) -> int:
 
     Reads `file` (a log), `robot`, `dry_run`, `yes`, `headless`, `changed` (the experiment may have
     changed) and `experiment` (where it is, or None). The exit code: 0, or 1 if something could not
-    be done or stood against it.
+    be done.
     """
     if arguments.dry_run or arguments.headless:
         return with_error_sentences(lambda: _play(arguments))
@@ -91,7 +91,7 @@ def _play(arguments: argparse.Namespace) -> int:
 
 
 def _check_runnable(rerun: _Rerun, arguments: argparse.Namespace) -> bool:
-    """Whether nothing stands against it; says what does, and else what will be run."""
+    """Print the summary and return True, or print why the log cannot be run."""
     if rerun.changed and not arguments.changed:
         print(*rerun.changed, sep="\n", file=sys.stderr)
         print("woz: use --changed to run it nevertheless", file=sys.stderr)
@@ -106,7 +106,7 @@ def _check_runnable(rerun: _Rerun, arguments: argparse.Namespace) -> bool:
 
 
 def _prepare(arguments: argparse.Namespace) -> _Rerun | None:
-    """Everything that has to be known before; None after saying why it cannot be."""
+    """Read the log and the experiment; None after printing why that fails."""
     try:
         log = log_in(arguments.file)
         plan = plan_of(log)
@@ -126,7 +126,7 @@ def _prepare(arguments: argparse.Namespace) -> _Rerun | None:
 def _load_experiment(
     log: Path, plan: RerunPlan, file: Path | None, *, reveal: bool
 ) -> Experiment | None:
-    """The experiment of now; None after saying what is wrong with it."""
+    """The present experiment; None after printing its errors."""
     try:
         return experiment_origin.find_experiment(log, plan.origin, installed(), file)
     except ExperimentError as error:
@@ -141,7 +141,7 @@ def _bundled(log: Path, name: str) -> Path | None:
 
 
 def _dry_run(rerun: _Rerun, arguments: argparse.Namespace) -> int:
-    """Moves nothing, needs no robot. 1 if something of it could not be sent."""
+    """Print what would be sent; 1 if a command could not be."""
     summary = summary_lines(rerun.visible_plan, rerun.experiment, headless=arguments.headless)
     print(*summary, *table_lines(rerun.visible_plan), *rerun.changed, sep="\n")
     print(verdict_line(rerun.plan))
@@ -150,7 +150,7 @@ def _dry_run(rerun: _Rerun, arguments: argparse.Namespace) -> int:
 
 
 def _confirmed(yes: bool) -> bool:
-    """Ask, unless it was said already; nothing but the whole word counts."""
+    """Ask, unless `yes`; only the whole word counts."""
     if yes:
         return True
     if not sys.stdin.isatty():

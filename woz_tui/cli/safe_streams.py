@@ -1,4 +1,4 @@
-"""Standard output and standard error for people: nothing that is printed there commands a terminal.
+"""Cleans standard output and standard error: nothing printed there controls the terminal.
 
 What is printed quotes files, logs and paths, which may hold anything. So that no command has to
 think of it, both streams are replaced before a command begins: by `print`, argparse, logging and

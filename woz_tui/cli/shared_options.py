@@ -1,4 +1,4 @@
-"""Options that `run`, `demo` and `host` share."""
+"""Options that several commands share: the session, the theme, pictures, the keymap."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`woz visitors`: who has a name, what is kept about them, and how to change or remove it."""
+"""`woz visitors`: lists, changes and deletes the data kept about named visitors."""
 
 from __future__ import annotations
 
@@ -202,7 +202,7 @@ def _forget(store: VisitorStore, arguments: Namespace) -> int:
     return 0
 
 
-# -- asking and telling -------------------------------------------------------------------------
+# -- questions and output -------------------------------------------------------------------------
 
 
 def _confirmed(visitors: list[Visitor]) -> bool:

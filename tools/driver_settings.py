@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from tools import ROOT
-from woz_tui.config.annotated_decoder import Field, fields_of, find_note, split_annotation
+from woz_tui.config.annotated_decoder import SettingField, fields_of, find_note, split_annotation
 from woz_tui.drivers import fields
 from woz_tui.drivers.contract import Driver
 from woz_tui.drivers.plugins import installed
@@ -53,7 +53,7 @@ def _rows(shape: type, shown: set[type], prefix: str = "") -> Iterator[tuple[str
             yield from _rows(inner, shown, f"{name}.*." if many else f"{name}.")
 
 
-def _default(item: Field) -> str:
+def _default(item: SettingField) -> str:
     value = item.default
     if item.required:
         return "required"
@@ -64,7 +64,7 @@ def _default(item: Field) -> str:
     return f"{value:g}" if isinstance(value, float) else str("" if value is None else value)
 
 
-def _meaning(item: Field) -> str:
+def _meaning(item: SettingField) -> str:
     notes = split_annotation(item.annotation)[1]
     span, words = find_note(notes, fields.Range), find_note(notes, fields.OneOf)
     allowed = str(span) if span is not None else ""

@@ -18,7 +18,7 @@ from naoqi_simulator.robot_time import SimulatorTime
 from naoqi_simulator.service_table import CallRefusedError, Service, ServiceMethod
 
 #: Faults that last until they are cleared, or for some seconds; `NAME:DETAIL` where one is needed.
-LASTING = ("invalid-signature", "slow", "refuse", "says-no", "deaf", "moody")
+LASTING_FAULTS = ("invalid-signature", "slow", "refuse", "says-no", "deaf", "moody")
 #: Faults that happen once.
 SUDDEN = ("killed", "frozen")
 #: Faulty or not, this service answers.
@@ -46,12 +46,12 @@ class SimulatedFaults:
             os.kill(os.getpid(), signal.SIGKILL)
         elif kind == "frozen":
             freeze(seconds)
-        elif kind in LASTING:
+        elif kind in LASTING_FAULTS:
             self._until[kind] = self._time.now() + seconds if seconds > 0 else float("inf")
             self._detail[kind] = detail
         else:
             raise CallRefusedError(
-                f"no fault {kind!r}; there are none, {', '.join(SUDDEN + LASTING)}"
+                f"no fault {kind!r}; there are none, {', '.join(SUDDEN + LASTING_FAULTS)}"
             )
 
     def clear(self) -> None:
@@ -70,7 +70,7 @@ class SimulatedFaults:
 
     def names(self) -> list[str]:
         """All that are there now."""
-        return [kind for kind in LASTING if self.active(kind)]
+        return [kind for kind in LASTING_FAULTS if self.active(kind)]
 
     async def before(self, called: str) -> None:
         """What a call meets before it is carried out. Raises Refused."""

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import msgspec
 
-from tests.analysis.told import SECOND, Told, figures_of, in_time, seconds
+from tests.analysis.example_sessions import SECOND, ExampleSession, figures_of, in_time, seconds
 from woz_tui.analysis.figures import ActionOutcomes, SessionFigures
 from woz_tui.protocol import messages as m
 
 
-def told(it: Told) -> SessionFigures:
+def told(it: ExampleSession) -> SessionFigures:
     return figures_of(in_time(it))
 
 
 def test_actions_are_counted_by_how_they_ended() -> None:
-    it = Told().act(1, "Hello").act(2, "Hello", end="failed").act(3, "Nod", "Body", end="refused")
+    it = (
+        ExampleSession()
+        .act(1, "Hello")
+        .act(2, "Hello", end="failed")
+        .act(3, "Nod", "Body", end="refused")
+    )
     it.act(4, "Nod", "Body", source="script", end="stopped").act(5, "Nod", "Body", took=None)
     whole = told(it.end(10)).whole
     assert whole.outcomes == ActionOutcomes(done=1, failed=1, stopped=1, refused=1, open=1)
@@ -32,14 +37,14 @@ def test_actions_are_counted_by_how_they_ended() -> None:
 
 
 def test_the_robots_own_actions_are_not_by_hand() -> None:
-    it = Told().act(1).act(2, source="engagement").act(3, source="program").end(60)
+    it = ExampleSession().act(1).act(2, source="engagement").act(3, source="program").end(60)
     whole = told(it).whole
     assert (whole.actions, whole.by_hand, whole.acts) == (3, 1, 1)
     assert (whole.press.n, whole.gaps.n) == (1, 0)
 
 
 def test_a_press_lasts_until_its_first_command_starts() -> None:
-    it = Told().act(1, latency_ms=2, took=1.0).act(5, latency_ms=4, took=2.0)
+    it = ExampleSession().act(1, latency_ms=2, took=1.0).act(5, latency_ms=4, took=2.0)
     second = m.Command(
         command="x", run="a00002", verb="play", args={}, driver="robot", source="key"
     )
@@ -56,7 +61,7 @@ def test_a_command_on_the_spot_is_an_act() -> None:
     spot = m.Command(command="c9", verb="say", args={"text": "x"}, driver="robot", source="key")
     knob = m.Command(command="k", verb="control", args={}, driver="robot", source="midi")
     forced = m.Command(command="f", verb="force", args={}, driver="engagement", source="key")
-    it = Told().act(1).add(3, spot).add(3.5, knob, forced)
+    it = ExampleSession().act(1).add(3, spot).add(3.5, knob, forced)
     it.add(3.002, m.Dispatched(command="c9", driver="robot", latency_us=2000)).act(7).end(10)
     whole = told(it).whole
     assert (whole.by_hand, whole.direct, whole.acts) == (2, 1, 3)
@@ -67,7 +72,7 @@ def test_a_command_on_the_spot_is_an_act() -> None:
 
 
 def test_mistakes_count_once_and_where_the_act_was() -> None:
-    it = Told(condition="warm").act(1).act(2)
+    it = ExampleSession(condition="warm").act(1).act(2)
     it.add(3, m.SessionChanged(condition="cold")).act(4)
     mistake = m.Mistake(run="a00002", action="Hello")
     it.add(5, mistake, mistake).add(6, m.Mistake(run="a00003", action="Hello")).end(10)
@@ -77,7 +82,7 @@ def test_mistakes_count_once_and_where_the_act_was() -> None:
 
 
 def test_an_action_counts_in_the_condition_in_which_it_was_asked_for() -> None:
-    it = Told(condition="warm").act(1).act(2.9, took=1.0)
+    it = ExampleSession(condition="warm").act(1).act(2.9, took=1.0)
     it.add(3, m.SessionChanged(condition="cold")).act(4).act(6)
     it.add(7, m.SessionChanged(condition="warm")).act(8).end(10)
     figures = told(it)
@@ -93,19 +98,19 @@ def test_an_action_counts_in_the_condition_in_which_it_was_asked_for() -> None:
 
 
 def test_another_participant_has_a_part_of_their_own() -> None:
-    it = Told().act(1).add(5, m.SessionChanged(participant="P08")).act(6).end(10)
+    it = ExampleSession().act(1).add(5, m.SessionChanged(participant="P08")).act(6).end(10)
     assert [(part.participant, part.actions) for part in told(it).parts] == [("P07", 1), ("P08", 1)]
 
 
 def test_what_was_held_back_counts_apart() -> None:
-    it = Told().add(
+    it = ExampleSession().add(
         1, m.ActionHeld(run="a1", action="Hello", sort="speech", cued=0, until=1_400_000)
     )
     assert list(told(it.end(5)).whole.held.values) == [400_000]
 
 
 def test_a_press_contains_the_time_for_which_it_was_held_back() -> None:
-    it = Told().act(1, latency_ms=2)
+    it = ExampleSession().act(1, latency_ms=2)
     held = m.ActionHeld(run="a", action="Hello", sort="speech", cued=0, until=4 * SECOND)
     say = m.Command(command="c", run="a", verb="say", args={}, driver="robot", source="key")
     it.add(3, m.ActionRequested(run="a", action="Hello", source="key"), held).add(4, say)
@@ -117,13 +122,13 @@ def test_a_press_contains_the_time_for_which_it_was_held_back() -> None:
 
 
 def test_a_log_without_its_first_line_has_figures() -> None:
-    it = Told().act(1).end(3)
+    it = ExampleSession().act(1).end(3)
     figures = figures_of(in_time(it)[1:])
     assert (figures.whole.actions, figures.wizard, figures.schema) == (1, "", 0)
 
 
 def test_time_never_goes_back() -> None:
-    it = Told().act(5).end(10)
+    it = ExampleSession().act(5).end(10)
     back = msgspec.structs.replace(m.Note(text="late"), seq=99, t=2 * SECOND)
     figures = figures_of([*in_time(it), back])
     assert figures.duration_us == 10 * SECOND

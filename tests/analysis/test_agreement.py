@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.analysis.told import SECOND, Told, in_time
+from tests.analysis.example_sessions import SECOND, ExampleSession, in_time
 from woz_tui.analysis.coder_agreement import Agreement, agreements, binned, coded_spans
 from woz_tui.log.coding_file import Code
 from woz_tui.protocol import messages as m
@@ -85,8 +85,8 @@ def test_one_code_alone_has_no_kappa() -> None:
     assert (nothing.agreed, nothing.kappa) == (None, None)
 
 
-def trials() -> Told:
-    it = Told()
+def trials() -> ExampleSession:
+    it = ExampleSession()
     for begin, end, how in ((2, 10, "done"), (12, 15, "aborted"), (20, 30, "done")):
         it.add(begin, m.TrialStarted(trial=1, condition="warm"))
         it.add(end, m.TrialEnded(trial=1, outcome=how))
@@ -106,7 +106,7 @@ def test_only_trials_that_count_are_compared() -> None:
 
 
 def test_a_session_without_trials_is_compared_as_a_whole() -> None:
-    assert seconds(coded_spans(timeline_of(in_time(Told().end(9))))) == [(0, 9)]
+    assert seconds(coded_spans(timeline_of(in_time(ExampleSession().end(9))))) == [(0, 9)]
 
 
 CODES = st.lists(

@@ -12,7 +12,7 @@ import msgspec
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.analysis.told import STEM, drawn, figures_of
+from tests.analysis.example_sessions import STEM, drawn, figures_of
 from tests.protocol.examples import messages as examples
 from woz_tui.analysis import figures_json
 from woz_tui.analysis.csv_package import table_files

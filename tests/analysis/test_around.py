@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tests.analysis.told import SECOND, Told, figures_of, in_time
+from tests.analysis.example_sessions import SECOND, ExampleSession, figures_of, in_time
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.protocol import messages as m
@@ -10,13 +10,13 @@ from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.protocol.welcome import DesignView, Questionnaire, StudySettings, WelcomeSettings
 
 
-def told(it: Told, *, all_trials: bool = False) -> SessionFigures:
+def told(it: ExampleSession, *, all_trials: bool = False) -> SessionFigures:
     return figures_of(in_time(it), FigureOptions(all_trials=all_trials))
 
 
-def trials() -> Told:
+def trials() -> ExampleSession:
     """One action before, two trials of which one was aborted, a break, one after."""
-    it = Told(condition="").act(1)
+    it = ExampleSession(condition="").act(1)
     it.add(5, m.TrialStarted(trial=1, condition="warm")).act(6).act(7)
     it.add(10, m.TrialEnded(trial=1, outcome="done"))
     it.add(11, m.BreakStarted(text="water")).add(14, m.BreakEnded())
@@ -48,7 +48,9 @@ def test_all_trials_count_if_somebody_wants_them() -> None:
 
 
 def test_that_a_lost_console_stops_the_drive_is_no_emergency_stop() -> None:
-    it = Told().add(1, m.StopPressed(source="no wizard's console is attached", scope="drive"))
+    it = ExampleSession().add(
+        1, m.StopPressed(source="no wizard's console is attached", scope="drive")
+    )
     figures = told(it.add(5, m.StopPressed(source="key")).end(9))
     assert figures.whole.stops == 1
     assert [stop.scope for stop in figures.stops] == ["drive", "all"], "the list has both"
@@ -68,13 +70,13 @@ def test_trials_and_breaks_are_rows() -> None:
 
 
 def test_a_trial_without_an_end_counts() -> None:
-    figures = told(Told().add(1, m.TrialStarted(trial=1)).act(2))
+    figures = told(ExampleSession().add(1, m.TrialStarted(trial=1)).act(2))
     assert (figures.trials[0].end, figures.trials[0].outcome) == (None, "")
     assert figures.whole.actions == 1
 
 
 def test_stops_know_who_confirmed_them() -> None:
-    it = Told().add(1, m.StopPressed(source="key"))
+    it = ExampleSession().add(1, m.StopPressed(source="key"))
     it.add(1.4, m.StopConfirmed(confirmed=["head"], missing=["base"], elapsed_us=400_000))
     it.add(3, m.StopReleased(source="key")).add(5, m.StopPressed(source="program", scope="drive"))
     first, second = told(it.end(9)).stops
@@ -85,21 +87,21 @@ def test_stops_know_who_confirmed_them() -> None:
 
 
 def test_every_press_counts_however_often_it_is_pressed() -> None:
-    it = Told()
+    it = ExampleSession()
     for number in range(40):
         it.add(1 + number / 10, m.StopPressed(source="key"))
     assert told(it.add(6, m.StopReleased(source="key")).end(9)).whole.stops == 40
 
 
 def test_a_stop_of_driving_is_over_when_it_is_confirmed() -> None:
-    it = Told().add(1, m.StopPressed(source="no console", scope="drive"))
+    it = ExampleSession().add(1, m.StopPressed(source="no console", scope="drive"))
     it.add(2, m.StopConfirmed(confirmed=["base"], missing=[], elapsed_us=SECOND))
     [stop] = told(it.end(9)).stops
     assert (stop.confirmed, stop.released) == (("base",), 2 * SECOND)
 
 
 def test_a_driver_of_several_parts_tells_which_of_them_stand_still() -> None:
-    it = Told().add(1, m.StopPressed(source="key"))
+    it = ExampleSession().add(1, m.StopPressed(source="key"))
     confirmed = m.StopConfirmed(
         confirmed=["head"],
         missing=["pepper"],
@@ -112,7 +114,7 @@ def test_a_driver_of_several_parts_tells_which_of_them_stand_still() -> None:
 
 
 def test_a_driver_that_a_stop_did_not_reach_is_named_as_that() -> None:
-    it = Told().add(1, m.StopPressed(source="key"))
+    it = ExampleSession().add(1, m.StopPressed(source="key"))
     confirmed = m.StopConfirmed(
         confirmed=["head"], missing=["base", "robot"], unreached=["robot"], elapsed_us=1
     )
@@ -122,7 +124,9 @@ def test_a_driver_that_a_stop_did_not_reach_is_named_as_that() -> None:
 
 
 def test_marks_are_in_order() -> None:
-    it = Told().add(1, m.Note(text="shy")).add(2, m.Marker(text="laughs", source="wizard"))
+    it = (
+        ExampleSession().add(1, m.Note(text="shy")).add(2, m.Marker(text="laughs", source="wizard"))
+    )
     it.add(3, m.Marker(text="4 checks", source="preflight")).act(4)
     it.add(5, m.Mistake(run="a00001", action="Hello", text="wrong key"))
     figures = told(it.end(9))
@@ -134,10 +138,12 @@ def test_marks_are_in_order() -> None:
     assert (figures.whole.notes, figures.whole.markers, figures.whole.mistakes) == (1, 1, 1)
 
 
-def questionnaire() -> Told:
+def questionnaire() -> ExampleSession:
     scale = {"name": "liked", "question": "I liked it", "low": 1, "high": 7}
     free = {"name": "why", "question": "Why?", "text": True}
-    it = Told().add(1, m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[scale, free]))
+    it = ExampleSession().add(
+        1, m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[scale, free])
+    )
 
     def answer(at: float, item: str, **given: object) -> None:
         message = m.QuestionnaireAnswered(
@@ -179,7 +185,7 @@ def test_questionnaires_that_were_due_and_not_answered_are_named() -> None:
         title="Guide", panels=[], script=[], verbs={}, variables=[], conditions=[],
         keyboard="us", drivers=[], settings=WelcomeSettings(study=study),
     )  # fmt: skip
-    it = Told().add(0, plan)
+    it = ExampleSession().add(0, plan)
     it.add(1, m.TrialStarted(trial=1)).add(2, m.TrialEnded(trial=1, outcome="done"))
     it.add(3, m.TrialStarted(trial=2)).add(4, m.TrialEnded(trial=2, outcome="done"))
     answered = m.QuestionnaireEnded(questionnaire="each", reason="done", answered=0)
@@ -188,14 +194,16 @@ def test_questionnaires_that_were_due_and_not_answered_are_named() -> None:
 
 
 def test_answers_whose_beginning_is_lost_are_kept() -> None:
-    it = Told().add(
+    it = ExampleSession().add(
         2, m.QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=2.0)
     )
     assert [each.value for each in told(it.end(3)).answers] == [2.0]
 
 
 def test_lost_drivers_and_consoles() -> None:
-    it = Told().add(0, m.DriverConnected(driver="head"), m.DriverConnected(driver="voice"))
+    it = ExampleSession().add(
+        0, m.DriverConnected(driver="head"), m.DriverConnected(driver="voice")
+    )
     it.add(1, m.DriverLost(driver="head", detail="cable")).add(2, m.DriverFaulted(driver="head"))
     it.add(4, m.DriverConnected(driver="head")).add(6, m.DriverLost(driver="voice"))
     it.add(7, m.ConsoleAttached(console="k1", role="wizard"))
@@ -216,7 +224,11 @@ def test_what_the_wizard_had_and_could_see() -> None:
         script=[], verbs={}, variables=[], conditions=[], keyboard="us", drivers=[],
         settings=WelcomeSettings(),
     )  # fmt: skip
-    it = Told().add(0, plan).add(1, m.PerceptionChanged(hidden=["gaze"], blurred=["transcript"]))
+    it = (
+        ExampleSession()
+        .add(0, plan)
+        .add(1, m.PerceptionChanged(hidden=["gaze"], blurred=["transcript"]))
+    )
     it.add(2, m.ShapingChanged(floor_us=800_000, jitter_us=400_000, cues=["speech"]))
     it.add(3, m.ProfileChanged(profile="child")).add(4, m.ProfileChanged())
     it.add(5, m.ConditionsAssigned(participant="P07", order=["a", "b"], method="latin-square"))

@@ -8,7 +8,14 @@ from typing import Any
 
 import pytest
 
-from tests.analysis.told import SECOND, STEM, Told, figures_of, in_time, seconds
+from tests.analysis.example_sessions import (
+    SECOND,
+    STEM,
+    ExampleSession,
+    figures_of,
+    in_time,
+    seconds,
+)
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.session_reading import NO_BEGINNING, read_report
@@ -18,17 +25,19 @@ from woz_tui.protocol import messages as m
 SETTINGS = m.EngagementAdopted(settings={"start": "run"})
 
 
-def told(it: Told, *, all_trials: bool = False) -> SessionFigures:
+def told(it: ExampleSession, *, all_trials: bool = False) -> SessionFigures:
     return figures_of(in_time(it), FigureOptions(all_trials=all_trials))
 
 
-def trial(it: Told, begin: float, end: float, outcome: str, number: int = 1) -> Told:
+def trial(
+    it: ExampleSession, begin: float, end: float, outcome: str, number: int = 1
+) -> ExampleSession:
     it.add(begin, m.TrialStarted(trial=number))
     return it.add(end, m.TrialEnded(trial=number, outcome=outcome))
 
 
 def test_a_break_inside_a_trial_belongs_to_no_trial() -> None:
-    it = trial(Told(), 10, 50, "aborted").act(15).act(25, "Nod").act(45)
+    it = trial(ExampleSession(), 10, 50, "aborted").act(15).act(25, "Nod").act(45)
     it.add(20, m.BreakStarted()).add(30, m.BreakEnded()).end(60)
     figures = told(it)
     assert (figures.whole.actions, figures.trials[0].actions) == (1, 2)
@@ -37,7 +46,7 @@ def test_a_break_inside_a_trial_belongs_to_no_trial() -> None:
 
 
 def test_a_break_that_ends_with_its_trial() -> None:
-    it = Told().add(10, m.TrialStarted(trial=1)).add(20, m.BreakStarted())
+    it = ExampleSession().add(10, m.TrialStarted(trial=1)).add(20, m.BreakStarted())
     it.add(30, m.TrialEnded(trial=1, outcome="excluded")).add(30, m.BreakEnded()).act(40).end(50)
     figures = told(it)
     assert [(each.end, each.outcome) for each in figures.trials] == [(30 * SECOND, "excluded")]
@@ -45,7 +54,7 @@ def test_a_break_that_ends_with_its_trial() -> None:
 
 
 def test_the_number_of_the_next_trial_is_no_trials_yet() -> None:
-    it = Told().add(1, m.SessionChanged(trial=1))
+    it = ExampleSession().add(1, m.SessionChanged(trial=1))
     it.add(2, m.ConditionsAssigned(participant="P07", order=["warm"], method="hand"))
     it.add(3, m.Marker(text="before", source="key"))
     it = trial(it, 10, 20, "done").add(15, m.Marker(text="in it", source="key"))
@@ -56,22 +65,27 @@ def test_the_number_of_the_next_trial_is_no_trials_yet() -> None:
 
 
 def test_without_trials_the_number_that_was_set_holds() -> None:
-    it = Told().add(1, m.SessionChanged(trial=3)).add(2, m.Marker(text="x", source="key")).end(60)
+    it = (
+        ExampleSession()
+        .add(1, m.SessionChanged(trial=3))
+        .add(2, m.Marker(text="x", source="key"))
+        .end(60)
+    )
     assert [cue.trial for cue in told(it).cues] == [3]
 
 
 def test_only_acts_by_hand_are_mistakes() -> None:
-    it = Told().act(1).act(5, source="program")
+    it = ExampleSession().act(1).act(5, source="program")
     it.add(2, m.Mistake(run="a00001")).add(6, m.Mistake(run="a00002"))
     assert told(it.end(10)).whole.mistakes == 1
 
 
 def test_a_mistake_whose_act_is_lost_counts() -> None:
-    assert told(Told().add(2, m.Mistake(run="a00009")).end(10)).whole.mistakes == 1
+    assert told(ExampleSession().add(2, m.Mistake(run="a00009")).end(10)).whole.mistakes == 1
 
 
 def test_a_press_counts_from_where_and_when_the_act_was_asked_for() -> None:
-    it = Told().add(1, m.ActionRequested(run="a", action="Hello", source="key"))
+    it = ExampleSession().add(1, m.ActionRequested(run="a", action="Hello", source="key"))
     mark = m.Command(command="c1", run="a", verb="mark", args={}, driver="session", source="key")
     say = m.Command(command="c2", run="a", verb="say", args={}, driver="robot", source="key")
     it.add(1, mark).add(1, m.Dispatched(command="c1", driver="session", latency_us=7))
@@ -82,7 +96,7 @@ def test_a_press_counts_from_where_and_when_the_act_was_asked_for() -> None:
 
 
 def test_an_engagement_is_clipped_in_figures_and_whole_where_it_is_listed() -> None:
-    it = Told().add(0, SETTINGS).state(10, "Wait", "EngagedWithKnown")
+    it = ExampleSession().add(0, SETTINGS).state(10, "Wait", "EngagedWithKnown")
     it.add(20, m.SessionChanged(condition="cold"))
     it.state(30, "EngagedWithKnown", "Wait", outcome="lost").end(40)
     figures = told(it)
@@ -96,7 +110,9 @@ def test_an_engagement_is_clipped_in_figures_and_whole_where_it_is_listed() -> N
 
 
 def test_cues_of_trials_that_do_not_count_stay_marked() -> None:
-    it = trial(Told(), 10, 20, "aborted").add(15, m.Marker(text="x", source="key")).end(60)
+    it = (
+        trial(ExampleSession(), 10, 20, "aborted").add(15, m.Marker(text="x", source="key")).end(60)
+    )
     for all_trials in (False, True):
         figures = told(it, all_trials=all_trials)
         assert [cue.counted for cue in figures.cues] == [False]
@@ -104,26 +120,28 @@ def test_cues_of_trials_that_do_not_count_stay_marked() -> None:
 
 
 def test_a_training_whose_cues_became_void_is_one() -> None:
-    it = Told().add(1, m.CueGiven(cue="q1", sort="question", expects=[], window_us=4_000_000))
+    it = ExampleSession().add(
+        1, m.CueGiven(cue="q1", sort="question", expects=[], window_us=4_000_000)
+    )
     training = told(it.add(2, m.CueAnswered(cue="q1", judged="void")).end(9)).training
     assert training is not None
     assert (training.cues, training.score) == (0, None)
 
 
 def test_time_that_the_log_has_lost_is_no_time_of_the_session() -> None:
-    it = Told().add(0, SETTINGS).state(40, "Wait", "PersonDetected").act(60).end(70)
+    it = ExampleSession().add(0, SETTINGS).state(40, "Wait", "PersonDetected").act(60).end(70)
     rest = figures_of(in_time(it)[2:])
     assert seconds([rest.duration_us, rest.whole.us]) == [30, 30]
     assert rest.whole.per_minute == 2.0
 
 
-def with_checkpoint(it: Told, at: float) -> Told:
+def with_checkpoint(it: ExampleSession, at: float) -> ExampleSession:
     return it.add(at, m.Checkpoint(sha256="ab", lines=len(it.messages)))
 
 
 @pytest.mark.parametrize("lost", [slice(0, 2), slice(3, 5), slice(0, 6)])
 def test_lines_that_are_gone_are_missed_without_a_checksum(lost: slice, tmp_path: Path) -> None:
-    path = with_checkpoint(Told().act(1).act(2).act(3), 9).end(10).written(tmp_path)
+    path = with_checkpoint(ExampleSession().act(1).act(2).act(3), 9).end(10).written(tmp_path)
     lines = path.read_bytes().splitlines(keepends=True)
     gone = len(lines[lost])
     del lines[lost]
@@ -135,7 +153,7 @@ def test_lines_that_are_gone_are_missed_without_a_checksum(lost: slice, tmp_path
 
 
 def test_a_damaged_line_is_not_missed_once_more(tmp_path: Path) -> None:
-    path = with_checkpoint(Told().act(1).act(2), 9).end(10).written(tmp_path)
+    path = with_checkpoint(ExampleSession().act(1).act(2), 9).end(10).written(tmp_path)
     lines = path.read_bytes().splitlines(keepends=True)
     lines[3] = b"{]\n"
     path.write_bytes(b"".join(lines))

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from tests.analysis.told import SECOND, Told, figures_of, in_time
+from tests.analysis.example_sessions import SECOND, ExampleSession, figures_of, in_time
 from tests.export.out import exported
 from woz_tui.analysis.csv_package import table_files
 from woz_tui.analysis.figure_counting import FigureOptions
@@ -23,7 +23,9 @@ from woz_tui.protocol import messages as m
 ON = m.EngagementAdopted(settings={"start": "run"})
 
 
-def trial(it: Told, number: int, condition: str, when: tuple[float, float]) -> Told:
+def trial(
+    it: ExampleSession, number: int, condition: str, when: tuple[float, float]
+) -> ExampleSession:
     """A trial that was done, unless it was shorter than 5 s."""
     begin, end = when
     it.add(begin, m.TrialStarted(trial=number, condition=condition))
@@ -31,11 +33,11 @@ def trial(it: Told, number: int, condition: str, when: tuple[float, float]) -> T
     return it.add(end, m.TrialEnded(trial=number, outcome=outcome))
 
 
-def study() -> Told:
+def study() -> ExampleSession:
     """Two trials with a questionnaire between them, and one of 3 s that was aborted. Somebody is
     engaged from 15 to 65 s.
     """
-    it = Told(condition="").add(0, ON).state(15, "Wait", "EngagedWithKnown")
+    it = ExampleSession(condition="").add(0, ON).state(15, "Wait", "EngagedWithKnown")
     trial(it, 1, "warm", (10, 20)).act(11).act(19)
     it.add(21, m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[])).act(25)
     it.add(38, m.QuestionnaireEnded(questionnaire="ux", reason="done", answered=0))
@@ -44,11 +46,11 @@ def study() -> Told:
     return it.state(65, "EngagedWithKnown", "PersonDetected").end(90)
 
 
-def told(it: Told, *, all_trials: bool = False) -> SessionFigures:
+def told(it: ExampleSession, *, all_trials: bool = False) -> SessionFigures:
     return figures_of(in_time(it), FigureOptions(all_trials=all_trials))
 
 
-def tables(it: Told, folder: Path) -> dict[str, list[dict[str, str]]]:
+def tables(it: ExampleSession, folder: Path) -> dict[str, list[dict[str, str]]]:
     with table_files(folder) as files:
         files.add(told(it))
     return read(folder)
@@ -91,7 +93,7 @@ def test_an_episode_that_spans_conditions_is_clipped_in_figures_and_tables(tmp_p
 
 
 def test_a_session_without_trials_has_no_time_outside() -> None:
-    it = Told().act(1).add(5, m.SessionChanged(condition="cold")).act(8).end(20)
+    it = ExampleSession().act(1).add(5, m.SessionChanged(condition="cold")).act(8).end(20)
     parts = [(part.condition, part.scope, part.us // SECOND) for part in told(it).parts]
     assert parts == [("warm", "session", 5), ("cold", "session", 15)]
 
@@ -142,7 +144,7 @@ def test_a_paper_counts_what_was_done_in_trials() -> None:
 
 def answers(*conditions: str) -> list[tuple[str, str, Any]]:
     """A cue 2 s before the end of trial 1, and an act 1 s after the next trial has begun."""
-    it = Told(condition=conditions[0])
+    it = ExampleSession(condition=conditions[0])
     trial(it, 1, conditions[0], (10, 20)).speech(16, 18)
     trial(it, 2, conditions[-1], (21, 40)).act(22)
     return [(cue.condition, cue.result, cue.reaction_us) for cue in told(it.end(50)).cues]
@@ -155,7 +157,7 @@ def test_what_is_done_in_the_next_trial_answers_no_cue_of_this_one() -> None:
 
 def test_an_answer_to_a_questionnaire_in_an_aborted_trial_is_in_no_mean() -> None:
     item = {"name": "liked", "question": "?", "low": 1, "high": 7}
-    it = Told().add(10, m.TrialStarted(trial=1, condition="warm"))
+    it = ExampleSession().add(10, m.TrialStarted(trial=1, condition="warm"))
     it.add(11, m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[item]))
     it.add(12, m.QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=2.0))
     it.add(14, m.TrialEnded(trial=1, outcome="aborted")).end(20)

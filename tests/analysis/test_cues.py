@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from msgspec.structs import replace
 
-from tests.analysis.told import SECOND, Told, figures_of, in_time, seconds
+from tests.analysis.example_sessions import SECOND, ExampleSession, figures_of, in_time, seconds
 from tests.protocol.examples import messages as examples
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
@@ -12,7 +12,7 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
 
 
-def told(it: Told, options: FigureOptions | None = None) -> SessionFigures:
+def told(it: ExampleSession, options: FigureOptions | None = None) -> SessionFigures:
     return figures_of(in_time(it), options or FigureOptions())
 
 
@@ -24,7 +24,7 @@ def fates(figures: SessionFigures) -> list[tuple[str, str, float | None]]:
 
 
 def test_the_next_act_answers() -> None:
-    it = Told().speech(1, 3).act(4.5).act(5).end(20)
+    it = ExampleSession().speech(1, 3).act(4.5).act(5).end(20)
     figures = told(it)
     assert fates(figures) == [("speech", "answered", 1.5)]
     assert (figures.cues[0].action, figures.cues[0].run) == ("Hello", "a00001")
@@ -32,11 +32,13 @@ def test_the_next_act_answers() -> None:
 
 
 def test_an_act_that_is_refused_is_a_reaction_all_the_same() -> None:
-    assert fates(told(Told().speech(1, 3).act(4, end="refused").end(20)))[0][1] == "answered"
+    assert (
+        fates(told(ExampleSession().speech(1, 3).act(4, end="refused").end(20)))[0][1] == "answered"
+    )
 
 
 def test_the_robot_by_itself_answers_nothing() -> None:
-    it = Told().speech(1, 3).act(4, source="engagement").end(20)
+    it = ExampleSession().speech(1, 3).act(4, source="engagement").end(20)
     assert fates(told(it)) == [("speech", "missed", None)]
 
 
@@ -48,7 +50,11 @@ def said_by_the_file(answers: dict[str, list[str]]) -> m.SessionPlan:
 
 def test_a_nod_answers_nothing_unless_the_file_says_so() -> None:
     def course(answers: dict[str, list[str]]) -> list[tuple[str, str, float | None]]:
-        it = Told().add(0, said_by_the_file(answers)).add(2, m.Marker(text="go", source="key"))
+        it = (
+            ExampleSession()
+            .add(0, said_by_the_file(answers))
+            .add(2, m.Marker(text="go", source="key"))
+        )
         it.speech(2, 3).act(4, "Nod", "Gestures", verb="play").act(6)
         return sorted(fates(told(it.end(20))))
 
@@ -59,7 +65,7 @@ def test_a_nod_answers_nothing_unless_the_file_says_so() -> None:
 
 
 def test_a_typed_sentence_answers_and_a_turn_of_the_head_does_not() -> None:
-    it = Told().speech(1, 3)
+    it = ExampleSession().speech(1, 3)
     for at, verb in ((4, "gaze"), (5, "say")):
         it.add(at, m.Command(command=verb, verb=verb, args={}, driver="robot", source="key"))
     assert fates(told(it.end(20))) == [("speech", "answered", 2.0)]
@@ -69,40 +75,40 @@ def test_an_act_that_was_refused_is_judged_by_what_it_would_have_done() -> None:
     plan = said_by_the_file({})
     nod = ActionView(name="Nod", label="Nod", verbs=["play"])
     plan = replace(plan, panels=[PanelView(title="Body", actions=[nod])])
-    it = Told().add(0, plan).speech(1, 3).act(4, "Nod", "Body", end="refused")
+    it = ExampleSession().add(0, plan).speech(1, 3).act(4, "Nod", "Body", end="refused")
     assert fates(told(it.end(20))) == [("speech", "missed", None)]
 
 
 def test_at_the_end_of_the_window_an_answer_still_counts() -> None:
-    it = Told().speech(1, 3).act(13).speech(20, 22, 2).act(32.001).end(60)
+    it = ExampleSession().speech(1, 3).act(13).speech(20, 22, 2).act(32.001).end(60)
     assert fates(told(it)) == [("speech", "answered", 10.0), ("speech", "missed", None)]
     wide = told(it, FigureOptions(window_us=11 * SECOND))
     assert [fate for _, fate, _ in fates(wide)] == ["answered", "answered"]
 
 
 def test_who_speaks_on_wants_no_answer_to_what_came_before() -> None:
-    it = Told().speech(1, 3).speech(4, 6, 2).act(7).end(20)
+    it = ExampleSession().speech(1, 3).speech(4, 6, 2).act(7).end(20)
     assert fates(told(it)) == [("speech", "superseded", None), ("speech", "answered", 1.0)]
 
 
 def test_what_is_overtaken_after_the_window_was_missed() -> None:
-    it = Told().speech(1, 3).speech(40, 42, 2).act(43).end(60)
+    it = ExampleSession().speech(1, 3).speech(40, 42, 2).act(43).end(60)
     assert [fate for _, fate, _ in fates(told(it))] == ["missed", "answered"]
 
 
 def test_a_cue_at_the_end_of_the_log_is_cut() -> None:
-    figures = told(Told().speech(1, 3).end(9))
+    figures = told(ExampleSession().speech(1, 3).end(9))
     assert fates(figures) == [("speech", "cut", None)]
     assert figures.whole.reactions["speech"].missed == 0
 
 
 def test_an_answer_may_come_before_the_line_that_tells_of_the_cue() -> None:
-    it = Told().speech(1, 3, late=1.0).act(3.4).end(20)
+    it = ExampleSession().speech(1, 3, late=1.0).act(3.4).end(20)
     assert fates(told(it)) == [("speech", "answered", 0.4)]
 
 
 def test_an_act_just_before_the_end_of_speech_is_the_answer() -> None:
-    it = Told().speech(1, 4).act(3.5).act(8).speech(20, 22, 2).act(20.9).end(60)
+    it = ExampleSession().speech(1, 4).act(3.5).act(8).speech(20, 22, 2).act(20.9).end(60)
     figures = told(it)
     assert fates(figures) == [("speech", "answered_early", None), ("speech", "missed", None)]
     assert figures.whole.reactions["all"].times.n == 0
@@ -110,17 +116,17 @@ def test_an_act_just_before_the_end_of_speech_is_the_answer() -> None:
 
 
 def test_what_came_before_the_visitor_spoke_answers_something_else() -> None:
-    it = Told().speech(1, 3).act(3.4).speech(3.5, 4, 2).end(30)
+    it = ExampleSession().speech(1, 3).act(3.4).speech(3.5, 4, 2).end(30)
     assert fates(told(it)) == [("speech", "answered", 0.4), ("speech", "missed", None)]
 
 
 def test_a_marker_asks_for_what_comes_after_it() -> None:
-    it = Told().act(2.8).add(3, m.Marker(text="go", source="key")).act(5).end(30)
+    it = ExampleSession().act(2.8).add(3, m.Marker(text="go", source="key")).act(5).end(30)
     assert fates(told(it)) == [("marker", "answered", 2.0)]
 
 
 def test_the_models_echo_of_an_anticipated_cue_counts_once() -> None:
-    it = Told().speech(1, 3).act(2.9)
+    it = ExampleSession().speech(1, 3).act(2.9)
     it.add(
         3.1,
         m.EngagementChanged(
@@ -133,7 +139,7 @@ def test_the_models_echo_of_an_anticipated_cue_counts_once() -> None:
 
 
 def test_one_event_is_not_two_cues() -> None:
-    it = Told().speech(1, 3)
+    it = ExampleSession().speech(1, 3)
     it.state(3.1, "UserSpeaks", "RobotThinks").act(5).end(20)
     figures = told(it)
     assert [(cue.cue_type, cue.echo) for cue in figures.cues] == [
@@ -145,12 +151,16 @@ def test_one_event_is_not_two_cues() -> None:
 
 
 def test_a_state_that_is_left_wants_no_answer_any_more() -> None:
-    it = Told().state(3, "UserSpeaks", "RobotThinks").state(6, "RobotThinks", "PersonDetected")
+    it = (
+        ExampleSession()
+        .state(3, "UserSpeaks", "RobotThinks")
+        .state(6, "RobotThinks", "PersonDetected")
+    )
     assert fates(told(it.act(7).end(20))) == [("engagement", "superseded", None)]
 
 
 def test_which_states_are_cues_can_be_said() -> None:
-    it = Told().state(3, "PersonDetected", "EngagedWithUnknown").act(4).end(20)
+    it = ExampleSession().state(3, "PersonDetected", "EngagedWithUnknown").act(4).end(20)
     assert told(it).cues == ()
     figures = told(it, FigureOptions(waiting=("EngagedWithUnknown",)))
     assert fates(figures) == [("engagement", "answered", 1.0)]
@@ -158,7 +168,7 @@ def test_which_states_are_cues_can_be_said() -> None:
 
 
 def test_markers_of_humans_are_cues() -> None:
-    it = Told().add(3, m.Marker(text="asks", source="wizard")).act(5)
+    it = ExampleSession().add(3, m.Marker(text="asks", source="wizard")).act(5)
     it.add(7, m.Marker(text="x", source="action")).add(8, m.Marker(text="y", source="preflight"))
     figures = told(it.end(30))
     assert fates(figures) == [("marker", "answered", 2.0)]
@@ -166,7 +176,7 @@ def test_markers_of_humans_are_cues() -> None:
 
 
 def test_trained_cues_are_judged_by_the_training() -> None:
-    it = Told()
+    it = ExampleSession()
     for number, judged in enumerate(("right", "wrong", "missed", "right")):
         cue = f"q{number}"
         it.add(
@@ -193,4 +203,4 @@ def test_trained_cues_are_judged_by_the_training() -> None:
 
 
 def test_without_training_there_is_none() -> None:
-    assert told(Told().act(1).end(2)).training is None
+    assert told(ExampleSession().act(1).end(2)).training is None

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.analysis.told import SECOND, Told, drawn, figures_of, in_time
+from tests.analysis.example_sessions import SECOND, ExampleSession, drawn, figures_of, in_time
 from woz_tui.analysis.csv_package import table_files
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
@@ -31,7 +31,7 @@ def shown(
     return m.SettingsShown(driver=driver, values=values, wanted=wanted or {})
 
 
-def told(it: Told, *, all_trials: bool = False) -> SessionFigures:
+def told(it: ExampleSession, *, all_trials: bool = False) -> SessionFigures:
     return figures_of(in_time(it), FigureOptions(all_trials=all_trials))
 
 
@@ -43,9 +43,9 @@ def rows(figures: SessionFigures) -> list[tuple[str, int, float, float]]:
     ]
 
 
-def drifting() -> Told:
+def drifting() -> ExampleSession:
     """Blinking comes on in trial 1 and stays on; the robot is lost for 10 s of trial 2."""
-    it = Told(condition="").add(5, shown(blinking=False, volume=0.6))
+    it = ExampleSession(condition="").add(5, shown(blinking=False, volume=0.6))
     it.add(10, m.TrialStarted(trial=1, condition="warm"))
     it.add(12, shown({"blinking": False}, blinking=True, volume=0.6))
     it.add(14, shown({"blinking": False, "volume": 0.6}, blinking=True, volume=0.8))
@@ -90,7 +90,7 @@ def test_main_figures() -> None:
 
 
 def test_a_session_without_settings_has_none() -> None:
-    figures = told(Told().act(1).end(9))
+    figures = told(ExampleSession().act(1).end(9))
     values = measured(figures.whole)
     assert values["settings_known_s"] == 0
     assert values["settings_differ_s"] is None
@@ -99,13 +99,13 @@ def test_a_session_without_settings_has_none() -> None:
 
 
 def test_what_is_as_asked_for_is_known_and_no_difference() -> None:
-    figures = told(Told().add(2, shown(volume=0.6)).end(9))
+    figures = told(ExampleSession().add(2, shown(volume=0.6)).end(9))
     assert (figures.whole.settings_us, figures.whole.differing_us) == (7 * SECOND, 0)
     assert measured(figures.whole)["settings_differ_share"] == 0
 
 
 def test_another_value_is_another_row() -> None:
-    it = Told().add(1, shown({"volume": 0.6}, volume=0.8))
+    it = ExampleSession().add(1, shown({"volume": 0.6}, volume=0.8))
     it.add(3, shown({"volume": 0.6}, volume=0.9)).add(4, shown({"volume": 0.5}, volume=0.9))
     figures = told(it.end(9))
     assert [(each.value, each.wanted, each.end // SECOND) for each in figures.differences] == [
@@ -119,26 +119,37 @@ def test_another_value_is_another_row() -> None:
 
 
 def test_what_comes_in_late_of_a_lost_robot_tells_nothing() -> None:
-    it = Told().add(1, shown({"volume": 0.6}, volume=0.8)).add(3, LOST, shown(state="solitary"))
+    it = (
+        ExampleSession()
+        .add(1, shown({"volume": 0.6}, volume=0.8))
+        .add(3, LOST, shown(state="solitary"))
+    )
     figures = told(it.end(9))
     assert rows(figures) == [("volume", -1, 1, 3)]
     assert figures.whole.settings_us == 2 * SECOND
 
 
 def test_a_robot_whose_coming_back_is_missing_in_the_log_is_believed_when_it_differs() -> None:
-    it = Told().add(1, shown(volume=0.6)).add(3, LOST).add(5, shown({"volume": 0.6}, volume=0.8))
+    it = (
+        ExampleSession()
+        .add(1, shown(volume=0.6))
+        .add(3, LOST)
+        .add(5, shown({"volume": 0.6}, volume=0.8))
+    )
     figures = told(it.end(9))
     assert rows(figures) == [("volume", -1, 5, 9)]
     assert figures.whole.settings_us == (2 + 4) * SECOND
 
 
 def test_a_robot_that_comes_back_unchanged_need_not_say_so_again() -> None:
-    it = Told().add(1, shown({"volume": 0.6}, volume=0.8)).add(3, LOST).add(5, BACK)
+    it = ExampleSession().add(1, shown({"volume": 0.6}, volume=0.8)).add(3, LOST).add(5, BACK)
     assert rows(told(it.end(9))) == [("volume", -1, 1, 3), ("volume", -1, 5, 9)]
 
 
 def test_one_robot_is_lost_and_the_other_is_not() -> None:
-    it = Told().add(1, shown({"volume": 0.6}, volume=0.8), shown({"volume": 1}, "nao", volume=2))
+    it = ExampleSession().add(
+        1, shown({"volume": 0.6}, volume=0.8), shown({"volume": 1}, "nao", volume=2)
+    )
     figures = told(it.add(3, LOST).end(9))
     assert [(each.driver, each.end // SECOND) for each in figures.differences] == [
         ("nao", 9),
@@ -149,7 +160,7 @@ def test_one_robot_is_lost_and_the_other_is_not() -> None:
 
 
 def test_an_aborted_trial_does_not_count_but_is_told() -> None:
-    it = Told().add(1, m.TrialStarted(trial=1)).add(2, shown({"volume": 0.6}, volume=0.8))
+    it = ExampleSession().add(1, m.TrialStarted(trial=1)).add(2, shown({"volume": 0.6}, volume=0.8))
     it.add(5, m.TrialEnded(trial=1, outcome="aborted")).add(5, m.TrialStarted(trial=1))
     it.add(7, m.TrialEnded(trial=1, outcome="done"))
     figures = told(it.end(9))
@@ -163,7 +174,11 @@ def test_an_aborted_trial_does_not_count_but_is_told() -> None:
 
 
 def test_a_trial_that_is_only_numbered_divides_it_too() -> None:
-    it = Told().add(1, shown({"volume": 0.6}, volume=0.8)).add(3, m.SessionChanged(trial=2))
+    it = (
+        ExampleSession()
+        .add(1, shown({"volume": 0.6}, volume=0.8))
+        .add(3, m.SessionChanged(trial=2))
+    )
     assert rows(told(it.end(9))) == [("volume", -1, 1, 3), ("volume", 2, 3, 9)]
 
 
@@ -181,7 +196,9 @@ def test_a_table_has_them_for_other_programs(tmp_path: Path) -> None:
 
 
 def test_the_timeline_draws_each_from_its_beginning_to_its_end() -> None:
-    it = Told().add(1, m.TrialStarted(trial=1)).add(2, shown({"volume": 0.6, "eyes": "x"}))
+    it = (
+        ExampleSession().add(1, m.TrialStarted(trial=1)).add(2, shown({"volume": 0.6, "eyes": "x"}))
+    )
     it.add(4, m.TrialEnded(trial=1, outcome="done")).add(5, shown({"volume": 0.6}))
     it.add(6, LOST).add(8, BACK).end(9)
     drawing = drawn(in_time(it))
@@ -196,7 +213,7 @@ def test_the_timeline_draws_each_from_its_beginning_to_its_end() -> None:
 
 
 def test_a_log_that_is_torn_counts_up_to_its_last_line(tmp_path: Path) -> None:
-    it = Told().add(1, shown({"volume": 0.6}, volume=0.8)).act(4, took=1.0)
+    it = ExampleSession().add(1, shown({"volume": 0.6}, volume=0.8)).act(4, took=1.0)
     it.add(6, shown(volume=0.6)).end(9)
     path = it.written(tmp_path)
     lines = path.read_bytes().splitlines(keepends=True)
@@ -251,7 +268,7 @@ def differing_at(before: list[m.AnyMessage]) -> set[tuple[str, str]] | None:
 def test_the_times_are_those_of_every_moment_by_itself(
     course: list[tuple[m.AnyMessage, int]],
 ) -> None:
-    messages, t = list(Told().messages), 0
+    messages, t = list(ExampleSession().messages), 0
     expected: dict[tuple[str, str], int] = {}
     known = differing = 0
     for message, after in course:

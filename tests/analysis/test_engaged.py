@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from tests.analysis.told import SECOND, Told, figures_of, in_time, seconds
+from tests.analysis.example_sessions import SECOND, ExampleSession, figures_of, in_time, seconds
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.protocol import messages as m
 
 SETTINGS = m.EngagementAdopted(settings={"start": "run"})
 
 
-def told(it: Told) -> SessionFigures:
+def told(it: ExampleSession) -> SessionFigures:
     return figures_of(in_time(it))
 
 
@@ -17,9 +17,9 @@ def switched(run: str) -> m.Done:
     return m.Done(command="c", driver="engagement", sent={"run": run}, latency_us=0, duration_us=0)
 
 
-def visit() -> Told:
+def visit() -> ExampleSession:
     """10 s of nobody, 20 s of somebody, 30 s engaged in two states, nobody again to 100 s."""
-    it = Told().add(0, SETTINGS).state(10, "Wait", "PersonDetected", "human_presence")
+    it = ExampleSession().add(0, SETTINGS).state(10, "Wait", "PersonDetected", "human_presence")
     it.state(30, "PersonDetected", "EngagedWithUnknown").state(
         40, "EngagedWithUnknown", "EngagedWithKnown", visitor="V01", forced=True
     )
@@ -65,7 +65,7 @@ def test_time_off_is_no_time_in_any_state() -> None:
 
 
 def test_a_model_that_starts_off_is_on_when_it_is_switched_on() -> None:
-    it = Told().add(0, m.EngagementAdopted(settings={"start": "off"}))
+    it = ExampleSession().add(0, m.EngagementAdopted(settings={"start": "off"}))
     it.add(20, switched("hold")).state(30, "Wait", "PersonDetected").end(50)
     engagement = told(it).whole.engagement
     assert (engagement.on_us, engagement.off_us) == (30 * SECOND, 20 * SECOND)
@@ -73,18 +73,18 @@ def test_a_model_that_starts_off_is_on_when_it_is_switched_on() -> None:
 
 
 def test_a_section_that_is_removed_takes_the_model_along() -> None:
-    it = Told().add(0, SETTINGS).state(10, "Wait", "PersonDetected")
+    it = ExampleSession().add(0, SETTINGS).state(10, "Wait", "PersonDetected")
     it.add(20, m.EngagementAdopted(settings={})).end(100)
     engagement = told(it).whole.engagement
     assert (engagement.on_us, engagement.off_us) == (20 * SECOND, 0)
 
 
 def test_a_log_of_schema_1_has_a_model_if_it_ever_moved() -> None:
-    it = Told().state(10, "Wait", "PersonDetected").end(40)
+    it = ExampleSession().state(10, "Wait", "PersonDetected").end(40)
     engagement = told(it).whole.engagement
     assert engagement.on_us == 40 * SECOND
     assert engagement.states["Wait"].us == 10 * SECOND
-    assert told(Told().end(40)).whole.engagement.share is None
+    assert told(ExampleSession().end(40)).whole.engagement.share is None
 
 
 def test_time_counts_in_its_condition_and_a_stay_is_clipped_to_it() -> None:
@@ -98,14 +98,14 @@ def test_time_counts_in_its_condition_and_a_stay_is_clipped_to_it() -> None:
 
 
 def test_the_log_may_end_in_the_middle_of_an_engagement() -> None:
-    it = Told().add(0, SETTINGS).state(10, "Wait", "EngagedWithKnown")
+    it = ExampleSession().add(0, SETTINGS).state(10, "Wait", "EngagedWithKnown")
     figures = told(it.act(25))
     assert seconds(figures.whole.engagement.episodes.values) == [15.5]
     assert [each.cut for each in figures.visits if each.state == "engaged"] == [True]
 
 
 def test_an_engagement_has_the_visitor_and_the_trial_of_its_beginning() -> None:
-    it = Told().add(0, SETTINGS).add(1, m.TrialStarted(trial=1, condition="warm"))
+    it = ExampleSession().add(0, SETTINGS).add(1, m.TrialStarted(trial=1, condition="warm"))
     it.state(2, "Wait", "EngagedWithKnown", visitor="V01")
     it.add(5, m.TrialEnded(trial=1, outcome="done"), m.TrialStarted(trial=2, condition="cold"))
     it.state(8, "EngagedWithKnown", "PersonDetected").end(9)
@@ -116,7 +116,12 @@ def test_an_engagement_has_the_visitor_and_the_trial_of_its_beginning() -> None:
 
 
 def test_what_changes_while_the_model_is_off_is_no_state_and_no_cue() -> None:
-    it = Told().add(0, SETTINGS).add(1, switched("off")).state(2, "UserSpeaks", "RobotThinks")
+    it = (
+        ExampleSession()
+        .add(0, SETTINGS)
+        .add(1, switched("off"))
+        .state(2, "UserSpeaks", "RobotThinks")
+    )
     figures = told(it.act(3).end(9))
     assert figures.cues == ()
     assert {each.state for each in figures.visits} == {"Wait"}
@@ -124,5 +129,10 @@ def test_what_changes_while_the_model_is_off_is_no_state_and_no_cue() -> None:
 
 
 def test_a_model_that_is_switched_off_waits_for_no_answer() -> None:
-    it = Told().add(0, SETTINGS).state(2, "UserSpeaks", "RobotThinks").add(4, switched("off"))
+    it = (
+        ExampleSession()
+        .add(0, SETTINGS)
+        .state(2, "UserSpeaks", "RobotThinks")
+        .add(4, switched("off"))
+    )
     assert [cue.result for cue in told(it.act(6).end(9)).cues] == ["superseded"]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.analysis.told import SECOND, Told, figures_of, in_time, study
+from tests.analysis.example_sessions import SECOND, ExampleSession, figures_of, in_time, study
 from woz_tui.analysis import figures_json
 from woz_tui.analysis.csv_package import table_files
 from woz_tui.analysis.figures import SessionFigures
@@ -69,7 +69,7 @@ def test_somebody_with_two_sessions_counts_once() -> None:
 
 def test_experiments_are_kept_apart(tmp_path: Path) -> None:
     found = grouped(tmp_path)
-    found.add(figures_of(in_time(Told(experiment="C:\\lab\\other.yaml").act(1).end(2))))
+    found.add(figures_of(in_time(ExampleSession(experiment="C:\\lab\\other.yaml").act(1).end(2))))
     assert found.experiments == ["guide.yaml", "other.yaml"]
     assert len(found.of("other.yaml")) == 1
     assert found.versions("guide.yaml") == 1
@@ -77,7 +77,7 @@ def test_experiments_are_kept_apart(tmp_path: Path) -> None:
 
 def answered(who: str, condition: str, *values: float | None) -> SessionFigures:
     item = {"name": "liked", "question": "I liked it", "low": 1, "high": 7}
-    it = Told(participant=who, condition=condition)
+    it = ExampleSession(participant=who, condition=condition)
     for place, value in enumerate(values):
         it.add(place, m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[item]))
         it.add(
@@ -93,11 +93,15 @@ def answered(who: str, condition: str, *values: float | None) -> SessionFigures:
 def test_trainings_and_re_runs_are_no_sessions_of_participants(tmp_path: Path) -> None:
     given = m.CueGiven(cue="q", sort="leave", expects=["Nod"], window_us=SECOND)
     right = m.CueAnswered(cue="q", judged="right", reaction_us=500_000)
-    trained = Told(session="T01").add(1, given, right).end(9)
-    again = Told(session="S09").add(1, m.RerunStarted(original="x", original_session="S01")).end(9)
+    trained = ExampleSession(session="T01").add(1, given, right).end(9)
+    again = (
+        ExampleSession(session="S09")
+        .add(1, m.RerunStarted(original="x", original_session="S01"))
+        .end(9)
+    )
     found = GroupedSessions()
     with table_files(tmp_path) as folder:
-        for it in (trained, again, Told().act(1).end(9)):
+        for it in (trained, again, ExampleSession().act(1).end(9)):
             figures = figures_of(in_time(it))
             found.add(figures)
             folder.add(figures)
@@ -193,7 +197,7 @@ def formulas(text: str) -> list[str]:
 
 
 def test_no_text_is_a_formula_to_a_spreadsheet(tmp_path: Path) -> None:
-    it = Told(participant=_FORMULA, condition=_FORMULA, session=_FORMULA)
+    it = ExampleSession(participant=_FORMULA, condition=_FORMULA, session=_FORMULA)
     it.add(0.5, m.TrialStarted(trial=1, condition=_FORMULA)).speech(1, 2).act(3, _FORMULA, _FORMULA)
     answer = m.QuestionnaireAnswered(
         questionnaire=_FORMULA, item="+i", question=_FORMULA, text=_FORMULA, answered_us=1
@@ -211,12 +215,12 @@ def test_tables_are_for_their_owner_only_as_logs_are(tmp_path: Path) -> None:
     before.parent.mkdir()
     before.touch(0o644)
     with table_files(before.parent) as folder:
-        folder.add(figures_of(in_time(Told().act(1).end(2))))
+        folder.add(figures_of(in_time(ExampleSession().act(1).end(2))))
     assert {path.stat().st_mode & 0o777 for path in before.parent.iterdir()} == {0o600}
 
 
 def test_texts_with_commas_and_lines_stay_in_their_cell(tmp_path: Path) -> None:
-    it = Told().add(1, m.Marker(text='a, "b"\nc', source="wizard")).act(2).end(3)
+    it = ExampleSession().add(1, m.Marker(text='a, "b"\nc', source="wizard")).act(2).end(3)
     with table_files(tmp_path) as folder:
         folder.add(figures_of(in_time(it)))
     text = (tmp_path / "cues.csv").read_text(encoding="utf-8")

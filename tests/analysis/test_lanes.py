@@ -6,17 +6,23 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.analysis.told import SECOND, Told, drawn, in_time
+from tests.analysis.example_sessions import SECOND, ExampleSession, drawn, in_time
 from woz_tui.analysis.timeline_lanes import PLACES, SensorCurves, TimelineLane, in_words
 from woz_tui.protocol import messages as m
 
 
-def lanes(it: Told) -> dict[str, TimelineLane]:
+def lanes(it: ExampleSession) -> dict[str, TimelineLane]:
     return {lane.name: lane for lane in drawn(in_time(it)).lanes}
 
 
 def test_every_panel_has_a_lane() -> None:
-    it = Told().act(1, took=2.0).act(5, "Nod", "Body", end="refused").act(8, took=None).end(10)
+    it = (
+        ExampleSession()
+        .act(1, took=2.0)
+        .act(5, "Nod", "Body", end="refused")
+        .act(8, took=None)
+        .end(10)
+    )
     found = lanes(it)
     speech, body = found["Speech"], found["Body"]
     assert [(each.begin, each.end, each.outcome, each.cut) for each in speech.intervals] == [
@@ -28,7 +34,12 @@ def test_every_panel_has_a_lane() -> None:
 
 
 def test_states_follow_each_other_without_a_gap() -> None:
-    it = Told().state(10, "Wait", "PersonDetected").state(20, "PersonDetected", "Wait").end(30)
+    it = (
+        ExampleSession()
+        .state(10, "Wait", "PersonDetected")
+        .state(20, "PersonDetected", "Wait")
+        .end(30)
+    )
     states = lanes(it)["engagement"].intervals
     assert [(each.label, each.begin // SECOND, each.end // SECOND) for each in states] == [
         ("Wait", 0, 10),
@@ -38,7 +49,7 @@ def test_states_follow_each_other_without_a_gap() -> None:
 
 
 def test_lanes_come_in_a_fixed_order() -> None:
-    it = Told().act(1).add(2, m.Note(text="x")).add(3, m.StopPressed(source="key"))
+    it = ExampleSession().act(1).add(2, m.Note(text="x")).add(3, m.StopPressed(source="key"))
     it.add(4, m.DriverLost(driver="head")).state(5, "Wait", "PersonDetected").speech(6, 7)
     it.add(8, m.TrialStarted(trial=1)).add(9, m.TrialEnded(trial=1, outcome="excluded")).end(10)
     timeline = drawn(in_time(it))
@@ -50,7 +61,7 @@ def test_lanes_come_in_a_fixed_order() -> None:
 
 
 def test_what_was_understood_belongs_to_its_utterance() -> None:
-    it = Told().speech(1, 3).speech(5, 6, 2)
+    it = ExampleSession().speech(1, 3).speech(5, 6, 2)
     it.add(7, m.SpeechText(driver="mic", segment=1, text="where is the exit"))
     first, second = lanes(it.end(9))["visitor speaks"].intervals
     assert (first.detail, second.detail) == ("where is the exit", "")
@@ -88,7 +99,7 @@ def switched(run: str) -> m.Done:
 
 
 def test_a_model_is_in_no_state_before_it_is_there_and_while_it_is_off() -> None:
-    it = Told().add(10, m.EngagementAdopted(settings={"start": "run"}))
+    it = ExampleSession().add(10, m.EngagementAdopted(settings={"start": "run"}))
     it.state(20, "Wait", "EngagedWithKnown").add(30, switched("off")).add(50, switched("run"))
     states = lanes(it.end(60))["engagement"].intervals
     assert [(each.label, each.begin // SECOND, each.end // SECOND) for each in states] == [
@@ -99,14 +110,14 @@ def test_a_model_is_in_no_state_before_it_is_there_and_while_it_is_off() -> None
 
 
 def test_a_stop_of_driving_is_over_as_soon_as_it_is_confirmed() -> None:
-    it = Told().add(1, m.StopPressed(source="no console", scope="drive"))
+    it = ExampleSession().add(1, m.StopPressed(source="no console", scope="drive"))
     it.add(2, m.StopConfirmed(confirmed=["base"], missing=[], elapsed_us=SECOND)).end(60)
     [stop] = lanes(it)["stop"].intervals
     assert (stop.begin // SECOND, stop.end // SECOND, stop.cut) == (1, 2, False)
 
 
 def test_a_command_on_the_spot_ends_as_it_did() -> None:
-    it = Told()
+    it = ExampleSession()
     ends = (
         m.TimedOut(command="c0", driver="robot"),
         m.Superseded(command="c1", driver="robot", by="c2"),
@@ -119,7 +130,7 @@ def test_a_command_on_the_spot_ends_as_it_did() -> None:
 
 
 def test_a_trial_that_another_one_follows_is_over_there() -> None:
-    it = Told().add(1, m.TrialStarted(trial=1)).add(3, m.TrialStarted(trial=2)).end(9)
+    it = ExampleSession().add(1, m.TrialStarted(trial=1)).add(3, m.TrialStarted(trial=2)).end(9)
     trials = lanes(it)["trials"].intervals
     assert [(each.begin // SECOND, each.end // SECOND, each.cut) for each in trials] == [
         (1, 3, True),

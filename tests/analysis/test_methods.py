@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from tests.analysis.told import SECOND, Told, figures_of, in_time, study
+from tests.analysis.example_sessions import SECOND, ExampleSession, figures_of, in_time, study
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.methods_section import paragraphs
 from woz_tui.analysis.session_reading import read_report
@@ -29,7 +29,7 @@ def text(*sessions: SessionFigures) -> str:
     )
 
 
-def told(it: Told) -> SessionFigures:
+def told(it: ExampleSession) -> SessionFigures:
     return figures_of(in_time(it))
 
 
@@ -55,7 +55,7 @@ def test_a_study_in_sentences(tmp_path: Path) -> None:
 
 
 def test_one_of_each_is_singular() -> None:
-    it = Told().act(1).add(2, m.Mistake(run="a00001", action="Hello"))
+    it = ExampleSession().act(1).add(2, m.Mistake(run="a00001", action="Hello"))
     it.add(3, m.StopPressed(source="key"), m.StopReleased(source="key"))
     found = text(told(it.end(60)))
     assert "In all, 1 participant took part in 1 session of 1.0 min." in found
@@ -68,7 +68,7 @@ def test_one_of_each_is_singular() -> None:
 
 
 def test_a_robot_that_a_stop_did_not_reach_is_said() -> None:
-    it = Told().act(1)
+    it = ExampleSession().act(1)
     for at in (3, 5):
         it.add(at, m.StopPressed(source="key"))
         missing = ["robot"] if at == 3 else ["base", "robot"]
@@ -82,7 +82,7 @@ def test_a_robot_that_a_stop_did_not_reach_is_said() -> None:
 
 
 def test_what_was_not_recorded_is_said() -> None:
-    it = Told(participant="", condition="", wizard="").end(60)
+    it = ExampleSession(participant="", condition="", wizard="").end(60)
     found = text(told(it))
     assert found.startswith("There was 1 session of 1.0 min. No participant was recorded in 1")
     assert "The wizard was not recorded." in found
@@ -99,7 +99,7 @@ def test_what_the_wizard_had_and_saw() -> None:
         title="Guide", panels=panels, script=[], verbs={}, variables=[], conditions=[],
         keyboard="us", drivers=[], settings=WelcomeSettings(),
     )  # fmt: skip
-    it = Told().add(0, plan)
+    it = ExampleSession().add(0, plan)
     it.add(0, m.PerceptionChanged(hidden=["gaze", "identity"], blurred=["transcript"]))
     it.add(0, m.ShapingChanged(floor_us=800_000, jitter_us=400_000, cues=["speech"]))
     it.add(1, m.ActionHeld(run="a1", action="a", sort="speech", cued=0, until=1_250_000))
@@ -118,7 +118,7 @@ def test_what_the_wizard_had_and_saw() -> None:
 
 
 def trained(right: int, wall: str) -> SessionFigures:
-    it = Told(participant="", wizard="W2", wall=wall)
+    it = ExampleSession(participant="", wizard="W2", wall=wall)
     for number in range(4):
         cue, judged = f"q{number}", "right" if number < right else "missed"
         given = m.CueGiven(cue=cue, sort="question", expects=["Hello"], window_us=SECOND)
@@ -129,7 +129,7 @@ def trained(right: int, wall: str) -> SessionFigures:
 
 def test_training_is_no_session_with_a_participant() -> None:
     early, late = trained(1, "2026-02-01T10:00:00Z"), trained(3, "2026-02-02T10:00:00Z")
-    found = facts(late, told(Told().act(1).end(60)), early)
+    found = facts(late, told(ExampleSession().act(1).end(60)), early)
     assert found.sessions == 1
     sentences = " ".join(paragraphs(found)[1].sentences)
     assert sentences.endswith(
@@ -139,9 +139,18 @@ def test_training_is_no_session_with_a_participant() -> None:
 
 
 def test_data_that_were_left_out() -> None:
-    it = Told().add(1, m.TrialStarted(trial=1)).act(2).add(3, m.TrialEnded(trial=1, outcome="done"))
+    it = (
+        ExampleSession()
+        .add(1, m.TrialStarted(trial=1))
+        .act(2)
+        .add(3, m.TrialEnded(trial=1, outcome="done"))
+    )
     it.add(4, m.TrialStarted(trial=2)).act(5).add(6, m.TrialEnded(trial=2, outcome="excluded"))
-    again = Told(session="S02").add(1, m.RerunStarted(original="x", original_session="S01")).end(9)
+    again = (
+        ExampleSession(session="S02")
+        .add(1, m.RerunStarted(original="x", original_session="S01"))
+        .end(9)
+    )
     found = text(told(it), told(again))
     assert "Of 2 trials, 1 was excluded and left out." in found
     assert "One re-run of a session was left out." in found
@@ -159,7 +168,7 @@ def test_words() -> None:
 
 
 def test_cues_that_the_end_cut_off_are_not_held_against_the_wizard() -> None:
-    it = Told().add(1, m.Marker(text="x", source="key")).act(2)
+    it = ExampleSession().add(1, m.Marker(text="x", source="key")).act(2)
     it.add(55, m.Marker(text="y", source="key"))
     found = text(told(it.end(60)))
     assert (
@@ -169,5 +178,7 @@ def test_cues_that_the_end_cut_off_are_not_held_against_the_wizard() -> None:
 
 
 def test_that_a_lost_console_stops_the_drive_is_no_emergency_stop() -> None:
-    it = Told().add(1, m.StopPressed(source="no wizard's console is attached", scope="drive"))
+    it = ExampleSession().add(
+        1, m.StopPressed(source="no wizard's console is attached", scope="drive")
+    )
     assert "emergency stop" not in text(told(it.end(9)))

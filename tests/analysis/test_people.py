@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.analysis.told import SECOND, STEM, Told, figures_of, in_time
+from tests.analysis.example_sessions import SECOND, STEM, ExampleSession, figures_of, in_time
 from woz_tui.analysis import figures_json
 from woz_tui.analysis.csv_package import table_files
 from woz_tui.analysis.figures import SessionFigures
@@ -24,19 +24,24 @@ from woz_tui.protocol import messages as m
 MARKER = m.Marker(text="x", source="key")
 
 
-def chosen(it: Told, seconds: float, participant: str) -> Told:
+def chosen(it: ExampleSession, seconds: float, participant: str) -> ExampleSession:
     return it.add(seconds, m.SessionChanged(participant=participant, condition="warm"))
 
 
-def late() -> Told:
+def late() -> ExampleSession:
     """20 s of trying out with an act, a cue and a mistake; then P70 for a second, then P07."""
-    it = Told(participant="", condition="").act(2).add(3, m.Mistake(run="a00001")).add(5, MARKER)
+    it = (
+        ExampleSession(participant="", condition="")
+        .act(2)
+        .add(3, m.Mistake(run="a00001"))
+        .add(5, MARKER)
+    )
     chosen(it, 20, "P70")
     chosen(it, 21, "P07").add(30, MARKER).act(31).act(40)
     return it.end(81)
 
 
-def told(it: Told) -> SessionFigures:
+def told(it: ExampleSession) -> SessionFigures:
     return figures_of(in_time(it))
 
 
@@ -97,9 +102,9 @@ def test_the_sentences_are_of_those_who_took_part() -> None:
     assert "left out" not in found
 
 
-def briefly(seconds: float) -> Told:
+def briefly(seconds: float) -> ExampleSession:
     """P70 for so long, then P07."""
-    return chosen(Told(participant="P70"), seconds, "P07").act(50).end(60)
+    return chosen(ExampleSession(participant="P70"), seconds, "P07").act(50).end(60)
 
 
 @pytest.mark.parametrize(("seconds", "counts"), [(9.9, False), (10.0, True)])
@@ -129,12 +134,14 @@ def test_what_the_robot_did_by_itself_makes_nobody_a_participant(source: str) ->
 
 
 def test_a_moment_counts_with_what_came_later_of_the_same_person() -> None:
-    it = chosen(chosen(Told(), 2, "P08"), 4, "P07").act(20).end(30)
+    it = chosen(chosen(ExampleSession(), 2, "P08"), 4, "P07").act(20).end(30)
     assert counting(told(it)) == [("P07", True), ("P08", False)]
 
 
 def test_sessions_that_are_run_without_codes_count_each() -> None:
-    sessions = [told(Told(participant="", session=name).act(1).end(5)) for name in ("S01", "S02")]
+    sessions = [
+        told(ExampleSession(participant="", session=name).act(1).end(5)) for name in ("S01", "S02")
+    ]
     assert [counting(each) for each in sessions] == [[("", True)], [("", True)]]
     [warm] = grouped(*sessions).totals("guide.yaml")
     assert (warm.participants, warm.values["wizard_actions"].n) == (2, 2)
@@ -146,24 +153,25 @@ def test_sessions_that_are_run_without_codes_count_each() -> None:
 
 def test_answers_without_codes_are_told_apart_by_session_too() -> None:
     sessions = [
-        told(Told(participant="", session=name).add(1, *ANSWERED).end(60)) for name in ("A", "B")
+        told(ExampleSession(participant="", session=name).add(1, *ANSWERED).end(60))
+        for name in ("A", "B")
     ]
     [item] = grouped(*sessions).items("guide.yaml")
     assert item.total.n == 2
 
 
 def test_answers_of_nobody_are_in_no_mean() -> None:
-    it = Told(participant="").add(1, *ANSWERED)
+    it = ExampleSession(participant="").add(1, *ANSWERED)
     assert grouped(told(chosen(it, 20, "P07").end(60))).items("guide.yaml") == []
 
 
 def test_a_trial_of_nobody_is_not_counted_out() -> None:
-    it = chosen(Told(participant="").add(1, *TRIAL), 20, "P07").end(60)
+    it = chosen(ExampleSession(participant="").add(1, *TRIAL), 20, "P07").end(60)
     assert facts(told(it)).trials == 0
 
 
 def test_a_session_in_which_nobody_took_part_is_left_out() -> None:
-    deserted = told(Told(participant="P70").end(3))
+    deserted = told(ExampleSession(participant="P70").end(3))
     found = grouped(deserted)
     assert deserted.participant == "P70"
     assert found.totals("guide.yaml") == []
@@ -172,7 +180,7 @@ def test_a_session_in_which_nobody_took_part_is_left_out() -> None:
         "The logs contain no session with a participant. "
         "One session without a participant was left out."
     )
-    both = text(deserted, told(Told().act(1).end(60)))
+    both = text(deserted, told(ExampleSession().act(1).end(60)))
     assert both.startswith("In all, 1 participant took part in 1 session of 1.0 min.")
     assert "One session without a participant was left out." in both
 
@@ -200,13 +208,13 @@ def test_the_terminal_names_what_is_in_no_total() -> None:
     assert "warm (n = 1)" in found
     assert "none (n" not in found
     stream = io.StringIO()
-    show_sessions(report_page(stream, 80), grouped(told(Told(participant="P70").end(3))))
+    show_sessions(report_page(stream, 80), grouped(told(ExampleSession(participant="P70").end(3))))
     assert "By condition" not in stream.getvalue()
 
 
 def test_the_page_names_what_is_in_no_total(tmp_path: Path) -> None:
     late().written(tmp_path)
-    it = Told(participant="P09", session="S02").act(1).end(60)
+    it = ExampleSession(participant="P09", session="S02").act(1).end(60)
     it.written(tmp_path, STEM.replace("P07_S01", "P09_S02"))
     paths = sorted(tmp_path.glob("*.jsonl"))
     found = render(
@@ -221,7 +229,7 @@ def test_the_page_names_what_is_in_no_total(tmp_path: Path) -> None:
 
 def test_a_page_of_sessions_without_anybody_has_no_means(tmp_path: Path) -> None:
     for name in ("S01", "S02"):
-        Told(session=name).end(3).written(tmp_path, STEM.replace("S01", name))
+        ExampleSession(session=name).end(3).written(tmp_path, STEM.replace("S01", name))
     paths = sorted(tmp_path.glob("*.jsonl"))
     found = render(
         [read_report(path, extras=ReportExtras(timeline=True), places=[]) for path in paths]
@@ -235,7 +243,7 @@ def test_a_page_of_sessions_without_anybody_has_no_means(tmp_path: Path) -> None
 )
 def test_what_only_passes_is_no_mistake_of_an_act(source: str, verb: str) -> None:
     passing = m.Command(command="k", verb=verb, args={}, driver="robot", source=source)
-    it = Told().act(1).add(2, passing, m.Mistake(run="k")).add(3, m.Mistake(run="a00001"))
+    it = ExampleSession().act(1).add(2, passing, m.Mistake(run="k")).add(3, m.Mistake(run="a00001"))
     assert passing.passing
     figures = told(it.end(60))
     assert (figures.whole.acts, figures.whole.mistakes, figures.whole.mistake_rate) == (1, 1, 1.0)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from tests.analysis.example_sessions import SECOND, ExampleSession, drawn, figures_of, in_time
 from tests.analysis.test_clipped import ON, tables, told
-from tests.analysis.told import SECOND, Told, drawn, figures_of, in_time
 from woz_tui.protocol import messages as m
 
 
-def talk() -> Told:
+def talk() -> ExampleSession:
     """Three phases in a trial, the second one with a break; somebody is engaged all the time."""
-    it = Told(condition="").add(0, ON).state(5, "Wait", "EngagedWithKnown").act(6)
+    it = ExampleSession(condition="").add(0, ON).state(5, "Wait", "EngagedWithKnown").act(6)
     it.add(10, m.TrialStarted(trial=1, condition="warm"))
     it.add(10, m.PhaseChanged(phase="opening", source="trial", planned_us=5 * SECOND)).act(11)
     it.act(19).add(20, m.PhaseChanged(phase="whales", source="key")).act(22)
@@ -59,6 +59,6 @@ def test_phases_have_a_lane() -> None:
 
 
 def test_a_phase_without_an_end_is_cut() -> None:
-    it = Told().add(1, m.PhaseChanged(phase="opening", source="session")).act(2).end(9)
+    it = ExampleSession().add(1, m.PhaseChanged(phase="opening", source="session")).act(2).end(9)
     (phase,) = told(it).phases
     assert (phase.trial, phase.duration, phase.actions) == (-1, None, 1)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.analysis.told import SECOND, STEM, Told
+from tests.analysis.example_sessions import SECOND, STEM, ExampleSession
 from woz_tui.analysis.session_reading import NoSessionError, ReportExtras, read_report
 from woz_tui.analysis.session_sources import sessions_in
 from woz_tui.log.log_files import NO_END
@@ -17,8 +17,8 @@ from woz_tui.protocol import messages as m
 GOLDEN = Path(__file__).parents[1] / "log" / "golden"
 
 
-def short() -> Told:
-    return Told().act(1).act(3).act(5).end(10)
+def short() -> ExampleSession:
+    return ExampleSession().act(1).act(3).act(5).end(10)
 
 
 def test_a_whole_log_has_nothing_to_complain_of(tmp_path: Path) -> None:
@@ -76,7 +76,7 @@ def test_a_second_segment_is_part_of_it_and_tells_why(tmp_path: Path) -> None:
 
 
 def test_actions_without_an_end_are_told_of(tmp_path: Path) -> None:
-    path = Told().act(1, took=None).end(5).written(tmp_path)
+    path = ExampleSession().act(1, took=None).end(5).written(tmp_path)
     assert read_report(path, places=[]).figures.wholeness.sentences == (
         "1 action(s) without an end",
     )
@@ -169,7 +169,7 @@ def test_a_segment_elsewhere_belongs_to_its_session(tmp_path: Path) -> None:
 
 
 def test_a_sample_behind_the_last_action_is_no_time_of_the_session(tmp_path: Path) -> None:
-    path = Told().act(1).end(9).written(tmp_path)
+    path = ExampleSession().act(1).end(9).written(tmp_path)
     late = m.Reading(seq=99, t=20 * SECOND, sensor="distance", value=1.0)
     path.with_suffix(".samples.jsonl").write_bytes(codec.encode(late))
     drawn = read_report(path, extras=ReportExtras(timeline=True, curves=True))

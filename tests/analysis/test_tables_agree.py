@@ -13,7 +13,7 @@ from typing import Any
 
 from hypothesis import given
 
-from tests.analysis.told import figures_of
+from tests.analysis.example_sessions import figures_of
 from tests.timeline.courses import SECOND, damaged, recordings, start, timed
 from woz_tui.analysis import tables
 from woz_tui.analysis.figure_counting import FigureOptions

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.analysis.told import Told, figures_of, in_time
+from tests.analysis.example_sessions import ExampleSession, figures_of, in_time
 from tests.replay.again import written
 from tests.replay.test_plan import LOG, START
 from woz_tui import cli
@@ -112,7 +112,7 @@ STEPS = st.one_of(
 @given(st.lists(st.tuples(st.integers(1, 20), STEPS), max_size=12))
 def test_the_share_is_the_reports(steps: list[tuple[int, str | m.AnyMessage]]) -> None:
     """Whatever a log tells, both rooms read it alike."""
-    it = Told().add(0, ADOPTED)
+    it = ExampleSession().add(0, ADOPTED)
     at, state = 0, "Wait"
     for pause, what in steps:
         at += pause

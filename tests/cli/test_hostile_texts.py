@@ -13,7 +13,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from tests.analysis.told import Told
+from tests.analysis.example_sessions import ExampleSession
 from tests.cli.test_report import session
 from tests.export.logs import Timed, visit
 from tests.fakes.hostile import HOSTILE, MARKUP, OBEYED, hostile
@@ -69,7 +69,7 @@ def logs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         monkeypatch.delenv(name, raising=False)
     folder = tmp_path / "recordings"
     folder.mkdir()
-    note = Told().add(1, m.Note(text="laughs")).add(2, m.Marker(text="unclear")).end(3)
+    note = ExampleSession().add(1, m.Note(text="laughs")).add(2, m.Marker(text="unclear")).end(3)
     written(folder, session().messages, "2026-03-01T10-00-00_P07_S01")
     written(folder, timed(visit()), "2026-03-01T11-00-00_P08_S02")
     written(folder, examples.messages(), "2026-03-01T12-00-00_P09_S03")

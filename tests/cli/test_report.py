@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.analysis.told import Told, in_time, study
+from tests.analysis.example_sessions import ExampleSession, in_time, study
 from woz_tui.cli import main
 from woz_tui.protocol import messages as m
 
@@ -20,9 +20,9 @@ GOLDEN = Path(__file__).parent / "golden"
 PLACES = {"XDG_STATE_HOME": "/nonexistent", "TMPDIR": "/nonexistent"}
 
 
-def session() -> Told:
+def session() -> ExampleSession:
     """A minute with a bit of everything."""
-    it = Told().add(0, m.EngagementAdopted(settings={"start": "run"}))
+    it = ExampleSession().add(0, m.EngagementAdopted(settings={"start": "run"}))
     it.add(1, m.TrialStarted(trial=1, condition="warm"))
     it.state(4, "Wait", "PersonDetected").state(8, "PersonDetected", "EngagedWithUnknown")
     it.speech(10, 12).state(12, "UserSpeaks", "RobotThinks").act(13.5, took=2.0)
@@ -250,7 +250,11 @@ def test_several_experiments_have_tables_of_their_own(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     study(here)
-    other = Told(experiment="other.yaml", session="S07", wall="2026-04-01T10:00:00Z").act(1).end(9)
+    other = (
+        ExampleSession(experiment="other.yaml", session="S07", wall="2026-04-01T10:00:00Z")
+        .act(1)
+        .end(9)
+    )
     other.written(here, "2026-04-01T10-00-00_P07_S07")
     _, out, _ = told(capsys, "report", here)
     assert "guide.yaml: 4 sessions, 2 participants" in out

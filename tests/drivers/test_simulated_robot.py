@@ -300,3 +300,9 @@ def test_a_voice_alone_leaves_the_body_to_another_driver() -> None:
     settings = SimulatedSettings(voice_only=True)
     assert [verb.name for verb in SimulatedRobot.verbs(settings)] == ["say", "sound", "volume"]
     assert SimulatedRobot.sensors(settings) == ()
+
+
+async def test_every_verb_that_it_offers_is_carried_out_by_something(it: Rig) -> None:
+    """`fault` is no act of the robot but one against it."""
+    offered = {verb.name for verb in SimulatedRobot.verbs(it.robot.settings)}
+    assert offered - {"fault"} <= set(it.robot._performers), "name it in the table of `__init__`"

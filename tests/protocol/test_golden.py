@@ -49,7 +49,8 @@ def test_golden_files_are_what_todays_code_writes(name: str) -> None:
 def test_every_kind_has_a_golden_line(name: str) -> None:
     _, kinds = FILES[name]
     present = {codec.decode_unknown(line)["kind"] for line in golden_lines(name)}
-    assert present == {kind.__struct_config__.tag for kind in kinds}
+    wanted = {kind.__struct_config__.tag for kind in kinds}
+    assert present == wanted, "an example in tests/protocol/examples.py, then `make generated`"
 
 
 def test_every_field_appears_in_a_golden_line() -> None:
@@ -127,7 +128,7 @@ def test_the_document_names_every_kind_of_message() -> None:
     unnamed = [
         tag for kind in values.MESSAGES if f"`{(tag := kind.__struct_config__.tag)}`" not in text
     ]
-    assert not unnamed
+    assert not unnamed, "name it in docs/reference/protocol.md, The stream"
 
 
 def test_the_commands_in_the_document_send_requests() -> None:

@@ -82,7 +82,8 @@ def held(state: SessionState) -> dict[str, Any]:
 
 
 def test_every_kind_of_message_has_its_case() -> None:
-    assert set(CASES) == set(typing.get_args(m.AnyMessage))
+    wanted = set(typing.get_args(m.AnyMessage))
+    assert set(CASES) == wanted, "add it to CASES in woz_tui/timeline/session_state.py"
 
 
 @given(COURSES)

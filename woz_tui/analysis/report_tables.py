@@ -32,15 +32,23 @@ _OF_SESSION = (
     *("episode_median_s", "utterances", "speech_s", "mistakes", "mistake_rate", "stops"),
     *("markers", "notes", "actions_held", "held_median_s"),
 )
-#: The main figures by which conditions are compared, those first that are worth most.
-COMPARED = (
+#: The main figures by participant and condition on the terminal, those first that are worth most:
+#: 80 columns have room for about six. Means by condition have all of them, on the page as well.
+TERMINAL_COLUMNS = (
     *("duration", "wizard_actions", "cues", "cues_missed", "reaction_median_s", "press_median_ms"),
     *("engaged_share", "mistakes", "stops", "actions_failed", "episodes", "press_p95_ms"),
     *("wizard_actions_per_minute", "gap_median_s", "reaction_p95_s", "actions_refused"),
     *("action_median_s", "episode_median_s", "mistake_rate", "markers", "notes"),
 )
+#: The main figures by participant and condition on the page, by which its rows can be sorted.
+PAGE_COLUMNS = (
+    *("duration", "trials", "wizard_actions", "reaction_median_s", "cues_missed"),
+    *("press_median_ms", "engaged_share", "mistakes", "stops"),
+)
 #: All of which a table has a title.
-DEFINED = tuple(dict.fromkeys((*_OF_SESSION, *COMPARED, "cues_answered_early", "cues_superseded")))
+DEFINED = tuple(
+    dict.fromkeys((*_OF_SESSION, *TERMINAL_COLUMNS, "cues_answered_early", "cues_superseded"))
+)
 _DEFINITIONS = {title_of(name): name for name in DEFINED}
 
 
@@ -385,7 +393,7 @@ def condition_rows(rows: Sequence[ConditionRow]) -> ReportTable:
     """One row for each participant and condition of a session; a participant is named once."""
     measures = [
         measure
-        for measure in map(BY_NAME.__getitem__, COMPARED)
+        for measure in map(BY_NAME.__getitem__, TERMINAL_COLUMNS)
         if any(row.values[measure.name] is not None for row in rows)
     ]
     found, last = [], ""
@@ -407,7 +415,7 @@ def condition_totals(totals: Sequence[ConditionTotal]) -> ReportTable:
             title_of(name),
             *(_total(each.values[name], each.participants, BY_NAME[name]) for each in totals),
         ]
-        for name in COMPARED
+        for name in TERMINAL_COLUMNS
     ]
     return ReportTable(
         "By condition: mean and standard deviation over participants",

@@ -121,17 +121,17 @@ class LaneJob:
     """What the driver sees of a command (`drivers.contract.Job`)."""
 
     def __init__(
-        self, ticket: PendingCommand, args: Mapping[str, Json], extend: Callable[[float], None]
+        self, pending: PendingCommand, args: Mapping[str, Json], extend: Callable[[float], None]
     ) -> None:
-        self._ticket = ticket
+        self._pending = pending
         self._extend = extend
         #: See `drivers.contract.Job`.
-        self.command = ticket.command.command
-        self.verb = ticket.verb.name
+        self.command = pending.command.command
+        self.verb = pending.verb.name
         self.args = args
-        self.source = ticket.command.source
+        self.source = pending.command.source
         #: What its arguments tell (see `messages.RestrictedMessage`).
-        self.tells = ticket.command.tells
+        self.tells = pending.command.tells
         self._loop = asyncio.get_running_loop()
 
     def expects(self, seconds: float) -> None:
@@ -142,12 +142,12 @@ class LaneJob:
             self._loop.call_soon_threadsafe(self._publish, min(max(seconds, 0.0), 86_400.0))
 
     def _publish(self, seconds: float) -> None:
-        if self._ticket.end is not None:
+        if self._pending.end is not None:
             return
-        self._ticket.hub.publish(
+        self._pending.hub.publish(
             Progress(
                 command=self.command,
-                driver=self._ticket.command.driver,
+                driver=self._pending.command.driver,
                 expected_us=round(seconds * 1_000_000),
                 tells=self.tells,
             )
@@ -178,7 +178,7 @@ class Lane:
     @property
     def waiting(self) -> list[str]:
         """The commands that wait."""
-        return [ticket.command.command for ticket, _ in self._waiting]
+        return [pending.command.command for pending, _ in self._waiting]
 
     def performs(self, run: str) -> bool:
         """Whether the job is a command of the run `run`, or that command."""
@@ -186,105 +186,105 @@ class Lane:
 
     # -- coming in ---------------------------------------------------------------------------
 
-    def take(self, ticket: PendingCommand, args: Mapping[str, Json], when_busy: str) -> None:
+    def take(self, pending: PendingCommand, args: Mapping[str, Json], when_busy: str) -> None:
         """Accept, queue or refuse a command."""
         if self.faulted:
-            ticket.refuse(
+            pending.refuse(
                 "faulted",
                 f"{self.driver_name} does not respond: its last command has not ended",
                 "wait until it responds, or end the session and check the device",
             )
             return
-        if ticket.verb.stream or when_busy == "replace":
-            self._make_way(ticket)
+        if pending.verb.stream or when_busy == "replace":
+            self._make_way(pending)
         elif when_busy == "refuse" and (self.busy or self._waiting):
-            ticket.refuse("busy", f"{self.driver_name} is busy")
+            pending.refuse("busy", f"{self.driver_name} is busy")
             return
-        elif len(self._waiting) >= self._room_for(ticket):
-            ticket.refuse("full", f"queue full ({len(self._waiting)})")
+        elif len(self._waiting) >= self._room_for(pending):
+            pending.refuse("full", f"queue full ({len(self._waiting)})")
             return
-        self._waiting.append((ticket, args))
-        self._watch_deadline(ticket)
+        self._waiting.append((pending, args))
+        self._watch_deadline(pending)
         self._pump()
 
-    def _room_for(self, ticket: PendingCommand) -> int:
+    def _room_for(self, pending: PendingCommand) -> int:
         """How many may wait before it; more if all is brief, since the wait is short then."""
-        if ticket.verb.brief and all(waiting.verb.brief for waiting, _ in self._waiting):
+        if pending.verb.brief and all(waiting.verb.brief for waiting, _ in self._waiting):
             return max(self._capacity, BRIEF_CAPACITY)
         return self._capacity
 
-    def _make_way(self, ticket: PendingCommand) -> None:
+    def _make_way(self, pending: PendingCommand) -> None:
         for waiting, _ in self._waiting:
-            waiting.supersede(ticket.command.command)
+            waiting.supersede(pending.command.command)
         self._waiting.clear()
-        if not ticket.verb.stream and self._current is not None:
-            self._current.supersede(ticket.command.command)
+        if not pending.verb.stream and self._current is not None:
+            self._current.supersede(pending.command.command)
             self._cancel()
 
-    def _watch_deadline(self, ticket: PendingCommand) -> None:
-        if not ticket.command.deadline_us or not self.busy:
+    def _watch_deadline(self, pending: PendingCommand) -> None:
+        if not pending.command.deadline_us or not self.busy:
             return
-        remaining = (ticket.command.deadline_us - self._hub.now()) / 1_000_000
-        ticket.timers.append(
-            asyncio.get_running_loop().call_later(max(0.0, remaining), self._expire, ticket)
+        remaining = (pending.command.deadline_us - self._hub.now()) / 1_000_000
+        pending.timers.append(
+            asyncio.get_running_loop().call_later(max(0.0, remaining), self._expire, pending)
         )
 
-    def _expire(self, ticket: PendingCommand) -> None:
+    def _expire(self, pending: PendingCommand) -> None:
         for entry in self._waiting:
-            if entry[0] is ticket:
+            if entry[0] is pending:
                 self._waiting.remove(entry)
-                waited = (self._hub.now() - ticket.requested_us) / 1_000_000
-                ticket.refuse("late", f"{self.driver_name} was busy for {waited:.0f} s")
+                waited = (self._hub.now() - pending.requested_us) / 1_000_000
+                pending.refuse("late", f"{self.driver_name} was busy for {waited:.0f} s")
                 return
 
     # -- running -----------------------------------------------------------------------------
 
     def _pump(self) -> None:
         while self._task is None and self._waiting:
-            ticket, args = self._waiting.popleft()
-            deadline = ticket.command.deadline_us
+            pending, args = self._waiting.popleft()
+            deadline = pending.command.deadline_us
             if deadline and self._hub.now() > deadline:
-                ticket.refuse("late", "it was queued too long")
+                pending.refuse("late", "it was queued too long")
                 continue
-            self._start(ticket, args)
+            self._start(pending, args)
 
-    def _start(self, ticket: PendingCommand, args: Mapping[str, Json]) -> None:
+    def _start(self, pending: PendingCommand, args: Mapping[str, Json]) -> None:
         loop = asyncio.get_running_loop()
-        for timer in ticket.timers:
+        for timer in pending.timers:
             timer.cancel()
-        ticket.timers.clear()
-        self._current = ticket
+        pending.timers.clear()
+        self._current = pending
         self._hub.publish(
             Dispatched(
-                command=ticket.command.command,
+                command=pending.command.command,
                 driver=self.driver_name,
-                latency_us=self._hub.now() - ticket.requested_us,
+                latency_us=self._hub.now() - pending.requested_us,
             )
         )
         started_us = self._hub.now()
-        job = LaneJob(ticket, args, lambda seconds: self._extend(ticket, seconds))
+        job = LaneJob(pending, args, lambda seconds: self._extend(pending, seconds))
         task = loop.create_task(guarded(lambda: self._driver.perform(job)))
         self._task = task
         self._cancelled = False
-        self._bound(ticket, ticket.command.limit_s)
-        task.add_done_callback(lambda done: self._ended(ticket, done, started_us))
+        self._bound(pending, pending.command.limit_s)
+        task.add_done_callback(lambda done: self._ended(pending, done, started_us))
 
-    def _bound(self, ticket: PendingCommand, limit_s: float) -> None:
-        for timer in ticket.timers:
+    def _bound(self, pending: PendingCommand, limit_s: float) -> None:
+        for timer in pending.timers:
             timer.cancel()
-        timer = asyncio.get_running_loop().call_later(limit_s, self._overrun, ticket, limit_s)
-        ticket.timers[:] = [timer]
+        timer = asyncio.get_running_loop().call_later(limit_s, self._overrun, pending, limit_s)
+        pending.timers[:] = [timer]
 
-    def _extend(self, ticket: PendingCommand, seconds: float) -> None:
+    def _extend(self, pending: PendingCommand, seconds: float) -> None:
         """A job that says how long it takes is not cut off before that, with a margin."""
         needed = seconds * EXPECTED_FACTOR + EXPECTED_MARGIN_S
-        if ticket.end is None and needed > ticket.command.limit_s:
-            self._bound(ticket, needed)
+        if pending.end is None and needed > pending.command.limit_s:
+            self._bound(pending, needed)
 
-    def _overrun(self, ticket: PendingCommand, limit_s: float) -> None:
-        ticket.finish(
+    def _overrun(self, pending: PendingCommand, limit_s: float) -> None:
+        pending.finish(
             TimedOut(
-                command=ticket.command.command,
+                command=pending.command.command,
                 driver=self.driver_name,
                 reason=f"it took longer than {limit_s:g} s",
                 remedy="check the device, or raise the limit if this is its normal duration",
@@ -312,18 +312,18 @@ class Lane:
         )
         waiting = list(self._waiting)
         self._waiting.clear()
-        for ticket, _ in waiting:
-            ticket.refuse(
+        for pending, _ in waiting:
+            pending.refuse(
                 "faulted",
                 f"{self.driver_name} does not respond: the previous command has not ended",
             )
 
     def _ended(
-        self, ticket: PendingCommand, task: asyncio.Task[Mapping[str, Json]], started_us: int
+        self, pending: PendingCommand, task: asyncio.Task[Mapping[str, Json]], started_us: int
     ) -> None:
         self._task = None
         self._current = None
-        ticket.finish(_outcome(ticket, task, self.driver_name, started_us, self._hub.now()))
+        pending.finish(_outcome(pending, task, self.driver_name, started_us, self._hub.now()))
         if self.faulted:
             self.faulted = False
             self._hub.publish(LaneRecovered(driver=self.driver_name, lane=self.name))
@@ -334,32 +334,32 @@ class Lane:
     def stop(self, reason: str, only_driving: bool = False) -> None:
         """End everything waiting and running, or only what drives; the job is cancelled."""
         kept = deque(entry for entry in self._waiting if only_driving and not entry[0].verb.drives)
-        ended = [ticket for ticket, _ in self._waiting if all(ticket is not k[0] for k in kept)]
+        ended = [pending for pending, _ in self._waiting if all(pending is not k[0] for k in kept)]
         self._waiting = kept
         current = self._current
         if current is not None and (current.verb.drives or not only_driving):
             current.stop(reason)
             self._cancel()
-        for ticket in ended:
-            ticket.stop(reason)
+        for pending in ended:
+            pending.stop(reason)
 
     def cancel(self, run: str, reason: str) -> bool:
         """End what belongs to the run `run`, or is the command `run`; says whether anything did."""
-        mine = [ticket for ticket, _ in self._waiting if ticket.belongs_to(run)]
+        mine = [pending for pending, _ in self._waiting if pending.belongs_to(run)]
         self._waiting = deque(entry for entry in self._waiting if entry[0] not in mine)
         current = self._current
         if current is not None and current.belongs_to(run):
             mine.insert(0, current)
             self._cancel()
-        for ticket in mine:
-            ticket.stop(reason)
+        for pending in mine:
+            pending.stop(reason)
         return bool(mine)
 
     def empty(self, reason: str) -> None:
         """End what waits; the job goes on."""
         waiting, self._waiting = self._waiting, deque()
-        for ticket, _ in waiting:
-            ticket.stop(reason)
+        for pending, _ in waiting:
+            pending.stop(reason)
 
     async def ended(self) -> None:
         """Return when no job is running."""
@@ -369,13 +369,13 @@ class Lane:
 
 
 def _outcome(
-    ticket: PendingCommand,
+    pending: PendingCommand,
     task: asyncio.Task[Mapping[str, Json]],
     driver: str,
     started_us: int,
     now_us: int,
 ) -> End:
-    command = ticket.command.command
+    command = pending.command.command
     if task.cancelled():
         return Failed(command=command, driver=driver, reason="the driver cancelled the command")
     error = task.exception()
@@ -384,7 +384,7 @@ def _outcome(
             command=command,
             driver=driver,
             sent=_plain(task.result()),
-            latency_us=started_us - ticket.requested_us,
+            latency_us=started_us - pending.requested_us,
             duration_us=now_us - started_us,
         )
     if isinstance(error, RejectedError):
@@ -393,7 +393,7 @@ def _outcome(
         )
     if isinstance(error, DriverError):
         return Failed(command=command, driver=driver, reason=error.what, remedy=error.remedy)
-    log.error("%s failed in %s", driver, ticket.verb.name, exc_info=error)
+    log.error("%s failed in %s", driver, pending.verb.name, exc_info=error)
     return Failed(
         command=command,
         driver=driver,

@@ -196,7 +196,11 @@ def show_sessions(page: ReportPage, grouped: GroupedSessions) -> None:
         if versions > 1:
             page.trouble(f"the experiment file had {versions} versions in these sessions")
         made = page.table(tables.condition_rows(rows))
-        page.console.print(fitted(made, page.width)[0])  # those figures for which there is room
+        shown = fitted(made, page.width)[0]  # those figures for which there is room
+        page.console.print(shown)
+        left_out = len(made.columns) - len(shown.columns)
+        if left_out:
+            page.say(f"{counted(left_out, 'figure')} more: widen the terminal, or --csv")
         left = excluded_sentence((row.participant, row.counted) for row in rows)
         if left:
             page.trouble(left)

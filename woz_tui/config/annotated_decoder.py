@@ -54,7 +54,7 @@ _MAPPINGS = (dict, Mapping)
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
-class Field:
+class SettingField:
     """One setting as a file may give it; `name` is how the file spells it."""
 
     name: str
@@ -66,7 +66,7 @@ class Field:
 
 
 @functools.cache
-def fields_of(shape: type) -> tuple[Field, ...]:
+def fields_of(shape: type) -> tuple[SettingField, ...]:
     """The settings of a dataclass, in order. An attribute `from_` is `from` in the file."""
     hints = typing.get_type_hints(shape, include_extras=True)
     optional = not issubclass(shape, fields.Entry)  # None means that an entry has been left out
@@ -86,14 +86,14 @@ def _without_none(annotation: Any) -> Any:
     return Annotated[bare, *notes] if notes else bare
 
 
-def _field(item: dataclasses.Field[Any], annotation: Any) -> Field:
+def _field(item: dataclasses.Field[Any], annotation: Any) -> SettingField:
     default: Any = dataclasses.MISSING
     if item.default_factory is not dataclasses.MISSING:
         default = item.default_factory()
     elif item.default is not dataclasses.MISSING:
         default = item.default
     doc = find_note(split_annotation(annotation)[1], fields.Doc)
-    return Field(
+    return SettingField(
         name=item.name.rstrip("_"),
         attribute=item.name,
         annotation=annotation,

@@ -57,7 +57,7 @@ _SINGLE = re.compile("[\\x20-\\x7e\\xa0-\\u02ff\\u2500-\\u25ff\\u2800-\\u28ff]*"
 _WORD = re.compile(r"\s*\S+|\s+")
 
 #: Unchanged cells between two changed ones that are cheaper to paint again than to jump over.
-NEAR = 8
+REPAINT_GAP_CELLS = 8
 
 
 def clean_paste(text: str) -> str:
@@ -219,7 +219,7 @@ def differences(old: Row, new: Row, y: int, width: int) -> list[Region]:
     for x, (was, now) in enumerate(zip(before, after, strict=True)):
         if was == now:
             continue
-        if stretches and x - stretches[-1][1] <= NEAR:
+        if stretches and x - stretches[-1][1] <= REPAINT_GAP_CELLS:
             stretches[-1] = (stretches[-1][0], x + 1)
         else:
             stretches.append((x, x + 1))

@@ -169,7 +169,7 @@ def event_line(message: m.Message, shown: EventContext) -> EventLine | None:
         mark, text, detail = template
         event: EventLine | None = EventLine(mark, text.format(message), detail.format(message))
     else:
-        event = _TELLERS.get(type(message), _of_study)(message, shown)
+        event = SENTENCES.get(type(message), _of_study)(message, shown)
     if event is not None:
         event.t = message.t
         event.machine = type(message) in _OF_MACHINES or _by_robot(message)
@@ -380,7 +380,7 @@ def _attached(message: m.ConsoleAttached, shown: EventContext) -> EventLine:
     return EventLine("info", f"{what} attached", message.console)
 
 
-_TELLERS: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]] = {
+SENTENCES: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]] = {
     m.ActionRequested: _requested,
     m.Command: _command,
     m.ActionDone: _action_end,

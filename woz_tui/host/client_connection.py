@@ -56,7 +56,7 @@ class RoleView:
         for message in before:
             redactor.take(message)
         for message in recent:
-            self._list(redactor.message(message))
+            self._remember(redactor.message(message))
 
     def redacted(self, message: m.Message) -> m.Message | None:
         """What this role gets of `message`; None: nothing."""
@@ -66,7 +66,7 @@ class RoleView:
 
     def on_message(self, message: m.AnyMessage) -> None:
         """`message` has been published."""
-        self._list(self.redacted(message))
+        self._remember(self.redacted(message))
         self.redactor.take(message)
 
     @property
@@ -74,7 +74,7 @@ class RoleView:
         """The last lines as they were seen."""
         return self._recent.lines
 
-    def _list(self, message: Any) -> None:
+    def _remember(self, message: Any) -> None:
         if message is not None:
             self._recent.take(message)
 
@@ -89,7 +89,7 @@ REQUESTS_A_TURN, TURN_S = 8, 0.005
 #: Bytes of requests that are read ahead, to find a stop behind them.
 READ_AHEAD = 1 << 20
 #: What is carried out although its sender has left: the stop, the end, and what the log is for.
-LASTING = (
+CARRIED_OUT_AFTER_LEAVING = (
     AskStop
     | AskEnd
     | AskMarker
@@ -294,7 +294,7 @@ class ClientConnection(asyncio.Protocol):
             # It was sent before the stop, and so not because of it.
             reason = "a newer stop arrived on the same connection"
             self.refuse(request.ref, reason, "release the stop again")
-        elif not left or isinstance(request, LASTING):
+        elif not left or isinstance(request, CARRIED_OUT_AFTER_LEAVING):
             if not request.sent_us:
                 request = msgspec.structs.replace(request, sent_us=since_us)
             self._on_request(self, request)

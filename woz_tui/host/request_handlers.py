@@ -103,9 +103,9 @@ class RequestHandlers:
         elif isinstance(request, AskPicture):
             self._pictures.answer(client, request)
         elif isinstance(request, Slow):
-            self._later(client, request)
+            self._answer_in_background(client, request)
         else:
-            client.send(self._now(client, request))
+            client.send(self._answer_at_once(client, request))
 
     def _only_watches(self, client: ClientConnection, request: AnyRequest) -> None:
         if self._session.bus.unwatched:
@@ -118,14 +118,14 @@ class RequestHandlers:
                 "start `woz attach --take-over` to play the robot here",
             )
 
-    def _now(self, client: ClientConnection, request: AnyRequest) -> Reply:
+    def _answer_at_once(self, client: ClientConnection, request: AnyRequest) -> Reply:
         try:
-            run = self._carry(client, request)
+            run = self._carry_out(client, request)
         except RequestError as error:
             return _refused(client, request, error)
         return Reply(ref=request.ref, ok=True, run=run)
 
-    def _carry(self, client: ClientConnection, request: AnyRequest) -> str:  # noqa: PLR0912, PLR0915
+    def _carry_out(self, client: ClientConnection, request: AnyRequest) -> str:  # noqa: PLR0912, PLR0915
         """Carry `request` out; the id of the run or command that it has begun."""
         session, study = self._session, self._session.study
         run, stale, tells = "", self._stale(request), self._tells(client)
@@ -242,7 +242,7 @@ class RequestHandlers:
 
     # -- what takes its time -----------------------------------------------------------------
 
-    def _later(self, client: ClientConnection, request: Slow) -> None:
+    def _answer_in_background(self, client: ClientConnection, request: Slow) -> None:
         """One of a kind at a time for each client; what waits for one that left is dropped."""
         waiting = self._slow.get((client, type(request)))
         if waiting is None:

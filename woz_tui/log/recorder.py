@@ -87,7 +87,7 @@ class LogHealth:
         self._moved = self._moved or wanted != self.level
         self.level = wanted
 
-    def insist(self) -> None:
+    def report_soon(self) -> None:
         """Something other than the level has changed: the next report is due at once."""
         self._moved = True
 
@@ -119,7 +119,7 @@ class FileSeries:
         self._number = 1
         self._copies = 1
 
-    def tie(self, now_us: int, t: int) -> None:
+    def set_time_zero(self, now_us: int, t: int) -> None:
         """Learn where the session's `t` axis begins, from the first line that comes in."""
         if self._zero_us is None:
             self._zero_us = now_us - max(t, 0)
@@ -291,7 +291,7 @@ class Recorder:
             if self._closed:
                 return
             now_us = self._clock.now_us()
-            self._series.tie(now_us, message.t)
+            self._series.set_time_zero(now_us, message.t)
             if which == ACTIONS:
                 self._hash.update(line)
                 self._lines += 1
@@ -378,7 +378,7 @@ class Recorder:
         while True:
             began = time.monotonic()
             self._wake.wait(_POLL_S)
-            self._excuse_standstill(time.monotonic() - began - _POLL_S)
+            self._ignore_standstill(time.monotonic() - began - _POLL_S)
             self._wake.clear()
             closing = self._closed
             self._report()
@@ -387,7 +387,7 @@ class Recorder:
             if closing:
                 return
 
-    def _excuse_standstill(self, seconds: float) -> None:
+    def _ignore_standstill(self, seconds: float) -> None:
         """The process was stopped, or had no processor: no fault of the disk."""
         if seconds > STANDSTILL_S:
             with self._lock:
@@ -481,7 +481,7 @@ class Recorder:
                 backlog.file_failed()
         if old is not None or new.folder != self._series.places[0]:
             self._moved_us, self._move_reason = now_us, reason
-            self._health.insist()
+            self._health.report_soon()
         self._segment, self.path, self._opened_us = new, new.path, now_us
         self._series.used()
         self._writable, self._reason, self._failed = True, "", ""

@@ -25,9 +25,9 @@ from woz_tui.protocol.messages import Json
 #: Decimals of a recorded degree: finer than any servo, and short in a file.
 DECIMALS = 2
 #: A joint that strays less than this from where it began was not moved, in degrees.
-STILL = 0.05
+STILL_DEGREES = 0.05
 #: Samples of rest that a trimmed take keeps at each end.
-MARGIN = 1
+REST_SAMPLES = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +75,7 @@ class RecordedTake:
         joints = {}
         for joint, start in (self._samples[0] if self._samples else {}).items():
             values = tuple(round(sample[joint] - start, DECIMALS) for sample in self._samples)
-            if any(abs(value) >= STILL for value in values):
+            if any(abs(value) >= STILL_DEGREES for value in values):
                 joints[joint] = values
         return MoveLayer(
             name, self._frames(), LayerSamples(self.rate, joints=joints) if joints else None
@@ -151,7 +151,10 @@ def active_span(layer: MoveLayer) -> tuple[float, float]:
         rate = layer.samples.rate
         for values in layer.samples.joints.values():
             steps = [i for i, (a, b) in enumerate(itertools.pairwise(values)) if a != b]
-            places += [max(0, steps[0] - MARGIN) / rate, (steps[-1] + 1 + MARGIN) / rate]
+            places += [
+                max(0, steps[0] - REST_SAMPLES) / rate,
+                (steps[-1] + 1 + REST_SAMPLES) / rate,
+            ]
     start, end = min(places, default=0.0), max(places, default=0.0)
     return start, min(end, layer.length)
 

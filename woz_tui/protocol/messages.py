@@ -487,7 +487,7 @@ class Marker(RestrictedMessage, frozen=True, kw_only=True, tag="marker"):
 
 
 class Note(RestrictedMessage, frozen=True, kw_only=True, tag="note"):
-    """A sentence the wizard typed."""
+    """A sentence that a wizard, a watcher or a program typed."""
 
     text: str
 

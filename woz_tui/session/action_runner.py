@@ -351,7 +351,7 @@ class ActionRunner:
             later = run.still_to_come
             speaks = any(call.verb in SPEECH for call in later)
             if self._lanes(later) & (self._lanes(calls, leading=True) if speaks else needed):
-                self.leave(run.id, _superseded(run, newer, label))
+                self.end_after_step(run.id, _superseded(run, newer, label))
 
     def _lanes(self, calls: list[Call], leading: bool = False) -> set[tuple[str, str]]:
         """Driver and lane of each call; `leading`: without those of what accompanies speech."""
@@ -387,7 +387,7 @@ class ActionRunner:
             if any(call.verb in SPEECH for call in calls):
                 self.cancel(run.id, reason)
 
-    def leave(self, run_id: str, end: str | m.ActionEnd) -> None:
+    def end_after_step(self, run_id: str, end: str | m.ActionEnd) -> None:
         """Finish the step that one run has begun, and drop those after it; one whose commands all
         wait behind others has not begun. What fails in that step is a failure all the same.
 

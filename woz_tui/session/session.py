@@ -98,9 +98,9 @@ class Session:
             self.hub.publish,
             self.experiment,
             phase=lambda: self.phases.name,
-            waits=self._waits,
+            waits=self._has_not_begun,
             latched=lambda: self.bus.latched,
-            withdraw=self._withdraw,
+            withdraw=self._cancel_waiting_line,
         )
         publish_start(self.hub, self.identity, self.experiment, self.clock, self.recorder.spill)
         robot = EngagementRobot(
@@ -254,7 +254,7 @@ class Session:
             self.scripts.publish()
             if stale:
                 raise RequestError(f"{name!r} not played ({stale})", AGAIN)
-            raise RequestError(reason, command=self._mends(action))
+            raise RequestError(reason, command=self._command_that_would_help(action))
         if not action.steps and action in self.experiment.repairs:
             return self.repairs.play(action, origin, when_busy)
         run, refused = self.runner.play(action, origin, when_busy)
@@ -263,7 +263,7 @@ class Session:
             raise no_value(refused) if refused.startswith("{") else RequestError(refused)
         return run
 
-    def _mends(self, action: Action | None) -> str:
+    def _command_that_would_help(self, action: Action | None) -> str:
         """The console's key with which the action could be played; empty: none."""
         if action is None or self.ended or action.locked or self.locked.get(action.panel, False):
             return ""
@@ -379,12 +379,12 @@ class Session:
         if isinstance(message, m.TrialEnded) and not self.ended:
             self.phases.end()
 
-    def _waits(self, run: str) -> bool:
+    def _has_not_begun(self, run: str) -> bool:
         """Whether a run was asked for and nothing of it has begun."""
         action = self.state.actions.get(run)
         return action is not None and action.dispatched is None
 
-    def _withdraw(self, run: str) -> None:
+    def _cancel_waiting_line(self, run: str) -> None:
         """Cut a line short that waits behind one that was not played."""
         self._loop.call_soon(self.runner.cancel, run, "the previous line was not played")
 
@@ -474,7 +474,7 @@ class Session:
                 raise RequestError(f"a driver cannot ask for {ask.what!r}")
 
     def _send_for(self, driver: str, ask: Ask, done: OnCompletion) -> None:
-        call = self._call(ask.name, ask.args, self._beside(driver, ask.on))
+        call = self._call(ask.name, ask.args, self._driver_of_same_robot(driver, ask.on))
         refusal = None
         if stale := self._old(ask):
             refusal = CommandRefusal("stale", stale)
@@ -489,7 +489,7 @@ class Session:
         if refusal is not None:
             done(False, refusal.reason)
 
-    def _beside(self, driver: str, on: str) -> str:
+    def _driver_of_same_robot(self, driver: str, on: str) -> str:
         """The full name of `on` beside `driver`: robots of an experiment keep to themselves."""
         robot, dot, _ = driver.rpartition(".")
         if not dot:

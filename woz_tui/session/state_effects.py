@@ -28,11 +28,11 @@ from woz_tui.session.engagement_robot import ORIGIN, EngagementRobot
 from woz_tui.session.state_signals import StateSignals, nearly
 
 #: Verbs whose result is seen until something else is shown.
-LASTING = frozenset({"eyes", "screen", "emotion"})
+LASTING_SIGNALS = frozenset({"eyes", "screen", "emotion"})
 #: Where somebody has had a turn: the greeting has been said.
 _TURNS = frozenset({State.USER_SPEAKS, State.THINKS, State.REPLIES, State.ROBOT_SPEAKS})
 #: So many states in a second drive each other round by what is played on entering them.
-CHASE = 30
+MOST_STATES_A_SECOND = 30
 #: A sound that comes too late says something wrong: it is not kept waiting.
 _AT_ONCE = "refuse"
 
@@ -54,7 +54,7 @@ class StateEffects:
         #: Ends of runs that nobody has claimed yet: they may end while they begin.
         self._early: deque[m.ActionEnd] = deque(maxlen=8)
         self._shown: dict[tuple[str, str], str] = {}
-        self._times: deque[int] = deque(maxlen=CHASE)
+        self._times: deque[int] = deque(maxlen=MOST_STATES_A_SECOND)
         self.adopt()
 
     def adopt(self) -> None:
@@ -116,7 +116,7 @@ class StateEffects:
         action = engagement.effects.get(self._state) if engagement else None
         own = self._robot.texts.calls(action) if action else ()
         calls = [*self._signals.entered(self._state), *own]
-        return [call for call in calls if call.verb in LASTING]
+        return [call for call in calls if call.verb in LASTING_SIGNALS]
 
     def ended(self, end: m.ActionEnd) -> None:
         """A run has ended; if it was one of these and has not worked, the wizard is told."""
@@ -133,12 +133,12 @@ class StateEffects:
     def _leave(self, why: str) -> None:
         for run in list(self._runs - self._left):
             self._left.add(run)
-            self._robot.runner.leave(run, why)
+            self._robot.runner.end_after_step(run, why)
 
     def _chased(self, t: int) -> bool:
         """Whether states follow each other as only their own effects can make them."""
         self._times.append(t)
-        return len(self._times) == CHASE and t - self._times[0] < SECOND
+        return len(self._times) == MOST_STATES_A_SECOND and t - self._times[0] < SECOND
 
     def _play(self, action: Action, again: bool) -> None:
         action = _silent(action) if again else action
@@ -172,7 +172,7 @@ class StateEffects:
 
     def _show(self, call: Call) -> None:
         kind = (call.driver, call.verb)
-        lasting = call.verb in LASTING
+        lasting = call.verb in LASTING_SIGNALS
         older = self._shown.pop(kind, "")
         if older and lasting:
             self._robot.runner.cancel(older, f"the state is now {self._state}")

@@ -117,7 +117,7 @@ class SimulatedRobot(Driver):
         self.volume = 0.7
         self.mode = settings.modes[0]
         self.emotion = settings.emotions[0]
-        self._acts: dict[str, Callable[[Job], Awaitable[Sent]]] = {
+        self._performers: dict[str, Callable[[Job], Awaitable[Sent]]] = {
             "say": self._say,
             "sound": self._sound,
             "volume": self._set_volume,
@@ -192,7 +192,7 @@ class SimulatedRobot(Driver):
         hang = self._faults.use_up("hang", verb.lane, now)
         if hang is not None:
             await self._hold_out(hang.seconds)
-        return await self._acts[job.verb](job)
+        return await self._performers[job.verb](job)
 
     async def stop(self, scope: Scope) -> StopReport | None:
         """Freeze at once. While `deaf`, that is confirmed late, and an unplugged part never is."""

@@ -206,12 +206,12 @@ def _body(settings: SimulatedSettings) -> tuple[Verb, ...]:
     return tuple(moves)
 
 
-seconds = Argument("seconds", "seconds", "0: as fast as it can", default=0.0)
+_SECONDS = Argument("seconds", "seconds", "0: as fast as it can", default=0.0)
 _JOINT_VERBS = (
     Verb(
         "pose",
         "take a pose",
-        (Argument("joints", "joints", "degrees by joint", required=True), seconds),
+        (Argument("joints", "joints", "degrees by joint", required=True), _SECONDS),
         lane="body",
         limit_s=60.0,
     ),
@@ -222,7 +222,7 @@ _JOINT_VERBS = (
         lane="body",
         limit_s=300.0,
     ),
-    Verb("home", "take the home pose", (seconds,), lane="body", limit_s=60.0),
+    Verb("home", "take the home pose", (_SECONDS,), lane="body", limit_s=60.0),
     Verb(
         "torque",
         "switch the motors on or off",

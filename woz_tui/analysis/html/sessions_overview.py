@@ -13,7 +13,13 @@ from woz_tui.analysis.html.timeline_picture import PictureScale
 from woz_tui.analysis.measures import BY_NAME
 from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.analysis.participants import participant_text
-from woz_tui.analysis.report_tables import condition_totals, figure_text, item_totals, trainings
+from woz_tui.analysis.report_tables import (
+    PAGE_COLUMNS,
+    condition_totals,
+    figure_text,
+    item_totals,
+    trainings,
+)
 from woz_tui.analysis.text_format import NONE
 from woz_tui.analysis.timeline_lanes import LANES
 
@@ -47,16 +53,9 @@ def _link(entry: SessionEntry, text: str = "") -> Markup:
     return tag("a", isolated(text or entry.title), href=f"#{entry.name}")
 
 
-#: Main figures by which sessions can be sorted.
-_SORTED_BY = (
-    *("duration", "trials", "wizard_actions", "reaction_median_s", "cues_missed"),
-    *("press_median_ms", "engaged_share", "mistakes", "stops"),
-)
-
-
 def _table(found: Sequence[SessionEntry]) -> Markup:
     heads: list[Child] = ["Participant", "Condition", "Session", "Begin"]
-    heads += [*map(defined, _SORTED_BY), "Log"]
+    heads += [*map(defined, PAGE_COLUMNS), "Log"]
     head = tag("tr", [tag("th", one, scope="col") for one in heads])
     rows = [tag("tr", list(_cells(entry, part))) for entry in found for part in _parts(entry)]
     caption = tag("caption", "By participant and condition")
@@ -78,7 +77,7 @@ def _cells(entry: SessionEntry, part: PartFigures) -> Iterator[Markup]:
     begin = figures.started[:16].replace("T", " ")
     for text in (part.condition, figures.session, begin):
         yield tag("td", isolated(text))
-    for name in _SORTED_BY:
+    for name in PAGE_COLUMNS:
         number = BY_NAME[name].of(part)
         value = "" if number is None else f"{number:g}"
         yield tag("td", figure_text(part, name), class_="number", data_value=value)

@@ -1,7 +1,11 @@
-"""Sessions by hand: messages at chosen seconds, as a list or as a log."""
+"""Sessions by hand: messages at chosen seconds, as a list or as a log.
+
+`python -m tests.analysis.example_sessions FOLDER` writes four sessions to try reports on.
+"""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, Self
@@ -31,7 +35,7 @@ def drawn(messages: Iterable[m.AnyMessage]) -> timeline_lanes.TimelineDrawing:
     return timeline_lanes.drawing_of(timeline_of(messages))
 
 
-class Told:
+class ExampleSession:
     """A session being told. Each method adds lines at `seconds` and returns the teller."""
 
     def __init__(
@@ -157,7 +161,7 @@ class Told:
         return path
 
 
-def in_time(told: Told) -> list[m.AnyMessage]:
+def in_time(told: ExampleSession) -> list[m.AnyMessage]:
     """The messages in the order of time, as a session would have said them."""
     ordered = sorted(told.messages, key=lambda message: message.t)
     return [msgspec.structs.replace(message, seq=at) for at, message in enumerate(ordered)]
@@ -181,7 +185,7 @@ def study(folder: Path) -> list[Path]:
     }
     paths = []
     for number, ((who, condition, session), reactions) in enumerate(plan.items()):
-        told = Told(
+        told = ExampleSession(
             participant=who, condition=condition, session=session,
             wizard="W1" if number == 0 else "W2", wall=f"2026-03-0{number + 1}T10:00:00.000000Z",
         )  # fmt: skip
@@ -200,3 +204,9 @@ def study(folder: Path) -> list[Path]:
         stem = f"2026-03-0{number + 1}T10-00-00_{who}_{session}"
         paths.append(told.written(folder, stem))
     return paths
+
+
+if __name__ == "__main__":
+    folder = Path(sys.argv[1])
+    folder.mkdir(parents=True, exist_ok=True)
+    study(folder)

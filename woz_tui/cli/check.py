@@ -7,7 +7,7 @@ import os
 import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from pathlib import Path
 
 from rich.table import Table
@@ -25,7 +25,6 @@ from woz_tui.config.experiment import (
     Experiment,
     ExperimentError,
     Problem,
-    Step,
     TextVariants,
     Wait,
 )
@@ -253,7 +252,12 @@ def action_text(action: Action, main_names: Mapping[str, str]) -> str:
 
     `main_names` names the main argument of each verb, which needs no name.
     """
-    return ", then ".join(_step(step, main_names) for step in action.steps)
+    return ", then ".join(
+        f"wait {step.seconds:g} s"
+        if isinstance(step, Wait)
+        else " + ".join(_call(call, main_names) for call in step.calls)
+        for step in action.steps
+    )
 
 
 def main_arguments(experiment: Experiment) -> dict[str, str]:
@@ -261,12 +265,6 @@ def main_arguments(experiment: Experiment) -> dict[str, str]:
     verbs = [verb for spec in experiment.drivers for verb in spec.verbs]
     verbs += [*session_verbs(), *(engagement_verbs() if experiment.engagement else ())]
     return {verb.name: verb.arguments[0].name for verb in verbs if verb.arguments}
-
-
-def _step(step: Step, main_names: Mapping[str, str]) -> str:
-    if isinstance(step, Wait):
-        return f"wait {step.seconds:g} s"
-    return " + ".join(_call(call, main_names) for call in step.calls)
 
 
 def _call(call: Call, main_names: Mapping[str, str]) -> str:
@@ -403,7 +401,8 @@ def _engagement_lines(experiment: Experiment, engagement: Engagement) -> Iterato
         sources = _sign_sources(experiment, settings, sign)
         yield sign, f"{_filter(shown[sign])}{limit}, {sources}"
     yield "speech", _speech(experiment, settings)
-    limits = [f"{name} {seconds:g} s" for name, seconds in _active_timeouts(settings.timeouts)]
+    timeouts = _active_timeouts(settings.timeouts).items()
+    limits = [f"{name} {seconds:g} s" for name, seconds in timeouts]
     yield "timeouts", ", ".join(limits) or "none"
     yield "handshake", _handshake(settings)
     yield "starts", {"run": "running", "hold": "on hold", "off": "switched off"}[settings.start]
@@ -431,7 +430,7 @@ def _engagement(experiment: Experiment, engagement: Engagement) -> Json:
         "start": settings.start,
         "social_distance": settings.social_distance,
         "signs": signs,
-        "timeouts": dict(_active_timeouts(settings.timeouts)),
+        "timeouts": {**_active_timeouts(settings.timeouts)},
         "handshake": settings.handshake.by,
         "on_enter": dict(_effects(engagement, main_arguments(experiment))),
         "verbs": [*map(_verb, engagement_verbs())],
@@ -493,12 +492,8 @@ def _speech(experiment: Experiment, settings: EngagementSettings) -> str:
     return f"{' and '.join(publishers)}, {loud}, {settings.sound.hang_over:g} s of silence end it"
 
 
-def _active_timeouts(timeouts: Timeouts) -> Iterator[tuple[str, float]]:
-    """Those that are on."""
-    for item in fields(timeouts):
-        seconds: float | None = getattr(timeouts, item.name)
-        if seconds:
-            yield item.name, seconds
+def _active_timeouts(timeouts: Timeouts) -> dict[str, float]:
+    return {name: seconds for name, seconds in asdict(timeouts).items() if seconds}
 
 
 def _handshake(settings: EngagementSettings) -> str:

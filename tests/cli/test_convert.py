@@ -102,11 +102,11 @@ def test_in_another_folder_relative_paths_change_with_it(folder: Path) -> None:
 def test_errors_write_nothing(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     config, ours = folder / "a" / "config.yaml", folder / "a" / "ours.yaml"
     config.write_text(f"{TEXT}gestures: waving\n", encoding="utf-8")
-    assert converted(str(config), "-o", str(ours)) == 1
+    assert main(["convert", str(config), "-o", str(ours)]) == 1
     assert not ours.exists()
-    told = capsys.readouterr().err.splitlines()
-    assert told[0].startswith(f"{config}:11:1: gestures: expected a list of entries such as")
-    assert told[-1] == f"woz convert: {config}: 1 error; nothing was written"
+    errors = capsys.readouterr().err.splitlines()
+    assert errors[0].startswith(f"{config}:11:1: gestures: expected a list of entries such as")
+    assert errors[-1] == f"woz convert: {config}: 1 error; nothing was written"
 
 
 def refused(*options: str) -> str:

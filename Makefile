@@ -9,7 +9,7 @@ RUN := $(VENV)/.installed-run
 DEV := $(VENV)/.installed-dev
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: help demo test fuzz check generated screenshots bench constraints clean
+.PHONY: help demo test peers fuzz check generated screenshots bench constraints clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -19,6 +19,9 @@ demo: $(RUN)  ## play the simulated robot
 
 test: $(DEV)  ## run the tests; ARGS="-k stop" passes options on
 	@.ci/test $(ARGS)
+
+peers: $(DEV)  ## install robots' own programs and run the tests against them; ARGS="-k goto"
+	@.ci/peers $(ARGS)
 
 fuzz: $(DEV)  ## run the property tests with many new random examples
 	@HYPOTHESIS_PROFILE=fuzz .ci/test -m hypothesis $(ARGS)

@@ -1,0 +1,1 @@
+"""Tests against programs of others, which `make peers` installs: daemons of robots, servers."""

@@ -14,6 +14,8 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from packaging.requirements import Requirement
+
 ROOT = Path(__file__).resolve().parent.parent
 FILE = ROOT / "constraints.txt"
 PYTHONS = ("3.11", "3.12", "3.13")
@@ -32,11 +34,21 @@ HEADER = """\
 """
 
 
-def requirements() -> list[str]:
-    """What pyproject.toml asks for, to run, to develop and to build."""
+def requirements(python: str, processor: str) -> list[str]:
+    """What pyproject.toml asks for there, to run, to develop and to build.
+
+    pip would judge markers by the machine that it runs on.
+    """
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())
     extras: list[str] = project["project"]["optional-dependencies"]["dev"]
-    return [*project["project"]["dependencies"], *extras, *project["build-system"]["requires"]]
+    every = [*project["project"]["dependencies"], *extras, *project["build-system"]["requires"]]
+    target = {"python_version": python, "platform_machine": processor}
+    wanted = [Requirement(text) for text in every]
+    return [
+        f"{one.name}{one.specifier}"
+        for one in wanted
+        if one.marker is None or one.marker.evaluate(target)
+    ]
 
 
 def resolve(python: str, processor: str, options: list[str]) -> dict[str, str]:
@@ -49,7 +61,7 @@ def resolve(python: str, processor: str, options: list[str]) -> dict[str, str]:
                 *(sys.executable, "-m", "pip", "install", "--dry-run", "--quiet"),
                 *("--ignore-installed", "--only-binary=:all:", f"--target={folder}/none"),
                 *(f"--python-version={python}", f"--report={report}", *platforms),
-                *(*options, *requirements()),
+                *(*options, *requirements(python, processor)),
             ],
             check=True,
         )

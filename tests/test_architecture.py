@@ -41,6 +41,7 @@ ROOMS = [
     "woz_drivers",
     "qimessaging",
     "naoqi_simulator",
+    "robot_simulators",
 ]
 #: Top folders whose modules are asked for circles.
 PACKAGES = ("woz_tui", "drivers")
@@ -51,7 +52,7 @@ VAGUE = re.compile(r"(^|_)(utils?|helpers?|misc|common|stuff)(_|$)")
 ALIKE = re.compile(
     r"^woz_tui/(cli|console/screens|config)/[^/]+$"
     r"|/(doctor|driver|settings|verbs|wire)$"
-    r"|^drivers/(naoqi_simulator|woz_drivers/(pepper|simulated))/[^/]+$"
+    r"|^drivers/(naoqi_simulator|robot_simulators|woz_drivers/(pepper|simulated))/[^/]+$"
 )
 
 #: Loading the left side must not load the right side.
@@ -62,6 +63,7 @@ UNLOADED = [
     ("woz_tui.cli", {"textual", "rich", "numpy", "serial", "msgspec", "woz_drivers"}),
     ("woz_tui.console.app", {"numpy", "serial", "dynamixel_sdk", "woz_drivers", "woz_tui.host"}),
     ("woz_tui.drivers.plugins", {"textual", "numpy", "serial", "woz_drivers"}),
+    ("woz_tui.host.robot_process", {"aiohttp"}),
 ]
 
 

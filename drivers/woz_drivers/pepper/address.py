@@ -6,11 +6,11 @@ import contextlib
 import re
 from dataclasses import dataclass
 
+from woz_drivers.network_address import host_and_port
+from woz_drivers.simulated_process import SIMULATED
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.drivers.secret_arguments import HIDDEN
 
-#: `robots:` entry for which the driver starts a robot of its own on this machine.
-SIMULATED = "simulated"
 #: Where NAOqi listens: up to 2.8, and from 2.9 on, where the line is secured.
 PORT = 9559
 SECURE_PORT = 9503
@@ -19,11 +19,6 @@ USER = "nao"
 
 _EXAMPLES = "write a host name, tcp://HOST:9559, tcps://USER@HOST:9503, or simulated"
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]*)://(.*)", re.DOTALL)
-#: IPv6 in brackets or a name without a colon; then a port.
-_PLACE = re.compile(
-    r"(?:\[(?P<six>[0-9A-Fa-f:.]+(?:%[\w.-]+)?)\]|(?P<name>[^:\[\]]+))(?::(?P<port>[^:]*))?"
-)
-_NAME = re.compile(r"[A-Za-z0-9_](?:[A-Za-z0-9_.-]{0,251}[A-Za-z0-9_.])?")
 _USER = re.compile(r"[\w.-]{1,64}")
 
 
@@ -74,7 +69,7 @@ def parse(text: str) -> Address:
             f"a user belongs to a secured line, not to {scheme}://",
             f"leave the user out, or write tcps://{user}@...",
         )
-    host, port = _host_and_port(place, SECURE_PORT if secure else PORT)
+    host, port = host_and_port(place, SECURE_PORT if secure else PORT, _EXAMPLES)
     return Address(host, port, secure, (user or USER) if secure else "")
 
 
@@ -98,7 +93,7 @@ def without_password(text: str) -> str:
 
 def _place_without_password(place: str) -> str:
     try:
-        _host_and_port(place, PORT)
+        host_and_port(place, PORT, _EXAMPLES)
     except RejectedError:
         return HIDDEN
     return place
@@ -127,23 +122,3 @@ def _without_user(rest: str) -> tuple[str, str]:
     if not _USER.fullmatch(user):
         raise RejectedError("the user before the @ is none: letters, digits, _ . -", _EXAMPLES)
     return user, place
-
-
-def _host_and_port(place: str, usual: int) -> tuple[str, int]:
-    found = _PLACE.fullmatch(place)
-    if found is None:
-        if place.count(":") > 1 and "[" not in place:
-            raise RejectedError(
-                "an IPv6 address stands in brackets", "write [ADDRESS] or [ADDRESS]:9559"
-            )
-        raise RejectedError("this is no address of a robot", _EXAMPLES)
-    host = found["six"] or found["name"]
-    if (found["six"] is None and not _NAME.fullmatch(host)) or ".." in host:
-        raise RejectedError("this is no name of a host", _EXAMPLES)
-    return host, usual if found["port"] is None else _port(found["port"])
-
-
-def _port(text: str) -> int:
-    if text.isascii() and text.isdigit() and len(text) <= 5 and 1 <= int(text) <= 65535:
-        return int(text)
-    raise RejectedError("what stands after the host is no port: 1 to 65535", _EXAMPLES)

@@ -13,10 +13,10 @@ from typing import Any
 from woz_drivers.pepper import memory
 from woz_drivers.pepper.address import Address, parse
 from woz_drivers.pepper.naoqi_link import LinkError, NaoqiLink, ServiceMissingError, open_link
+from woz_drivers.pepper.robot_connection import simulated_naoqi
 from woz_drivers.pepper.robot_line import ESSENTIAL, USED_SERVICES
 from woz_drivers.pepper.served_files import REMEDY, places
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.pepper.simulated_robot import SimulatedPepper
 from woz_drivers.pepper.tablet_page import is_address
 from woz_tui.drivers.contract import DriverError, Finding, Probe
 
@@ -52,9 +52,9 @@ async def _robot(text: str, probe: Probe) -> list[Finding]:
         address = parse(text)
     except DriverError as error:
         return [Finding("error", "robots", error.what, error.remedy)]
-    simulated = SimulatedPepper(settings.pace, probe.folder)
+    simulated = simulated_naoqi(settings.pace, probe.folder)
     try:
-        real = await simulated.address() if address.simulated else address
+        real = parse(await simulated.address()) if address.simulated else address
         link = await open_link(real, settings)
     except DriverError as error:
         await simulated.close()

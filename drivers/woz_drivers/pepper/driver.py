@@ -9,7 +9,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from woz_drivers.pepper import address, doctor, tags, text_remarks
-from woz_drivers.pepper.address import SIMULATED
 from woz_drivers.pepper.animations import MOVES, AnimationsPart
 from woz_drivers.pepper.autonomy import AutonomyPart
 from woz_drivers.pepper.background import Background
@@ -32,6 +31,7 @@ from woz_drivers.pepper.sounds import SoundsPart
 from woz_drivers.pepper.tablet import TabletPart
 from woz_drivers.pepper.voice import VoicePart
 from woz_drivers.simulated.argument_values import text
+from woz_drivers.simulated_process import SIMULATED
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,

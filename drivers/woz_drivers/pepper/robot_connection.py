@@ -26,6 +26,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Awaitable, Callable, Coroutine, Iterator
+from pathlib import Path
 from typing import Any, TypeVar
 
 from woz_drivers.pepper.address import Address, parse
@@ -43,7 +44,7 @@ from woz_drivers.pepper.parts import LOOK_S, WITHIN_S, ServiceAbsentError
 from woz_drivers.pepper.robot_line import HALTS, RobotLine, silence, until_services
 from woz_drivers.pepper.served_files import ServedFiles
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.pepper.simulated_robot import SimulatedPepper
+from woz_drivers.simulated_process import SimulatedProcess
 from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
@@ -61,6 +62,11 @@ _APPLIED_WITHIN_S = 10.0
 #: machine, from a command for several milliseconds.
 SPACING_S = 0.004
 _T = TypeVar("_T")
+
+
+def simulated_naoqi(pace: float, folder: Path) -> SimulatedProcess:
+    """The robot of the address `simulated`."""
+    return SimulatedProcess("naoqi_simulator", ("--pace", f"{pace:g}"), folder)
 
 
 class RobotConnection:
@@ -82,7 +88,7 @@ class RobotConnection:
         self._context = context
         self._on_connected = on_connected
         self._on_lost = on_lost
-        self._simulated = SimulatedPepper(settings.pace, context.folder)
+        self._simulated = simulated_naoqi(settings.pace, context.folder)
         self.files = ServedFiles(self, settings.tablet, context)
         self._address: Address | None = None
         self._line: RobotLine | None = None
@@ -313,7 +319,7 @@ class RobotConnection:
             pause = min(2 * pause, _LONGEST_PAUSE_S)
 
     async def _opened(self, address: Address) -> RobotLine:
-        real = await self._simulated.address() if address.simulated else address
+        real = parse(await self._simulated.address()) if address.simulated else address
         link = await open_link(real, self._settings)
         return RobotLine(link, address, self._settings.heartbeat)
 

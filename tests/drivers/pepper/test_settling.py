@@ -7,9 +7,10 @@ import contextlib
 from pathlib import Path
 
 import pytest
+from woz_drivers.pepper.address import parse
 from woz_drivers.pepper.driver import Pepper
+from woz_drivers.pepper.robot_connection import simulated_naoqi
 from woz_drivers.pepper.settings import AutonomySettings, PepperSettings
-from woz_drivers.pepper.simulated_robot import SimulatedPepper
 
 from tests.drivers.heard import Heard, Ordered
 from tests.drivers.pepper.played import PACE, QUIET, Played
@@ -87,10 +88,10 @@ async def _as_soon_as_possible(driver: Pepper) -> None:
 async def test_a_simulated_robot_that_cannot_be_reached_is_started_anew(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    robot = SimulatedPepper(PACE, tmp_path)
+    robot = simulated_naoqi(PACE, tmp_path)
     first = await robot.address()
     assert await robot.address() == first, "it may come back by itself"
-    monkeypatch.setattr("woz_drivers.pepper.simulated_robot._HOPELESS_S", 0.0)
+    monkeypatch.setattr("woz_drivers.simulated_process._HOPELESS_S", 0.0)
     second = await robot.address()
     assert second != first
     await robot.close()
@@ -99,15 +100,15 @@ async def test_a_simulated_robot_that_cannot_be_reached_is_started_anew(
 async def test_attempts_of_different_losses_are_not_added_up(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("woz_drivers.pepper.simulated_robot._HOPELESS_S", 0.0)
-    monkeypatch.setattr("woz_drivers.pepper.simulated_robot._APART_S", 0.0)
-    robot = SimulatedPepper(PACE, tmp_path)
+    monkeypatch.setattr("woz_drivers.simulated_process._HOPELESS_S", 0.0)
+    monkeypatch.setattr("woz_drivers.simulated_process._APART_S", 0.0)
+    robot = simulated_naoqi(PACE, tmp_path)
     assert await robot.address() == await robot.address()
     await robot.close()
 
 
 async def test_a_simulated_robot_runs_no_module_of_the_experiments_folder(tmp_path: Path) -> None:
     (tmp_path / "random.py").write_text("raise ValueError\n")
-    robot = SimulatedPepper(PACE, tmp_path)
-    assert (await robot.address()).port
+    robot = simulated_naoqi(PACE, tmp_path)
+    assert parse(await robot.address()).port
     await robot.close()

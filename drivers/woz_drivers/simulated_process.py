@@ -1,17 +1,19 @@
-"""The robot of the address `simulated`: a NAOqi of our own, in a process of its own."""
+"""The robot of the address `simulated`: a program of ours that speaks the robot's protocol."""
 
 from __future__ import annotations
 
 import asyncio
 import json
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from woz_drivers import child_process
 from woz_drivers.child_process import Child
-from woz_drivers.pepper.address import Address, parse
-from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError
+from woz_tui.drivers.contract import DeviceLostError, DriverError
 
+#: Stands in a robot file where a robot's address stands otherwise.
+SIMULATED = "simulated"
 #: Until it must have said where it listens, in seconds: Python starts slowly on a busy machine.
 _STARTS_WITHIN_S = 20.0
 #: One that runs, but cannot be reached for so long, is started anew, in seconds. Whoever rehearses
@@ -19,22 +21,25 @@ _STARTS_WITHIN_S = 20.0
 _HOPELESS_S = 20.0
 #: Attempts that lie farther apart than this belong to different losses, in seconds.
 _APART_S = 10.0
-_REMEDY = "start `python -m naoqi_simulator` yourself to see what is wrong"
 
 
-class SimulatedPepper:
-    """Started when it is first needed, and again when it has ended, until `close`."""
+class SimulatedProcess:
+    """Runs `python -m MODULE --port 0 OPTION...`, whose first line is `{"address": "..."}`.
 
-    def __init__(self, pace: float, folder: Path) -> None:
-        self._pace = pace
+    Started when it is first needed, and again when it has ended, until `close`.
+    """
+
+    def __init__(self, module: str, options: Sequence[str], folder: Path) -> None:
+        self._module = module
+        self._options = options
         self._folder = folder
         self._child: Child | None = None
-        self._address = Address()
+        self._address = ""
         #: Loop time of the first and of the last attempt to reach it since it was there.
         self._first = self._last = 0.0
 
-    async def address(self) -> Address:
-        """Where it listens; asked before each attempt to connect. Raises `DeviceLostError` if it
+    async def address(self) -> str:
+        """Where it listens; call it before each attempt to connect. Raises `DeviceLostError` if it
         does not start.
         """
         if self._child is not None and self._child.running and not self._hopeless():
@@ -76,23 +81,16 @@ class SimulatedPepper:
             if b"\n" in output:
                 line.set_result(output.partition(b"\n")[0])
 
-        words = (
-            sys.executable,
-            "-P",  # no modules of the folder of the experiment
-            "-m",
-            "naoqi_simulator",
-            "--port",
-            "0",
-            "--pace",
-            f"{self._pace:g}",
-        )
+        # -P: no modules of the folder of the experiment.
+        words = (sys.executable, "-P", "-m", self._module, "--port", "0", *self._options)
         try:
             return await child_process.start(words, self._folder, on_output=collect)
         except DriverError as error:
             raise DeviceLostError(f"the simulated robot: {error.what}", error.remedy) from error
 
-    async def _read_address(self, running: Child, line: asyncio.Future[bytes]) -> Address:
+    async def _read_address(self, running: Child, line: asyncio.Future[bytes]) -> str:
         """The address in its first line. Raises `DeviceLostError`."""
+        remedy = f"start `python -m {self._module}` yourself to see what is wrong"
         ending = asyncio.create_task(running.wait())
         ending.add_done_callback(lambda _: line.cancel())
         try:
@@ -101,11 +99,11 @@ class SimulatedPepper:
             ending.cancel()
         if not line.done() or line.cancelled():
             reason = running.last_line or "it says nothing"
-            raise DeviceLostError(f"the simulated robot does not start: {reason}", _REMEDY)
+            raise DeviceLostError(f"the simulated robot does not start: {reason}", remedy)
         try:
-            return parse(json.loads(line.result())["address"])
-        except (ValueError, KeyError, TypeError, RejectedError):
+            return str(json.loads(line.result())["address"])
+        except (ValueError, KeyError, TypeError):
             output = line.result().decode("utf-8", "replace")[:100]
             raise DeviceLostError(
-                f"the simulated robot says no address, but {output!r}", _REMEDY
+                f"the simulated robot says no address, but {output!r}", remedy
             ) from None

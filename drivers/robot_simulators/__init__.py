@@ -1,0 +1,1 @@
+"""Simulated robots that speak their makers' protocols: programs and fakes for tests at once."""

@@ -1,0 +1,186 @@
+"""A line to a robot behind a WebSocket, against a server that can freeze, refuse and hang up."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager
+from typing import Any
+
+import pytest
+from aiohttp import web
+from robot_simulators.web_robot import WebRobot
+from woz_drivers import web_socket_line
+from woz_drivers.web_socket_line import AnswerError, WebPlace, WebSocketLine
+
+from woz_tui.drivers.contract import DeviceLostError, DriverError, Health
+from woz_tui.testing import RecordingContext, until
+
+
+class Parrot(WebRobot):
+    """Says everything twice."""
+
+    def routes(self) -> Sequence[web.AbstractRouteDef]:
+        return (web.get("/events", self._events), web.post("/api/{what}", self._answer))
+
+    async def _events(self, request: web.Request) -> web.StreamResponse:
+        opened = None
+        async for opened, message in self.messages(request):
+            if message is not None:
+                self.calls.append(("message", message))
+                for _ in range(2):
+                    await self.tell(opened, message)
+        assert opened is not None
+        return opened  # type: ignore[no-any-return]
+
+    async def _answer(self, request: web.Request) -> web.Response:
+        match request.match_info["what"]:
+            case "empty":
+                return web.Response()
+            case "picture":
+                return web.Response(body=b"\x89PNG")
+        return web.json_response(await request.json())
+
+
+class Desk:
+    """A line with everything that it reported."""
+
+    def __init__(self, place: str) -> None:
+        self.context = RecordingContext()
+        self.place = place
+        self.path = "/events"
+        self.messages: list[Any] = []
+        self.lost: list[str] = []
+        self.refuses = ""
+        self.line = WebSocketLine(
+            self.context,
+            "parrot",
+            self._find,
+            get_ready=self._get_ready,
+            on_message=self._take,
+            on_lost=lambda error: self.lost.append(error.what),
+        )
+
+    async def _find(self) -> WebPlace:
+        return WebPlace(self.place, self.path)
+
+    async def _get_ready(self) -> str:
+        if self.refuses:
+            raise DriverError(self.refuses, "ask it")
+        await self.line.send({"hello": True})
+        return "parrot 1.0"
+
+    def _take(self, message: Any) -> None:
+        if "hello" not in message and "word" not in message:
+            raise ValueError("no word in it")
+        self.messages.append(message)
+
+
+@pytest.fixture
+async def robot() -> AsyncIterator[Parrot]:
+    async with Parrot() as robot:
+        yield robot
+
+
+@asynccontextmanager
+async def connected(robot: Parrot) -> AsyncIterator[Desk]:
+    desk = Desk(robot.address)
+    desk.line.start()
+    try:
+        await until(lambda: desk.line.ready)
+        yield desk
+    finally:
+        await desk.line.close()
+
+
+@pytest.fixture
+async def desk(robot: Parrot) -> AsyncIterator[Desk]:
+    async with connected(robot) as desk:
+        yield desk
+
+
+async def test_messages_go_both_ways_and_requests_are_answered(desk: Desk) -> None:
+    await desk.line.send({"word": "Lora"})
+    await until(lambda: desk.messages.count({"word": "Lora"}) == 2)
+    assert await desk.line.request("POST", "/api/echo", json={"a": 1}) == {"a": 1}
+    assert await desk.line.request("POST", "/api/empty") is None
+    await desk.line.probe()
+    assert desk.context.healths[-1][:2] == (Health.CONNECTED, "parrot 1.0")
+
+
+async def test_what_is_not_understood_is_reported_once_and_left_out(desk: Desk) -> None:
+    await desk.line.send({"nonsense": 1})
+    await desk.line.send({"word": "still there"})
+    await until(lambda: desk.messages.count({"word": "still there"}) == 2)
+    assert len(desk.context.notices) == 1
+
+
+async def test_refusals_and_odd_answers_are_errors_of_the_request_alone(
+    robot: Parrot, desk: Desk
+) -> None:
+    robot.faults.refused["/api/echo"] = "no voice today"
+    with pytest.raises(AnswerError, match="no voice today"):
+        await desk.line.request("POST", "/api/echo", json={})
+    with pytest.raises(DriverError, match="JSON"):
+        await desk.line.request("POST", "/api/picture")
+    assert desk.line.ready
+
+
+@pytest.mark.parametrize("ends", ["drops", "closes"])
+async def test_a_lost_robot_is_found_again(robot: Parrot, desk: Desk, ends: str) -> None:
+    if ends == "drops":
+        robot.drop()
+    else:
+        await robot.close()
+        await robot.start()
+    await until(lambda: desk.lost != [])
+    await until(lambda: desk.line.ready)
+    states = [health for health, *_ in desk.context.healths]
+    assert states[-1] is Health.CONNECTED
+    assert Health.LOST in states
+
+
+async def test_a_silent_robot_is_lost_and_what_is_under_way_ends(
+    robot: Parrot, desk: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(web_socket_line, "_SILENCE_S", 0.2)
+    monkeypatch.setattr(web_socket_line, "_PING_S", 0.02)
+    robot.freeze()
+    with pytest.raises(DeviceLostError):
+        await desk.line.probe(within=20)
+    await until(lambda: not desk.line.ready)
+    with pytest.raises(DeviceLostError):
+        await desk.line.send({"word": "late"})
+    robot.thaw()
+    await until(lambda: desk.line.ready)
+    assert ("message", {"word": "late"}) not in robot.calls
+
+
+async def test_who_refuses_to_get_ready_is_lost_with_its_reason(robot: Parrot) -> None:
+    desk = Desk(robot.address)
+    desk.refuses = "wrong key"
+    desk.line.start()
+    await until(lambda: any(health[1] == "wrong key" for health in desk.context.healths))
+    desk.refuses = ""
+    await until(lambda: desk.line.ready)
+    await desk.line.close()
+
+
+async def test_another_server_at_the_address_is_told_from_none(robot: Parrot) -> None:
+    desk = Desk(robot.address)
+    desk.path = "/elsewhere"
+    desk.line.start()
+    await until(lambda: any("404" in health[1] for health in desk.context.healths))
+    await robot.close()
+    desk.path = "/events"
+    await until(lambda: any("refused" in health[1] for health in desk.context.healths))
+    await desk.line.close()
+    assert not desk.line.ready
+
+
+async def test_closing_leaves_no_task_behind(robot: Parrot) -> None:
+    before = asyncio.all_tasks()
+    async with connected(robot):
+        pass
+    await until(lambda: not robot.sockets)
+    assert {task for task in asyncio.all_tasks() - before if "parrot" in task.get_name()} == set()

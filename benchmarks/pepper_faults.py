@@ -28,7 +28,7 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from woz_drivers.pepper.robot_line import FRESH_S
+from woz_drivers.naoqi_robot.robot_line import FRESH_S
 
 from benchmarks.figures import Spread, machine, table, verdict
 from tests.drivers.pepper.connected import Outcome, Stand, stand

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 
-from woz_drivers.pepper.robot_settings import SETTINGS, RobotSetting
+from woz_drivers.naoqi_robot.robot_settings import SETTINGS, RobotSetting
 
 from tools import marked_tests as marked
 from tools import replaced

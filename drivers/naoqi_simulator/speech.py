@@ -202,7 +202,7 @@ class AnimatedSpeech(Service):
 
 
 # -- what a text for ALAnimatedSpeech says and does ------------------------------------------------
-# Not shared with what the driver knows of tags (`woz_drivers.pepper.tags`), on purpose: this is the
+# Not shared with what the driver knows of tags (`woz_drivers.naoqi_robot.tags`), on purpose: this is the
 # far end of the wire, and takes what a Pepper takes, whatever the driver lets through.
 
 #: Letters a second at speed 100, about three words.

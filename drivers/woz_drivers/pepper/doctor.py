@@ -10,12 +10,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from woz_drivers.pepper import memory
-from woz_drivers.pepper.address import Address, parse
-from woz_drivers.pepper.naoqi_link import LinkError, NaoqiLink, ServiceMissingError, open_link
-from woz_drivers.pepper.robot_connection import simulated_naoqi
-from woz_drivers.pepper.robot_line import ESSENTIAL, USED_SERVICES
-from woz_drivers.pepper.served_files import REMEDY, places
+from woz_drivers.naoqi_robot import memory
+from woz_drivers.naoqi_robot.address import Address, parse
+from woz_drivers.naoqi_robot.naoqi_link import LinkError, NaoqiLink, ServiceMissingError, open_link
+from woz_drivers.naoqi_robot.robot_connection import simulated_naoqi
+from woz_drivers.naoqi_robot.robot_line import ESSENTIAL, USED_SERVICES
+from woz_drivers.naoqi_robot.served_files import REMEDY, places
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet_page import is_address
 from woz_tui.drivers.contract import DriverError, Finding, Probe

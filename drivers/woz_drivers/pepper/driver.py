@@ -8,28 +8,29 @@ import logging
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from woz_drivers.pepper import address, doctor, tags, text_remarks
-from woz_drivers.pepper.animations import MOVES, AnimationsPart
-from woz_drivers.pepper.autonomy import AutonomyPart
-from woz_drivers.pepper.background import Background
-from woz_drivers.pepper.base import BasePart
-from woz_drivers.pepper.body import BodyPart
-from woz_drivers.pepper.body_joints import JOINTS
-from woz_drivers.pepper.camera import CameraPart
-from woz_drivers.pepper.eyes import EyesPart
-from woz_drivers.pepper.head import HeadPart
-from woz_drivers.pepper.microphones import MicrophonesPart
-from woz_drivers.pepper.parts import PepperPart
-from woz_drivers.pepper.recognition import RecognitionPart
-from woz_drivers.pepper.robot_connection import RobotConnection
-from woz_drivers.pepper.robot_settings import SETTINGS
-from woz_drivers.pepper.senses import SensesPart
-from woz_drivers.pepper.service_call import ServiceCallPart
+from woz_drivers.naoqi_robot import address, tags, text_remarks
+from woz_drivers.naoqi_robot.animations import MOVES, AnimationsPart
+from woz_drivers.naoqi_robot.autonomy import AutonomyPart
+from woz_drivers.naoqi_robot.background import Background
+from woz_drivers.naoqi_robot.base import BasePart
+from woz_drivers.naoqi_robot.body import BodyPart
+from woz_drivers.naoqi_robot.body_joints import JOINTS
+from woz_drivers.naoqi_robot.camera import CameraPart
+from woz_drivers.naoqi_robot.eyes import EyesPart
+from woz_drivers.naoqi_robot.head import HeadPart
+from woz_drivers.naoqi_robot.microphones import MicrophonesPart
+from woz_drivers.naoqi_robot.parts import NaoqiPart
+from woz_drivers.naoqi_robot.recognition import RecognitionPart
+from woz_drivers.naoqi_robot.robot_connection import RobotConnection
+from woz_drivers.naoqi_robot.robot_settings import SETTINGS
+from woz_drivers.naoqi_robot.senses import SensesPart
+from woz_drivers.naoqi_robot.service_call import ServiceCallPart
+from woz_drivers.naoqi_robot.settings_reading import SettingsReader
+from woz_drivers.naoqi_robot.sounds import SoundsPart
+from woz_drivers.naoqi_robot.voice import VoicePart
+from woz_drivers.pepper import doctor
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.pepper.settings_reading import SettingsReader
-from woz_drivers.pepper.sounds import SoundsPart
 from woz_drivers.pepper.tablet import TabletPart
-from woz_drivers.pepper.voice import VoicePart
 from woz_drivers.simulated.argument_values import text
 from woz_drivers.simulated_process import SIMULATED
 from woz_tui.drivers.contract import (
@@ -57,7 +58,7 @@ STOP_S = 0.45
 FAREWELL_S = 1.5
 
 #: What a stop reaches first stands first.
-PARTS: tuple[type[PepperPart], ...] = (
+PARTS: tuple[type[NaoqiPart], ...] = (
     *(BasePart, BodyPart, AnimationsPart, VoicePart, SoundsPart, HeadPart, EyesPart, TabletPart),
     *(AutonomyPart, SensesPart, RecognitionPart, CameraPart, MicrophonesPart, ServiceCallPart),
 )
@@ -100,7 +101,7 @@ class Pepper(Driver):
         self._connection = RobotConnection(
             settings, context, on_connected=self._connected, on_lost=self._lost
         )
-        self._parts: tuple[PepperPart, ...] = tuple(
+        self._parts: tuple[NaoqiPart, ...] = tuple(
             kind(self._connection, settings, context) for kind in PARTS
         )
         self._by_verb = {verb.name: part for part in self._parts for verb in part.verbs(settings)}
@@ -225,8 +226,8 @@ class Pepper(Driver):
         return StopReport(tuple(sorted(confirmed)), tuple(sorted(missing)))
 
     def _stop_all(
-        self, parts: Sequence[PepperPart], scope: Scope
-    ) -> dict[asyncio.Task[tuple[str, ...]], PepperPart]:
+        self, parts: Sequence[NaoqiPart], scope: Scope
+    ) -> dict[asyncio.Task[tuple[str, ...]], NaoqiPart]:
         """Ask all at once. Those that come too late go on: a slow line must not keep it moving."""
         loop = asyncio.get_running_loop()
         stops = {
@@ -318,7 +319,7 @@ class Pepper(Driver):
             [part for part in self._parts if not (self._stopped and isinstance(part, AutonomyPart))]
         )
 
-    async def _apply(self, parts: Sequence[PepperPart]) -> None:
+    async def _apply(self, parts: Sequence[NaoqiPart]) -> None:
         """Let these parts set what the file says, or the wizard since."""
         self._settled.clear()
         try:

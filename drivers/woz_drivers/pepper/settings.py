@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from operator import attrgetter
 from typing import Annotated
 
-from woz_drivers.pepper.address import parse, without_password
-from woz_drivers.pepper.robot_settings import SETTINGS, RobotSetting, of_section
+from woz_drivers.naoqi_robot.address import parse, without_password
+from woz_drivers.naoqi_robot.robot_settings import SETTINGS, RobotSetting, of_section
 from woz_drivers.simulated.argument_values import color
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.drivers.fields import Doc, OneOf, Range, Seconds, Section

@@ -9,10 +9,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from woz_drivers.pepper.background import Background
-from woz_drivers.pepper.memory import number
-from woz_drivers.pepper.naoqi_link import Unsubscribe
-from woz_drivers.pepper.parts import PepperPart, RobotCalls
+from woz_drivers.naoqi_robot.background import Background
+from woz_drivers.naoqi_robot.memory import number
+from woz_drivers.naoqi_robot.naoqi_link import Unsubscribe
+from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet_page import PageKind, kind, page
 from woz_tui.drivers.contract import (
@@ -248,7 +248,7 @@ class _Video:
     text: str
 
 
-class TabletPart(PepperPart):
+class TabletPart(NaoqiPart):
     """Verbs `screen` and `tablet`, the default picture, and touches as readings."""
 
     name = "tablet"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from woz_drivers.pepper.robot_settings import SETTINGS
+from woz_drivers.naoqi_robot.robot_settings import SETTINGS
 
 from woz_tui.config.woz4u import pepper_robot
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from qimessaging import HostedMethod, QiServer
-from woz_drivers.pepper.robot_connection import RobotConnection
-from woz_drivers.pepper.robot_line import USED_SERVICES
+from woz_drivers.naoqi_robot.robot_connection import RobotConnection
+from woz_drivers.naoqi_robot.robot_line import USED_SERVICES
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.heard import Heard

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.pepper import robot_connection, robot_line
-from woz_drivers.pepper.parts import LOOK_S
-from woz_drivers.pepper.robot_connection import RobotConnection
+from woz_drivers.naoqi_robot import robot_connection, robot_line
+from woz_drivers.naoqi_robot.parts import LOOK_S
+from woz_drivers.naoqi_robot.robot_connection import RobotConnection
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.heard import Heard

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 import pytest_asyncio
-from woz_drivers.pepper import base as base_module
+from woz_drivers.naoqi_robot import base as base_module
 
 from tests.drivers.heard import PATIENCE_S
 from tests.drivers.pepper.played import Played, played

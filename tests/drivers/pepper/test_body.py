@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from naoqi_simulator.motion import MotionService
 from naoqi_simulator.service_table import offers
-from woz_drivers.pepper.body import BodyPart
-from woz_drivers.pepper.body_joints import JOINTS, limb
+from woz_drivers.naoqi_robot.body import BodyPart
+from woz_drivers.naoqi_robot.body_joints import JOINTS, limb
 
 from tests.drivers.pepper.played import QUIET, Played, played
 from tests.drivers.pepper.wired import wired

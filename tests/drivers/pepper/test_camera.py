@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from PIL import Image
-from woz_drivers.pepper.camera import SINGLE, VIEW, CameraPart
+from woz_drivers.naoqi_robot.camera import SINGLE, VIEW, CameraPart
 
 from tests.drivers.heard import until
 from tests.drivers.pepper.wired import Wired, wired
@@ -99,7 +99,7 @@ async def test_no_more_pictures_than_wanted_and_each_after_the_last(
 async def test_a_refusal_is_told_once_and_the_camera_tried_again(
     tmp_path: Path, robot: StandIn, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("woz_drivers.pepper.camera._TROUBLED_S", 0.1)
+    monkeypatch.setattr("woz_drivers.naoqi_robot.camera._TROUBLED_S", 0.1)
     async with wired(CameraPart, tmp_path, robot) as it:
         await robot.fault("refuse:ALVideoDevice.getImageRemote=the camera is broken")
         _watch(it)

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 from qimessaging.server import QiServer
-from woz_drivers.pepper import robot_connection as module
-from woz_drivers.pepper.robot_connection import RobotConnection
-from woz_drivers.pepper.robot_line import ESSENTIAL, USED_SERVICES
+from woz_drivers.naoqi_robot import robot_connection as module
+from woz_drivers.naoqi_robot.robot_connection import RobotConnection
+from woz_drivers.naoqi_robot.robot_line import ESSENTIAL, USED_SERVICES
 
 from tests.drivers.heard import Heard
 from tests.drivers.pepper.connected import SETTINGS, WITHIN_S, is_lost, stand, threads_now
@@ -199,7 +199,7 @@ async def test_a_robot_that_goes_while_it_starts_was_never_there(tmp_path: Path)
 async def test_a_robot_without_some_services_is_played_even_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("woz_drivers.pepper.robot_line._COMES_WITHIN_S", 0.3)
+    monkeypatch.setattr("woz_drivers.naoqi_robot.robot_line._COMES_WITHIN_S", 0.3)
     server = QiServer()
     endpoint = await server.listen("127.0.0.1")
     for name in sorted(ESSENTIAL):
@@ -207,7 +207,7 @@ async def test_a_robot_without_some_services_is_played_even_so(
     async with stand(tmp_path, str(endpoint)) as it:
         await it.is_so(Health.CONNECTED, "without", "ALTabletService")
         # The next time nobody waits for what was not there.
-        monkeypatch.setattr("woz_drivers.pepper.robot_line._COMES_WITHIN_S", 3600.0)
+        monkeypatch.setattr("woz_drivers.naoqi_robot.robot_line._COMES_WITHIN_S", 3600.0)
         await it.connection.connect(str(endpoint))
         assert it.came == 2
     await server.close()

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 from qimessaging.hosted_objects import HostedMethod
 from qimessaging.server import QiServer
+from woz_drivers.naoqi_robot.robot_line import USED_SERVICES
 from woz_drivers.pepper import doctor
-from woz_drivers.pepper.robot_line import USED_SERVICES
 from woz_drivers.pepper.settings import PepperSettings, TabletSettings
 
 from tests.fakes.naoqi import StandIn

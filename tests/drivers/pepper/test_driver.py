@@ -7,8 +7,8 @@ import contextlib
 from pathlib import Path
 
 import pytest
+from woz_drivers.naoqi_robot.robot_settings import SETTINGS
 from woz_drivers.pepper import Pepper
-from woz_drivers.pepper.robot_settings import SETTINGS
 from woz_drivers.pepper.settings import AutonomySettings, PepperSettings, VoiceSettings
 
 from tests.drivers.heard import PATIENCE_S, Heard, Ordered

@@ -6,7 +6,7 @@ import asyncio
 from pathlib import Path
 
 import pytest
-from woz_drivers.pepper import eyes as eyes_module
+from woz_drivers.naoqi_robot import eyes as eyes_module
 from woz_drivers.simulated.argument_values import COLORS
 
 from tests.drivers.pepper.played import Played, played

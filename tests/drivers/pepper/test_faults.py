@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
-from woz_drivers.pepper.robot_line import FRESH_S
+from woz_drivers.naoqi_robot.robot_line import FRESH_S
 
 from tests.drivers.pepper.connected import WITHIN_S, Outcome, Stand, is_lost, stand
 from tests.fakes.dropping_proxy import dropping_proxy
@@ -185,8 +185,8 @@ async def test_a_silent_robot_is_asked_to_stop_even_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # It is silent, and does not count as gone before the test has looked.
-    monkeypatch.setattr("woz_drivers.pepper.robot_line.ANSWER_S", WITHIN_S)
-    monkeypatch.setattr("woz_drivers.pepper.robot_line.NOTICED_S", 2 * WITHIN_S)
+    monkeypatch.setattr("woz_drivers.naoqi_robot.robot_line.ANSWER_S", WITHIN_S)
+    monkeypatch.setattr("woz_drivers.naoqi_robot.robot_line.NOTICED_S", 2 * WITHIN_S)
     async with stand_in() as robot, stand(tmp_path, robot.address) as it:
         await it.is_so(Health.CONNECTED)
         robot.freeze()

@@ -18,7 +18,7 @@ from urllib.parse import urlsplit
 import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
-from woz_drivers.pepper.served_files import MOST, TYPES, ByteRange, FileServer, byte_range
+from woz_drivers.naoqi_robot.served_files import MOST, TYPES, ByteRange, FileServer, byte_range
 
 from woz_tui.drivers.contract import DriverError
 
@@ -353,7 +353,7 @@ def test_a_long_film_is_sent_to_its_end(
     line.request("GET", split.path)
     answer = line.getresponse()
     later = SimpleNamespace(monotonic=lambda: time.monotonic() + 3600)
-    monkeypatch.setattr("woz_drivers.pepper.served_files.time", later)
+    monkeypatch.setattr("woz_drivers.naoqi_robot.served_files.time", later)
     assert ask(server.list_page("page"))[2] == b"page"  # then it looks for those that are too slow
     assert ask(server.list_page("page"))[2] == b"page"
     assert len(answer.read()) == 32 << 20

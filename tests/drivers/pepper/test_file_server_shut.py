@@ -12,7 +12,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from woz_drivers.pepper.served_files import FileServer, ListedFile
+from woz_drivers.naoqi_robot.served_files import FileServer, ListedFile
 
 HOST, PATIENCE_S = "127.0.0.1", 20.0
 
@@ -35,7 +35,7 @@ def test_it_is_told_and_keeps_nothing_busy(monkeypatch: pytest.MonkeyPatch) -> N
     url = server.list_page("page")
     slow = SimpleNamespace(monotonic=time.monotonic, sleep=sleep)
     with monkeypatch.context() as meanwhile:
-        meanwhile.setattr("woz_drivers.pepper.served_files.time", slow)
+        meanwhile.setattr("woz_drivers.naoqi_robot.served_files.time", slow)
         meanwhile.setattr(socket.socket, "accept", accept)
         with socket.create_connection((HOST, server.port), timeout=PATIENCE_S):
             assert thrice.wait(PATIENCE_S)

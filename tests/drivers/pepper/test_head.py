@@ -30,7 +30,7 @@ def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
     together even so.
     """
     monkeypatch.setattr("woz_drivers.pepper.driver.STOP_S", PATIENCE_S)
-    monkeypatch.setattr("woz_drivers.pepper.head.RECENT_US", PATIENCE_S * 1e6)
+    monkeypatch.setattr("woz_drivers.naoqi_robot.head.RECENT_US", PATIENCE_S * 1e6)
 
 
 async def angle(it: Played, joint: str) -> float:

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 from qimessaging.hosted_objects import HostedMethod
 from qimessaging.server import QiServer
-from woz_drivers.pepper.address import parse
-from woz_drivers.pepper.naoqi_link import ConnectionRefusedByRobotError, NaoqiLink, open_link
-from woz_drivers.pepper.robot_line import USED_SERVICES
+from woz_drivers.naoqi_robot.address import parse
+from woz_drivers.naoqi_robot.naoqi_link import ConnectionRefusedByRobotError, NaoqiLink, open_link
+from woz_drivers.naoqi_robot.robot_line import USED_SERVICES
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.pepper.connected import stand

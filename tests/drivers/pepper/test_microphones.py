@@ -13,7 +13,13 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.pepper.microphones import SERVICE, MicrophonesPart, SoundBlock, SoundFile, block
+from woz_drivers.naoqi_robot.microphones import (
+    SERVICE,
+    MicrophonesPart,
+    SoundBlock,
+    SoundFile,
+    block,
+)
 
 from tests.drivers.heard import PATIENCE_S, until
 from tests.drivers.pepper.wired import Wired, wired
@@ -32,8 +38,8 @@ async def robot() -> AsyncIterator[StandIn]:
 @pytest.fixture(autouse=True)
 def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
     """On a busy machine sound comes late, and ends late."""
-    monkeypatch.setattr("woz_drivers.pepper.microphones._COMES_WITHIN_S", PATIENCE_S)
-    monkeypatch.setattr("woz_drivers.pepper.microphones._FAREWELL_S", PATIENCE_S)
+    monkeypatch.setattr("woz_drivers.naoqi_robot.microphones._COMES_WITHIN_S", PATIENCE_S)
+    monkeypatch.setattr("woz_drivers.naoqi_robot.microphones._FAREWELL_S", PATIENCE_S)
 
 
 @pytest.mark.naoqi(

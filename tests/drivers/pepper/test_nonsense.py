@@ -7,18 +7,18 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.pepper.animations import AnimationsPart
-from woz_drivers.pepper.autonomy import AutonomyPart
-from woz_drivers.pepper.base import BasePart
-from woz_drivers.pepper.body import BodyPart
-from woz_drivers.pepper.camera import frame
-from woz_drivers.pepper.eyes import EyesPart
-from woz_drivers.pepper.head import HeadPart
-from woz_drivers.pepper.memory import flag, word
-from woz_drivers.pepper.naoqi_link import readable
-from woz_drivers.pepper.service_call import ServiceCallPart
-from woz_drivers.pepper.sounds import SoundsPart
-from woz_drivers.pepper.voice import VoicePart
+from woz_drivers.naoqi_robot.animations import AnimationsPart
+from woz_drivers.naoqi_robot.autonomy import AutonomyPart
+from woz_drivers.naoqi_robot.base import BasePart
+from woz_drivers.naoqi_robot.body import BodyPart
+from woz_drivers.naoqi_robot.camera import frame
+from woz_drivers.naoqi_robot.eyes import EyesPart
+from woz_drivers.naoqi_robot.head import HeadPart
+from woz_drivers.naoqi_robot.memory import flag, word
+from woz_drivers.naoqi_robot.naoqi_link import readable
+from woz_drivers.naoqi_robot.service_call import ServiceCallPart
+from woz_drivers.naoqi_robot.sounds import SoundsPart
+from woz_drivers.naoqi_robot.voice import VoicePart
 
 from tests.drivers.heard import Ordered
 from tests.drivers.pepper.babbler import SETTINGS, Babbler, babbler

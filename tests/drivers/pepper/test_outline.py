@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.pepper import body_joints, tags
-from woz_drivers.pepper.animations import MOVES, path_of
+from woz_drivers.naoqi_robot import body_joints, tags
+from woz_drivers.naoqi_robot.animations import MOVES, path_of
+from woz_drivers.naoqi_robot.eyes import EyeColor
+from woz_drivers.naoqi_robot.robot_settings import SETTINGS
+from woz_drivers.naoqi_robot.settings_reading import DesiredSettings, conflicts
 from woz_drivers.pepper.driver import Pepper
-from woz_drivers.pepper.eyes import EyeColor
-from woz_drivers.pepper.robot_settings import SETTINGS
 from woz_drivers.pepper.settings import AutonomySettings, PepperSettings, VoiceSettings
-from woz_drivers.pepper.settings_reading import DesiredSettings, conflicts
 
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.protocol.messages import Json

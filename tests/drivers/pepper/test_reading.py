@@ -11,10 +11,10 @@ from typing import cast
 
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.pepper.parts import PepperPart
-from woz_drivers.pepper.robot_connection import SPACING_S, RobotConnection
+from woz_drivers.naoqi_robot.parts import NaoqiPart
+from woz_drivers.naoqi_robot.robot_connection import SPACING_S, RobotConnection
+from woz_drivers.naoqi_robot.settings_reading import EVERY_S, LULL_S, RECENT_S, SettingsReader
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.pepper.settings_reading import EVERY_S, LULL_S, RECENT_S, SettingsReader
 
 from tests.drivers.heard import Heard, Ordered
 from tests.fakes.virtual_time import LoopClock, run_virtual
@@ -79,7 +79,7 @@ def test_a_burst_of_keys_is_read_back_once_it_is_over_and_meanwhile_now_and_then
         heard = Heard(Path("unused"), LoopClock(loop))
         clerk = Clerk()
         reading = SettingsReader(
-            _connection(heard), [cast(PepperPart, clerk)], NOWHERE, heard.context
+            _connection(heard), [cast(NaoqiPart, clerk)], NOWHERE, heard.context
         )
         reading.begin()
         await asyncio.sleep(EVERY_S / 2)
@@ -109,7 +109,7 @@ def conflicts_told(scene: Scene, **values: Json) -> list[tuple[float, int]]:
 
     async def played() -> list[tuple[float, int]]:
         heard = Heard(Path("unused"), LoopClock(asyncio.get_running_loop()))
-        clerk = cast(PepperPart, Clerk(**values))
+        clerk = cast(NaoqiPart, Clerk(**values))
         reading = SettingsReader(_connection(heard), [clerk], NOWHERE, heard.context)
         reading.begin()
         await asyncio.sleep(5.0)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.pepper.recognition import DETECTED, RECOGNIZED, RecognitionPart, recognised
+from woz_drivers.naoqi_robot.recognition import DETECTED, RECOGNIZED, RecognitionPart, recognised
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.settings import RecognitionSettings as Settings
 

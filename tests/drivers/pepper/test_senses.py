@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from woz_drivers.naoqi_robot.memory import BATTERY, SONAR, SOUND
+from woz_drivers.naoqi_robot.senses import FACES, VISIBLE, SensesPart, distance_key, looking_key
 from woz_drivers.pepper import settings
-from woz_drivers.pepper.memory import BATTERY, SONAR, SOUND
-from woz_drivers.pepper.senses import FACES, VISIBLE, SensesPart, distance_key, looking_key
 
 from tests.drivers.pepper.wired import Wired, wired
 from tests.fakes.naoqi import StandIn, stand_in
@@ -226,7 +226,7 @@ async def test_a_robot_that_refuses_lists_is_asked_key_by_key(sense: Sense, robo
 async def test_a_module_that_comes_later_is_begun_then(
     sense: Sense, robot: StandIn, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("woz_drivers.pepper.senses._AGAIN_US", 0)
+    monkeypatch.setattr("woz_drivers.naoqi_robot.senses._AGAIN_US", 0)
     await robot.fault("refuse:ALSonar.subscribe=not yet")
     async with sense() as it:
         await it.heard.state("distance", "stale")

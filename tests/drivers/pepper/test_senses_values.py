@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.pepper import memory, senses
-from woz_drivers.pepper.camera import CameraFrame, frame
+from woz_drivers.naoqi_robot import memory, senses
+from woz_drivers.naoqi_robot.camera import CameraFrame, frame
 
 LEAVES = st.one_of(
     st.none(),

@@ -7,9 +7,9 @@ import contextlib
 from pathlib import Path
 
 import pytest
-from woz_drivers.pepper.address import parse
+from woz_drivers.naoqi_robot.address import parse
+from woz_drivers.naoqi_robot.robot_connection import simulated_naoqi
 from woz_drivers.pepper.driver import Pepper
-from woz_drivers.pepper.robot_connection import simulated_naoqi
 from woz_drivers.pepper.settings import AutonomySettings, PepperSettings
 
 from tests.drivers.heard import Heard, Ordered

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.pepper import tags
+from woz_drivers.naoqi_robot import tags
 
 #: What real experiments say: no warning belongs here.
 RIGHT = (

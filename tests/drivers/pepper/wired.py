@@ -8,8 +8,8 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from woz_drivers.pepper.parts import PepperPart
-from woz_drivers.pepper.robot_connection import RobotConnection
+from woz_drivers.naoqi_robot.parts import NaoqiPart
+from woz_drivers.naoqi_robot.robot_connection import RobotConnection
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.heard import PATIENCE_S, Heard, Ordered
@@ -18,7 +18,7 @@ from tests.fakes.naoqi import StandIn, StandInHere
 from woz_tui.drivers.contract import DriverError
 from woz_tui.protocol.messages import Json, Notice, Reading
 
-P = TypeVar("P", bound=PepperPart)
+P = TypeVar("P", bound=NaoqiPart)
 
 
 class Wired(Generic[P]):

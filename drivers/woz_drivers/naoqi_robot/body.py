@@ -5,12 +5,13 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Mapping
 
-from woz_drivers.pepper import memory
-from woz_drivers.pepper.body_joints import checked, limb, native
-from woz_drivers.pepper.parts import LONG_S, Call, PepperPart, RobotCalls, read_back
-from woz_drivers.pepper.robot_settings import SETTINGS, of_section
+from woz_drivers.naoqi_robot import memory
+from woz_drivers.naoqi_robot.body_joints import checked, limb, native
+from woz_drivers.naoqi_robot.parts import LONG_S, Call, NaoqiPart, RobotCalls, read_back
+from woz_drivers.naoqi_robot.robot_settings import SETTINGS, of_section
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import positive, text
+
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
@@ -35,7 +36,7 @@ SHORTEST_S = 0.1
 _SECONDS = Range(0, 60, "s")
 
 
-class BodyPart(PepperPart):
+class BodyPart(NaoqiPart):
     """Joints and postures by ALMotion and ALRobotPosture."""
 
     name = "motion"

@@ -12,12 +12,13 @@ import asyncio
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from woz_drivers.pepper import memory
-from woz_drivers.pepper.parts import PepperPart, RobotCalls
-from woz_drivers.pepper.robot_settings import SETTINGS
+from woz_drivers.naoqi_robot import memory
+from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
+from woz_drivers.naoqi_robot.robot_settings import SETTINGS
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import color as color_of
 from woz_drivers.simulated.argument_values import number, positive, word
+
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
@@ -50,7 +51,7 @@ LONGEST = Range(0, 3600, "s")
 MARGIN_S = 5.0
 
 
-class EyesPart(PepperPart):
+class EyesPart(NaoqiPart):
     """Both eyes together."""
 
     name = "eyes"

@@ -25,9 +25,10 @@ from http.server import BaseHTTPRequestHandler
 from pathlib import Path
 from typing import IO, Any, Protocol
 
-from woz_drivers.pepper.background import apart
+from woz_drivers.naoqi_robot.background import apart
 from woz_drivers.pepper.settings import TabletSettings
 from woz_drivers.pepper.tablet_page import is_address
+
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
 
 #: Connections at once; a tablet opens six.

@@ -6,10 +6,11 @@ import asyncio
 import difflib
 from collections.abc import Mapping
 
-from woz_drivers.pepper.memory import flag
-from woz_drivers.pepper.parts import LONG_S, PepperPart, RobotCalls
+from woz_drivers.naoqi_robot.memory import flag
+from woz_drivers.naoqi_robot.parts import LONG_S, NaoqiPart, RobotCalls
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import text
+
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
@@ -28,7 +29,7 @@ LANE = "body"
 ASK_S = 0.03
 
 
-class AnimationsPart(PepperPart):
+class AnimationsPart(NaoqiPart):
     """Plays one animation at a time. The robot ends it when the call is cancelled."""
 
     name = "animations"

@@ -10,13 +10,14 @@ import logging
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
-from woz_drivers.pepper.address import parse
-from woz_drivers.pepper.eyes import EyeColor
-from woz_drivers.pepper.parts import PepperPart
-from woz_drivers.pepper.robot_connection import RobotConnection
-from woz_drivers.pepper.robot_settings import SETTINGS
+from woz_drivers.naoqi_robot.address import parse
+from woz_drivers.naoqi_robot.eyes import EyeColor
+from woz_drivers.naoqi_robot.parts import NaoqiPart
+from woz_drivers.naoqi_robot.robot_connection import RobotConnection
+from woz_drivers.naoqi_robot.robot_settings import SETTINGS
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import color as color_of
+
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, Job, RejectedError
 from woz_tui.protocol.messages import Json, SettingsShown
 from woz_tui.system.clock import Clock
@@ -36,7 +37,7 @@ class SettingsReader:
     def __init__(
         self,
         connection: RobotConnection,
-        parts: Sequence[PepperPart],
+        parts: Sequence[NaoqiPart],
         settings: PepperSettings,
         context: DriverContext,
     ) -> None:

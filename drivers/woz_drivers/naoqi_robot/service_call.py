@@ -7,9 +7,10 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from woz_drivers.pepper.parts import PepperPart
+from woz_drivers.naoqi_robot.parts import NaoqiPart
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import text
+
 from woz_tui.drivers.contract import Argument, Job, RejectedError, Verb
 from woz_tui.protocol.messages import Json
 
@@ -21,7 +22,7 @@ _LONGEST = 50_000
 _CALL = re.compile(r"(?P<service>\w+)\.(?P<method>\w+)", re.ASCII)
 
 
-class ServiceCallPart(PepperPart):
+class ServiceCallPart(NaoqiPart):
     """The verb `naoqi`."""
 
     name = "calls"

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from woz_drivers.pepper import memory
-from woz_drivers.pepper.parts import LOOK_S, PepperPart, RobotCalls, read_back, write_setting
-from woz_drivers.pepper.robot_settings import SETTINGS, STATE_S, of_verb
+from woz_drivers.naoqi_robot import memory
+from woz_drivers.naoqi_robot.parts import LOOK_S, NaoqiPart, RobotCalls, read_back, write_setting
+from woz_drivers.naoqi_robot.robot_settings import SETTINGS, STATE_S, of_verb
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import number
+
 from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
@@ -28,7 +29,7 @@ LANE = "settings"
 _BACK = "from interactive it gets to solitary by disabled alone, in which it rests"
 
 
-class AutonomyPart(PepperPart):
+class AutonomyPart(NaoqiPart):
     """Switches of the robot's autonomy, and the distances that it keeps."""
 
     name = "autonomy"

@@ -7,13 +7,14 @@ import contextlib
 from collections.abc import Callable
 from typing import Protocol
 
-from woz_drivers.pepper.address import Address
-from woz_drivers.pepper.naoqi_link import (
+from woz_drivers.naoqi_robot.address import Address
+from woz_drivers.naoqi_robot.naoqi_link import (
     LinkClosedError,
     NaoqiLink,
     RobotRefusedError,
     UnansweredError,
 )
+
 from woz_tui.drivers.contract import DeviceLostError
 
 #: What only ends something. Sent even to a robot that is silent.

@@ -11,16 +11,17 @@ import contextlib
 from collections.abc import Mapping
 from pathlib import Path
 
-from woz_drivers.pepper.memory import within
-from woz_drivers.pepper.parts import (
+from woz_drivers.naoqi_robot.memory import within
+from woz_drivers.naoqi_robot.parts import (
     LONG_S,
-    PepperPart,
+    NaoqiPart,
     RobotCalls,
     ServiceAbsentError,
 )
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet_page import is_address
 from woz_drivers.simulated.argument_values import number, sound_seconds, text
+
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
@@ -53,7 +54,7 @@ def local_file(path: str, folder: Path) -> Path | None:
         return None
 
 
-class SoundsPart(PepperPart):
+class SoundsPart(NaoqiPart):
     """One sound at a time; a file is loaded once."""
 
     name = "sounds"

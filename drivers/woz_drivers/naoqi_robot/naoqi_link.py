@@ -19,10 +19,10 @@ from typing import Any, TypeVar
 from qimessaging import errors
 from qimessaging.client import NaoqiClient
 from qimessaging.hosted_objects import HostedMethod, HostedObject
-
-from woz_drivers.pepper.address import Address
-from woz_drivers.pepper.background import apart
+from woz_drivers.naoqi_robot.address import Address
+from woz_drivers.naoqi_robot.background import apart
 from woz_drivers.pepper.settings import PepperSettings
+
 from woz_tui.drivers.contract import DeviceLostError
 
 _HIDDEN = "***"

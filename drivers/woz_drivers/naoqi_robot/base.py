@@ -6,11 +6,12 @@ import asyncio
 import math
 from collections.abc import Mapping
 
-from woz_drivers.pepper.memory import items
-from woz_drivers.pepper.memory import number as number_of
-from woz_drivers.pepper.parts import LOOK_S, PepperPart, answers
+from woz_drivers.naoqi_robot.memory import items
+from woz_drivers.naoqi_robot.memory import number as number_of
+from woz_drivers.naoqi_robot.parts import LOOK_S, NaoqiPart, answers
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import number
+
 from woz_tui.drivers.contract import (
     Argument,
     DriverError,
@@ -32,7 +33,7 @@ STILL, ASK_S = 0.01, 0.03
 _METRES = Range(-5, 5, "m")
 
 
-class BasePart(PepperPart):
+class BasePart(NaoqiPart):
     """Three wheels by `ALMotion.moveTo`; the posture stays as it is."""
 
     name = "driving"

@@ -29,8 +29,8 @@ from collections.abc import Awaitable, Callable, Coroutine, Iterator
 from pathlib import Path
 from typing import Any, TypeVar
 
-from woz_drivers.pepper.address import Address, parse
-from woz_drivers.pepper.naoqi_link import (
+from woz_drivers.naoqi_robot.address import Address, parse
+from woz_drivers.naoqi_robot.naoqi_link import (
     ConnectionRefusedByRobotError,
     LinkClosedError,
     Methods,
@@ -40,11 +40,12 @@ from woz_drivers.pepper.naoqi_link import (
     Unsubscribe,
     open_link,
 )
-from woz_drivers.pepper.parts import LOOK_S, WITHIN_S, ServiceAbsentError
-from woz_drivers.pepper.robot_line import HALTS, RobotLine, silence, until_services
-from woz_drivers.pepper.served_files import ServedFiles
+from woz_drivers.naoqi_robot.parts import LOOK_S, WITHIN_S, ServiceAbsentError
+from woz_drivers.naoqi_robot.robot_line import HALTS, RobotLine, silence, until_services
+from woz_drivers.naoqi_robot.served_files import ServedFiles
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated_process import SimulatedProcess
+
 from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,

@@ -10,12 +10,13 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from woz_drivers.pepper.body import MOTION, hold
-from woz_drivers.pepper.body_joints import HEAD_PITCH, HEAD_YAW, HIP_PITCH, HIP_ROLL, head, hip
-from woz_drivers.pepper.memory import item, within
-from woz_drivers.pepper.parts import PepperPart, RobotCalls
+from woz_drivers.naoqi_robot.body import MOTION, hold
+from woz_drivers.naoqi_robot.body_joints import HEAD_PITCH, HEAD_YAW, HIP_PITCH, HIP_ROLL, head, hip
+from woz_drivers.naoqi_robot.memory import item, within
+from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import number
+
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
@@ -109,7 +110,7 @@ class JointPair:
         )
 
 
-class HeadPart(PepperPart):
+class HeadPart(NaoqiPart):
     """`gaze`, `nudge` and `hip`. What they began ends with the stop of all motion (`Body`)."""
 
     name = "head"

@@ -11,12 +11,13 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from woz_drivers.pepper import camera_files
-from woz_drivers.pepper.background import Background, apart
-from woz_drivers.pepper.memory import item, number, within
-from woz_drivers.pepper.naoqi_link import RobotRefusedError, binary
-from woz_drivers.pepper.parts import PepperPart, RobotCalls
+from woz_drivers.naoqi_robot import camera_files
+from woz_drivers.naoqi_robot.background import Background, apart
+from woz_drivers.naoqi_robot.memory import item, number, within
+from woz_drivers.naoqi_robot.naoqi_link import RobotRefusedError, binary
+from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
 from woz_drivers.pepper.settings import PepperSettings
+
 from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
@@ -43,7 +44,7 @@ _FAREWELL_S = 0.5
 _NO_PICTURE = "is the robot awake? else restart it"
 
 
-class CameraPart(PepperPart):
+class CameraPart(NaoqiPart):
     """Asks for pictures only while `camera_pictures.WATCHED` holds, each after the last came."""
 
     name = "camera"

@@ -11,10 +11,11 @@ import contextlib
 from collections.abc import Callable, Coroutine, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
-from woz_drivers.pepper import memory
-from woz_drivers.pepper.naoqi_link import Methods, Unsubscribe
-from woz_drivers.pepper.robot_settings import RobotSetting
+from woz_drivers.naoqi_robot import memory
+from woz_drivers.naoqi_robot.naoqi_link import Methods, Unsubscribe
+from woz_drivers.naoqi_robot.robot_settings import RobotSetting
 from woz_drivers.pepper.settings import PepperSettings
+
 from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
@@ -82,7 +83,7 @@ class RobotCalls(Protocol):
         ...
 
 
-class PepperPart:
+class NaoqiPart:
     """One part. Made once a session; survives reconnections. By itself it offers nothing, and
     has nothing to stop, to set, to forget, to read back, to let go of.
     """
@@ -257,4 +258,4 @@ async def _quietly(call: Call) -> None:
 
 
 if TYPE_CHECKING:
-    from woz_drivers.pepper.served_files import ServedFiles
+    from woz_drivers.naoqi_robot.served_files import ServedFiles

@@ -10,19 +10,20 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Mapping
 
-from woz_drivers.pepper import tags
-from woz_drivers.pepper.parts import (
+from woz_drivers.naoqi_robot import tags
+from woz_drivers.naoqi_robot.parts import (
     LONG_S,
-    PepperPart,
+    NaoqiPart,
     RobotCalls,
     apply,
     read_back,
     write_setting,
 )
-from woz_drivers.pepper.robot_settings import SETTINGS, TTS, of_section
+from woz_drivers.naoqi_robot.robot_settings import SETTINGS, TTS, of_section
+from woz_drivers.naoqi_robot.tags import problems
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.pepper.tags import problems
 from woz_drivers.simulated.argument_values import number, text
+
 from woz_tui.drivers.contract import (
     Argument,
     DriverContext,
@@ -38,7 +39,7 @@ LANE, SETTINGS_LANE = "voice", "voice-settings"
 SOUNDS = tuple(of_section("Voice"))
 
 
-class VoicePart(PepperPart):
+class VoicePart(NaoqiPart):
     """Text to speech; one utterance at a time."""
 
     name = "speech"

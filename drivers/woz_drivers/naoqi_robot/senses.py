@@ -13,12 +13,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from woz_drivers.pepper import memory
-from woz_drivers.pepper.background import Background
-from woz_drivers.pepper.memory import item, items, number, within
-from woz_drivers.pepper.parts import PepperPart, RobotCalls, together
+from woz_drivers.naoqi_robot import memory
+from woz_drivers.naoqi_robot.background import Background
+from woz_drivers.naoqi_robot.memory import item, items, number, within
+from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls, together
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import text
+
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
@@ -169,7 +170,7 @@ _AGAIN_US = 10_000_000
 LEARN_S = 20.0
 
 
-class SensesPart(PepperPart):
+class SensesPart(NaoqiPart):
     """Readings of the robot's own sensors, `senses.rate` times a second."""
 
     name = "senses"

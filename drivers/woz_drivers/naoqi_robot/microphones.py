@@ -15,11 +15,12 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from woz_drivers.pepper.camera_files import stamp
-from woz_drivers.pepper.memory import stamped, within
-from woz_drivers.pepper.naoqi_link import RobotRefusedError, Unsubscribe, binary
-from woz_drivers.pepper.parts import CleanUpCalls, PepperPart, RobotCalls
+from woz_drivers.naoqi_robot.camera_files import stamp
+from woz_drivers.naoqi_robot.memory import stamped, within
+from woz_drivers.naoqi_robot.naoqi_link import RobotRefusedError, Unsubscribe, binary
+from woz_drivers.naoqi_robot.parts import CleanUpCalls, NaoqiPart, RobotCalls
 from woz_drivers.pepper.settings import PepperSettings
+
 from woz_tui.drivers.contract import Argument, DriverContext, DriverError, Job, RejectedError, Verb
 from woz_tui.protocol.messages import Json
 
@@ -39,7 +40,7 @@ class _Recording:
     t_us: int
 
 
-class MicrophonesPart(PepperPart):
+class MicrophonesPart(NaoqiPart):
     """`record_sound` has the robot write a file of its own, `listen` brings its sound here."""
 
     name = "microphones"

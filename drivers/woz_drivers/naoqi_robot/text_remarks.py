@@ -8,15 +8,16 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from woz_drivers.pepper import address, service_call, tags
-from woz_drivers.pepper.animations import path_of
-from woz_drivers.pepper.body_joints import checked
-from woz_drivers.pepper.served_files import REMEDY, places
+from woz_drivers.naoqi_robot import address, service_call, tags
+from woz_drivers.naoqi_robot.animations import path_of
+from woz_drivers.naoqi_robot.body_joints import checked
+from woz_drivers.naoqi_robot.served_files import REMEDY, places
+from woz_drivers.naoqi_robot.sounds import local_file
+from woz_drivers.naoqi_robot.tags import paragraphs, read_text
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.pepper.sounds import local_file
 from woz_drivers.pepper.tablet_page import is_address, kind
-from woz_drivers.pepper.tags import paragraphs, read_text
 from woz_drivers.simulated.argument_values import color
+
 from woz_tui.drivers.contract import UNKNOWN, DriverError, Finding, Written
 from woz_tui.protocol.messages import Json
 

@@ -11,11 +11,12 @@ import asyncio
 import contextlib
 from typing import Any
 
-from woz_drivers.pepper.background import Background
-from woz_drivers.pepper.memory import flag, item, within
-from woz_drivers.pepper.parts import PepperPart, RobotCalls
-from woz_drivers.pepper.senses import NAME, MemoryQuery
+from woz_drivers.naoqi_robot.background import Background
+from woz_drivers.naoqi_robot.memory import flag, item, within
+from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
+from woz_drivers.naoqi_robot.senses import NAME, MemoryQuery
 from woz_drivers.pepper.settings import PepperSettings
+
 from woz_tui.drivers.contract import (
     SPEECH,
     SPEECH_TEXT,
@@ -36,7 +37,7 @@ _FAREWELL_S = 0.5
 _LONGEST = 200
 
 
-class RecognitionPart(PepperPart):
+class RecognitionPart(NaoqiPart):
     """Tells when somebody speaks, and what, where `recognition.phrases` names what to expect."""
 
     name = "recognition"

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from collections import Counter
 
-from woz_drivers.naoqi_robot.robot_settings import SETTINGS, RobotSetting
+from woz_drivers.naoqi_robot.robot_settings import RobotSetting
+from woz_drivers.pepper.pepper_model import PEPPER
 
 from tools import marked_tests as marked
 from tools import replaced
@@ -15,9 +16,9 @@ from tools import replaced
 
 def _of_settings() -> dict[str, str]:
     """The calls that read and set the robot's settings."""
-    verbs = Counter(one.verb for one in SETTINGS.values())
+    verbs = Counter(one.verb for one in PEPPER.settings.values())
     reached: dict[str, list[str]] = {}
-    for one in SETTINGS.values():
+    for one in PEPPER.settings.values():
         shared = verbs[one.verb] > 1
         verb = f"`{one.verb}: {{{one.argument}: ...}}`" if shared else f"`{one.verb}`"
         for call, how in ((one.put, verb), (one.get, f"setting `{one.name}`")):
@@ -208,7 +209,7 @@ def _table(name: str) -> str:
 def _settings() -> str:
     rows = [
         f"| `{one.name}` | {one.what} | {_values(one)} | {_code(one.verb)} | {_code(one.file)} |"
-        for one in SETTINGS.values()
+        for one in PEPPER.settings.values()
     ]
     head = "| setting | | values | verb | in the robot file |"
     return "\n".join([head, "|---|---|---|---|---|", *rows])

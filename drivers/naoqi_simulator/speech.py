@@ -202,8 +202,8 @@ class AnimatedSpeech(Service):
 
 
 # -- what a text for ALAnimatedSpeech says and does ------------------------------------------------
-# Not shared with what the driver knows of tags (`woz_drivers.naoqi_robot.tags`), on purpose: this is the
-# far end of the wire, and takes what a Pepper takes, whatever the driver lets through.
+# Not shared with what the driver knows of tags (`woz_drivers.naoqi_robot.tags`), on purpose: this
+# is the far end of the wire, and takes what a Pepper takes, whatever the driver lets through.
 
 #: Letters a second at speed 100, about three words.
 LETTERS_PER_S = 15.0

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 from woz_drivers.network_address import host_and_port
 from woz_drivers.simulated_process import SIMULATED
-
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.drivers.secret_arguments import HIDDEN
 
@@ -118,7 +117,7 @@ def _without_user(rest: str) -> tuple[str, str]:
         raise RejectedError(
             "a password must not stand in an address, where everybody reads it",
             "give the user alone, and the password in the environment variable that `password`"
-            " names (WOZ_PEPPER_PASSWORD)",
+            " names (WOZ_PEPPER_PASSWORD, WOZ_NAO_PASSWORD)",
         )
     if not _USER.fullmatch(user):
         raise RejectedError("the user before the @ is none: letters, digits, _ . -", _EXAMPLES)

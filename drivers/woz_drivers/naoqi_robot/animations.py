@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import asyncio
-import difflib
 from collections.abc import Mapping
 
 from woz_drivers.naoqi_robot.memory import flag
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import LONG_S, NaoqiPart, RobotCalls
-from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import text
-
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
     DriverContext,
     DriverError,
     Job,
-    RejectedError,
     Scope,
     Verb,
 )
@@ -34,12 +31,12 @@ class AnimationsPart(NaoqiPart):
 
     name = "animations"
 
-    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: NaoqiSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         self._playing = ""
 
     @classmethod
-    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
         """`play`."""
         return (
             Verb(
@@ -53,7 +50,7 @@ class AnimationsPart(NaoqiPart):
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Play it to its end."""
-        path = path_of(text(job.args, "move"))
+        path = await self._path(text(job.args, "move"))
         await self._clean_up.settled()
         self._playing = path
         try:
@@ -74,6 +71,10 @@ class AnimationsPart(NaoqiPart):
             ) from error
         self._playing = ""
         return {"move": path}
+
+    async def _path(self, move: str) -> str:
+        """The animation that is meant. Raises `DriverError` for one that is not known."""
+        return self._settings.model.animations.path_of(move)
 
     async def stop(self, scope: Scope) -> tuple[str, ...]:
         """End the animation under way."""
@@ -107,107 +108,3 @@ class AnimationsPart(NaoqiPart):
                 f"the robot does not report whether {path} has ended", "check the robot"
             )
         return runs
-
-
-# -- the known names -------------------------------------------------------------------------------
-# The names are those that come with the robot's own package `animations`, as a Pepper lists them
-# (`ALBehaviorManager.getInstalledBehaviors`); the manufacturer's pages document a part of them. A
-# robot may have more of them: any path can be played.
-#
-# The simulated robot (`naoqi_simulator`) has a table of its own, on purpose: it is the far
-# end, and one that learned from the caller what there is could never show a mistake in here.
-
-ROOT = "animations/Stand/"
-
-#: Folder -> names, each with the numbers that there are: `Hey:1-4,6` is Hey_1 to Hey_4 and Hey_6.
-#: Of a short name that several folders have, the first folder's is meant.
-_TABLE = {
-    "Gestures": (
-        "Angry:1-3 BowShort:1-3 But:1 CalmDown:1-6 Choice:1 ComeOn:1 Confused:1-2 CountFive:1"
-        " CountFour:1 CountMore:1 CountOne:1 CountThree:1 CountTwo:1 Desperate:1-5 DontUnderstand:1"
-        " Enthusiastic:3-5 Everything:1-4,6 Excited:1 Explain:1-8,10-11 Far:1-3 Follow:1 Give:1-6"
-        " Great:1 HeSays:1-3 Hey:1-4,6-10 Hide:1 Hot:1-2 IDontKnow:1-6 Joy:1 Kisses:1 Look:1-2"
-        " Maybe:1 Me:1-2,4,7-8 Mime:1-2 Next:1 No:1-9 Nothing:1-2 OnTheEvening:1-5 Please:1-3"
-        " Reject:1-6 Salute:1-3 ShowFloor:1-5 ShowSky:1-12 ShowTablet:1-3 Shy:1 Stretch:1-2"
-        " Surprised:1 Take:1 TakePlace:1-2 Thinking:1-8 This:1-15 WhatSThis:1-16 Whisper:1"
-        " Wings:1-5 Yes:1-3 You:1-5 YouKnowWhat:1-6 Yum:1"
-    ),
-    "Emotions/Positive": (
-        "Amused:1 Confident:1 Ecstatic:1 Enthusiastic:1 Excited:1-3 Happy:1-4 Hungry:1 Hysterical:1"
-        " Interested:1-2 Laugh:1-3 Mocker:1 Optimistic:1 Peaceful:1 Proud:1-3 Relieved:1 Shy:1-2"
-        " Sure:1 Winner:1-2"
-    ),
-    "Emotions/Neutral": (
-        "Alienated:1 AskForAttention:1-3 Cautious:1 Confused:1 Determined:1 Embarrassed:1"
-        " Hesitation:1 Innocent:1 Lonely:1 Mischievous:1 Puzzled:1 Sneeze Stubborn:1 Suspicious:1"
-    ),
-    "Emotions/Negative": (
-        "Angry:1-4 Anxious:1 Bored:1-2 Disappointed:1 Exhausted:1-2 Fear:1-2 Fearful:1 Frustrated:1"
-        " Humiliated:1 Hurt:1-2 Late:1 Sad:1-2 Shocked:1 Sorry:1 Surprise:1-3"
-    ),
-    "Waiting": (
-        "AirGuitar:1 BackRubs:1 Bandmaster:1 Binoculars:1 BreathLoop:1-3 CallSomeone:1 Drink:1"
-        " DriveCar:1 Fitness:1-3 FunnyDancer:1 HappyBirthday:1 Helicopter:1 HideEyes:1 HideHands:1"
-        " Innocent:1 Knight:1 KnockEye:1 KungFu:1 LookHand:1-2 LoveYou:1 Monster:1 MysticalPower:1"
-        " PlayHands:1-3 Relaxation:1-4 Rest:1 Robot:1 ScratchBack:1 ScratchBottom:1 ScratchEye:1"
-        " ScratchHand:1 ScratchHead:1 ScratchLeg:1 ScratchTorso:1 ShowMuscles:1-5 ShowSky:1-2"
-        " SpaceShuttle:1 Stretch:1-2 TakePicture:1 Taxi:1 Think:1-4 Waddle:1-2 WakeUp:1 Zombie:1"
-    ),
-    "BodyTalk/Listening": "Listening:1-7",
-    "BodyTalk/Speaking": "BodyTalk:1-16",
-    "BodyTalk/Thinking": "Remember:1-3 ThinkingLoop:1-2",
-}
-
-
-def _numbered(entry: str) -> list[str]:
-    name, colon, numbers = entry.partition(":")
-    if not colon:
-        return [name]
-    found: list[str] = []
-    for part in numbers.split(","):
-        first, _, last = part.partition("-")
-        found += [f"{name}_{number}" for number in range(int(first), int(last or first) + 1)]
-    return found
-
-
-#: All known paths, in the order of the table.
-MOVES: tuple[str, ...] = tuple(
-    f"{ROOT}{folder}/{name}"
-    for folder, entries in _TABLE.items()
-    for entry in entries.split()
-    for name in _numbered(entry)
-)
-
-
-def _by_ending() -> dict[str, str]:
-    """Every ending of a known path, in lower case, and the first path that has it."""
-    endings: dict[str, str] = {}
-    for path in MOVES:
-        words = path.lower().split("/")
-        for first in range(len(words)):
-            endings.setdefault("/".join(words[first:]), path)
-    return endings
-
-
-_ENDINGS = _by_ending()
-
-
-def path_of(name: str) -> str:
-    """The animation that `name` means: a known one by its path's ending (`Hey_1`,
-    `Positive/Happy_1`, upper or lower case), otherwise `name` itself if it is a path.
-
-    Raises `RejectedError` for a name without a folder that nobody knows.
-    """
-    requested = name.strip().strip("/")
-    standard_path = _ENDINGS.get(requested.lower())
-    if standard_path is not None:
-        return standard_path
-    if "/" in requested:
-        return requested
-    short = [path.rpartition("/")[2] for path in MOVES]
-    near = difflib.get_close_matches(requested, short, 1, 0.5)
-    hint = f"did you mean {near[0]!r}? " if near else ""
-    raise RejectedError(
-        f"there is no animation {name!r} among those that every Pepper has",
-        f"{hint}write the whole path of one that only your robot has, such as my_app/{requested}",
-    )

@@ -9,11 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from woz_drivers.naoqi_robot import memory
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import LOOK_S, NaoqiPart, RobotCalls, read_back, write_setting
 from woz_drivers.naoqi_robot.robot_settings import SETTINGS, STATE_S, of_verb
-from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import number
-
 from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
@@ -34,13 +33,13 @@ class AutonomyPart(NaoqiPart):
 
     name = "autonomy"
 
-    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: NaoqiSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         #: Asked for last, by the robot file or by a command: set again after a loss.
         self._desired = settings.initial_values(of_verb("autonomy", "collision").values())
 
     @classmethod
-    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
         """`autonomy` and `collision`; what is not named is left as it is."""
         verbs = (
             ("autonomy", "change what the robot does by itself", STATE_S + 5.0),

@@ -28,7 +28,7 @@ class Background:
     def start(self, work: Coroutine[Any, Any, None]) -> None:
         """Begin; what was under way is given up."""
         self.cancel()
-        task = asyncio.get_running_loop().create_task(work, name=f"pepper {self._what}")
+        task = asyncio.get_running_loop().create_task(work, name=f"robot {self._what}")
         task.add_done_callback(self._ended)
         self._task = task
 
@@ -79,5 +79,5 @@ async def apart(work: Callable[[], _T]) -> _T:
         except RuntimeError:
             return  # the loop has closed: nobody waits any more
 
-    threading.Thread(target=run, name="pepper file", daemon=True).start()
+    threading.Thread(target=run, name="robot file", daemon=True).start()
     return await done

@@ -8,10 +8,9 @@ from collections.abc import Mapping
 
 from woz_drivers.naoqi_robot.memory import items
 from woz_drivers.naoqi_robot.memory import number as number_of
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import LOOK_S, NaoqiPart, answers
-from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import number
-
 from woz_tui.drivers.contract import (
     Argument,
     DriverError,
@@ -39,7 +38,7 @@ class BasePart(NaoqiPart):
     name = "driving"
 
     @classmethod
-    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
         """`drive`."""
         return (
             Verb(

@@ -6,12 +6,11 @@ import asyncio
 from collections.abc import Callable, Mapping
 
 from woz_drivers.naoqi_robot import memory
-from woz_drivers.naoqi_robot.body_joints import checked, limb, native
+from woz_drivers.naoqi_robot.joint_table import JointTable, native
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import LONG_S, Call, NaoqiPart, RobotCalls, read_back
 from woz_drivers.naoqi_robot.robot_settings import SETTINGS, of_section
-from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import positive, text
-
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
@@ -26,7 +25,6 @@ from woz_tui.protocol.messages import Json
 
 MOTION, POSTURE = "ALMotion", "ALRobotPosture"
 LANE = "body"
-POSTURES = ", ".join(SETTINGS["posture"].choices)
 #: Below this a joint is slack and would not follow; what `wakeUp` gives it.
 SLACK, STIFF = 0.1, 1.0
 #: Share of the full speed at which a posture is taken; `home` in one second goes at the default.
@@ -42,7 +40,7 @@ class BodyPart(NaoqiPart):
     name = "motion"
 
     @classmethod
-    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
         """`posture`, `pose`, `home` and `torque`."""
         seconds = Argument("seconds", "seconds", "time it takes", False, 1.0, _SECONDS)
         speed = Argument("speed", "number", "share of full speed", False, DEFAULT_SPEED, SPEED)
@@ -50,7 +48,7 @@ class BodyPart(NaoqiPart):
             Verb(
                 "posture",
                 "take a posture of the robot",
-                (Argument("name", "text", POSTURES, True), speed),
+                (Argument("name", "text", ", ".join(settings.model.postures), True), speed),
                 lane=LANE,
                 limit_s=60.0,
             ),
@@ -91,7 +89,7 @@ class BodyPart(NaoqiPart):
     async def take_posture(self, posture: str, speed: float) -> dict[str, Json]:
         """Go to a posture. Raises `DriverError` if the robot did not get there."""
         if not posture.strip():
-            raise RejectedError("no posture was named", POSTURES)
+            raise RejectedError("no posture was named", ", ".join(self._settings.model.postures))
         reached = await self._moving(
             self._robot.call(POSTURE, "goToPosture", posture, speed, within=LONG_S),
             lambda: self._robot.call(POSTURE, "stopMove"),
@@ -119,13 +117,14 @@ class BodyPart(NaoqiPart):
 
     async def read(self) -> Mapping[str, Json]:
         """Whether the motors are on, and in which posture it is."""
-        return await read_back(self._robot, of_section("Robot"))
+        return await read_back(self._robot, of_section("Robot", self._settings.model.settings))
 
     async def _pose(self, job: Job) -> dict[str, Json]:
-        pose = checked(job.args.get("joints"))
+        joints = self._settings.model.joints
+        pose = joints.checked(job.args.get("joints"))
         seconds = max(positive(job.args, "seconds", 1.0), SHORTEST_S)
         names = list(pose)
-        await hold(self._robot, names)
+        await hold(self._robot, joints, names)
         job.expects(seconds)
         angles = [native(name, angle) for name, angle in pose.items()]
         await self._moving(
@@ -170,19 +169,21 @@ class BodyPart(NaoqiPart):
             await self._robot.call(MOTION, "killAll")
 
 
-async def hold(robot: RobotCalls, names: list[str]) -> None:
+async def hold(robot: RobotCalls, joints: JointTable, names: list[str]) -> None:
     """Switch on the motors of those limbs that are slack: they would not follow.
 
-    Raises `DriverError` for hip and knee: a Pepper's lower part is stiff while it is awake, and
-    its stiffness alone cannot be set; and where what the robot says of them makes no sense.
+    Raises `DriverError` for the lower part: it is stiff while the robot is awake, and its stiffness
+    alone is not set; and where what the robot says of them makes no sense.
     """
     try:
         answer = await robot.call(MOTION, "getStiffnesses", names)
     except DeviceLostError:
         raise
     except DriverError:  # a NAOqi without it: a stiff head may be stiffened once more
-        awake = all(limb(name) for name in names) or await robot.call(MOTION, "robotIsWakeUp")
-        answer = [STIFF if limb(name) is None and awake else 0.0 for name in names]
+        awake = all(joints.limb(name) for name in names) or await robot.call(
+            MOTION, "robotIsWakeUp"
+        )
+        answer = [STIFF if joints.limb(name) is None and awake else 0.0 for name in names]
     values = memory.items(answer)
     now = [stiffness for value in values if (stiffness := memory.number(value)) is not None]
     if len(now) != len(names) or len(values) != len(names):
@@ -191,8 +192,10 @@ async def hold(robot: RobotCalls, names: list[str]) -> None:
             "wake it: `torque: true`; else restart it",
         )
     slack = [name for name, stiffness in zip(names, now, strict=True) if stiffness < SLACK]
-    limbs = [limb(name) for name in slack]
+    limbs = [joints.limb(name) for name in slack]
     if None in limbs:
-        raise DriverError("the robot is at rest: hip and knee are slack", "wake it: `torque: true`")
+        raise DriverError(
+            f"the robot is at rest: {joints.lower_words} are slack", "wake it: `torque: true`"
+        )
     if limbs:
         await robot.call(MOTION, "setStiffnesses", list(dict.fromkeys(limbs)), STIFF)

@@ -15,9 +15,8 @@ from woz_drivers.naoqi_robot import camera_files
 from woz_drivers.naoqi_robot.background import Background, apart
 from woz_drivers.naoqi_robot.memory import item, number, within
 from woz_drivers.naoqi_robot.naoqi_link import RobotRefusedError, binary
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
-from woz_drivers.pepper.settings import PepperSettings
-
 from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
@@ -49,7 +48,7 @@ class CameraPart(NaoqiPart):
 
     name = "camera"
 
-    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: NaoqiSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         self._folder = settings.pictures
         self._pictures = context.feed(PICTURE)
@@ -62,7 +61,7 @@ class CameraPart(NaoqiPart):
         self._trouble = ""
 
     @classmethod
-    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
         """It can keep a picture."""
         return (Verb("picture", "keep a picture of the robot's camera as a file", lane="watch"),)
 

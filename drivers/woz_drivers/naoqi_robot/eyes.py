@@ -13,12 +13,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from woz_drivers.naoqi_robot import memory
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
 from woz_drivers.naoqi_robot.robot_settings import SETTINGS
-from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import color as color_of
 from woz_drivers.simulated.argument_values import number, positive, word
-
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
@@ -56,7 +55,7 @@ class EyesPart(NaoqiPart):
 
     name = "eyes"
 
-    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: NaoqiSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         #: Shown last by command, undimmed; None: whatever the robot shows by itself.
         self._shown: EyeColor | None = None
@@ -65,7 +64,7 @@ class EyesPart(NaoqiPart):
         self._animated = False
 
     @classmethod
-    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
         """A colour, an animation, the brightness."""
         return (
             Verb(
@@ -184,7 +183,7 @@ class EyesPart(NaoqiPart):
         self._shown = shown  # not before: what failed must not come after a loss
         if animation != "steady":
             self._loop = asyncio.get_running_loop().create_task(
-                self._repeat(animation), name="pepper eyes"
+                self._repeat(animation), name="robot eyes"
             )
         return {"color": shown.text, "animation": animation}
 
@@ -231,7 +230,7 @@ class EyesPart(NaoqiPart):
                 call = self._robot.call(
                     *(LEDS, "rotateEyes", light.number, TURN_S, seconds), within=seconds + MARGIN_S
                 )
-        playing = asyncio.get_running_loop().create_task(call, name="pepper eyes")
+        playing = asyncio.get_running_loop().create_task(call, name="robot eyes")
         # Cut short on a robot that is gone, nobody asks how it ended.
         playing.add_done_callback(lambda over: over.cancelled() or over.exception())
         try:

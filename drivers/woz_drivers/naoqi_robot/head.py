@@ -1,22 +1,21 @@
-"""Head and hip: directions to look into, and steps from where they are.
+"""The head: directions to look into, and steps from where it is.
 
-Both go by `ALMotion.setAngles`, which takes the newest goal at once; steps add up from the goal of
+It goes by `ALMotion.setAngles`, which takes the newest goal at once; steps add up from the goal of
 the last one, so that a key that is held down loses none of them.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from woz_drivers.naoqi_robot.body import MOTION, hold
-from woz_drivers.naoqi_robot.body_joints import HEAD_PITCH, HEAD_YAW, HIP_PITCH, HIP_ROLL, head, hip
+from woz_drivers.naoqi_robot.joint_table import HEAD_PITCH, HEAD_YAW, JointTable
 from woz_drivers.naoqi_robot.memory import item, within
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
-from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import number
-
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
@@ -32,7 +31,7 @@ from woz_tui.protocol.messages import Json
 from woz_tui.system.clock import Clock
 
 #: Share of the joints' full speed.
-HEAD_SPEED, HIP_SPEED = 0.2, 0.1
+HEAD_SPEED = 0.2
 #: A step that comes so soon after the last one goes on from its goal; later ones from where the
 #: robot looks then: it may have been moved by something else. The motors are asked as seldom.
 RECENT_US = 1_500_000
@@ -41,7 +40,8 @@ _INTERPOLATED_S, _MARGIN_S = 1.0, 3.0
 #: What an angle that makes sense lies between, in radians.
 _TURN = (-2 * math.pi, 2 * math.pi)
 _DEGREES = Range(-180, 180, "degrees")
-_STEP = Range(-90, 90, "degrees")
+HEAD_NAMES = ("yaw", "pitch")
+STEP = Range(-90, 90, "degrees")
 
 
 @dataclass
@@ -50,6 +50,7 @@ class JointPair:
 
     robot: RobotCalls
     clock: Clock
+    table: JointTable
     joints: tuple[str, str]
     speed: float
     nearest: Callable[[float, float], tuple[float, float]]
@@ -59,13 +60,13 @@ class JointPair:
     async def to(self, first: float, second: float) -> tuple[float, float]:
         """Go to these degrees, or to the nearest that can be taken; returns those."""
         if not self._recent():
-            await hold(self.robot, list(self.joints))
+            await hold(self.robot, self.table, list(self.joints))
         return await self._send(*self.nearest(first, second))
 
     async def by(self, first: float, second: float) -> tuple[float, float]:
         """Go so many degrees further."""
         if not self._recent():
-            await hold(self.robot, list(self.joints))
+            await hold(self.robot, self.table, list(self.joints))
             try:
                 now = await self.robot.call(MOTION, "getAngles", list(self.joints), False)
             except DeviceLostError:
@@ -111,19 +112,20 @@ class JointPair:
 
 
 class HeadPart(NaoqiPart):
-    """`gaze`, `nudge` and `hip`. What they began ends with the stop of all motion (`Body`)."""
+    """`gaze` and `nudge`. What they began ends with the stop of all motion (`BodyPart`)."""
 
     name = "head"
 
-    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: NaoqiSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
-        clock = context.clock
-        self._head = JointPair(robot, clock, (HEAD_YAW, HEAD_PITCH), HEAD_SPEED, head)
-        self._hip = JointPair(robot, clock, (HIP_PITCH, HIP_ROLL), HIP_SPEED, hip)
+        joints = settings.model.joints
+        self._head = JointPair(
+            robot, context.clock, joints, (HEAD_YAW, HEAD_PITCH), HEAD_SPEED, joints.head
+        )
 
     @classmethod
-    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
-        """Directions and steps of the head, steps of the hip."""
+    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
+        """Directions and steps of the head."""
         return (
             Verb(
                 "gaze",
@@ -140,21 +142,10 @@ class HeadPart(NaoqiPart):
                 "nudge",
                 "turn the head a step from where it looks",
                 (
-                    Argument("yaw", "number", "degrees, left is positive", False, 0.0, _STEP),
-                    Argument("pitch", "number", "degrees, down is positive", False, 0.0, _STEP),
+                    Argument("yaw", "number", "degrees, left is positive", False, 0.0, STEP),
+                    Argument("pitch", "number", "degrees, down is positive", False, 0.0, STEP),
                 ),
                 lane="head",
-                limit_s=5.0,
-                brief=True,
-            ),
-            Verb(
-                "hip",
-                "bend the hip a step from where it is",
-                (
-                    Argument("pitch", "number", "degrees, forward is positive", False, 0.0, _STEP),
-                    Argument("roll", "number", "degrees, left is positive", False, 0.0, _STEP),
-                ),
-                lane="hip",
                 limit_s=5.0,
                 brief=True,
             ),
@@ -162,36 +153,35 @@ class HeadPart(NaoqiPart):
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Send the goal and return: the robot is still on its way then."""
-        names = ("pitch", "roll") if job.verb == "hip" else ("yaw", "pitch")
-        first, second = (number(job.args, name) for name in names)
+        yaw, pitch = (number(job.args, name) for name in HEAD_NAMES)
         match job.verb:
             case "gaze":
-                goal = await self._head.to(first, second)
-                requested = first, second
+                goal = await self._head.to(yaw, pitch)
+                return sent(HEAD_NAMES, (yaw, pitch), goal)
             case "nudge":
-                goal = await self._head.by(first, second)
-                requested = goal
-            case "hip":
-                # Its pitch is that of the legs against the torso: bent forward it is negative.
-                pitch, roll = await self._hip.by(-first, second)
-                goal = requested = (0.0 - pitch, roll)
-            case _:
-                raise RejectedError(f"the head cannot {job.verb!r}")
-        sent: dict[str, Json] = dict(zip(names, (round(angle, 3) for angle in goal), strict=True))
-        clamped: dict[str, Json] = {
-            name: was for name, was, now in zip(names, requested, goal, strict=True) if was != now
-        }
-        if clamped:
-            sent["clamped"] = clamped
-        return sent
+                goal = await self._head.by(yaw, pitch)
+                return sent(HEAD_NAMES, goal, goal)
+        raise RejectedError(f"the head cannot {job.verb!r}")
 
     async def stop(self, scope: Scope) -> tuple[str, ...]:
-        """The stop of all motion holds them; the next step begins where they are then."""
+        """The stop of all motion holds it; the next step begins where it is then."""
         if scope is Scope.ALL:
             self.lost()
         return ()
 
     def lost(self) -> None:
-        """Where they are is not known any more."""
+        """Where it looks is not known any more."""
         self._head.forget()
-        self._hip.forget()
+
+
+def sent(
+    names: Sequence[str], requested: Sequence[float], goal: Sequence[float]
+) -> dict[str, Json]:
+    """What was sent, by argument, and what had been asked for where the robot cannot go so far."""
+    told: dict[str, Json] = dict(zip(names, (round(angle, 3) for angle in goal), strict=True))
+    clamped: dict[str, Json] = {
+        name: was for name, was, now in zip(names, requested, goal, strict=True) if was != now
+    }
+    if clamped:
+        told["clamped"] = clamped
+    return told

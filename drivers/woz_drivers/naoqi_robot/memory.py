@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-SONAR = "Device/SubDeviceList/Platform/Front/Sonar/Sensor/Value"
 BATTERY = "Device/SubDeviceList/Battery/Charge/Sensor/Value"
 SOUND = "ALSoundLocalization/SoundLocated"
 
@@ -19,7 +18,7 @@ SOUND = "ALSoundLocalization/SoundLocated"
 _LONGEST_WORD = 100
 #: How much of an answer that makes no sense is shown, in characters.
 _SHOWN = 60
-#: Metres beyond which no sonar of a Pepper measures; its own reach is 0.3 to 5 m.
+#: Metres beyond which no sonar measures: the reach of a Pepper's is 0.3 to 5 m, of a NAO's less.
 SONAR_REACH_M = 10.0
 #: Largest microphone energy: the root of the mean square of 16-bit samples, averaged over the last
 #: buffers. doc.aldebaran.com gives no unit; who wrote ALAudioDevice's clients gives this formula

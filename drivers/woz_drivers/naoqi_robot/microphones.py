@@ -18,9 +18,8 @@ from typing import Any
 from woz_drivers.naoqi_robot.camera_files import stamp
 from woz_drivers.naoqi_robot.memory import stamped, within
 from woz_drivers.naoqi_robot.naoqi_link import RobotRefusedError, Unsubscribe, binary
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import CleanUpCalls, NaoqiPart, RobotCalls
-from woz_drivers.pepper.settings import PepperSettings
-
 from woz_tui.drivers.contract import Argument, DriverContext, DriverError, Job, RejectedError, Verb
 from woz_tui.protocol.messages import Json
 
@@ -45,7 +44,7 @@ class MicrophonesPart(NaoqiPart):
 
     name = "microphones"
 
-    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: NaoqiSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         self._folder = settings.recordings
         self._recording: _Recording | None = None
@@ -54,7 +53,7 @@ class MicrophonesPart(NaoqiPart):
         self._abandoned: list[SoundRecording] = []
 
     @classmethod
-    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
         """Recording there, listening here."""
         return (
             Verb("record_sound", "record its microphones to a file on the robot", (_ON,), "watch"),
@@ -365,7 +364,7 @@ class SoundFile:
     def begin(self) -> None:
         """Start the thread."""
         loop = asyncio.get_running_loop()
-        name = "pepper sound"
+        name = "robot sound"
         threading.Thread(target=self._run, args=(loop,), name=name, daemon=True).start()
 
     def write_block(self, data: bytes) -> None:

@@ -19,10 +19,10 @@ from typing import Any, TypeVar
 from qimessaging import errors
 from qimessaging.client import NaoqiClient
 from qimessaging.hosted_objects import HostedMethod, HostedObject
+
 from woz_drivers.naoqi_robot.address import Address
 from woz_drivers.naoqi_robot.background import apart
-from woz_drivers.pepper.settings import PepperSettings
-
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_tui.drivers.contract import DeviceLostError
 
 _HIDDEN = "***"
@@ -115,7 +115,7 @@ class ConnectionRefusedByRobotError(DeviceLostError):
 
 
 async def open_link(
-    address: Address, settings: PepperSettings, within: float = OPENS_WITHIN_S
+    address: Address, settings: NaoqiSettings, within: float = OPENS_WITHIN_S
 ) -> NaoqiLink:
     """Connect. Raises `DeviceLostError`, or `ConnectionRefusedByRobotError` where trying again is
     of no use.

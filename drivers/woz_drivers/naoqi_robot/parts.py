@@ -1,4 +1,4 @@
-"""The parts of a Pepper for its driver: each has its verbs, its settings and its stop.
+"""The parts of a robot with NAOqi for its driver: each has its verbs, its settings and its stop.
 
 The driver (`driver.py`) hands each verb to its part, asks every part to stop at once, and tells all
 of them when the robot is there again with fresh services.
@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from woz_drivers.naoqi_robot import memory
 from woz_drivers.naoqi_robot.naoqi_link import Methods, Unsubscribe
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.robot_settings import RobotSetting
-from woz_drivers.pepper.settings import PepperSettings
-
 from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
@@ -91,19 +90,19 @@ class NaoqiPart:
     #: What the stop calls it: speech, motion, animations, tablet ...
     name: ClassVar[str]
 
-    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: NaoqiSettings, context: DriverContext) -> None:
         self._robot = robot
         self._settings = settings
         self._context = context
         self._clean_up = CleanUpCalls()
 
     @classmethod
-    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
         """The verbs that it offers."""
         return ()
 
     @classmethod
-    def sensors(cls, settings: PepperSettings) -> tuple[str, ...]:
+    def sensors(cls, settings: NaoqiSettings) -> tuple[str, ...]:
         """The sensors that it publishes."""
         return ()
 
@@ -233,7 +232,7 @@ class CleanUpCalls:
 
     def send(self, call: Call) -> None:
         """Send it now; a robot that is gone needs no ending."""
-        task = asyncio.get_running_loop().create_task(_quietly(call), name="pepper ending")
+        task = asyncio.get_running_loop().create_task(_quietly(call), name="robot ending")
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
 

@@ -13,10 +13,9 @@ from typing import Any
 
 from woz_drivers.naoqi_robot.background import Background
 from woz_drivers.naoqi_robot.memory import flag, item, within
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
 from woz_drivers.naoqi_robot.senses import NAME, MemoryQuery
-from woz_drivers.pepper.settings import PepperSettings
-
 from woz_tui.drivers.contract import (
     SPEECH,
     SPEECH_TEXT,
@@ -42,7 +41,7 @@ class RecognitionPart(NaoqiPart):
 
     name = "recognition"
 
-    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: NaoqiSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         self._query = MemoryQuery(robot)
         self._polling = Background("reading the robot's speech recognition", context)
@@ -56,7 +55,7 @@ class RecognitionPart(NaoqiPart):
         self._lingers = False
 
     @classmethod
-    def sensors(cls, settings: PepperSettings) -> tuple[str, ...]:
+    def sensors(cls, settings: NaoqiSettings) -> tuple[str, ...]:
         """Segments of speech and their texts, where there is something to recognise."""
         return (SPEECH, SPEECH_TEXT) if settings.recognition.phrases else ()
 

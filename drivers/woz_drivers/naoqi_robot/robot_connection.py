@@ -40,12 +40,11 @@ from woz_drivers.naoqi_robot.naoqi_link import (
     Unsubscribe,
     open_link,
 )
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import LOOK_S, WITHIN_S, ServiceAbsentError
 from woz_drivers.naoqi_robot.robot_line import HALTS, RobotLine, silence, until_services
 from woz_drivers.naoqi_robot.served_files import ServedFiles
-from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated_process import SimulatedProcess
-
 from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
@@ -65,9 +64,9 @@ SPACING_S = 0.004
 _T = TypeVar("_T")
 
 
-def simulated_naoqi(pace: float, folder: Path) -> SimulatedProcess:
+def simulated_naoqi(settings: NaoqiSettings, folder: Path) -> SimulatedProcess:
     """The robot of the address `simulated`."""
-    return SimulatedProcess("naoqi_simulator", ("--pace", f"{pace:g}"), folder)
+    return SimulatedProcess("naoqi_simulator", ("--pace", f"{settings.pace:g}"), folder)
 
 
 class RobotConnection:
@@ -79,7 +78,7 @@ class RobotConnection:
 
     def __init__(
         self,
-        settings: PepperSettings,
+        settings: NaoqiSettings,
         context: DriverContext,
         *,
         on_connected: Callable[[], Awaitable[None]],
@@ -89,8 +88,8 @@ class RobotConnection:
         self._context = context
         self._on_connected = on_connected
         self._on_lost = on_lost
-        self._simulated = simulated_naoqi(settings.pace, context.folder)
-        self.files = ServedFiles(self, settings.tablet, context)
+        self._simulated = simulated_naoqi(settings, context.folder)
+        self.files = ServedFiles(self, settings, context)
         self._address: Address | None = None
         self._line: RobotLine | None = None
         self._keeper: asyncio.Task[None] | None = None
@@ -107,13 +106,18 @@ class RobotConnection:
 
     def start(self) -> None:
         """Begin with the first robot, if the settings say so; return at once."""
-        if not self._settings.connect or not self._settings.robots:
+        if not self._settings.connect or not self._settings.addresses:
             self._report(Health.LOST, self._why)
             return
         try:
-            self._keep(parse(self._settings.robots[0]))
+            self._keep(self.named(""))
         except RejectedError as error:
-            self._report(Health.FAULTED, DeviceLostError(f"robots: {error.what}", error.remedy))
+            self._report(
+                Health.FAULTED,
+                DeviceLostError(
+                    f"{next(iter(self._settings.addresses))}: {error.what}", error.remedy
+                ),
+            )
 
     async def connect(self, robot: str = "") -> None:
         """Take another robot (empty: the first of the settings); return when it is there.
@@ -143,7 +147,7 @@ class RobotConnection:
 
     def named(self, robot: str) -> Address:
         """Which robot `connect` would take. Raises `RejectedError` for what is no address."""
-        return parse(robot or (self._settings.robots[0] if self._settings.robots else ""))
+        return parse(robot or next(iter(self._settings.addresses.values()), ""))
 
     @property
     def robot(self) -> str:
@@ -345,9 +349,11 @@ class RobotConnection:
         """Wait for its services, silence it, let calls through, have the settings applied."""
         address = line.address
         missing_before = self._absent.get(address, frozenset())
-        self._absent[address] = await until_services(line, missing_before, self._starting)
+        self._absent[address] = await until_services(
+            line, self._settings.model.services, missing_before, self._starting
+        )
         if address in self._met:
-            await silence(line)
+            await silence(line, self._settings.model.silence)
         else:
             self._report_certificate(line)
         self._met.add(address)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Callable
-from typing import Protocol
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
 
 from woz_drivers.naoqi_robot.address import Address
 from woz_drivers.naoqi_robot.naoqi_link import (
@@ -14,7 +14,6 @@ from woz_drivers.naoqi_robot.naoqi_link import (
     RobotRefusedError,
     UnansweredError,
 )
-
 from woz_tui.drivers.contract import DeviceLostError
 
 #: What only ends something. Sent even to a robot that is silent.
@@ -39,20 +38,14 @@ FAREWELL = HALTS | {
     "ALBehaviorManager.isBehaviorRunning",
     "ALLeds.fadeRGB",
 }
-#: What is ended after a reconnection, before anything else: what the robot still had to do.
-_SILENCE = (
-    ("ALMotion", "stopMove"),
-    ("ALMotion", "killAll"),
-    ("ALTextToSpeech", "stopAll"),
-    ("ALAudioPlayer", "stopAll"),
-)
+#: What is ended after a reconnection may take so long to be answered, in seconds.
 _SILENT_WITHIN_S = 1.0
 
 #: Without these there is nothing to play.
 ESSENTIAL = frozenset({"ALMemory", "ALMotion", "ALTextToSpeech"})
-#: What the driver uses; a robot may be without some of them.
-USED_SERVICES = ESSENTIAL | {
-    *("ALAnimatedSpeech", "ALAnimationPlayer", "ALRobotPosture", "ALLeds", "ALTabletService"),
+#: What the driver of every kind of robot uses.
+COMMON_SERVICES = ESSENTIAL | {
+    *("ALAnimatedSpeech", "ALAnimationPlayer", "ALRobotPosture", "ALLeds"),
     *("ALAutonomousLife", "ALBasicAwareness", "ALAutonomousBlinking"),
     *("ALListeningMovement", "ALSpeakingMovement"),
     *("ALAudioPlayer", "ALAudioDevice", "ALAudioRecorder", "ALVideoDevice", "ALSonar"),
@@ -112,12 +105,12 @@ class RobotLine:
             dead.cancel()
 
 
-async def silence(line: RobotLine) -> None:
-    """End speech, sound and motion. Raises `UnansweredError` or `LinkClosedError` if that is not
-    known to work.
+async def silence(line: RobotLine, calls: Sequence[tuple[Any, ...]]) -> None:
+    """End what the robot still had to do, before anything else. Raises `UnansweredError` or
+    `LinkClosedError` if that is not known to work.
     """
-    calls = (line.link.call(*halt, within=_SILENT_WITHIN_S) for halt in _SILENCE)
-    results = await asyncio.gather(*calls, return_exceptions=True)
+    ending = (line.link.call(*halt, within=_SILENT_WITHIN_S) for halt in calls)
+    results = await asyncio.gather(*ending, return_exceptions=True)
     for result in results:
         # A robot that refuses has nothing to end there.
         if isinstance(result, BaseException) and not isinstance(result, RobotRefusedError):
@@ -127,6 +120,7 @@ async def silence(line: RobotLine) -> None:
 
 async def until_services(
     line: RobotLine,
+    used: frozenset[str],
     missing_before: frozenset[str],
     waiting: Callable[[RobotLine, frozenset[str]], None],
 ) -> frozenset[str]:
@@ -134,6 +128,7 @@ async def until_services(
 
     Args:
         line: The connection.
+        used: What the driver uses of this robot.
         missing_before: What was missing last time: not waited for.
         waiting: Told of what is waited for, whenever that changes.
     """
@@ -146,8 +141,8 @@ async def until_services(
         except UnansweredError:
             continue
         line.pulse.sign_of_life()
-        if USED_SERVICES - available != missing:
-            missing = frozenset(USED_SERVICES - available)
+        if used - available != missing:
+            missing = used - available
             changed = loop.time()
             if missing - missing_before:
                 waiting(line, missing)

@@ -1,7 +1,7 @@
 """Every setting that the robot itself has: its range, its words, the verb that changes it, where
 the robot file says it, and the calls of NAOqi that read and set it.
 
-The robot file (`settings.py`), the verbs, the screen (`Pepper.outline`), what is read back and
+The robot file (`settings.py`), the verbs, the screen (`NaoqiRobot.outline`), what is read back and
 compared, and the table in `docs/how-to/pepper.md` are made from here.
 """
 
@@ -129,7 +129,7 @@ def _breathing(name: str, what: str, chain: str) -> RobotSetting:
     return _life(name, what, get, put)
 
 
-_TABLE = (
+_COMMON = (
     RobotSetting(
         *("Robot", "robot", "choice", "robot to use; another address can be typed"),
         *("connect", "robot"),
@@ -138,11 +138,6 @@ _TABLE = (
         *("Robot", "awake", "flag", "on: it stands and moves; off: it rests", "torque", "on"),
         get=(MOTION, "robotIsWakeUp"),
         label="motors",
-    ),
-    RobotSetting(
-        *("Robot", "posture", "choice", "how it stands", "posture", "name"),
-        get=("ALRobotPosture", "getPosture"),
-        choices=("Stand", "StandInit", "StandZero", "Crouch"),
     ),
     RobotSetting("Robot", "battery", "number", "charge"),
     # Set in this order: the state switches most of those behind it by itself, breathing of the
@@ -170,7 +165,7 @@ _TABLE = (
     _breathing("body_breathing", "the whole body breathes", "Body"),
     _breathing("head_breathing", "the head breathes", "Head"),
     _breathing("arms_breathing", "the arms breathe", "Arms"),
-    _breathing("legs_breathing", "the leg breathes", "Legs"),
+    _breathing("legs_breathing", "the legs breathe", "Legs"),
     *(
         RobotSetting(
             *("Safety", name, "number", f"metres kept from {what}", "collision", name),
@@ -210,23 +205,41 @@ _TABLE = (
         *("Eyes", "eyes_brightness", "number", "0 dark, 1 full", "eyes_brightness", "level"),
         label="brightness",
     ),
-    RobotSetting(
-        *("Tablet", "tablet", "text", "a file, an address, or off: the default again"),
-        *("screen", "file"),
-        label="shows",
-    ),
-    RobotSetting("Tablet", "sound", "text", "the sound file being played"),
-    RobotSetting("Tablet", "microphones", "text", "what is recorded"),
 )
-#: All of them by name, in the order of the screen.
-SETTINGS: Mapping[str, RobotSetting] = {one.name: one for one in _TABLE}
+#: Those that all kinds of robots have, by name, in the order of the screen.
+SETTINGS: Mapping[str, RobotSetting] = {one.name: one for one in _COMMON}
+
+
+def with_own(postures: tuple[str, ...], *own: RobotSetting) -> Mapping[str, RobotSetting]:
+    """All settings of one kind of robot by name: the common ones, its postures, its own."""
+    posture = RobotSetting(
+        *("Robot", "posture", "choice", "how it stands", "posture", "name"),
+        get=("ALRobotPosture", "getPosture"),
+        choices=postures,
+    )
+    table: dict[str, RobotSetting] = {}
+    for one in (*_COMMON, *own):
+        table[one.name] = one
+        if one.name == "awake":
+            table["posture"] = posture
+    return table
+
+
+def played_and_recorded(section: str) -> tuple[RobotSetting, ...]:
+    """What sounds and microphones do, in that section of the screen."""
+    return (
+        RobotSetting(section, "sound", "text", "the sound file being played"),
+        RobotSetting(section, "microphones", "text", "what is recorded"),
+    )
 
 
 def of_verb(*verbs: str) -> dict[str, RobotSetting]:
-    """What these verbs change, by argument."""
+    """What these verbs change, by argument; of the common settings."""
     return {one.argument: one for one in SETTINGS.values() if one.verb in verbs}
 
 
-def of_section(section: str) -> Iterable[RobotSetting]:
+def of_section(
+    section: str, table: Mapping[str, RobotSetting] = SETTINGS
+) -> Iterable[RobotSetting]:
     """What stands in one section of the screen."""
-    return (one for one in SETTINGS.values() if one.section == section)
+    return (one for one in table.values() if one.section == section)

@@ -16,10 +16,9 @@ from typing import Any
 from woz_drivers.naoqi_robot import memory
 from woz_drivers.naoqi_robot.background import Background
 from woz_drivers.naoqi_robot.memory import item, items, number, within
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls, together
-from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import text
-
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
@@ -47,7 +46,6 @@ class SensorModule:
     end: tuple[str, ...] = ("unsubscribe", NAME)
 
 
-_SONAR = (SensorModule("ALSonar", ("distance",)),)
 _PEOPLE = (
     SensorModule("ALPeoplePerception", ("presence", "people", "nearest", "gaze")),
     SensorModule("ALGazeAnalysis", ("gaze",)),
@@ -61,11 +59,16 @@ _SOUND = (
 )
 
 
-def modules_for(settings: PepperSettings) -> tuple[SensorModule, ...]:
+def sonar_sensors(settings: NaoqiSettings) -> tuple[str, ...]:
+    """One for each sonar, and `distance` as the nearest of them."""
+    return tuple(dict.fromkeys((*settings.model.sonars, "distance")))
+
+
+def modules_for(settings: NaoqiSettings) -> tuple[SensorModule, ...]:
     """The modules for what is to be read."""
     senses = settings.senses
     return (
-        *(_SONAR if senses.sonar else ()),
+        *((SensorModule("ALSonar", sonar_sensors(settings)),) if senses.sonar else ()),
         *(_PEOPLE if senses.people else ()),
         *(_SOUND if senses.loudness else ()),
     )
@@ -175,9 +178,10 @@ class SensesPart(NaoqiPart):
 
     name = "senses"
 
-    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: NaoqiSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         self._rate = settings.senses.rate
+        self._sonars = settings.model.sonars
         self._sensors = self.sensors(settings)
         self._modules = SensorModules(robot, modules_for(settings), self._silent)
         self._begun_us = 0
@@ -188,7 +192,7 @@ class SensesPart(NaoqiPart):
         self._polling = Background("reading the robot's sensors", context)
 
     @classmethod
-    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
         """It gives a name to the face that it sees."""
         if not settings.senses.people:
             return ()
@@ -203,7 +207,7 @@ class SensesPart(NaoqiPart):
         )
 
     @classmethod
-    def sensors(cls, settings: PepperSettings) -> tuple[str, ...]:
+    def sensors(cls, settings: NaoqiSettings) -> tuple[str, ...]:
         """What it publishes with these settings."""
         named = [sensor for module in modules_for(settings) for sensor in module.sensors]
         return (*dict.fromkeys(named), "battery")
@@ -287,7 +291,7 @@ class SensesPart(NaoqiPart):
         """What is asked for this time, by what runs."""
         runs = self._modules.runs
         keys = [memory.BATTERY]
-        keys += [memory.SONAR] if runs("distance") else []
+        keys += self._sonars.values() if runs("distance") else ()
         keys += [memory.SOUND] if runs("direction") else []
         keys += [FACES] if runs("identity") else []
         if runs("presence"):
@@ -312,15 +316,22 @@ class SensesPart(NaoqiPart):
     def _publish(self, values: Mapping[str, Any]) -> None:
         self._battery = memory.battery(values[memory.BATTERY])
         self._report.battery(values[memory.BATTERY])
-        if memory.SONAR in values:
-            raw = values[memory.SONAR]
-            self._report.plain("distance", memory.sonar(raw), raw, "m")
+        self._publish_distances(
+            {name: values[key] for name, key in self._sonars.items() if key in values}
+        )
         if memory.SOUND in values:
             self._report.sound(values[memory.SOUND])
         if FACES in values:
             self._report.identity(values[FACES])
         if VISIBLE in values:
             self._publish_people(values)
+
+    def _publish_distances(self, raws: Mapping[str, Any]) -> None:
+        for sensor, raw in raws.items():
+            self._report.plain(sensor, memory.sonar(raw), raw, "m")
+        if raws and "distance" not in raws:
+            measured = [found for raw in raws.values() if (found := memory.sonar(raw)) is not None]
+            self._report.plain("distance", min(measured, default=None), list(raws.values()), "m")
 
     def _publish_people(self, values: Mapping[str, Any]) -> None:
         raw = values[VISIBLE]

@@ -26,9 +26,7 @@ from pathlib import Path
 from typing import IO, Any, Protocol
 
 from woz_drivers.naoqi_robot.background import apart
-from woz_drivers.pepper.settings import TabletSettings
-from woz_drivers.pepper.tablet_page import is_address
-
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
 
 #: Connections at once; a tablet opens six.
@@ -44,10 +42,10 @@ _LOOK_S = 1.0
 _SHUT_S = 0.2
 
 _BIND_TROUBLES = {
-    errno.EADDRINUSE: "take another `tablet.port`, or 0 for any",
-    errno.EADDRNOTAVAIL: "this machine has no such address: correct `tablet.address`, or leave it"
-    " empty so that it is found out",
-    errno.EACCES: "ports below 1024 belong to the system: take a higher `tablet.port`",
+    errno.EADDRINUSE: "take another `{section}.port`, or 0 for any",
+    errno.EADDRNOTAVAIL: "this machine has no such address: correct `{section}.address`, or leave"
+    " it empty so that it is found out",
+    errno.EACCES: "ports below 1024 belong to the system: take a higher `{section}.port`",
 }
 
 
@@ -55,7 +53,8 @@ class FileServer:
     """Serves listed files at `http://host:port/token/...`.
 
     `troubled(text)` is called from a thread for what should not happen. All methods are for one
-    thread; what is listed may be asked for from then on.
+    thread; what is listed may be asked for from then on. `section` is where the robot file says
+    address and port.
     """
 
     def __init__(
@@ -65,6 +64,7 @@ class FileServer:
         troubled: Callable[[str], None],
         *,
         patience: float = PATIENCE_S,
+        section: str = "tablet",
     ) -> None:
         """Begin. Raises `DriverError` in words if the address or the port cannot be had."""
         self._troubled = troubled
@@ -76,11 +76,11 @@ class FileServer:
         self._threads: set[threading.Thread] = set()
         self._lock = threading.Lock()
         self._over = self._told_shut = False
-        self._door = _listening(host, port)
+        self._door = _listening(host, port, section)
         self.host = host
         self.port: int = self._door.getsockname()[1]
         self._waker, self._wakes = socket.socketpair()
-        self._thread = threading.Thread(target=self._serve, name="pepper files", daemon=True)
+        self._thread = threading.Thread(target=self._serve, name="robot files", daemon=True)
         self._thread.start()
 
     def list_file(self, path: Path) -> str:
@@ -159,7 +159,7 @@ class FileServer:
             return
         client.settimeout(self._patience)
         thread = threading.Thread(
-            target=self._answer, args=(client,), name="pepper files client", daemon=True
+            target=self._answer, args=(client,), name="robot files client", daemon=True
         )
         with self._lock:
             self._threads.add(thread)
@@ -207,14 +207,14 @@ class FileServer:
             client.close()
 
 
-def _listening(host: str, port: int) -> socket.socket:
+def _listening(host: str, port: int, section: str) -> socket.socket:
     """A socket that listens. Raises `DriverError`."""
     try:
         family = socket.AF_INET6 if ipaddress.ip_address(host).version == 6 else socket.AF_INET
     except ValueError:
         raise DriverError(
             f"{host!r} is no address of this machine",
-            "give `tablet.address` in numbers, or leave it empty so that it is found out",
+            f"give `{section}.address` in numbers, or leave it empty so that it is found out",
         ) from None
     door = socket.socket(family, socket.SOCK_STREAM)
     try:
@@ -225,7 +225,9 @@ def _listening(host: str, port: int) -> socket.socket:
     except OSError as error:
         door.close()
         why = error.strerror or str(error)
-        remedy = _BIND_TROUBLES.get(error.errno or 0, "check `tablet.address` and `tablet.port`")
+        remedy = _BIND_TROUBLES.get(
+            error.errno or 0, "check `{section}.address` and `{section}.port`"
+        ).format(section=section)
         raise DriverError(f"files cannot be served at {host}, port {port}: {why}", remedy) from (
             None
         )
@@ -425,7 +427,9 @@ class FileRequestHandler(BaseHTTPRequestHandler):
 _NO_SERVER: Any = None
 
 
-REMEDY = "check its name, and tablet.root"
+def is_address(text: str) -> bool:
+    """Whether it is to be fetched from somewhere, rather than a file of this machine."""
+    return "://" in text
 
 
 class RobotAddress(Protocol):
@@ -443,7 +447,7 @@ class ServedFiles:
     """
 
     def __init__(
-        self, robot: RobotAddress, settings: TabletSettings, context: DriverContext
+        self, robot: RobotAddress, settings: NaoqiSettings, context: DriverContext
     ) -> None:
         self._robot = robot
         self._settings = settings
@@ -454,10 +458,6 @@ class ServedFiles:
         """A server at another address than this robot needs is of no use."""
         if self._server is not None and self._server.host != self._host:
             await self.close()
-
-    async def shown(self, text: str) -> str:
-        """Where the tablet fetches a file from; an address is one already. Raises `DriverError`."""
-        return text if is_address(text) else await self.address(self._found(text))
 
     async def address(self, path: Path) -> str:
         """Where the robot fetches this file from. Raises `DriverError`."""
@@ -476,7 +476,7 @@ class ServedFiles:
 
     @property
     def _host(self) -> str:
-        return self._settings.address or self._robot.local_host
+        return self._settings.serving.address or self._robot.local_host
 
     def _serving(self) -> FileServer:
         if self._server is None:
@@ -485,31 +485,13 @@ class ServedFiles:
                 raise DeviceLostError(
                     "the robot is not connected, so no files can be sent", "wait for it"
                 )
-            self._server = FileServer(host, self._settings.port, self._troubled)
+            self._server = FileServer(
+                host,
+                self._settings.serving.port,
+                self._troubled,
+                section=self._settings.serving_section,
+            )
         return self._server
 
     def _troubled(self, text: str) -> None:
         self._context.notice("warning", text, "show or play it again", tells=("request",))
-
-    def _found(self, text: str) -> Path:
-        """A file below the tablet's root, else below the experiment's folder."""
-        paths = places(text, self._settings.root, self._context.folder)
-        try:
-            found = next((path for path in paths if path.exists()), None)
-        except OSError as error:
-            raise DriverError(f"{text!r} is no file: {error}", "check its name") from None
-        if found is None:
-            looked = " or ".join(dict.fromkeys(str(path) for path in paths))
-            raise DriverError(f"there is no file {looked}", REMEDY)
-        return found
-
-
-def places(text: str, root: str, folder: Path) -> list[Path]:
-    """Where the file `text` may be: below the tablet's `root`, if there is one, and below the
-    experiment's `folder`. Raises `DriverError` for what is no name of a file.
-    """
-    roots = [folder / Path(root).expanduser()] if root else []
-    try:
-        return [place / Path(text).expanduser() for place in (*roots, folder)]
-    except (RuntimeError, ValueError) as error:  # somebody's home that there is not
-        raise DriverError(f"{text!r} is no file: {error}", "check its name") from None

@@ -12,12 +12,10 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from woz_drivers.naoqi_robot.address import parse
 from woz_drivers.naoqi_robot.eyes import EyeColor
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart
 from woz_drivers.naoqi_robot.robot_connection import RobotConnection
-from woz_drivers.naoqi_robot.robot_settings import SETTINGS
-from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import color as color_of
-
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, Job, RejectedError
 from woz_tui.protocol.messages import Json, SettingsShown
 from woz_tui.system.clock import Clock
@@ -38,7 +36,7 @@ class SettingsReader:
         self,
         connection: RobotConnection,
         parts: Sequence[NaoqiPart],
-        settings: PepperSettings,
+        settings: NaoqiSettings,
         context: DriverContext,
     ) -> None:
         self._connection = connection
@@ -55,7 +53,7 @@ class SettingsReader:
     def begin(self) -> None:
         """The robot is there: read."""
         self.end()
-        self._loop = asyncio.get_running_loop().create_task(self._run(), name="pepper settings")
+        self._loop = asyncio.get_running_loop().create_task(self._run(), name="robot settings")
 
     def end(self) -> None:
         """The robot is gone: nothing is known of its settings."""
@@ -128,10 +126,10 @@ class SettingsReader:
             self._context.show(shown)
 
 
-def _names(settings: PepperSettings) -> dict[str, str]:
+def _names(settings: NaoqiSettings) -> dict[str, str]:
     """How the connection calls each robot of the file, and how the file does."""
     names = {}
-    for text in settings.robots:
+    for text in settings.addresses.values():
         with contextlib.suppress(RejectedError):
             names[parse(text).shown] = text
     return names
@@ -161,13 +159,13 @@ PARTS = ("head_breathing", "arms_breathing", "legs_breathing")
 class DesiredSettings:
     """By name what was asked for: by the robot file, or by a command since."""
 
-    def __init__(self, settings: PepperSettings) -> None:
+    def __init__(self, settings: NaoqiSettings) -> None:
         self._by_argument = {
             (setting.verb, setting.argument): setting
-            for setting in SETTINGS.values()
+            for setting in settings.model.settings.values()
             if setting.name not in NEVER
         }
-        self._by_setting = settings.initial_values(SETTINGS.values())
+        self._by_setting = settings.initial_values(settings.model.settings.values())
         if "eyes" in self._by_setting:
             self._by_setting["eyes"] = _color(settings.eyes)
         self._doubted: frozenset[str] = frozenset()

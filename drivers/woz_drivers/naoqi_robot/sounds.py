@@ -12,16 +12,15 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from woz_drivers.naoqi_robot.memory import within
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import (
     LONG_S,
     NaoqiPart,
     RobotCalls,
     ServiceAbsentError,
 )
-from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.pepper.tablet_page import is_address
+from woz_drivers.naoqi_robot.served_files import is_address
 from woz_drivers.simulated.argument_values import number, sound_seconds, text
-
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
@@ -59,14 +58,14 @@ class SoundsPart(NaoqiPart):
 
     name = "sounds"
 
-    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: NaoqiSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         self._folder = context.folder
         self._ids: dict[str, int] = {}
         self._playing = ""
 
     @classmethod
-    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
         """`sound`."""
         loud = Argument("volume", "number", "0 mute, 1 full", False, 1.0, Range(0, 1))
         return (
@@ -153,10 +152,11 @@ class SoundsPart(NaoqiPart):
         except DeviceLostError:
             raise
         except DriverError as error:
+            section = self._settings.serving_section
             raise DriverError(
                 f"the robot could not play {path}: {error.what}",
-                "can it reach this machine (tablet.address, tablet.port)? else copy the file onto"
-                " the robot, and give its whole path there",
+                f"can it reach this machine ({section}.address, {section}.port)? else copy the file"
+                " onto the robot, and give its whole path there",
             ) from error
 
     async def _until_over(self, path: str, method: str, *words: object) -> None:

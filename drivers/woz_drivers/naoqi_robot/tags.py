@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from woz_drivers.simulated.speech import utterance
-
 from woz_tui.drivers.contract import UNKNOWN, RejectedError
 from woz_tui.drivers.fields import Range
 from woz_tui.protocol.robot_outline import Tag

@@ -9,15 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from woz_drivers.naoqi_robot import address, service_call, tags
-from woz_drivers.naoqi_robot.animations import path_of
-from woz_drivers.naoqi_robot.body_joints import checked
-from woz_drivers.naoqi_robot.served_files import REMEDY, places
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
+from woz_drivers.naoqi_robot.served_files import is_address
 from woz_drivers.naoqi_robot.sounds import local_file
 from woz_drivers.naoqi_robot.tags import paragraphs, read_text
-from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.pepper.tablet_page import is_address, kind
 from woz_drivers.simulated.argument_values import color
-
 from woz_tui.drivers.contract import UNKNOWN, DriverError, Finding, Written
 from woz_tui.protocol.messages import Json
 
@@ -26,28 +22,31 @@ _LONGEST = 256 * 1024
 
 
 @dataclass(frozen=True, slots=True)
-class _Value:
-    """One argument; `text` is empty for what is no text."""
+class WrittenValue:
+    """One argument."""
 
     value: Json
-    settings: PepperSettings
+    settings: NaoqiSettings
     folder: Path
 
     @property
     def text(self) -> str:
+        """Empty for what is no text."""
         return self.value if isinstance(self.value, str) else ""
 
 
 #: Yields problem and remedy, or raises `DriverError`, as performing it would.
-_Check = Callable[[_Value], Iterator[tuple[str, str]]]
+Check = Callable[[WrittenValue], Iterator[tuple[str, str]]]
 
 
-def remarks(settings: PepperSettings, command: Written) -> Iterator[Finding]:
+def remarks(
+    settings: NaoqiSettings, command: Written, checks: Mapping[str, Mapping[str, Check]]
+) -> Iterator[Finding]:
     """What is odd about a command. All of it warns; but for what may be a password in an address,
     since nothing is read aloud then.
     """
-    for name, check in _CHECKS.get(command.verb, {}).items():
-        argument = _Value(command.args.get(name), settings, command.folder)
+    for name, check in checks.get(command.verb, {}).items():
+        argument = WrittenValue(command.args.get(name), settings, command.folder)
         if argument.value in (None, "") or (UNKNOWN in argument.text and check is not _utterance):
             continue
         has_password = (
@@ -63,12 +62,12 @@ def remarks(settings: PepperSettings, command: Written) -> Iterator[Finding]:
             yield Finding(level, name, f"cannot be looked at: {error.strerror}", "correct the path")
 
 
-def _utterance(argument: _Value) -> Iterator[tuple[str, str]]:
+def _utterance(argument: WrittenValue) -> Iterator[tuple[str, str]]:
     for problem in tags.problems(argument.text):
         yield problem, _mend(problem)
 
 
-def _text_file(argument: _Value) -> Iterator[tuple[str, str]]:
+def _text_file(argument: WrittenValue) -> Iterator[tuple[str, str]]:
     """Whether there is a text to read out, and what is wrong with its tags, by their lines."""
     name, path = argument.text, argument.folder / argument.text
     if not path.is_file():  # nor is a pipe one: it would never end
@@ -89,21 +88,7 @@ def _mend(problem: str) -> str:
     return "correct the tag, or the robot reads it out" if problem.endswith(" knows") else ""
 
 
-def _shown(argument: _Value) -> Iterator[tuple[str, str]]:
-    """Whether the tablet can show it: `off` is the default."""
-    text = argument.text
-    if text.strip() in ("", "off"):
-        return
-    kind(text)
-    if is_address(text):
-        return
-    paths = places(text, argument.settings.tablet.root, argument.folder)
-    if not any(path.is_file() for path in paths):
-        # Without this machine's folders, which `perform` names: warnings are shown around.
-        yield f"there is no file {text!r}", REMEDY
-
-
-def _sound(argument: _Value) -> Iterator[tuple[str, str]]:
+def _sound(argument: WrittenValue) -> Iterator[tuple[str, str]]:
     """Whether it is a file of this machine where one is meant."""
     text = argument.text
     if is_address(text):
@@ -116,10 +101,10 @@ def _sound(argument: _Value) -> Iterator[tuple[str, str]]:
         yield problem, "name it by its way from the experiment's folder"
 
 
-def _read(read: Callable[[str], object]) -> _Check:
+def _read(read: Callable[[str], object]) -> Check:
     """Whether `perform` can read a text, by what it reads it with."""
 
-    def check(argument: _Value) -> Iterator[tuple[str, str]]:
+    def check(argument: WrittenValue) -> Iterator[tuple[str, str]]:
         read(argument.text)
         yield from ()
 
@@ -129,17 +114,22 @@ def _read(read: Callable[[str], object]) -> _Check:
 _address = _read(address.parse)
 
 
-def _joints(argument: _Value) -> Iterator[tuple[str, str]]:
-    checked(argument.value)
+def _joints(argument: WrittenValue) -> Iterator[tuple[str, str]]:
+    argument.settings.model.joints.checked(argument.value)
     yield from ()
 
 
-_CHECKS: Mapping[str, Mapping[str, _Check]] = {
+def _animation(argument: WrittenValue) -> Iterator[tuple[str, str]]:
+    argument.settings.model.animations.path_of(argument.text)
+    yield from ()
+
+
+#: By verb and argument; a driver may have more of them.
+CHECKS: dict[str, Mapping[str, Check]] = {
     "say": {"text": _utterance},
     "read": {"file": _text_file},
-    "screen": {"file": _shown},
     "sound": {"file": _sound},
-    "play": {"move": _read(path_of)},
+    "play": {"move": _animation},
     "eyes": {"color": _read(lambda text: color({"color": text}, "color"))},
     "pose": {"joints": _joints},
     "connect": {"robot": _address},

@@ -11,6 +11,7 @@ import asyncio
 from collections.abc import Mapping
 
 from woz_drivers.naoqi_robot import tags
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import (
     LONG_S,
     NaoqiPart,
@@ -21,9 +22,7 @@ from woz_drivers.naoqi_robot.parts import (
 )
 from woz_drivers.naoqi_robot.robot_settings import SETTINGS, TTS, of_section
 from woz_drivers.naoqi_robot.tags import problems
-from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.argument_values import number, text
-
 from woz_tui.drivers.contract import (
     Argument,
     DriverContext,
@@ -44,7 +43,7 @@ class VoicePart(NaoqiPart):
 
     name = "speech"
 
-    def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
+    def __init__(self, robot: RobotCalls, settings: NaoqiSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         #: Asked for last, by the robot file or by a command: set again after a loss.
         self._desired = settings.initial_values(SOUNDS)
@@ -52,7 +51,7 @@ class VoicePart(NaoqiPart):
         self._speed = settings.voice.speed or 100.0
 
     @classmethod
-    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
         """`say` and `read`, and the three settings of the voice."""
         plain = Argument("plain", "flag", "without gestures", default=False)
         return (

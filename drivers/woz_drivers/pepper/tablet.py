@@ -7,14 +7,17 @@ import contextlib
 import logging
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from woz_drivers.naoqi_robot.background import Background
 from woz_drivers.naoqi_robot.memory import number
 from woz_drivers.naoqi_robot.naoqi_link import Unsubscribe
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
+from woz_drivers.naoqi_robot.served_files import is_address
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.pepper.tablet_page import PageKind, kind, page
+from woz_drivers.pepper.tablet_page import PageKind, found, kind, page
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
@@ -255,6 +258,7 @@ class TabletPart(NaoqiPart):
 
     def __init__(self, robot: RobotCalls, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
+        self._root = settings.tablet.root
         self._default = settings.tablet.default
         self._touch = Touch(robot, context) if settings.senses.touch else None
         self._turn = asyncio.Lock()
@@ -267,7 +271,7 @@ class TabletPart(NaoqiPart):
         self._signals: list[Unsubscribe] = []
 
     @classmethod
-    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
         """What the tablet does."""
         what = "picture, video or page: a file, or http://...; off: the default"
         command = Argument("what", "choice", "what it does", required=True, choices=_COMMANDS)
@@ -282,7 +286,7 @@ class TabletPart(NaoqiPart):
         )
 
     @classmethod
-    def sensors(cls, settings: PepperSettings) -> tuple[str, ...]:
+    def sensors(cls, settings: NaoqiSettings) -> tuple[str, ...]:
         """Where it is touched."""
         return SENSORS if settings.senses.touch else ()
 
@@ -375,7 +379,7 @@ class TabletPart(NaoqiPart):
     async def _show(self, text: str) -> None:
         """Show a file or an address. Raises `DriverError`."""
         what = kind(text)
-        address = await self._robot.files.shown(text)
+        address = text if is_address(text) else await self._robot.files.address(self._file(text))
         if what is PageKind.PICTURE:
             address = await self._robot.files.page(page(address))
         await self._end_video()
@@ -386,6 +390,9 @@ class TabletPart(NaoqiPart):
         else:
             await self._call("showWebview", address)
         self._shows = text
+
+    def _file(self, text: str) -> Path:
+        return found(text, self._root, self._context.folder)
 
     async def _play(self, text: str, address: str) -> None:
         video = _Video(text)

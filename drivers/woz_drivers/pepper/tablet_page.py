@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import enum
 import html
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 from urllib.parse import urlsplit
 
-from woz_tui.drivers.contract import RejectedError
+from woz_drivers.naoqi_robot.served_files import is_address
+from woz_tui.drivers.contract import DriverError, RejectedError
 
 #: Also what WoZ4U takes for pictures and videos; whether the tablet can show it, it says itself.
 PICTURES = frozenset({".png", ".jpg", ".jpeg", ".gif", ".svg", ".webp", ".bmp", ".ppm", ".pgm"})
@@ -39,11 +40,6 @@ class PageKind(enum.Enum):
     PICTURE = "picture"
     VIDEO = "video"
     PAGE = "page"
-
-
-def is_address(text: str) -> bool:
-    """Whether it is to be fetched from somewhere, rather than a file of this machine."""
-    return "://" in text
 
 
 def kind(text: str) -> PageKind:
@@ -85,3 +81,30 @@ def _by_suffix(text: str) -> PageKind:
 def page(address: str) -> str:
     """A black page with one picture in it."""
     return _PAGE.format(address=html.escape(address, quote=True))
+
+
+REMEDY = "check its name, and tablet.root"
+
+
+def places(text: str, root: str, folder: Path) -> list[Path]:
+    """Where the file `text` may be: below the tablet's `root`, if there is one, and below the
+    experiment's `folder`. Raises `DriverError` for what is no name of a file.
+    """
+    roots = [folder / Path(root).expanduser()] if root else []
+    try:
+        return [place / Path(text).expanduser() for place in (*roots, folder)]
+    except (RuntimeError, ValueError) as error:  # somebody's home that there is not
+        raise DriverError(f"{text!r} is no file: {error}", "check its name") from None
+
+
+def found(text: str, root: str, folder: Path) -> Path:
+    """A file below the tablet's root, else below the experiment's folder."""
+    paths = places(text, root, folder)
+    try:
+        path = next((one for one in paths if one.exists()), None)
+    except OSError as error:
+        raise DriverError(f"{text!r} is no file: {error}", "check its name") from None
+    if path is None:
+        looked = " or ".join(dict.fromkeys(str(one) for one in paths))
+        raise DriverError(f"there is no file {looked}", REMEDY)
+    return path

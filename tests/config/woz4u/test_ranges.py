@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from woz_drivers.naoqi_robot.robot_settings import SETTINGS
+from woz_drivers.pepper.pepper_model import PEPPER
 
 from woz_tui.config.woz4u import pepper_robot
 
 
 def test_the_robots_ranges_and_words_are_the_drivers() -> None:
-    by_file = {one.file: one for one in SETTINGS.values() if one.file}
+    by_file = {one.file: one for one in PEPPER.settings.values() if one.file}
     for ours, choices in pepper_robot._WORDS.values():
         assert by_file.pop(f"autonomy.{ours}").choices == choices
     for ours in pepper_robot._DISTANCES.values():

@@ -10,7 +10,7 @@ from typing import Any
 
 from qimessaging import HostedMethod, QiServer
 from woz_drivers.naoqi_robot.robot_connection import RobotConnection
-from woz_drivers.naoqi_robot.robot_line import USED_SERVICES
+from woz_drivers.pepper.pepper_model import PEPPER
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.heard import Heard
@@ -70,7 +70,7 @@ async def babbler(folder: Path, **settings: Any) -> AsyncIterator[Babbler]:
         """Nothing is set."""
 
     server = QiServer()
-    for service in sorted(USED_SERVICES | _ASKED.keys()):
+    for service in sorted(PEPPER.services | _ASKED.keys()):
         asked = _ASKED.get(service, ())
         server.add(service, methods=[method(f"{service}.{one}", takes) for one, takes in asked])
     end = await server.listen("127.0.0.1")

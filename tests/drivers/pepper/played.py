@@ -9,8 +9,9 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
+from woz_drivers.naoqi_robot.naoqi_settings import SensesSettings
 from woz_drivers.pepper.driver import Pepper
-from woz_drivers.pepper.settings import PepperSettings, SensesSettings
+from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.heard import Heard, Ordered
 from tests.drivers.pepper.connected import patience

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.pepper.settings import AutonomySettings
+from woz_drivers.naoqi_robot.naoqi_settings import AutonomySettings
 
 from tests.drivers.pepper.played import Played, played
 from woz_tui.drivers.contract import DriverError, RejectedError

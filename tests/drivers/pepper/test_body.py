@@ -9,7 +9,7 @@ import pytest
 from naoqi_simulator.motion import MotionService
 from naoqi_simulator.service_table import offers
 from woz_drivers.naoqi_robot.body import BodyPart
-from woz_drivers.naoqi_robot.body_joints import JOINTS, limb
+from woz_drivers.pepper.pepper_model import PEPPER
 
 from tests.drivers.pepper.played import QUIET, Played, played
 from tests.drivers.pepper.wired import wired
@@ -146,10 +146,11 @@ async def test_hip_and_knee_of_a_robot_at_rest_are_left_alone(
     await it.do("torque", on=True)
 
 
-@pytest.mark.parametrize("name", JOINTS)
+@pytest.mark.parametrize("name", PEPPER.joints.ranges)
 async def test_the_head_arms_and_hands_are_stiffened_and_nothing_else(name: str) -> None:
-    assert limb(name) in {"Head", "LArm", "RArm", "LHand", "RHand", None}
-    assert (limb(name) is None) is (name in {"HipPitch", "HipRoll", "KneePitch"})
+    limb = PEPPER.joints.limb(name)
+    assert limb in {"Head", "LArm", "RArm", "LHand", "RHand", None}
+    assert (limb is None) is (name in {"HipPitch", "HipRoll", "KneePitch"})
 
 
 @pytest.mark.parametrize("fault", ["none", "refuse:ALMotion.killTasksUsingResources"])

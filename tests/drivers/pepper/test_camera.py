@@ -156,7 +156,7 @@ async def test_a_picture_is_kept_with_its_time(tmp_path: Path, robot: StandIn) -
         assert await it.part.stop(Scope.ALL) == ()
         with pytest.raises(RejectedError):
             await it.do("film")
-    await until(lambda: "pepper file" not in [one.name for one in threading.enumerate()])
+    await until(lambda: "robot file" not in [one.name for one in threading.enumerate()])
 
 
 @pytest.mark.woz4u("camera_save_dir")

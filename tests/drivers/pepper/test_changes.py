@@ -16,8 +16,9 @@ from naoqi_simulator.simulator_process import start
 from naoqi_simulator.world import SimulatedWorld, SimulatorOptions
 from woz_drivers.naoqi_robot.address import parse
 from woz_drivers.naoqi_robot.naoqi_link import open_link
+from woz_drivers.naoqi_robot.naoqi_settings import AutonomySettings
 from woz_drivers.pepper.driver import Pepper
-from woz_drivers.pepper.settings import AutonomySettings, PepperSettings
+from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.heard import Heard, Ordered
 from tests.drivers.pepper.connected import stand

@@ -11,7 +11,8 @@ import pytest
 from qimessaging.server import QiServer
 from woz_drivers.naoqi_robot import robot_connection as module
 from woz_drivers.naoqi_robot.robot_connection import RobotConnection
-from woz_drivers.naoqi_robot.robot_line import ESSENTIAL, USED_SERVICES
+from woz_drivers.naoqi_robot.robot_line import ESSENTIAL
+from woz_drivers.pepper.pepper_model import PEPPER
 
 from tests.drivers.heard import Heard
 from tests.drivers.pepper.connected import SETTINGS, WITHIN_S, is_lost, stand, threads_now
@@ -25,7 +26,7 @@ async def bare() -> AsyncIterator[str]:
     """The address of a robot in this loop that has all services, and nothing in them."""
     server = QiServer()
     endpoint = await server.listen("127.0.0.1")
-    for name in sorted(USED_SERVICES):
+    for name in sorted(PEPPER.services):
         server.add(name)
     yield str(endpoint)
     await server.close()
@@ -178,7 +179,7 @@ async def test_services_that_come_one_by_one_are_waited_for(tmp_path: Path) -> N
         await it.is_so(Health.CONNECTING, "is starting: waiting for", "ALMotion")
         with pytest.raises(DeviceLostError, match="is starting"):
             await it.connection.call("ALMemory", "getData", "x")
-        for name in sorted(USED_SERVICES - {"ALMemory"}):
+        for name in sorted(PEPPER.services - {"ALMemory"}):
             server.add(name)
         await it.is_so(Health.CONNECTED)
         assert "without" not in it.health()[1]

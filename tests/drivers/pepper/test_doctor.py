@@ -8,8 +8,9 @@ from typing import Any
 import pytest
 from qimessaging.hosted_objects import HostedMethod
 from qimessaging.server import QiServer
-from woz_drivers.naoqi_robot.robot_line import USED_SERVICES
+from woz_drivers.naoqi_robot import robot_checks
 from woz_drivers.pepper import doctor
+from woz_drivers.pepper.pepper_model import PEPPER
 from woz_drivers.pepper.settings import PepperSettings, TabletSettings
 
 from tests.fakes.naoqi import StandIn
@@ -27,7 +28,7 @@ def texts(findings: list[Finding], level: str) -> str:
 async def test_a_robot_that_is_well(
     robot: StandIn, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(doctor, "_SLOW_MS", 10_000.0)  # a busy machine is no slow network
+    monkeypatch.setattr(robot_checks, "_SLOW_MS", 10_000.0)  # a busy machine is no slow network
     await robot.clear()
     findings = await examined(tmp_path, robot.address)
     fine = texts(findings, "ok")
@@ -74,7 +75,7 @@ async def test_what_is_not_well_has_a_remedy(tmp_path: Path) -> None:
 async def test_answers_nobody_understands_are_told_of(tmp_path: Path) -> None:
     server = QiServer()
     endpoint = await server.listen("127.0.0.1")
-    for name in sorted(USED_SERVICES):
+    for name in sorted(PEPPER.services):
         server.add(name)
     server.add("ALBattery", methods=[HostedMethod("getBatteryCharge", "()", "s", lambda: "much")])
     findings = await examined(tmp_path, str(endpoint))
@@ -93,7 +94,7 @@ async def test_answers_that_make_no_sense_are_told_in_few_words(tmp_path: Path) 
         "ALAutonomousLife": ("getState",),
         "ALTabletService": ("getWifiStatus",),
     }
-    for name in sorted(USED_SERVICES | asked.keys()):
+    for name in sorted(PEPPER.services | asked.keys()):
         methods = [HostedMethod(one, "()", "m", lambda: says[0]) for one in asked.get(name, ())]
         server.add(name, methods=methods)
     for nonsense in (float("inf"), float("nan"), "L" * 100_000, [["x"]], None, b"\xff"):

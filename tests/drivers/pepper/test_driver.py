@@ -7,9 +7,10 @@ import contextlib
 from pathlib import Path
 
 import pytest
-from woz_drivers.naoqi_robot.robot_settings import SETTINGS
+from woz_drivers.naoqi_robot.naoqi_settings import AutonomySettings, VoiceSettings
 from woz_drivers.pepper import Pepper
-from woz_drivers.pepper.settings import AutonomySettings, PepperSettings, VoiceSettings
+from woz_drivers.pepper.pepper_model import PEPPER
+from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.heard import PATIENCE_S, Heard, Ordered
 from tests.drivers.pepper.played import QUIET, joined, played
@@ -87,7 +88,7 @@ async def test_the_wizard_takes_another_robot_and_lets_it_go(tmp_path: Path) -> 
 async def test_a_robot_is_not_left_driving_or_speaking(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("woz_drivers.pepper.driver.STOP_S", PATIENCE_S)
+    monkeypatch.setattr("woz_drivers.naoqi_robot.naoqi_driver.STOP_S", PATIENCE_S)
     async with played(tmp_path, pace=2) as it:
         driving = it.begin("drive", x=5.0)
         saying = it.begin("say", text="A long story. " * 100)
@@ -178,7 +179,7 @@ async def test_all_settings_are_read_from_a_simulated_robot_of_its_own(tmp_path:
     driver = Pepper("it", settings, heard.context)
     await driver.open()
     await heard.until(
-        lambda: any(set(SETTINGS) <= set(one.values) for one in heard.all(SettingsShown))
+        lambda: any(set(PEPPER.settings) <= set(one.values) for one in heard.all(SettingsShown))
     )
     await asyncio.wait_for(driver.perform(Ordered("say", {"text": "Hello"})), 20)
     await driver.rest()

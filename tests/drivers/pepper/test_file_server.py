@@ -87,7 +87,7 @@ def raw(port: int, request: bytes) -> bytes:
 
 
 def threads() -> set[str]:
-    return {one.name for one in threading.enumerate() if one.name.startswith("pepper files")}
+    return {one.name for one in threading.enumerate() if one.name.startswith("robot files")}
 
 
 def until(holds: Callable[[], bool]) -> None:
@@ -365,7 +365,7 @@ def test_more_clients_than_places_are_sent_away_and_places_come_back(
 ) -> None:
     url = server.list_file(film)
     held = [socket.create_connection((HOST, server.port), timeout=PATIENCE_S) for _ in range(MOST)]
-    until(lambda: sum(one.name == "pepper files client" for one in threading.enumerate()) == MOST)
+    until(lambda: sum(one.name == "robot files client" for one in threading.enumerate()) == MOST)
     with pytest.raises((http.client.HTTPException, ConnectionError)):
         ask(url)
     for one in held:
@@ -380,7 +380,7 @@ def test_closing_hangs_up_and_leaves_no_thread(
     server = FileServer(HOST, 0, pytest.fail, patience=3600.0)
     ask(server.list_file(film))
     with socket.create_connection((HOST, server.port), timeout=PATIENCE_S) as idle:
-        until(lambda: "pepper files client" in threads())
+        until(lambda: "robot files client" in threads())
         server.close()
         assert idle.recv(10) == b""
     until(lambda: threads() == set())

@@ -12,7 +12,7 @@ from qimessaging.hosted_objects import HostedMethod
 from qimessaging.server import QiServer
 from woz_drivers.naoqi_robot.address import parse
 from woz_drivers.naoqi_robot.naoqi_link import ConnectionRefusedByRobotError, NaoqiLink, open_link
-from woz_drivers.naoqi_robot.robot_line import USED_SERVICES
+from woz_drivers.pepper.pepper_model import PEPPER
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.pepper.connected import stand
@@ -98,7 +98,7 @@ async def test_which_certificate_is_accepted_is_told(
     guarded: Guarded, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("ROBOT_PASSWORD", PASSWORD)
-    for name in sorted(USED_SERVICES):
+    for name in sorted(PEPPER.services):
         guarded.server.add(name)
     given = {"password": "ROBOT_PASSWORD"}
     async with stand(tmp_path, guarded.address, **given) as it:

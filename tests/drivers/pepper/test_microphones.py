@@ -148,7 +148,7 @@ async def test_the_robots_sound_is_a_file_here(tmp_path: Path, server: str) -> N
         assert again["file"] != ended["file"]
         assert it.notices == []
     assert len(_sound(it, again["file"])[3]) >= 2 * 4096
-    await until(lambda: "pepper sound" not in [one.name for one in threading.enumerate()])
+    await until(lambda: "robot sound" not in [one.name for one in threading.enumerate()])
 
 
 async def test_without_sound_it_says_so_and_lets_go(tmp_path: Path, robot: StandIn) -> None:

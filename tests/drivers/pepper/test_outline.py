@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.naoqi_robot import body_joints, tags
-from woz_drivers.naoqi_robot.animations import MOVES, path_of
+from woz_drivers.naoqi_robot import tags
 from woz_drivers.naoqi_robot.eyes import EyeColor
-from woz_drivers.naoqi_robot.robot_settings import SETTINGS
+from woz_drivers.naoqi_robot.naoqi_settings import AutonomySettings, VoiceSettings
 from woz_drivers.naoqi_robot.settings_reading import DesiredSettings, conflicts
 from woz_drivers.pepper.driver import Pepper
-from woz_drivers.pepper.settings import AutonomySettings, PepperSettings, VoiceSettings
+from woz_drivers.pepper.pepper_model import PEPPER
+from woz_drivers.pepper.settings import PepperSettings
 
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.protocol.messages import Json
@@ -35,7 +35,7 @@ def wanted(settings: PepperSettings = ONE) -> DesiredSettings:
 def test_the_outline_is_read_by_the_console_and_has_every_setting() -> None:
     told = RobotOutline.read(Pepper.outline(ONE))
     assert told is not None
-    assert sorted(line.name for line in told.settings) == sorted(SETTINGS)
+    assert sorted(line.name for line in told.settings) == sorted(PEPPER.settings)
     assert told.robots == ["10.0.0.1", "10.0.0.2", "simulated"]
     assert told.camera
     sections = dict.fromkeys(line.section for line in told.settings)
@@ -70,18 +70,19 @@ def test_a_file_with_values_that_no_robot_takes_is_told_where() -> None:
     ],
 )
 def test_a_short_name_becomes_a_path_and_any_path_is_tried(typed: str, path: str) -> None:
-    assert path_of(typed) == path
+    assert PEPPER.animations.path_of(typed) == path
 
 
 def test_an_unknown_short_name_is_refused_with_the_nearest() -> None:
     with pytest.raises(RejectedError) as refused:
-        path_of("Heey_1")
+        PEPPER.animations.path_of("Heey_1")
     assert "did you mean 'Hey_1'" in refused.value.remedy
 
 
 def test_the_known_paths_are_each_there_once_and_find_themselves() -> None:
-    assert len(set(MOVES)) == len(MOVES) == 370
-    assert [path for path in MOVES if path_of(path) != path] == []
+    names = PEPPER.animations
+    assert len(set(names.moves)) == len(names.moves) == 370
+    assert [path for path in names.moves if names.path_of(path) != path] == []
 
 
 # -- joints --------------------------------------------------------------------------------------
@@ -94,7 +95,7 @@ def test_the_known_paths_are_each_there_once_and_find_themselves() -> None:
 def test_the_heads_bend_is_limited_by_its_turn_as_documented(
     yaw: float, low: float, high: float
 ) -> None:
-    allowed = body_joints.head_pitch(yaw)
+    allowed = PEPPER.joints.head_pitch(yaw)
     assert [allowed.low, allowed.high] == pytest.approx([low, high])
 
 
@@ -102,10 +103,10 @@ def test_the_heads_bend_is_limited_by_its_turn_as_documented(
 def test_the_nearest_direction_is_always_one_that_the_head_can_take(
     yaw: float, pitch: float
 ) -> None:
-    turned, bent = body_joints.head(yaw, pitch)
-    assert body_joints.JOINTS["HeadYaw"].contains(turned)
-    assert body_joints.head_pitch(turned).contains(bent)
-    assert body_joints.head(turned, bent) == (turned, bent)
+    turned, bent = PEPPER.joints.head(yaw, pitch)
+    assert PEPPER.joints.ranges["HeadYaw"].contains(turned)
+    assert PEPPER.joints.head_pitch(turned).contains(bent)
+    assert PEPPER.joints.head(turned, bent) == (turned, bent)
 
 
 @pytest.mark.parametrize(
@@ -122,7 +123,7 @@ def test_the_nearest_direction_is_always_one_that_the_head_can_take(
 )
 def test_an_impossible_pose_is_refused_before_anything_moves(pose: Json, says: str) -> None:
     with pytest.raises(RejectedError, match=says.replace("(", r"\(")):
-        body_joints.checked(pose)
+        PEPPER.joints.checked(pose)
 
 
 # -- texts ---------------------------------------------------------------------------------------

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from woz_drivers.naoqi_robot.naoqi_settings import RecognitionSettings as Settings
 from woz_drivers.naoqi_robot.recognition import DETECTED, RECOGNIZED, RecognitionPart, recognised
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.pepper.settings import RecognitionSettings as Settings
 
 from tests.drivers.pepper.wired import Wired, wired
 from tests.fakes.naoqi import StandIn, stand_in

@@ -9,16 +9,19 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.naoqi_robot.memory import BATTERY, SONAR, SOUND
+from woz_drivers.naoqi_robot.memory import BATTERY, SOUND
+from woz_drivers.naoqi_robot.naoqi_settings import SensesSettings
 from woz_drivers.naoqi_robot.senses import FACES, VISIBLE, SensesPart, distance_key, looking_key
-from woz_drivers.pepper import settings
+from woz_drivers.pepper.pepper_model import PEPPER
+from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.pepper.wired import Wired, wired
 from tests.fakes.naoqi import StandIn, stand_in
 from woz_tui.drivers.contract import DriverError, RejectedError, Scope
 from woz_tui.protocol.messages import Reading, SensorChanged
 
-FAST = settings.SensesSettings(rate=20)
+SONAR = PEPPER.sonars["distance"]
+FAST = SensesSettings(rate=20)
 ALL = (
     *("distance", "presence", "people", "nearest", "gaze", "identity"),
     *("direction", "loudness", "battery"),
@@ -31,7 +34,7 @@ Sense = Callable[..., AbstractAsyncContextManager[Wired[SensesPart]]]
 
 @pytest.fixture
 def sense(tmp_path: Path, robot: StandIn) -> Sense:
-    def begin(senses: settings.SensesSettings = FAST) -> Any:
+    def begin(senses: SensesSettings = FAST) -> Any:
         return wired(SensesPart, tmp_path, robot, senses=senses)
 
     return begin
@@ -80,7 +83,7 @@ async def test_somebody_is_read_by_all_senses(sense: Sense, robot: StandIn) -> N
         assert await it.part.read() == {"battery": pytest.approx(0.5, abs=0.01)}
         assert {sensor: it.heard.states(sensor)[-1] for sensor in ALL} == dict.fromkeys(ALL, "ok")
         assert it.notices == []
-    assert SensesPart.sensors(settings.PepperSettings(robots=())) == (
+    assert SensesPart.sensors(PepperSettings(robots=())) == (
         *("distance", "presence", "people", "nearest", "gaze", "identity"),
         *("direction", "loudness", "battery"),
     )
@@ -99,7 +102,7 @@ async def test_a_face_gets_a_name(sense: Sense, robot: StandIn) -> None:
         await it.reads("identity", 0.0)
         with pytest.raises(RejectedError):
             await it.do("learn_face", name=" ")
-    blind = settings.PepperSettings(robots=(), senses=settings.SensesSettings(people=False))
+    blind = PepperSettings(robots=(), senses=SensesSettings(people=False))
     assert SensesPart.verbs(blind) == ()
 
 
@@ -282,14 +285,14 @@ async def test_a_lost_robot_makes_every_sense_stale_and_the_next_one_lives(
 
 
 async def test_only_what_the_file_wants_is_read(sense: Sense, robot: StandIn) -> None:
-    few = settings.SensesSettings(rate=20, people=False, loudness=False)
+    few = SensesSettings(rate=20, people=False, loudness=False)
     async with sense(senses=few) as it:
         await _round(it)
         assert {one.sensor for one in it.heard.all(Reading)} == {"distance", "battery"}
         called = {call.name for call in await robot.trace()}
         assert "ALAudioDevice.enableEnergyComputation" not in called
         assert "ALPeoplePerception.subscribe" not in called
-    assert SensesPart.sensors(settings.PepperSettings(robots=(), senses=few)) == (
+    assert SensesPart.sensors(PepperSettings(robots=(), senses=few)) == (
         "distance",
         "battery",
     )

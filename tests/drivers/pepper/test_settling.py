@@ -8,15 +8,18 @@ from pathlib import Path
 
 import pytest
 from woz_drivers.naoqi_robot.address import parse
+from woz_drivers.naoqi_robot.naoqi_settings import AutonomySettings
 from woz_drivers.naoqi_robot.robot_connection import simulated_naoqi
 from woz_drivers.pepper.driver import Pepper
-from woz_drivers.pepper.settings import AutonomySettings, PepperSettings
+from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.heard import Heard, Ordered
 from tests.drivers.pepper.played import PACE, QUIET, Played
 from tests.fakes.naoqi import StandIn, stand_in
 from woz_tui.drivers.contract import DeviceLostError, Scope
 from woz_tui.protocol.messages import DriverConnected
+
+SIMULATED = PepperSettings(robots=("simulated",), pace=PACE)
 
 pytestmark = pytest.mark.usefixtures("patient")
 
@@ -88,7 +91,7 @@ async def _as_soon_as_possible(driver: Pepper) -> None:
 async def test_a_simulated_robot_that_cannot_be_reached_is_started_anew(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    robot = simulated_naoqi(PACE, tmp_path)
+    robot = simulated_naoqi(SIMULATED, tmp_path)
     first = await robot.address()
     assert await robot.address() == first, "it may come back by itself"
     monkeypatch.setattr("woz_drivers.simulated_process._HOPELESS_S", 0.0)
@@ -102,13 +105,13 @@ async def test_attempts_of_different_losses_are_not_added_up(
 ) -> None:
     monkeypatch.setattr("woz_drivers.simulated_process._HOPELESS_S", 0.0)
     monkeypatch.setattr("woz_drivers.simulated_process._APART_S", 0.0)
-    robot = simulated_naoqi(PACE, tmp_path)
+    robot = simulated_naoqi(SIMULATED, tmp_path)
     assert await robot.address() == await robot.address()
     await robot.close()
 
 
 async def test_a_simulated_robot_runs_no_module_of_the_experiments_folder(tmp_path: Path) -> None:
     (tmp_path / "random.py").write_text("raise ValueError\n")
-    robot = simulated_naoqi(PACE, tmp_path)
+    robot = simulated_naoqi(SIMULATED, tmp_path)
     assert parse(await robot.address()).port
     await robot.close()

@@ -56,7 +56,7 @@ async def _shows(robot: StandIn, what: str, fetched: int = 0) -> dict[str, Any]:
 
 def _servers() -> int:
     """Servers of pictures that run in this process."""
-    return [one.name for one in threading.enumerate()].count("pepper files")
+    return [one.name for one in threading.enumerate()].count("robot files")
 
 
 @pytest.mark.naoqi("ALTabletService.showWebview", "ALTabletService.enableWifi")
@@ -245,7 +245,7 @@ async def test_without_a_default_nothing_is_shown_until_asked(folder: Path, robo
 async def test_a_page_and_a_picture_of_somewhere_else(
     it: Wired[TabletPart], robot: StandIn, folder: Path
 ) -> None:
-    elsewhere = await it.connection.files.shown("map.png")
+    elsewhere = await it.connection.files.address(folder / "shown" / "map.png")
     await it.do("screen", file=f"{elsewhere}?a=1&b='2'")
     await _shows(robot, "webview", len(PICTURE))
     page, _ = (await robot.get("tablet.fetched"))[-2:]

@@ -1,0 +1,1 @@
+"""What robots with NAOqi (Pepper, NAO) have in common: their drivers are made of it."""

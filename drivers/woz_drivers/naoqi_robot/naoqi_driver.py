@@ -1,0 +1,324 @@
+"""The driver of a robot with NAOqi: hands verbs to parts, stops all of them at once, and tells what
+the robot has.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import ClassVar
+
+from woz_drivers.naoqi_robot import address, tags, text_remarks
+from woz_drivers.naoqi_robot.autonomy import AutonomyPart
+from woz_drivers.naoqi_robot.background import Background
+from woz_drivers.naoqi_robot.base import BasePart
+from woz_drivers.naoqi_robot.body import BodyPart
+from woz_drivers.naoqi_robot.naoqi_settings import NaoqiSettings
+from woz_drivers.naoqi_robot.parts import NaoqiPart
+from woz_drivers.naoqi_robot.robot_connection import RobotConnection
+from woz_drivers.naoqi_robot.settings_reading import SettingsReader
+from woz_drivers.simulated.argument_values import text
+from woz_drivers.simulated_process import SIMULATED
+from woz_tui.drivers.contract import (
+    Argument,
+    DeviceLostError,
+    Driver,
+    DriverContext,
+    DriverError,
+    Finding,
+    Job,
+    RejectedError,
+    Scope,
+    StopReport,
+    Verb,
+    Written,
+)
+from woz_tui.drivers.fields import Range
+from woz_tui.protocol.messages import Json
+from woz_tui.protocol.robot_outline import RobotOutline
+
+#: The bus waits 0.5 s for a stop; what has not confirmed after so long is told as missing.
+STOP_S = 0.45
+#: The parts have so long to say goodbye to the robot.
+FAREWELL_S = 1.5
+
+#: A robot that has just been switched on takes its time before it answers.
+CONNECT_LIMIT_S = 180.0
+#: Of `connect` and `disconnect` alone: nothing that waits for the robot stands before them.
+LANE = "line"
+
+LINE = (
+    Verb(
+        "connect",
+        "connect to a robot",
+        (
+            Argument(
+                "robot",
+                "text",
+                "an address or a host name; empty: the first",
+                default="",
+                hide=address.without_password,
+            ),
+        ),
+        lane=LANE,
+        limit_s=CONNECT_LIMIT_S,
+    ),
+    Verb("disconnect", "disconnect the robot until `connect`", lane=LANE, limit_s=10.0),
+)
+
+log = logging.getLogger(__name__)
+
+
+class NaoqiRobot(Driver):
+    """What a kind of robot is made of, says its own class."""
+
+    #: What a stop reaches first stands first.
+    PARTS: ClassVar[tuple[type[NaoqiPart], ...]]
+    #: What can be said of commands that are only written.
+    CHECKS: ClassVar[dict[str, Mapping[str, text_remarks.Check]]] = text_remarks.CHECKS
+    settings: NaoqiSettings
+
+    def __init__(self, name: str, settings: NaoqiSettings, context: DriverContext) -> None:
+        super().__init__(name, settings, context)
+        self._connection = RobotConnection(
+            settings, context, on_connected=self._connected, on_lost=self._lost
+        )
+        self._parts: tuple[NaoqiPart, ...] = tuple(
+            kind(self._connection, settings, context) for kind in self.PARTS
+        )
+        self._by_verb = {verb.name: part for part in self._parts for verb in part.verbs(settings)}
+        self._reading = SettingsReader(self._connection, self._parts, settings, context)
+        #: Whether it was there and went without being asked to: nobody knows what it does now.
+        self._lost_unasked = False
+        self._present = False
+        #: While the settings are being applied after a connection, verbs wait: what the wizard
+        #: wants must not be undone by what the file wants.
+        self._settled = asyncio.Event()
+        self._settled.set()
+        #: While the stop is pressed no robot is told to live by itself: what was to be applied to
+        #: one that was found meanwhile waits for the release.
+        self._stopped = self._waits = False
+        self._later = Background("applying the settings", context)
+        self._closed = False
+        self._stops: set[asyncio.Task[tuple[str, ...]]] = set()
+
+    @classmethod
+    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
+        """Those of its parts, and of the line."""
+        return (*(verb for part in cls.PARTS for verb in part.verbs(settings)), *LINE)
+
+    @classmethod
+    def sensors(cls, settings: NaoqiSettings) -> tuple[str, ...]:
+        """What its parts publish, as the file wants them."""
+        return tuple(sensor for part in cls.PARTS for sensor in part.sensors(settings))
+
+    @classmethod
+    def joints(cls, settings: NaoqiSettings) -> Mapping[str, Range]:
+        """Joints with their ranges in degrees (hands: 0 to 1)."""
+        return dict(settings.model.joints.ranges)
+
+    @classmethod
+    def outline(cls, settings: NaoqiSettings) -> dict[str, Json]:
+        """Settings that can be shown and changed, robots, animations and tags."""
+        robots = tuple(dict.fromkeys((*settings.addresses.values(), SIMULATED)))
+        known = settings.model.settings
+        named = {**known, "robot": replace(known["robot"], choices=robots)}
+        return RobotOutline(
+            settings=[setting.line() for setting in named.values()],
+            robots=list(robots),
+            moves=list(settings.model.animations.moves),
+            tags=tags.offered(),
+            camera=True,
+        ).told()
+
+    @classmethod
+    def remarks(cls, settings: NaoqiSettings, written: Written) -> Iterable[Finding]:
+        """What is odd about a command of an experiment file."""
+        return text_remarks.remarks(settings, written, cls.CHECKS)
+
+    async def open(self) -> None:
+        """Begin to look for the robot."""
+        self._connection.start()
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Carry out a verb by its part; what was asked for is compared with the robot from now on.
+
+        Raises `DeviceLostError` while no robot is connected, but for the verbs of the line.
+        """
+        if self._closed:
+            raise DeviceLostError("the robot's driver is closed")
+        match job.verb:
+            case "connect":
+                return await self._connect(text(job.args, "robot"))
+            case "disconnect":
+                return await self._disconnect()
+        part = self._by_verb.get(job.verb)
+        if part is None:
+            raise RejectedError(f"{self.settings.model.name} cannot {job.verb!r}")
+        await self._settled.wait()
+        self._connection.alert()
+        try:
+            with self._reading.using(job.verb):
+                sent = await part.perform(job)
+        except (RejectedError, DeviceLostError):
+            raise
+        except DriverError:
+            # Perhaps it was done in part: what is missing shows as wanted.
+            self._reading.noticed(job)
+            raise
+        self._reading.noticed(job)
+        return sent
+
+    async def stop(self, scope: Scope) -> StopReport | None:
+        """Ask every part at once to stand still; return which of them confirmed in time.
+
+        A robot that was lost cannot confirm anything. Nothing is stopped where none was connected.
+        """
+        self._stopped = self._stopped or scope is Scope.ALL
+        return await self._halt(scope)
+
+    async def _halt(self, scope: Scope) -> StopReport | None:
+        """Stand still, as for a stop, but nobody need release it: a robot is let go."""
+        parts = [part for part in self._parts if scope is Scope.ALL or isinstance(part, BasePart)]
+        if not self._present:
+            moving = [part.name for part in parts if isinstance(part, BasePart | BodyPart)]
+            return StopReport(missing=tuple(moving)) if self._lost_unasked else None
+        until = asyncio.get_running_loop().time() + STOP_S
+        stops = self._stop_all(parts, scope)
+        done, late = await asyncio.wait(stops, timeout=STOP_S)
+        if not late:
+            # NAOqi's services do not keep to one order among each other: what was sent just before
+            # the stop may have begun behind it. What is sent on its answer comes behind both.
+            left = until - asyncio.get_running_loop().time()
+            await asyncio.wait(self._stop_all(parts, scope), timeout=max(0.0, left))
+        confirmed: list[str] = []
+        missing = [stops[stop].name for stop in late]
+        for stop in done:
+            error = None if stop.cancelled() else stop.exception()
+            if error is None and not stop.cancelled():
+                confirmed += stop.result()
+            else:
+                log.info("stop of %s: %s", stops[stop].name, error or "the session ends")
+                missing.append(stops[stop].name)
+        return StopReport(tuple(sorted(confirmed)), tuple(sorted(missing)))
+
+    def _stop_all(
+        self, parts: Sequence[NaoqiPart], scope: Scope
+    ) -> dict[asyncio.Task[tuple[str, ...]], NaoqiPart]:
+        """Ask all at once. Those that come too late go on: a slow line must not keep it moving."""
+        loop = asyncio.get_running_loop()
+        stops = {
+            loop.create_task(part.stop(scope), name=f"stop {part.name}"): part for part in parts
+        }
+        self._stops |= set(stops)
+        for stop in stops:
+            stop.add_done_callback(self._stops.discard)
+            # Nobody waits for those that come too late: how they end has been told as missing.
+            stop.add_done_callback(lambda over: over.cancelled() or over.exception())
+        return stops
+
+    async def resume(self) -> None:
+        """The stop was released: what could not be applied while it was pressed is applied now."""
+        self._stopped = False
+        if self._waits and self._present:
+            self._waits = False
+            self._later.start(self._live())
+
+    async def _live(self) -> None:
+        with contextlib.suppress(DeviceLostError):  # then the next connection does it
+            await self._apply([part for part in self._parts if isinstance(part, AutonomyPart)])
+
+    async def rest(self) -> None:
+        """Take the posture of the robot file, otherwise rest; autonomous life stays as it is."""
+        if self._present:
+            for part in self._parts:
+                await part.rest()
+
+    async def close(self) -> None:
+        """End everything of this driver; the robot itself is left as it is."""
+        self._closed = True
+        await self._later.close()
+        await self._reading.close()
+        for stop in list(self._stops):
+            stop.cancel()
+        closing = [asyncio.ensure_future(part.close()) for part in self._parts]
+        _, late = await asyncio.wait(closing, timeout=FAREWELL_S)
+        for part in late:
+            part.cancel()
+        if late:
+            await asyncio.wait(late, timeout=FAREWELL_S)
+        for part in closing:
+            if part.done() and not part.cancelled() and part.exception() is not None:
+                log.error("a part did not close", exc_info=part.exception())
+        self._present = self._lost_unasked = False
+        await self._connection.close()
+
+    # -- the line --------------------------------------------------------------------------------
+
+    async def _connect(self, robot: str) -> dict[str, Json]:
+        self._connection.named(robot)  # what is no address must not cost the robot that is there
+        await self._let_go()
+        await self._connection.connect(robot)
+        return {"robot": self._connection.robot}
+
+    async def _disconnect(self) -> dict[str, Json]:
+        robot = self._connection.robot
+        await self._let_go()
+        await self._connection.disconnect()
+        return {"robot": robot}
+
+    async def _let_go(self) -> None:
+        """The robot of before goes because the wizard wants it; it must not be left driving."""
+        if self._present:
+            robot = self._connection.robot
+            self._connection.leaving(True)
+            try:
+                report = await self._halt(Scope.ALL)
+            except BaseException:
+                self._connection.leaving(False)
+                raise
+            if report is not None and report.missing:
+                missing = ", ".join(report.missing)
+                self.context.notice(
+                    "warning",
+                    f"{robot} was disconnected, but did not confirm its stop: {missing}",
+                    "check the robot: its last movement may continue",
+                )
+            self._lost()
+        self._lost_unasked = False
+
+    async def _connected(self) -> None:
+        """The robot is there, for the first time or again."""
+        self._present, self._lost_unasked = True, False
+        self._reading.begin()
+        self._waits = self._stopped
+        await self._apply(
+            [part for part in self._parts if not (self._stopped and isinstance(part, AutonomyPart))]
+        )
+
+    async def _apply(self, parts: Sequence[NaoqiPart]) -> None:
+        """Let these parts set what the file says, or the wizard since."""
+        self._settled.clear()
+        try:
+            done = await asyncio.gather(
+                *(part.connected() for part in parts), return_exceptions=True
+            )
+        finally:
+            self._settled.set()
+        self._reading.soon()
+        for part, error in zip(parts, done, strict=True):
+            if isinstance(error, DriverError) and not isinstance(error, DeviceLostError):
+                self.context.notice("warning", f"{part.name}: {error.what}", error.remedy)
+            elif isinstance(error, BaseException):
+                raise error
+
+    def _lost(self) -> None:
+        if not self._present:
+            return
+        self._present, self._lost_unasked = False, True
+        for part in self._parts:
+            part.lost()
+        self._reading.end()

@@ -1,0 +1,179 @@
+"""Settings that all robots with NAOqi have in a robot file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from operator import attrgetter
+from typing import Annotated, ClassVar, Protocol
+
+from woz_drivers.naoqi_robot.address import parse, without_password
+from woz_drivers.naoqi_robot.robot_model import RobotModel
+from woz_drivers.naoqi_robot.robot_settings import SETTINGS, RobotSetting, of_section
+from woz_drivers.simulated.argument_values import color
+from woz_tui.drivers.contract import RejectedError
+from woz_tui.drivers.fields import Doc, Range, Seconds, Section
+from woz_tui.protocol.messages import Json
+
+
+@dataclass(frozen=True, slots=True)
+class AutonomySettings:
+    """What the robot does by itself. What is not named is left as the robot has it."""
+
+    state: Annotated[str, SETTINGS["state"].one_of, SETTINGS["state"].doc] = ""
+    awareness: Annotated[bool | None, SETTINGS["awareness"].doc] = None
+    engagement: Annotated[str, SETTINGS["engagement"].one_of, SETTINGS["engagement"].doc] = ""
+    blinking: Annotated[bool | None, SETTINGS["blinking"].doc] = None
+    listening_movement: Annotated[bool | None, SETTINGS["listening_movement"].doc] = None
+    speaking_movement: Annotated[bool | None, SETTINGS["speaking_movement"].doc] = None
+    head_breathing: Annotated[bool | None, SETTINGS["head_breathing"].doc] = None
+    arms_breathing: Annotated[bool | None, SETTINGS["arms_breathing"].doc] = None
+    body_breathing: Annotated[bool | None, SETTINGS["body_breathing"].doc] = None
+    legs_breathing: Annotated[bool | None, SETTINGS["legs_breathing"].doc] = None
+    tangential: Annotated[
+        float | None, SETTINGS["tangential"].range, SETTINGS["tangential"].doc
+    ] = None
+    orthogonal: Annotated[
+        float | None, SETTINGS["orthogonal"].range, SETTINGS["orthogonal"].doc
+    ] = None
+
+
+@dataclass(frozen=True, slots=True)
+class VoiceSettings:
+    """How it speaks. What is not named is left as the robot has it."""
+
+    volume: Annotated[float | None, SETTINGS["volume"].range, SETTINGS["volume"].doc] = None
+    speed: Annotated[float | None, SETTINGS["speech_speed"].range, SETTINGS["speech_speed"].doc] = (
+        None
+    )
+    pitch: Annotated[float | None, SETTINGS["speech_pitch"].range, SETTINGS["speech_pitch"].doc] = (
+        None
+    )
+
+
+class ServingSettings(Protocol):
+    """Where files of this machine are served to the robot."""
+
+    @property
+    def address(self) -> str:
+        """This machine's address as the robot reaches it; empty: found out."""
+        ...
+
+    @property
+    def port(self) -> int:
+        """0: any."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class SensesSettings:
+    """What is read from the robot all the time."""
+
+    rate: Annotated[float, Range(1, 20, "Hz"), Doc("readings a second")] = 5.0
+    sonar: Annotated[bool, Doc("distance")] = True
+    people: Annotated[bool, Doc("presence, gaze, distance of people, identity")] = True
+    loudness: Annotated[bool, Doc("loudness and direction of sound")] = True
+    touch: Annotated[bool, Doc("touches, as readings")] = True
+
+
+@dataclass(frozen=True, slots=True)
+class RecognitionSettings:
+    """What the robot understands of what is said to it."""
+
+    phrases: Annotated[
+        tuple[str, ...], Doc("words and short sentences to understand, no others; none: off")
+    ] = ()
+    language: Annotated[str, Doc("as the robot calls it: English; empty: as it is")] = ""
+    spotting: Annotated[bool, Doc("also within longer sentences")] = True
+    confidence: Annotated[
+        float, Range(0, 1), Doc("what the robot is less sure of counts as not understood")
+    ] = 0.4
+
+
+@dataclass(frozen=True)
+class NaoqiSettings(Section):
+    """One robot, or several of which one is played at a time."""
+
+    model: ClassVar[RobotModel]
+    #: Where the robot file says where files are served.
+    serving_section: ClassVar[str]
+
+    connect: Annotated[bool, Doc("connect at the start; else wait for the wizard")] = True
+    password: Annotated[
+        str, Doc("name of the environment variable that holds the password for tcps")
+    ] = ""
+    trusted: Annotated[
+        str, Doc("SHA-256 of the expected certificate with tcps; empty: any, with a warning")
+    ] = ""
+    heartbeat: Annotated[
+        float,
+        Seconds(0.1, 1.5),
+        Doc("time of silence after which the robot is asked for an answer"),
+    ] = 0.5
+    autonomy: Annotated[AutonomySettings, Doc("applied on connect")] = field(
+        default_factory=AutonomySettings
+    )
+    voice: Annotated[VoiceSettings, Doc("applied on connect")] = field(
+        default_factory=VoiceSettings
+    )
+    eyes: Annotated[str, Doc("colour of the eyes on connect: a name or #rrggbb")] = ""
+    senses: Annotated[SensesSettings, Doc("what is read")] = field(default_factory=SensesSettings)
+    recognition: Annotated[RecognitionSettings, Doc("what it understands of speech")] = field(
+        default_factory=RecognitionSettings
+    )
+    posture: Annotated[str, Doc("taken when the robot is left alone; empty: it rests")] = ""
+    pictures: Annotated[
+        str, Doc("folder for camera pictures on this machine; empty: beside the log")
+    ] = ""
+    recordings: Annotated[str, Doc("folder for microphone recordings on the robot")] = (
+        "/home/nao/recordings"
+    )
+    pace: Annotated[
+        float, Range(0.01, 100), Doc("of the simulated robot only: how fast its time passes")
+    ] = 1.0
+
+    @property
+    def addresses(self) -> Mapping[str, str]:
+        """Robots as the file writes them, by the setting's path; the first one is used at the
+        start.
+        """
+        raise NotImplementedError
+
+    @property
+    def serving(self) -> ServingSettings:
+        """Where files of this machine are served to the robot."""
+        raise NotImplementedError
+
+    def problems(self) -> list[tuple[str, str]]:
+        """What no robot takes, by the setting's path."""
+        found = [*self._passwords()]
+        if self.eyes:
+            try:
+                color({"color": self.eyes}, "color")
+            except RejectedError as error:
+                found.append(("eyes", f"{error.what}; {error.remedy}"))
+        for name, value in self.initial_values(of_section("Voice")).items():
+            if isinstance(value, int | float) and not SETTINGS[name].allows(value):
+                found.append((SETTINGS[name].file, f"takes {SETTINGS[name].numbers}"))
+        return found
+
+    def initial_values(self, settings: Iterable[RobotSetting]) -> dict[str, Json]:
+        """What the file asks for of these, by name; the rest is left as the robot has it."""
+        found: dict[str, Json] = {}
+        for setting in settings:
+            value = attrgetter(setting.file)(self) if setting.file else None
+            if value not in (None, ""):
+                found[setting.name] = value
+        return found
+
+    def _passwords(self) -> Iterator[tuple[str, str]]:
+        """Addresses with something in them that may be a password: the file goes into every log.
+        Others that are none are told of when they are connected to.
+        """
+        for path, robot in self.addresses.items():
+            if without_password(robot) == robot:
+                continue
+            try:
+                parse(robot)
+            except RejectedError as error:
+                yield path, f"{error.what}; {error.remedy}"

@@ -92,6 +92,7 @@ FIELDS: dict[str, tuple[str, str]] = {
         "name of a program; absent: not given, or it sees no more than the wizard",
     ),
     "right": ("", "cues that were answered rightly"),
+    "robot": ("", "the robot that plays instead of the file's own; absent: none"),
     "sees": ("", "`all`: it also gets what is hidden from the wizard; absent: it does not"),
     "telling": ("", "those of `changes` that could reveal which condition is which"),
     "tells": (
@@ -100,6 +101,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     ),
     "uncalled": ("", "actions while no cue waited"),
     "unfilled": ("", "those of `args` that reveal it, with variables not filled in; absent: none"),
+    "without": ("", "what this robot does not do of it; absent: nothing"),
     "unreached": ("", "drivers of `missing` whose hardware was not connected; absent: none"),
     "missing_parts": ("", "driver -> its parts that did not confirm the stop; absent: none"),
     "next": ("", "next state if the machine were not held; absent: no change"),

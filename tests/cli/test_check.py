@@ -285,3 +285,39 @@ def test_the_engagement_model_for_programs(
     assert {verb["name"] for verb in model["verbs"]} >= {"toggle", "sense", "force"}
     assert checked(tmp_path, GOOD, "--format", "json") == 0
     assert json.loads(capsys.readouterr().out)["engagement"] is None
+
+
+ANOTHER = "drivers: {voice: {type: voice}}"
+
+
+def test_another_robot_is_shown_with_what_it_does_and_leaves_out(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "robots").mkdir()
+    (tmp_path / "robots" / "speaker.yaml").write_text(ANOTHER)
+    assert checked(tmp_path, GOOD, "--robot", "speaker") == 0
+    out = capsys.readouterr().out
+    hello = next(line for line in out.splitlines() if "Hello" in line and "P " in line)
+    assert hello.split() == ["P", "Hello", "say", "play"]
+    assert any(line.split() == ["Chord", "nothing", "pose"] for line in out.splitlines())
+    assert "warning: panels[0].actions[0].play: is left out on speaker" in out
+    assert checked(tmp_path, GOOD, "--robot", "speaker", "--format", "json") == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["left_out"]["Chord"] == [{"what": "pose", "why": "not offered"}]
+
+
+def test_all_robots_are_a_column_each_and_a_broken_one_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "robots").mkdir()
+    (tmp_path / "robots" / "1-speaker.yaml").write_text(ANOTHER)
+    (tmp_path / "robots" / "2-wrong.yaml").write_text("drivers: {}")
+    assert checked(tmp_path, GOOD, "--robot", "all") == 1
+    out = capsys.readouterr().out
+    assert next(line for line in out.splitlines() if "Chord" in line).split()[1] == "no"
+    assert next(line for line in out.splitlines() if "Hello" in line).split()[1] == "part"
+    assert "1 1-speaker: leaves out" in out
+    assert "2-wrong: " in out
+    checked(tmp_path, GOOD, "--robot", "all", "--format", "json")
+    report = json.loads(capsys.readouterr().out)
+    assert report["robots"]["1-speaker"]["Hello"] == ["play"]

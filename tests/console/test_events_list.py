@@ -219,3 +219,10 @@ async def test_a_key_turns_to_the_next_view_and_the_heading_names_it() -> None:
     async with sitting(scenes.welcome(role="watcher")) as seat:
         await seat.press("|")
         assert VIEWS[1] in seat.text("EventList").splitlines()[0]
+
+
+def test_an_action_that_is_played_in_part_says_without_what() -> None:
+    picture = welcomed()
+    asked = m.ActionRequested(run="r1", action="Hello", source="key", without=["eyes"], t=NOW)
+    picture.take([asked], 0)
+    assert "without eyes" in [*picture.events][-1].detail

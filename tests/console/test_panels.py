@@ -266,3 +266,15 @@ def test_a_blank_stands_before_the_time_left_and_the_word(width: int) -> None:
     found = lines(state, PaintFrame(width, 6, NOW))
     assert " 4.4 " in line_with("Where", found)
     assert "refused" not in line_with("More", found) or " refused " in line_with("More", found)
+
+
+def test_what_the_robot_does_not_do_stands_on_the_button() -> None:
+    actions = [
+        ActionView(name="Hello", label="Hello", verbs=["say"], without=["eyes", "play.speed"]),
+        ActionView(name="Blue", label="Blue", without=["eyes"]),
+    ]
+    state = pictured(shown=[PanelView(title="P", actions=actions)])
+    found = lines(state, PaintFrame(40, 5, NOW))
+    assert "no eyes" in line_with("Hello", found)
+    assert "speed" not in line_with("Hello", found)
+    assert "no eyes" in line_with("Blue", found)

@@ -274,3 +274,23 @@ def test_sessions_that_start_at_once_have_codes_of_their_own(
     finally:
         for launch in launches:
             launch.abandon()
+
+
+def test_another_robot_stays_through_a_reload(tmp_path: Path) -> None:
+    """The file's own robot has a screen and eyes; the rude one says things."""
+    changes = (
+        ('{name: rude, drivers: {voice: {type: rude, rudeness: ""}}}', "simulated"),
+        ('say: "Hello"}', 'say: "Hello", eyes: blue}'),
+    )
+    with robot(tmp_path, changes=changes, more=("--robot", "rude")) as host:
+        host.announced()
+        experiment = next(tmp_path.glob("*.yaml"))
+        experiment.write_text(experiment.read_text().replace("label: Hello", "label: Hi"))
+        assert host.ask('{"kind":"reload","ref":1}')[-1]["ok"]
+        assert host.ask('{"kind":"action","ref":2,"action":"Hi"}')[-1]["ok"]
+        assert host.ask('{"kind":"end","ref":3,"reason":"enough"}')[-1]["ok"]
+        host.ended()
+        kinds = {line["kind"]: line for line in host.log()}
+        assert kinds["session.start"]["robot"] == "rude"
+        assert kinds["action.requested"]["without"] == ["eyes"]
+        assert kinds["command.requested"]["driver"] == "robot"

@@ -43,6 +43,7 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
             "boot_id": "6ba7b810-9dad-11d1-80b4-00c04fd430c8",
         },
         spill=["/mnt/stick/spill", "../spill"],
+        robot="robots/nao.yaml",
     ),
     m.ClockTie(wall=timestamp(BEGIN)),
     m.ConsoleAttached(console="con1", role="wizard"),
@@ -69,7 +70,13 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
         }
     ),
     m.ActionRequested(
-        run="a00001", action="Hello", panel="Speech", source="key", key="h", console="con1"
+        run="a00001",
+        action="Hello",
+        panel="Speech",
+        source="key",
+        key="h",
+        console="con1",
+        without=["eyes", "play.speed"],
     ),
     m.Command(
         command="c00001",
@@ -265,6 +272,7 @@ _PANELS = [
                 help="greet by code",
                 verbs=["say", "play"],
                 utterances=["Grüß Gott, {participant}!"],
+                without=["eyes"],
             ),
             ActionView(name="Bye", label="Good bye", locked=True),
         ],

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from woz_tui.config.experiment import ExperimentError
+from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
 from woz_tui.protocol import messages as m
 from woz_tui.replay.experiment_origin import (
@@ -35,8 +36,6 @@ def experiment(folder: Path, said: str = "Hello.", robot: str = "simulated") -> 
 
 
 def origin(path: Path, files: dict[str, str] | None = None) -> ExperimentOrigin:
-    from woz_tui.config.loading import load  # noqa: PLC0415
-
     made = load(path, installed())
     kept = m.ExperimentFiles(experiment_sha256=made.sha256, files=files) if files else None
     return ExperimentOrigin("small.yaml", (made.sha256,), kept)
@@ -140,3 +139,15 @@ def test_a_file_that_the_log_left_out_is_no_difference_but_named(tmp_path: Path)
     assert differences(ExperimentOrigin("small.yaml", was.hashes, kept), now) == [
         "the hash of the experiment's files differs (robot.yaml is not kept in the log)"
     ]
+
+
+def test_a_session_with_another_robot_is_read_with_that_robot(tmp_path: Path) -> None:
+    path = experiment(tmp_path)
+    (tmp_path / "robots").mkdir()
+    (tmp_path / "robots" / "mine.yaml").write_text(ROBOT)
+    played = load(path, installed(), robot="mine")
+    was = ExperimentOrigin("small.yaml", (played.sha256,), robot="mine")
+    found = find_experiment(tmp_path / "x.jsonl", was, installed())
+    assert (found.robot, found.sha256) == ("mine", played.sha256)
+    assert was.made_with(found)
+    assert not was.made_with(load(path, installed()))

@@ -13,7 +13,7 @@ from pathlib import Path
 from rich.table import Table
 from rich.text import Text
 
-from woz_tui.cli import study_summary
+from woz_tui.cli import robot_fit, study_summary
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.config import keys
 from woz_tui.config.engagement import SIGNS, EngagementSettings, Timeouts
@@ -62,6 +62,13 @@ def add(parser: ArgumentParser) -> None:
         choices=sorted(keys.LAYOUTS),
         help="the keys on this keyboard (default: the file's)",
     )
+    parser.add_argument(
+        "--robot",
+        default="",
+        metavar="NAME",
+        help="what another robot than the file's own does of each action: a robot file, the name"
+        " of one, or a type; all: every robot there is a file of",
+    )
     parser.add_argument("--keymap", type=Path, help="the keys with a wizard's keymap file")
     parser.add_argument(
         "--format", choices=("text", "json"), default="text", help="json: one object, for programs"
@@ -76,7 +83,8 @@ def run(arguments: Namespace) -> int:
 def check(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     """`run` with the drivers of `catalogue`."""
     try:
-        experiment = load(arguments.file, catalogue)
+        every = arguments.robot == robot_fit.ALL
+        experiment = load(arguments.file, catalogue, robot="" if every else arguments.robot)
         layout = arguments.layout or experiment.keyboard
         builtins = (
             keys.load_keymap(arguments.keymap, layout) if arguments.keymap else keys.BUILTIN_KEYS
@@ -84,6 +92,13 @@ def check(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     except ExperimentError as error:
         _print_errors(error.problems, arguments)
         return 1
+    if every:
+        matrix = robot_fit.RobotMatrix.of(arguments.file, catalogue)
+        if arguments.format == "json":
+            print(json.dumps(matrix.as_json(), indent=2))
+        else:
+            matrix.show(TextConsole(page=_PAGE))
+        return 1 if matrix.wrong else 0
     terminal = (
         keys.TERMINALS[arguments.terminal]
         if arguments.terminal
@@ -127,6 +142,8 @@ def _print(
             console.print(Text(line))
     if arguments.all:
         _print_robot_and_study(console, experiment)
+    if experiment.robot:
+        console.print(robot_fit.action_table(experiment))
     warnings = [*map(str, experiment.warnings), *keymap.warnings]
     for warning in warnings:
         console.print(Text(warning, style="yellow"), soft_wrap=True)
@@ -315,6 +332,12 @@ def _report(
         "file": str(experiment.path),
         "ok": True,
         "title": experiment.title,
+        "robot": experiment.robot,
+        "left_out": {
+            action.name: [asdict(each) for each in action.left_out]
+            for action in experiment.actions
+            if action.left_out
+        },
         "terminal": terminal.name,
         "layout": layout,
         "problems": _problems(list(experiment.warnings)),

@@ -15,6 +15,7 @@ from rich.text import Text
 
 from woz_tui.analysis.text_format import counted
 from woz_tui.cli.safe_streams import json_text
+from woz_tui.cli.shared_options import add_robot
 from woz_tui.config.experiment import DriverSpec, Experiment, ExperimentError, Problem
 from woz_tui.console.text_console import TextConsole
 from woz_tui.drivers import plugins
@@ -55,6 +56,7 @@ def add(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--recordings", type=Path, default=Path("recordings"), help="folder of the logs"
     )
+    add_robot(parser)
     parser.add_argument("--json", action="store_true", help="for programs: one JSON object")
 
 
@@ -62,7 +64,7 @@ def run(arguments: Namespace) -> int:
     """Show every finding as it comes in; 0 if none is an error, 1 otherwise."""
     console = TextConsole()
     sections = []
-    for section in examine(arguments.experiment, arguments.recordings):
+    for section in examine(arguments.experiment, arguments.recordings, arguments.robot):
         sections.append(section)
         if not arguments.json:
             console.print(_table(section, console))
@@ -73,13 +75,16 @@ def run(arguments: Namespace) -> int:
     return 1 if _count(sections, "error") else 0
 
 
-def examine(experiment: Path | None, recordings: Path) -> Iterator[DoctorSection]:
-    """All checks, section by section. Bounded in time; never raises."""
+def examine(experiment: Path | None, recordings: Path, robot: str = "") -> Iterator[DoctorSection]:
+    """All checks, section by section. Bounded in time; never raises.
+
+    `robot`: the one that plays the experiment instead of the one that its file names.
+    """
     yield DoctorSection("Terminal", _terminal())
     yield DoctorSection("Machine", _machine(recordings))
     yield DoctorSection("Ports", _ports())
     if experiment is not None:
-        yield from _experiment(experiment)
+        yield from _experiment(experiment, robot)
 
 
 def _terminal() -> list[Finding]:
@@ -138,22 +143,25 @@ def _ports() -> list[Finding]:
 # -- the experiment and its drivers -------------------------------------------------------------
 
 
-def _experiment(path: Path) -> Iterator[DoctorSection]:
+def _experiment(path: Path, robot: str) -> Iterator[DoctorSection]:
     loaded: list[tuple[Experiment, plugins.Catalogue]] = []
-    yield DoctorSection("Experiment", bounded(str(path), lambda: _load(path, loaded), LOAD_S))
+    findings = bounded(str(path), lambda: _load(path, robot, loaded), LOAD_S)
+    yield DoctorSection("Experiment", findings)
     for experiment, catalogue in loaded:
         for spec in experiment.drivers:
             findings = _driver(spec, experiment, catalogue)
             yield DoctorSection(f"Driver {spec.name} ({spec.type})", findings)
 
 
-def _load(path: Path, loaded: list[tuple[Experiment, plugins.Catalogue]]) -> list[Finding]:
+def _load(
+    path: Path, robot: str, loaded: list[tuple[Experiment, plugins.Catalogue]]
+) -> list[Finding]:
     """Appends the experiment to `loaded` if it has no errors."""
     from woz_tui.config.loading import load  # noqa: PLC0415 - not without a file
 
     try:
         catalogue = plugins.installed()
-        experiment = load(path, catalogue)
+        experiment = load(path, catalogue, robot=robot)
     except ExperimentError as error:
         return [*map(_problem, error.problems)]
     except plugins.PluginError as error:

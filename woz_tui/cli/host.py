@@ -9,7 +9,7 @@ from pathlib import Path
 
 from woz_tui.cli.argument_types import number
 from woz_tui.cli.error_sentences import with_error_sentences
-from woz_tui.cli.shared_options import add_session
+from woz_tui.cli.shared_options import add_robot, add_session
 from woz_tui.session.participant_identity import SessionIdentity
 
 LONGEST_WAIT_S = 3600.0
@@ -18,6 +18,7 @@ LONGEST_WAIT_S = 3600.0
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("experiment", type=Path, help="experiment file")
+    add_robot(parser)
     add_session(parser)
     parser.add_argument(
         "--rerun",
@@ -94,6 +95,7 @@ def run(arguments: Namespace) -> int:
                 profile=arguments.profile,
                 rerun=rerun,
                 training=training,
+                robot=arguments.robot,
             )
         )
 

@@ -116,7 +116,13 @@ class Launch:
 
 
 def host_arguments(
-    experiment: Path, *, recordings: Path, spill: Path | None, name: str, codes: dict[str, str]
+    experiment: Path,
+    *,
+    recordings: Path,
+    spill: Path | None,
+    name: str,
+    codes: dict[str, str],
+    robot: str = "",
 ) -> list[str]:
     """The command line of `woz host` for one session; empty codes are left out."""
     arguments = [str(experiment), "--recordings", str(recordings)]
@@ -124,7 +130,7 @@ def host_arguments(
         arguments += ["--spill", str(spill)]
     if name:
         arguments += ["--name", name]
-    for option, value in codes.items():
+    for option, value in {"robot": robot, **codes}.items():
         if value:
             arguments += [f"--{option}", value]
     return arguments

@@ -205,7 +205,7 @@ def _bundled_plan(origin: ExperimentOrigin, catalogue: Catalogue) -> SessionPlan
     if file is None:
         return None
     try:
-        experiment = load(file, catalogue)
+        experiment = load(file, catalogue, robot=origin.robot)
     except ExperimentError:
         return None
     return _plan(experiment, catalogue) if origin.made_with(experiment) else None

@@ -182,6 +182,7 @@ def _host_command(rerun: _Rerun, arguments: argparse.Namespace) -> list[str]:
             spill=None,
             name="",
             codes={"seed": str(seed) if seed else ""},
+            robot=rerun.experiment.robot,
         ),
         "--rerun",
         str(rerun.log),

@@ -12,6 +12,7 @@ from woz_tui.cli.host_start import host_arguments
 from woz_tui.cli.shared_options import (
     add_keymap,
     add_pictures,
+    add_robot,
     add_session,
     add_theme,
     builtins,
@@ -25,6 +26,7 @@ _CODES = ("session", "participant", "condition", "wizard", "profile", "seed")
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("experiment", type=Path, help="experiment file")
+    add_robot(parser)
     add_session(parser)
     add_keymap(parser)
     add_pictures(parser)
@@ -33,17 +35,19 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Start both, leave when the console is left; the robot process may go on."""
-    return play(arguments, arguments.experiment)
+    return play(arguments, arguments.experiment, arguments.robot)
 
 
-def play(arguments: Namespace, experiment: Path) -> int:
-    """A session on `experiment`; the exit code."""
-    return console_start.with_terminal(lambda: _play(arguments, experiment))
+def play(arguments: Namespace, experiment: Path, robot: str = "") -> int:
+    """A session on `experiment`, with another `robot` than its own if one is named; the exit
+    code.
+    """
+    return console_start.with_terminal(lambda: _play(arguments, experiment, robot))
 
 
-def _play(arguments: Namespace, experiment: Path) -> int:
+def _play(arguments: Namespace, experiment: Path, robot: str) -> int:
     own_keys = builtins(arguments)
-    command = _host_command(arguments, experiment)
+    command = _host_command(arguments, experiment, robot)
     result = run_session(
         command,
         lambda robot: console_start.ScreenOptions(
@@ -64,11 +68,12 @@ def _play(arguments: Namespace, experiment: Path) -> int:
     return result.code
 
 
-def _host_command(arguments: Namespace, experiment: Path) -> list[str]:
+def _host_command(arguments: Namespace, experiment: Path, robot: str) -> list[str]:
     return host_arguments(
         experiment,
         recordings=arguments.recordings,
         spill=arguments.spill,
         name=arguments.name,
         codes={code: str(getattr(arguments, code) or "") for code in _CODES},
+        robot=robot,
     )

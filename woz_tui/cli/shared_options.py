@@ -32,6 +32,17 @@ def add_session(parser: ArgumentParser) -> None:
     parser.add_argument("--name", default="", help="name of the socket (default: the session code)")
 
 
+def add_robot(parser: ArgumentParser) -> None:
+    """Declare the robot that plays an experiment instead of the one that its file names."""
+    parser.add_argument(
+        "--robot",
+        default="",
+        metavar="NAME",
+        help="another robot than the file's: a robot file, the name of one, or a type (see `woz"
+        " robots`)",
+    )
+
+
 def add_pictures(parser: ArgumentParser) -> None:
     """Declare how a camera's pictures are drawn (see `console.camera.picture_widgets`)."""
     parser.add_argument(

@@ -15,7 +15,7 @@ from woz_tui.cli.argument_types import number
 from woz_tui.cli.console_start import ScreenOptions, run_session
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.host_start import host_arguments
-from woz_tui.cli.shared_options import add_keymap, add_theme, builtins
+from woz_tui.cli.shared_options import add_keymap, add_robot, add_theme, builtins
 from woz_tui.console.text_console import TextConsole
 from woz_tui.session.participant_identity import check_code
 from woz_tui.training.score_history import TrainingScore, history, score_of
@@ -47,6 +47,7 @@ def add(parser: ArgumentParser) -> None:
         help="only show the scores so far, of --wizard or of all wizards",
     )
     parser.add_argument("--name", default="", help="name of the socket (default: the session code)")
+    add_robot(parser)
     add_keymap(parser)
     add_theme(parser)
 
@@ -105,6 +106,7 @@ def _host_command(arguments: Namespace) -> list[str]:
             "wizard": arguments.wizard,
             "seed": str(arguments.seed or random.SystemRandom().randrange(1, 1 << 31)),
         },
+        robot=arguments.robot,
     )
     words.append("--train")
     if arguments.count is not None:

@@ -119,10 +119,21 @@ class Wait:
 
 
 @dataclass(frozen=True, slots=True)
+class LeftOut:
+    """What a robot that plays the file instead of the file's own does not do: `what` is a verb or
+    an argument of one (`play.amplitude`).
+    """
+
+    what: str
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
 class ParallelCalls:
     """Calls that begin at the same moment; the step ends when the last one has ended."""
 
     calls: tuple[Call, ...]
+    left_out: tuple[LeftOut, ...] = ()
 
 
 Step = ParallelCalls | Wait
@@ -154,6 +165,12 @@ class Action:
         return [
             call for step in self.steps if isinstance(step, ParallelCalls) for call in step.calls
         ]
+
+    @property
+    def left_out(self) -> list[LeftOut]:
+        """What of it this robot does not do, each once."""
+        steps = [step for step in self.steps if isinstance(step, ParallelCalls)]
+        return [*dict.fromkeys(one for step in steps for one in step.left_out)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -288,6 +305,8 @@ class Experiment:
     drivers: tuple[DriverSpec, ...]
     panels: tuple[Panel, ...]
     script: tuple[str, ...] = ()
+    #: The robot that plays it instead of the one that the file names; empty: none.
+    robot: str = ""
     #: In the order in which one follows the other, unless the wizard chooses otherwise.
     phases: tuple[Phase, ...] = ()
     #: Regular expression that participant codes match as a whole.
@@ -320,6 +339,13 @@ class Experiment:
     #: The text of each of `files`.
     texts: tuple[str, ...] = ()
     warnings: tuple[Problem, ...] = ()
+
+    @property
+    def actions(self) -> list[Action]:
+        """All actions: those of the panels, the repairs, what entering a state plays."""
+        effects = self.engagement.effects.values() if self.engagement is not None else ()
+        of_panels = [action for panel in self.panels for action in panel.actions]
+        return [*of_panels, *self.repairs, *effects]
 
     def action(self, name: str) -> Action | None:
         """The action called `name`, or None."""

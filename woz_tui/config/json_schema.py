@@ -22,6 +22,7 @@ from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_section import ENTERED, ON_ENTER
 from woz_tui.config.experiment_file import TOP_LEVEL, ActionEntry, ExperimentFile
 from woz_tui.config.languages import SPOKEN, Language
+from woz_tui.config.robots import NAMED
 from woz_tui.config.session_verbs import WAIT, engagement_verbs, session_verbs
 from woz_tui.config.study import CUES, Design
 from woz_tui.config.study_sections import NAME_PATTERN
@@ -256,7 +257,15 @@ def _robot(catalogue: Mapping[str, type[Driver]]) -> Schema:
             "oneOf": kinds,
         },
     }
-    return mapping({"name": TEXT, "drivers": drivers}, required=("drivers",))
+    names = {
+        field: {
+            "type": "object",
+            "description": f"{field}: the name in experiments, and the driver's own",
+            "additionalProperties": TEXT,
+        }
+        for field in NAMED
+    }
+    return mapping({"name": TEXT, **names, "drivers": drivers}, required=("drivers",))
 
 
 def _repairs() -> Schema:

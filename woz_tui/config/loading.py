@@ -43,10 +43,18 @@ from woz_tui.drivers.contract import Driver, Verb
 
 
 def load(
-    path: Path, catalogue: Mapping[str, type[Driver]], data: bytes | None = None
+    path: Path,
+    catalogue: Mapping[str, type[Driver]],
+    data: bytes | None = None,
+    robot: str = "",
 ) -> Experiment:
     """Read and check an experiment file with the drivers of `catalogue`; `data` stands for what the
     file holds.
+
+    `robot` plays it instead of the robot that the file names: a robot file, the name of one in the
+    folder `robots` beside the experiment or among those of woz-tui, or a driver's type. The file's
+    own robot still decides what is right; what only the other one cannot do is left out, with a
+    warning.
 
     Raises `ExperimentError` with every problem of this file and of the robot files that it names,
     sorted by place. Nothing else is raised, whatever the files hold.
@@ -67,7 +75,7 @@ def load(
         report.raise_errors()
     assert source is not None  # `raise_errors` has raised otherwise
     assert root is not None
-    experiment = _ExperimentDecoder(path, catalogue, report, [source]).read(root)
+    experiment = _ExperimentDecoder(path, catalogue, report, [source], robot).read(root)
     report.raise_errors()
     return experiment
 
@@ -79,17 +87,21 @@ class _ExperimentDecoder:
         catalogue: Mapping[str, type[Driver]],
         report: ProblemReport,
         sources: list[SourceFile],
+        robot: str,
     ) -> None:
         self._path = path
         self._report = report
         self._sources = sources
-        self._robots = RobotReader(catalogue, path.parent, report, sources)
+        self._robot = robot
+        self._catalogue = catalogue
 
     def read(self, root: Cursor) -> Experiment:
         table = dict(root.entries())
         file = read_partly(root, ExperimentFile)
         assert file is not None  # whoever calls has seen that it is a mapping
-        robots = self._robots.read(root, table)
+        another = self._another(table)
+        robots = self._robots().read(root, table)
+        playing = robots if another is None else another
         conditions = file.conditions
         section = table.get("engagement")
         filled = (
@@ -106,6 +118,7 @@ class _ExperimentDecoder:
             dict.fromkeys((*filled, *variables.names)),
             CommandChecker.of(self._path.absolute().parent, variables, conditions),
             conditions,
+            another,
         )
         steps = StepReader(vocabulary)
         panels = PanelReader(steps, file.keyboard)
@@ -121,14 +134,15 @@ class _ExperimentDecoder:
         engagement = reader.read(section) if section is not None else None
         playable = {*known.verbs, *(panel.title for panel in read)} if known.complete else None
         around = StudyReferences(
-            conditions, actions, _published(robots), playable, section is not None
+            conditions, actions, _published(playing), playable, section is not None
         )
         experiment = Experiment(
             title=file.title,
             path=self._path.absolute(),
             sha256=hashlib.sha256(b"".join(source.data for source in self._sources)).hexdigest(),
-            drivers=tuple(robots.drivers),
+            drivers=tuple(playing.drivers),
             panels=read,
+            robot=playing.origin,
             script=file.script,
             phases=read_phases(table.get("phases"), [panel.title for panel in read], actions),
             participant_pattern=_pattern(file.participants.pattern, table.get("participants")),
@@ -152,13 +166,29 @@ class _ExperimentDecoder:
             files=tuple(source.path.absolute() for source in self._sources),
             texts=tuple(source.text for source in self._sources),
         )
-        check_shown(table.get("sensors"), _published(robots), section is not None)
-        check_asks(robots, vocabulary.own, actions, self._report)
-        if engagement is not None:
-            check_engagement(engagement, robots, panels.drafts, self._report)
+        with self._report.lenient(another is not None):
+            check_shown(table.get("sensors"), _published(playing), section is not None)
+            check_asks(playing, vocabulary.own, actions, self._report)
+            if engagement is not None:
+                check_engagement(engagement, playing, panels.drafts, self._report)
         cross_checks.check_across(experiment, table, panels.drafts, self._report)
         cross_checks.check_covers(experiment, known.verbs if known.complete else None, self._report)
         return replace(experiment, warnings=tuple(self._report.warnings))
+
+    def _robots(self) -> RobotReader:
+        return RobotReader(self._catalogue, self._path.parent, self._report, self._sources)
+
+    def _another(self, table: Mapping[str, Cursor]) -> Robots | None:
+        """The robot that plays the file instead of its own; None: none was named."""
+        if not self._robot:
+            return None
+        if "robots" in table:
+            table["robots"].error(
+                f"{quoted(self._robot)} cannot play the parts of several robots; name each in a"
+                " copy of this file"
+            )
+            return None
+        return self._robots().read_named(table["robot"], self._robot) if "robot" in table else None
 
 
 def _wordings(action: Action) -> Iterable[tuple[str, ...]]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import msgspec
@@ -33,6 +34,16 @@ class ProblemReport:
         self._messages: set[tuple[FilePosition, str]] = set()
         #: Files that settings stand in, in the order in which they were read.
         self.included: list[SourceFile] = []
+        self._lenient = False
+
+    @contextlib.contextmanager
+    def lenient(self, active: bool = True) -> Iterator[None]:
+        """Inside, what would be an error is a warning."""
+        self._lenient = active
+        try:
+            yield
+        finally:
+            self._lenient = False
 
     def file(self, name: str) -> None:
         """Files are reported in the order in which they were read."""
@@ -142,7 +153,7 @@ class ProblemReport:
         self, place: FilePosition, path: str, message: str, *, warning: bool = False
     ) -> Problem:
         name = _printable(self._named(place, path)) or "file"
-        problem = Problem(place, name, _printable(message), warning)
+        problem = Problem(place, name, _printable(message), warning or self._lenient)
         self._problems.setdefault(problem)
         self._messages.add((place, problem.message))
         return problem

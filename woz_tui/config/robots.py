@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from woz_tui.config.annotated_decoder import INVALID, read_settings, values_with_note
+from woz_tui.config.bundled_files import is_path, robot_files
 from woz_tui.config.experiment import DriverSpec
 from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
 from woz_tui.config.problems import ProblemReport, join, quoted
@@ -28,6 +29,13 @@ from woz_tui.drivers.fields import Range, Sibling
 #: A robot that needs no hardware and no file: one driver of the same type, called `robot`.
 SIMULATED = "simulated"
 
+#: The verb whose main argument is a move.
+PLAY = "play"
+#: What a robot file may say beside its drivers: names of its own, for which kind of argument.
+NAMED = {"moves": "move", "joints": "joints"}
+#: What a robot file may say.
+ROBOT_FIELDS = ("name", *NAMED, "drivers")
+
 RemarkFunction = Callable[[Written], Iterable[Finding]]
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,31}")
@@ -37,13 +45,15 @@ _NAME_RULE = "a name has letters, digits, _ and -, and begins with a letter"
 @dataclass(frozen=True, slots=True)
 class VerbOffer:
     """A verb of one driver; `joints` with their ranges in degrees if the driver tells, and `look`,
-    what it says of a command that is only written (`config.command_remarks`).
+    what it says of a command that is only written (`config.command_remarks`). `names`: what the
+    robot file calls a move or a joint -> what the driver calls it.
     """
 
     driver: str
     verb: Verb
     joints: Mapping[str, Range] | None = None
     look: RemarkFunction | None = None
+    names: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +77,9 @@ class Robots:
     names: list[str] = field(default_factory=list)
     #: Whether some driver could not be decoded, so that verbs may be missing.
     incomplete: bool = False
+    #: Of the robot that plays instead of the file's own: what it is called, and where to find it.
+    label: str = ""
+    origin: str = ""
 
 
 class RobotReader:
@@ -84,6 +97,8 @@ class RobotReader:
         self._report = report
         self._sources = sources
         self._robots = Robots()
+        #: The robot file's own names of what drivers have, by kind of argument.
+        self._names: dict[str, Mapping[str, str]] = {}
 
     def read(self, root: Cursor, table: dict[str, Cursor]) -> Robots:
         """Takes `robot` and `robots` out of the experiment's top level."""
@@ -98,6 +113,29 @@ class RobotReader:
         else:
             missing({}, "robot", root, "robot: simulated needs no hardware")
             self._robots.incomplete = True
+        return self._robots
+
+    def read_named(self, cursor: Cursor, name: str) -> Robots:
+        """The robot called `name` instead of the one at `cursor`: a file, one of a folder `robots`
+        beside the experiment or of woz-tui, or a type that needs no settings.
+        """
+        self._robots.label = self._robots.origin = name
+        files = robot_files(self._base)
+        file = files.get(name)
+        if file is None and is_path(name):
+            near = Path(name).expanduser()
+            file = near if near.exists() else self._base / near
+            self._robots.label, self._robots.origin = file.stem, str(file.absolute())
+        if file is not None:
+            self._file(cursor, str(file.absolute()), "")
+        elif name in self._catalogue:
+            plain = Cursor(MappingNode(cursor.place), cursor.path, cursor.place, cursor.report)
+            self._driver(plain, "robot", name)
+        else:
+            known = dict.fromkeys((*files, *self._catalogue))
+            near_names = self._report.hint(name, known, or_list="robots are")
+            cursor.error(f"there is no robot {quoted(name)}{near_names}")
+        self._robots.incomplete |= not self._robots.drivers
         return self._robots
 
     def read_file(self, root: Cursor) -> Robots:
@@ -171,11 +209,14 @@ class RobotReader:
 
     def _drivers(self, cursor: Cursor, prefix: str) -> None:
         """`{name: ..., drivers: {head: {type: ..., settings}, ...}}`."""
-        table = cursor.fields(("name", "drivers"), "a robot has", "a mapping with drivers")
+        table = cursor.fields(ROBOT_FIELDS, "a robot has", "a mapping with drivers")
         if table is None:
             return
         if "name" in table:
             read_text(table["name"])
+        self._names = {
+            kind: _names_in(table[field]) if field in table else {} for field, kind in NAMED.items()
+        }
         drivers = missing(table, "drivers", cursor, "drivers: {head: {type: ...}}")
         before = len(self._robots.drivers)
         entries = drivers.table("a mapping of drivers by name") if drivers is not None else None
@@ -251,8 +292,18 @@ class RobotReader:
             self._robots.asking.append(DriverRequests(name, cursor.path, cursor.place.file, asks))
         look = functools.partial(driver.remarks, settings)
         for verb in spec.verbs:
-            offer = VerbOffer(name, verb, joints, look)
+            kind = verb.arguments[0].kind if verb.arguments else ""
+            kind = "move" if verb.name == PLAY else "joints" if kind == "poses" else kind
+            names = self._names.get(kind, {})
+            offer = VerbOffer(name, verb, joints, look, names)
             self._robots.offers.setdefault(verb.name, []).append(offer)
+
+
+def _names_in(cursor: Cursor) -> dict[str, str]:
+    """`{wave: Hey_1}`: names that experiments use -> those of the driver."""
+    table = cursor.table("a mapping such as {wave: Hey_1}") or {}
+    read = {name: read_text(entry, "a name") for name, entry in table.items()}
+    return {name: text for name, text in read.items() if text is not None}
 
 
 def _named(cursor: Cursor, name: str) -> bool:

@@ -7,14 +7,14 @@ Arguments stand beside the verb (`play: nod, speed: 0.5`) or under it (`play: {m
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from woz_tui.config import utterance_template
 from woz_tui.config.annotated_decoder import resolve_path
 from woz_tui.config.command_remarks import CommandChecker
 from woz_tui.config.condition_texts import is_choice, read_choice
-from woz_tui.config.experiment import Call, ParallelCalls, TextVariants
-from woz_tui.config.problems import join, listed, quoted
+from woz_tui.config.experiment import Call, LeftOut, ParallelCalls, TextVariants
+from woz_tui.config.problems import ProblemReport, join, listed, quoted
 from woz_tui.config.robots import Robots, VerbOffer
 from woz_tui.config.session_verbs import ENGAGEMENT, ENGAGEMENT_VERBS, PERFORMERS, WAIT
 from woz_tui.config.sign_values import argument_problem, without_a_sign
@@ -46,13 +46,17 @@ _FIGURES: Mapping[str, Callable[[Cursor, Range | None], Json]] = {
 
 @dataclass(frozen=True, slots=True)
 class Vocabulary:
-    """All verbs of an experiment, and what their arguments may refer to."""
+    """All verbs of an experiment, and what their arguments may refer to.
+
+    `another`: the robot that plays it instead of `robots`, which still decides what can be written.
+    """
 
     robots: Robots
     own: Mapping[str, VerbOffer]
     variables: Collection[str]
     looker: CommandChecker
     conditions: Sequence[str] = ()
+    another: Robots | None = None
 
     def offers(self, verb: str) -> Sequence[VerbOffer]:
         """Who offers the verb; those that need no driver come before any driver's."""
@@ -102,16 +106,30 @@ class CallReader:
             verbs_known = listed(self._vocabulary.names)
             cursor.error(f"does nothing; add a verb: {verbs_known}")
         calls: list[Call] = []
+        left_out: list[LeftOut] = []
         for name, entry in verbs.items():
-            for offer in chosen[name]:
-                arguments = _Arguments(self._vocabulary, offer, entry)
-                args = arguments.read(shares.get(name, {}))
-                if offer.driver == ENGAGEMENT and (why := argument_problem(name, args)):
-                    entry.error(why)
-                choices = arguments.choices
-                calls.append(Call(name, args, offer.driver, entry.place, choices=choices))
+            beside_it = shares.get(name, {})
+            own = [self._call(offer, entry, beside_it) for offer in chosen[name]]
+            if self._vocabulary.another is not None and chosen[name]:
+                substitute = _Substitute(self._vocabulary, self._vocabulary.another, entry)
+                chosen[name] = substitute.offers(chosen[name])
+                own = [
+                    call
+                    for offer in chosen[name]
+                    if (call := substitute.call(offer, beside_it, self._call)) is not None
+                ]
+                left_out += substitute.left_out
+            calls += own
         self._same_lane(calls, verbs, chosen)
-        return ParallelCalls(tuple(calls))
+        return ParallelCalls(tuple(calls), tuple(left_out))
+
+    def _call(self, offer: VerbOffer, entry: Cursor, beside: Mapping[str, Cursor]) -> Call:
+        name = offer.verb.name
+        arguments = _Arguments(self._vocabulary, offer, entry)
+        args = arguments.read(beside)
+        if offer.driver == ENGAGEMENT and (why := argument_problem(name, args)):
+            entry.error(why)
+        return Call(name, args, offer.driver, entry.place, choices=arguments.choices)
 
     def _targets(self, on: Cursor | None) -> list[Cursor] | None:
         if on is None:
@@ -271,6 +289,81 @@ def _matches(driver: str, wanted: str) -> bool:
     return driver == wanted or driver.startswith(f"{wanted}.") or driver.endswith(f".{wanted}")
 
 
+class _Substitute:
+    """Reads one verb for another robot than the file's own.
+
+    What is right with the file's own robot and not with this one is left out, and warned of.
+    """
+
+    def __init__(self, vocabulary: Vocabulary, another: Robots, entry: Cursor) -> None:
+        self._another = another
+        self._entry = entry
+        self._taken = {
+            argument.name
+            for offer in vocabulary.offers(entry.path.rpartition(".")[2])
+            for argument in offer.verb.arguments
+        }
+        self.left_out: list[LeftOut] = []
+
+    def offers(self, own: Sequence[VerbOffer]) -> list[VerbOffer]:
+        """Who carries it out instead: a driver of the same name, or the only one that can."""
+        if own[0].driver in PERFORMERS:
+            return [*own]
+        name = own[0].verb.name
+        offers = self._another.offers.get(name, [])
+        if len(offers) > 1:
+            drivers = {offer.driver for offer in own}
+            offers = [offer for offer in offers if offer.driver in drivers] or offers
+        if len(offers) > 1:
+            who = " and ".join(offer.driver for offer in offers)
+            self._entry.error(f"{who} of {self._another.label} both offer {name!r}")
+        if not offers and not self._another.incomplete:
+            self._leave_out(name, "not offered")
+        return offers[:1]
+
+    def call(
+        self,
+        offer: VerbOffer,
+        beside: Mapping[str, Cursor],
+        read: Callable[[VerbOffer, Cursor, Mapping[str, Cursor]], Call],
+    ) -> Call | None:
+        """The call with what this robot's verb takes; None: it is left out."""
+        if offer.driver in PERFORMERS:
+            return read(offer, self._entry, beside)
+        verb = offer.verb.name
+        known = {argument.name for argument in offer.verb.arguments}
+        dropped = self._taken - known
+        report = ProblemReport()
+        node = self._entry.node
+        if isinstance(node, MappingNode):
+            entries = {name: each for name, each in node.entries.items() if name not in dropped}
+            node = MappingNode(node.place, entries, node.keys)
+        entry = replace(self._entry, node=node, report=report)
+        kept = {
+            name: replace(each, report=report)
+            for name, each in beside.items()
+            if name not in dropped
+        }
+        call = read(offer, entry, kept)
+        if report.errors:
+            problem = report.errors[0]
+            part = problem.path.removeprefix(self._entry.path)
+            subject = f"{part.lstrip('.')}: " if part.startswith((".", "[")) else ""
+            self._leave_out(verb, f"{subject}{problem.message}")
+            return None
+        for warning in report.warnings:
+            self._entry.report.warning(warning.place, warning.path, warning.message)
+        for name in sorted(dropped & {*beside, *dict(self._entry.entries())}):
+            self._leave_out(f"{verb}.{name}", "not offered")
+        return call
+
+    def _leave_out(self, what: str, why: str) -> None:
+        self.left_out.append(LeftOut(what, why))
+        argument = what.partition(".")[2]
+        subject = f"{quoted(argument)} is left out" if argument else "is left out"
+        self._entry.warning(f"{subject} on {self._another.label}: {why}")
+
+
 class _Arguments:
     """The arguments of one verb, from under it and from beside it."""
 
@@ -385,10 +478,8 @@ class _Arguments:
         """The checked value; None if it is wrong (and reported)."""
         allowed = argument.range
         match argument.kind:
-            case "text" | "choice" if argument.choices:
-                return read_word(cursor, argument.choices)
             case "text" | "choice" | "file" as kind:
-                return self._text(cursor, file=kind == "file")
+                return self._text(cursor, argument, file=kind == "file")
             case "joints":
                 table = cursor.table("joint names with degrees, such as {pan: 20}")
                 return None if table is None else self._angles(cursor, table, allowed)
@@ -402,7 +493,12 @@ class _Arguments:
         cursor.error(f"the driver names an unknown kind of argument: {argument.kind!r}")
         return None
 
-    def _text(self, cursor: Cursor, *, file: bool) -> Json:
+    def _text(self, cursor: Cursor, argument: Argument, *, file: bool) -> Json:
+        names = self._offer.names if argument is self._verb.arguments[0] else {}
+        if isinstance(cursor.node, ScalarNode) and cursor.node.text in names:
+            cursor = replace(cursor, node=replace(cursor.node, text=names[cursor.node.text]))
+        if argument.choices and not file:
+            return read_word(cursor, argument.choices)
         text = read_text(cursor, "a file" if file else "text")
         if text is None or (file and "://" in text):
             return text
@@ -417,7 +513,8 @@ class _Arguments:
             cursor.error("the joints are missing here")
         joints = self._offer.joints
         angles: dict[str, Json] = {}
-        for name, entry in table.items():
+        for written, entry in table.items():
+            name = self._offer.names.get(written, written)
             if joints is not None and name not in joints:
                 near = entry.report.hint(name, joints, or_list="the joints are")
                 entry.error(f"there is no joint {name!r}{near}")

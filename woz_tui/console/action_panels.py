@@ -273,6 +273,10 @@ def _slot(
     key = caption(board.caps.get(slot.action.name, KeyCap(slot.action.key)), frame.glyphs)
     keylook = "flash" if board.pressed == slot.action.name else "key" if key else "plain"
     word = "" if _said_above(state, panel, standing.state) else _word(standing)
+    if without := [what for what in slot.action.without if "." not in what]:
+        word = word or f"no {', '.join(without)}"
+        if not slot.action.verbs and standing.state is ButtonState.READY:
+            look = "muted"
     said = quotation(state.words_on(slot.action.name, standing), frame.glyphs)
     room = frame.width - cap - 1
     texts = clean(slot.action.label), said

@@ -184,7 +184,8 @@ def _by_robot(message: m.Message) -> bool:
 def _requested(message: m.ActionRequested, shown: EventContext) -> EventLine | None:
     if _is_effect(message.action, shown):
         return None  # the state's own line tells of it
-    source = _SOURCES.get(message.source, "")
+    without = f"without {', '.join(message.without)}" if message.without else ""
+    source = ", ".join(filter(None, (_SOURCES.get(message.source, ""), without)))
     action = shown.action(message.action)
     return EventLine(
         "running",

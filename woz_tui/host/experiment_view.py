@@ -62,6 +62,7 @@ def action_view(action: Action, profile: Profile | None) -> ActionView:
         ],
         locked=action.locked or (profile is not None and not profile.plays(action)),
         then=[*action.then],
+        without=[each.what for each in action.left_out],
     )
 
 

@@ -67,7 +67,8 @@ class HostOptions:
     one. `recordings` the folder of logs; `spill` a second folder for when the
     first one fails. `announce` writes one JSON line with socket and log to standard output.
     `profile` is what the wizard may use at the beginning; empty: everything. `rerun`: which log's
-    commands are run again. `training`: a wizard is trained, and nothing moves.
+    commands are run again. `training`: a wizard is trained, and nothing moves. `robot`: the one
+    that plays instead of the file's own.
     """
 
     experiment: Path
@@ -79,6 +80,7 @@ class HostOptions:
     profile: str = ""
     rerun: RerunOptions | None = None
     training: TrainingOptions | None = None
+    robot: str = ""
 
 
 def run(options: HostOptions) -> int:
@@ -109,7 +111,7 @@ def run(options: HostOptions) -> int:
 
 def _read(options: HostOptions, catalogue: Catalogue) -> Experiment:
     """The experiment's file as it is now, for this kind of session."""
-    experiment = load(options.experiment, catalogue)
+    experiment = load(options.experiment, catalogue, robot=options.robot)
     if options.training is not None:
         from woz_tui.host.training_session import without_participant  # noqa: PLC0415
 
@@ -162,7 +164,7 @@ async def _serve(
     session.hub.listen(functools.partial(_note_participant, participants))
     if options.profile:
         session.use_profile(options.profile, "start")
-    read = functools.partial(load, options.experiment, catalogue)
+    read = functools.partial(load, options.experiment, catalogue, robot=options.robot)
     handlers = RequestHandlers(session, lambda: _read(options, catalogue), read)
     host = SessionServer(session, path, handlers)
     rerun, training = _played(host, options, plan, cues)

@@ -20,7 +20,8 @@ class ActionRequested(Message, frozen=True, kw_only=True, tag="action.requested"
     """Somebody asked for an action by name: one press, from which one or more commands follow.
 
     `source` is key, script, palette, midi, program, phase, engagement or replay; `console` names
-    the connection it came over. `run` ties the action's commands and its end together.
+    the connection it came over. `run` ties the action's commands and its end together. `without`:
+    verbs, and arguments such as `play.speed`, that this robot does not do of it.
     """
 
     run: str
@@ -29,6 +30,7 @@ class ActionRequested(Message, frozen=True, kw_only=True, tag="action.requested"
     source: str
     key: str = ""
     console: str = ""
+    without: list[str] = []
 
 
 class ActionEnd(RestrictedMessage, frozen=True, kw_only=True):

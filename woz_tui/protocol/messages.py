@@ -126,7 +126,8 @@ class SessionStart(Message, frozen=True, kw_only=True, tag="session.start"):
     """First line of a log: who, what, with which software, and how clock and calendar meet.
 
     `spill`: folders in which the log goes on if its own fails, best first; each as it is on that
-    machine and, where that differs, as seen from the log's.
+    machine and, where that differs, as seen from the log's. `robot`: the robot that plays the
+    experiment instead of the one that its file names: a name, or a file as seen from its folder.
     """
 
     format: str = msgspec.field(default_factory=lambda: FORMAT)
@@ -141,6 +142,7 @@ class SessionStart(Message, frozen=True, kw_only=True, tag="session.start"):
     seed: int
     clock: dict[str, str]
     spill: list[str] = []
+    robot: str = ""
 
 
 class SessionChanged(Message, frozen=True, kw_only=True, tag="session.changed"):

@@ -8,7 +8,7 @@ import msgspec
 class ActionView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """An action as the console shows it; `key` is the chord as the experiment file has it, in the
     normal form of `woz_tui.config.keys`; `verbs` what it does, for icons and search; `then`
-    names actions that are likely to follow.
+    names actions that are likely to follow; `without` verbs that this robot does not do of it.
     """
 
     name: str
@@ -19,6 +19,7 @@ class ActionView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     utterances: list[str] = []
     locked: bool = False
     then: list[str] = []
+    without: list[str] = []
 
 
 class PanelView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):

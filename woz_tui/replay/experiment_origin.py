@@ -42,12 +42,14 @@ class ExperimentOrigin:
         files: Their text as it was last; None in logs of a version that did not keep it.
         study: The study as consoles were told of it, by the last plan in the log whose wizard was
             blind to the condition; the defaults if none was; None if the log has no plan.
+        robot: The robot that played it instead of the one that its file names; empty: none.
     """
 
     name: str
     hashes: tuple[str, ...]
     files: m.ExperimentFiles | None = None
     study: StudySettings | None = None
+    robot: str = ""
 
     def made_with(self, experiment: Experiment) -> bool:
         """Whether the session was played, or ended, with just these files."""
@@ -65,10 +67,10 @@ class ExperimentOrigin:
 
 def origin_of(lines: Iterable[object]) -> ExperimentOrigin:
     """What a log says about its experiment."""
-    name, hashes, files, study = "", [], None, None
+    name, hashes, files, study, robot = "", [], None, None, ""
     for line in lines:
         match line:
-            case m.SessionStart(experiment=name, experiment_sha256=sha256):
+            case m.SessionStart(experiment=name, experiment_sha256=sha256, robot=robot):
                 hashes.append(sha256)
             case m.ExperimentReloaded(experiment_sha256=sha256):
                 hashes.append(sha256)
@@ -77,7 +79,7 @@ def origin_of(lines: Iterable[object]) -> ExperimentOrigin:
             case m.SessionPlan():
                 told = line.settings.study
                 study = told if told.blind else study or StudySettings()
-    return ExperimentOrigin(name, tuple(hashes), files, study)
+    return ExperimentOrigin(name, tuple(hashes), files, study, robot)
 
 
 def candidate_files(log: Path, name: str) -> list[Path]:
@@ -103,7 +105,7 @@ def find_experiment(
         ExperimentError: It is there, and has errors.
     """
     if given is not None:
-        return load(given, catalogue)
+        return load(given, catalogue, robot=origin.robot)
     found = candidate_files(log, Path(origin.name).name)
     if not found:
         raise OriginError(
@@ -114,7 +116,7 @@ def find_experiment(
     broken: list[ExperimentError] = []
     for file in found:
         try:
-            read.append(load(file, catalogue))
+            read.append(load(file, catalogue, robot=origin.robot))
         except ExperimentError as error:
             broken.append(error)
     if not read:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import msgspec
@@ -126,7 +126,8 @@ class ActionRunner:
 
         `steps`: what it does, filled in, where that is not what stands in the file.
         """
-        run_id = self._request(action.name, action.panel, origin)
+        without = [each.what for each in action.left_out]
+        run_id = self._request(action.name, action.panel, origin, without)
         try:
             # All of them before the first: no action ends half-way because a value is missing.
             steps = self._fill(action) if steps is None else steps
@@ -227,7 +228,9 @@ class ActionRunner:
         if len(self.played) > REMEMBERED:
             del self.played[next(iter(self.played))]
 
-    def _request(self, name: str, panel: str, origin: RequestOrigin) -> str:
+    def _request(
+        self, name: str, panel: str, origin: RequestOrigin, without: Sequence[str] = ()
+    ) -> str:
         self._actions += 1
         run = f"a{self._actions:05d}"
         self._remember(run, name, origin)
@@ -239,6 +242,7 @@ class ActionRunner:
                 source=origin.source,
                 key=origin.key,
                 console=origin.console,
+                without=[*without],
             )
         )
         return run

@@ -201,7 +201,7 @@ class ActionTexts:
             match step:
                 case Wait(seconds=seconds):
                     steps.append(seconds)
-                case ParallelCalls(calls=calls):
+                case ParallelCalls(calls=calls) if calls:  # none: this robot does none of them
                     steps.append(tuple(filled_call(call, values, pick) for call in calls))
         return steps
 

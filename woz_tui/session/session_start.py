@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import json
 import re
+from collections import Counter
 from collections.abc import Sequence
+from pathlib import Path
 
 from woz_tui import __version__
 from woz_tui.bus.hub import Hub
+from woz_tui.config.bundled_files import is_path
 from woz_tui.config.experiment import Experiment
 from woz_tui.log.file_names import from_folder, home_folder
 from woz_tui.protocol import messages as m
@@ -29,6 +32,7 @@ def publish_start(
     hub.publish(session_start(identity, experiment, clock, spill))
     hub.publish(experiment_files(experiment))
     _publish_key_notices(hub, experiment)
+    _publish_left_out(hub, experiment)
 
 
 def publish_reload(
@@ -41,6 +45,29 @@ def publish_reload(
     )
     hub.publish(experiment_files(experiment))
     _publish_key_notices(hub, experiment)
+    _publish_left_out(hub, experiment)
+
+
+def _publish_left_out(hub: Hub, experiment: Experiment) -> None:
+    """Tell what this robot does not do of a file that is written for another one."""
+    short = [action for action in experiment.actions if action.left_out]
+    if not short:
+        return
+    counts = Counter(each.what for action in short for each in action.left_out)
+    what = ", ".join(f"{name} ({count})" for name, count in counts.most_common())
+    empty = sum(not action.calls for action in short)
+    nothing = f", {empty} of them do nothing" if empty else ""
+    text = f"This robot leaves something out of {len(short)} actions{nothing}: {what}"
+    remedy = f"woz check {experiment.path.name} --robot {robot_name(experiment)}"
+    hub.publish(m.Notice(level="warning", text=text, remedy=remedy))
+
+
+def robot_name(experiment: Experiment) -> str:
+    """The robot that plays the file instead of its own, as it can be named again: its name, or its
+    file as seen from the experiment's folder.
+    """
+    robot = experiment.robot
+    return from_folder(Path(robot), experiment.path.parent) if is_path(robot) else robot
 
 
 def _publish_key_notices(hub: Hub, experiment: Experiment) -> None:
@@ -75,6 +102,7 @@ def session_start(
             "boot_id": boot_id(),
         },
         spill=spill,
+        robot=robot_name(experiment),
     )
 
 

@@ -1,0 +1,136 @@
+"""What another robot than the file's own does of each action, for `woz check --robot`."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rich.table import Table
+from rich.text import Text
+
+from woz_tui.config.bundled_files import robot_files
+from woz_tui.config.experiment import Action, Call, Experiment, ExperimentError, ParallelCalls
+from woz_tui.config.loading import load
+from woz_tui.config.robots import PLAY
+from woz_tui.config.session_verbs import PERFORMERS
+from woz_tui.console.text_console import TextConsole
+from woz_tui.drivers.contract import Driver
+from woz_tui.protocol.messages import Json
+
+#: For `--robot`: every robot there is a file of.
+ALL = "all"
+#: How much of an action a robot does, and the looks of the word.
+_STYLES = {"yes": "green", "part": "yellow", "no": "red"}
+
+
+def actions_of(experiment: Experiment) -> list[Action]:
+    """The actions whose table is shown: all but the repairs that need no verb."""
+    return [action for action in experiment.actions if action.steps]
+
+
+def share(action: Action) -> str:
+    """How much of it this robot does: yes (all), part, no (nothing)."""
+    if not action.left_out:
+        return "yes"
+    return "part" if action.calls else "no"
+
+
+def action_table(experiment: Experiment) -> Table:
+    """For each action: what this robot does and which driver does it, and what is left out."""
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
+    table.add_column("panel", overflow="fold", style="dim", max_width=12)
+    table.add_column("action", overflow="fold", max_width=18)
+    table.add_column("does", overflow="fold", ratio=1)
+    table.add_column("leaves out", overflow="fold", style="yellow", max_width=20)
+    panel = ""
+    for action in actions_of(experiment):
+        heading = "" if action.panel == panel else action.panel
+        panel = action.panel
+        left_out = ", ".join(each.what for each in action.left_out)
+        table.add_row(
+            Text(heading),
+            Text(action.label),
+            Text(_does(action, len(experiment.drivers) > 1)),
+            Text(left_out),
+        )
+    return table
+
+
+def _does(action: Action, several: bool) -> str:
+    """`say, play nod`, steps one after the other; with `several` drivers `say -> voice`."""
+    steps = [step.calls for step in action.steps if isinstance(step, ParallelCalls)]
+    texts = [", ".join(_call(call, several) for call in calls) for calls in steps if calls]
+    return "; ".join(texts) or "nothing"
+
+
+def _call(call: Call, several: bool) -> str:
+    move = call.args.get("move") if call.verb == PLAY else None
+    text = f"{call.verb} {move}" if isinstance(move, str) else call.verb
+    return f"{text} -> {call.driver}" if several and call.driver not in PERFORMERS else text
+
+
+@dataclass(frozen=True, slots=True)
+class RobotMatrix:
+    """One experiment on several robots; `wrong`: those whose file cannot be used, and why."""
+
+    experiments: dict[str, Experiment] = field(default_factory=dict)
+    wrong: dict[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, file: Path, catalogue: Mapping[str, type[Driver]]) -> RobotMatrix:
+        """The experiment with each robot that there is a file of."""
+        found = cls()
+        for name in robot_files(file.parent):
+            try:
+                found.experiments[name] = load(file, catalogue, robot=name)
+            except ExperimentError as error:
+                found.wrong[name] = str(error.problems[0])
+        return found
+
+    def as_json(self) -> Json:
+        """For each robot what it leaves out, by action."""
+        return {
+            "robots": {
+                name: {
+                    action.name: [each.what for each in action.left_out]
+                    for action in actions_of(experiment)
+                }
+                for name, experiment in self.experiments.items()
+            },
+            "wrong": {**self.wrong},
+        }
+
+    def show(self, console: TextConsole) -> None:
+        """A row for each action, a column for each robot; then what each leaves out."""
+        table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0), header_style="bold")
+        table.add_column("action", overflow="fold", max_width=18)
+        for number, _ in enumerate(self.experiments, 1):
+            table.add_column(str(number), no_wrap=True)
+        first = next(iter(self.experiments.values()), None)
+        for action in actions_of(first) if first is not None else ():
+            cells = [
+                Text(how, style=_STYLES[how])
+                for experiment in self.experiments.values()
+                for how in (share(_same(experiment, action)),)
+            ]
+            table.add_row(Text(action.label), *cells)
+        console.print(table)
+        console.print()
+        for line in self._lines():
+            console.print(Text(line))
+
+    def _lines(self) -> Iterator[str]:
+        for number, (name, experiment) in enumerate(self.experiments.items(), 1):
+            counts = Counter(
+                each.what for action in actions_of(experiment) for each in action.left_out
+            )
+            what = ", ".join(f"{verb} {count}" for verb, count in counts.most_common())
+            yield f"{number:2} {name}: {f'leaves out {what}' if what else 'does everything'}"
+        for name, why in self.wrong.items():
+            yield f"   {name}: {why}"
+
+
+def _same(experiment: Experiment, action: Action) -> Action:
+    return next(each for each in experiment.actions if each.name == action.name)

@@ -1,0 +1,34 @@
+"""Experiments and robots that come with woz-tui."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import woz_tui
+
+#: The folder of robot files beside experiments.
+ROBOTS = "robots"
+_SUFFIXES = (".yaml", ".yml")
+
+
+def bundled_file(name: str) -> Path | None:
+    """The file `name` of the installed package, or of the source tree it runs from."""
+    package = Path(woz_tui.__file__).parent
+    candidates = (package / "_experiments" / name, package.parent / "experiments" / name)
+    return next((path for path in candidates if path.exists()), None)
+
+
+def is_path(robot: str) -> bool:
+    """Whether a robot is named by its file, and not by its name."""
+    return "/" in robot or robot.endswith(_SUFFIXES)
+
+
+def robot_files(folder: Path) -> dict[str, Path]:
+    """Robot files by name: those beside the experiments of `folder`, then those of woz-tui."""
+    bundled = bundled_file(ROBOTS)
+    found: dict[str, Path] = {}
+    for place in (folder / ROBOTS, *([bundled] if bundled else ())):
+        for file in sorted(place.glob("*")) if place.is_dir() else ():
+            if file.suffix in _SUFFIXES:
+                found.setdefault(file.stem, file)
+    return found

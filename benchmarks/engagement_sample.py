@@ -75,7 +75,7 @@ def through_lines() -> Way:
                 {"t": (begins + number) / 3, "presence": presence, "gaze": gaze, "id": name,
                  "distance": distance}
             )  # fmt: skip
-            json.dumps(model.take(json.loads(line)))
+            json.dumps(model.add(json.loads(line)))
 
     return way
 

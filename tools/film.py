@@ -120,9 +120,9 @@ def frames(film: Film) -> Iterator[list[Row]]:
         return
     picture = ConsoleState()
     reel = _played(film)
-    picture.take(reel.first, 0)
+    picture.apply(reel.first, 0)
     for now, batch in reel.moments(film):
-        picture.take(batch, now)
+        picture.apply(batch, now)
         yield pane_rows(picture, PaintFrame(film.columns, film.lines, now))
 
 

@@ -77,7 +77,7 @@ def test_arguments_in_a_few_words() -> None:
 def test_a_curve_keeps_its_mean_and_never_grows(times: list[int]) -> None:
     curves = SensorCurves()
     for t in sorted(times):
-        curves.take(m.Reading(t=t * SECOND, sensor="distance", value=2.5, unit="m"))
+        curves.add(m.Reading(t=t * SECOND, sensor="distance", value=2.5, unit="m"))
     [curve] = curves
     assert len(curve.values) <= PLACES
     assert {value for value in curve.values if value is not None} == {2.5}
@@ -87,9 +87,9 @@ def test_a_curve_keeps_its_mean_and_never_grows(times: list[int]) -> None:
 def test_a_curve_is_a_mean_of_what_falls_together() -> None:
     curves = SensorCurves()
     for t, value in ((0, 1.0), (10_000, 3.0), (60_000, 5.0)):
-        curves.take(m.Reading(t=t, sensor="distance", value=value))
-    curves.take(m.Reading(t=70_000, sensor="distance", value=None))
-    curves.take(m.Reading(t=70_000, sensor="gaze", value=1.0))
+        curves.add(m.Reading(t=t, sensor="distance", value=value))
+    curves.add(m.Reading(t=70_000, sensor="distance", value=None))
+    curves.add(m.Reading(t=70_000, sensor="gaze", value=1.0))
     [curve] = curves
     assert curve.values == pytest.approx((2.0, 5.0))
 

@@ -27,7 +27,7 @@ def seen(welcome: r.Welcome, redactor: Redactor | None = None) -> r.Welcome:
         found = []
         for line in raw:
             message = codec.decode_message(bytes(line))
-            redactor.take(message)
+            redactor.apply(message)
             shown = redactor.message(message)
             if shown is not None:
                 found.append(msgspec.Raw(codec.encode(shown).rstrip()))
@@ -88,7 +88,7 @@ class ScriptedFeed:
             case r.Reply():
                 return redactor.reply(message)
             case m.Message():
-                redactor.take(message)
+                redactor.apply(message)
                 shown: Any = redactor.message(message)
                 return shown  # type: ignore[no-any-return]
         return message

@@ -219,7 +219,7 @@ def test_one_label_for_all_still_lets_the_wizard_choose() -> None:
 
 def test_what_a_robot_shows_of_what_it_was_given_is_hidden() -> None:
     redactor = blind()
-    redactor.take(
+    redactor.apply(
         m.Command(
             command="c1",
             verb="screen",
@@ -276,5 +276,5 @@ async def test_a_program_that_sees_all_is_named_as_long_as_it_is_there() -> None
 
 def test_an_utterance_shows_the_variable_and_not_its_value() -> None:
     state = ConsoleState()
-    state.take([seen(welcome())], 0)
+    state.apply([seen(welcome())], 0)
     assert state.filled("{greeting} {condition} {participant}") == "{greeting} {condition} P07"

@@ -25,7 +25,7 @@ def outline() -> PanelOutline:
 
 def knobs(*moved: m.ControlsMoved) -> m.ControlsMoved:
     state = ConsoleState()
-    state.take([bodies.welcome(), *moved], 0)
+    state.apply([bodies.welcome(), *moved], 0)
     return state.session.controls.get("panel", m.ControlsMoved(values={}))
 
 

@@ -29,7 +29,7 @@ LARGE, COMPACT = "▄█████▄", "⢀⣶⣷⣆"
 
 def pictured(*messages: m.AnyMessage, robots: tuple[str, ...] = ("",)) -> ConsoleState:
     state = ConsoleState()
-    state.take([bodies.welcome(robots=robots), *messages], 0)
+    state.apply([bodies.welcome(robots=robots), *messages], 0)
     return state
 
 
@@ -151,7 +151,7 @@ def test_a_body_without_a_face_shows_its_links() -> None:
         bodies.welcome(), settings=WelcomeSettings(outlines={"body": told})
     )
     state = ConsoleState()
-    state.take([welcome, *bodies.joints({"pitch": 0.0}, {})], 0)
+    state.apply([welcome, *bodies.joints({"pitch": 0.0}, {})], 0)
     shown = text(pane_rows(state, PaintFrame(50, 20, NOW)))
     assert "side, front" in shown
     assert any("⠀" <= sign <= "⣿" for sign in shown)

@@ -24,7 +24,7 @@ LOW, MIDDLE, HIGH = PaintFrame(39, 6, NOW), PaintFrame(50, 11, NOW), PaintFrame(
 
 def pictured(*messages: m.AnyMessage) -> ConsoleState:
     state = ConsoleState()
-    state.take([scenes.welcome(state=[*scenes.healthy(), *messages])], 0)
+    state.apply([scenes.welcome(state=[*scenes.healthy(), *messages])], 0)
     return state
 
 
@@ -168,7 +168,7 @@ def test_without_a_level_the_speech_is_told_by_itself() -> None:
 def test_nobody_knows_of_speech_when_the_microphone_is_gone() -> None:
     lost = m.DriverLost(driver="microphone", detail="unplugged", t=NOW)
     state = ConsoleState()
-    state.take([scenes.welcome(state=[engaged.shown()]), engaged.speaks(), lost], 0)
+    state.apply([scenes.welcome(state=[engaged.shown()]), engaged.speaks(), lost], 0)
     assert state.engaged.speaking(NOW) is None
     assert not state.moves(NOW)
 

@@ -36,7 +36,7 @@ def text(rows: list[Row]) -> str:
 def drawn(*state: m.AnyMessage, frame: PaintFrame = WHOLE, **more: object) -> str:
     picture = ConsoleState()
     settings = engaged.told(**more)
-    picture.take([engaged.welcome(*state, settings=settings)], 0)
+    picture.apply([engaged.welcome(*state, settings=settings)], 0)
     assert picture.engaged.shown is not None
     rows = full_rows(picture, picture.engaged.shown, frame)
     assert len(rows) <= frame.height
@@ -149,7 +149,7 @@ def test_limits_are_told_where_the_host_tells_them() -> None:
     assert "12 of 60 s for the handshake" in drawn(engaged.shown("Handshake"))
     assert " s to answer" not in drawn(thinking=None)
     picture = ConsoleState()
-    picture.take([engaged.welcome(settings={"engagement": {}})], 0)
+    picture.apply([engaged.welcome(settings={"engagement": {}})], 0)
     assert picture.engaged.shown is not None
     assert " of " in text(full_rows(picture, picture.engaged.shown, PaintFrame(96, 28, NOW)))
 
@@ -180,14 +180,14 @@ def test_a_sign_that_nobody_senses_says_so_in_full() -> None:
 
 def test_a_model_that_the_file_gives_up_is_gone_from_the_screen() -> None:
     picture = ConsoleState()
-    picture.take([engaged.welcome(settings=engaged.told())], 0)
+    picture.apply([engaged.welcome(settings=engaged.told())], 0)
     kept = r.PanelsChanged(
         title="t", panels=[], script=[], verbs={}, conditions=[], keyboard="us",
         engagement=ModelLimits(attempts=3),
     )  # fmt: skip
-    picture.take([kept], 0)
+    picture.apply([kept], 0)
     assert picture.engaged.shown is not None
-    picture.take([msgspec.structs.replace(kept, engagement=ModelLimits())], 0)
+    picture.apply([msgspec.structs.replace(kept, engagement=ModelLimits())], 0)
     assert picture.engaged.shown is None
 
 

@@ -35,9 +35,9 @@ NOW = scenes.NOW
 def told(*messages: m.AnyMessage) -> list[EventLine]:
     """The lines that messages get."""
     state = ConsoleState()
-    state.take([scenes.welcome()], 0)
+    state.apply([scenes.welcome()], 0)
     before = len(state.events)
-    state.take(messages, 0)
+    state.apply(messages, 0)
     return list(state.events)[before:]
 
 
@@ -110,9 +110,9 @@ def test_the_store_is_followed_through_renames_and_oblivion() -> None:
     state = ConsoleState()
     learnt = m.VisitorChanged(visitor="v2", what="learnt", about={"age_group": "child"}, t=1)
     renamed = m.VisitorChanged(visitor="v3", what="renamed", was="v2", t=2)
-    state.take([learnt, renamed], 0)
+    state.apply([learnt, renamed], 0)
     assert state.engaged.visitors == {"v3": {"age_group": "child"}}
-    state.take([m.VisitorChanged(visitor="v3", what="forgotten", t=3)], 0)
+    state.apply([m.VisitorChanged(visitor="v3", what="forgotten", t=3)], 0)
     assert state.engaged.visitors == {}
 
 
@@ -249,19 +249,19 @@ async def test_the_list_of_keys_tells_the_hands() -> None:
 def test_the_preflight_names_signs_that_nobody_gives() -> None:
     state = ConsoleState()
     assert sign_findings(state) == []
-    state.take([engaged.welcome()], 0)
+    state.apply([engaged.welcome()], 0)
     (well,) = sign_findings(state)
     assert (well.level, well.text) == ("ok", "presence, gaze, distance are sensed")
     never = m.SignShown(stale=True, verdict=0, places=8)
-    state.take([engaged.shown(signs=engaged.signs(gaze=never))], 0)
+    state.apply([engaged.shown(signs=engaged.signs(gaze=never))], 0)
     (missing,) = sign_findings(state)
     assert (missing.level, missing.text) == ("warning", "no sensor gives gaze yet")
     hand = m.SignShown(verdict=1, places=8, forced=True)
-    state.take([engaged.shown(signs=engaged.signs(gaze=hand))], 0)
+    state.apply([engaged.shown(signs=engaged.signs(gaze=hand))], 0)
     (some,) = sign_findings(state)
     assert some.level == "ok"
     assert some.text == "presence, distance are sensed, gaze is given by hand"
     all_by_hand = dict.fromkeys(("presence", "gaze", "distance"), hand)
-    state.take([engaged.shown(signs=engaged.signs(**all_by_hand))], 0)
+    state.apply([engaged.shown(signs=engaged.signs(**all_by_hand))], 0)
     (given,) = sign_findings(state)
     assert (given.level, given.text) == ("ok", "presence, gaze, distance are given by hand")

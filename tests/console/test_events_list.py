@@ -24,7 +24,7 @@ NOW = scenes.NOW
 
 def welcomed() -> ConsoleState:
     picture = ConsoleState()
-    picture.take([scenes.welcome()], 0)
+    picture.apply([scenes.welcome()], 0)
     return picture
 
 
@@ -34,7 +34,7 @@ def test_a_marker_that_is_put_again_is_no_utterance_besides() -> None:
     before = len(picture.events)
     args: dict[str, m.Json] = {"text": "laughs"}
     mark = m.Command(command="c1", verb="mark", args=args, driver="session", source="replay", t=NOW)
-    picture.take([mark, m.Marker(text="laughs", t=NOW)], 0)
+    picture.apply([mark, m.Marker(text="laughs", t=NOW)], 0)
     assert [event.text for event in list(picture.events)[before:]] == ["Marker"]
 
 
@@ -42,7 +42,7 @@ def test_an_arrow_that_is_held_down_is_one_line() -> None:
     picture = welcomed()
     before = len(picture.events)
     for number in range(5):
-        picture.take(
+        picture.apply(
             [
                 m.Command(
                     command=f"c{number}", verb="nudge", args={"pitch": -5.0}, source="key", t=NOW
@@ -58,7 +58,7 @@ def test_an_arrow_that_is_held_down_is_one_line() -> None:
             ],
             0,
         )
-    picture.take([m.Command(command="d", verb="nudge", args={"yaw": 5}, source="key", t=NOW)], 0)
+    picture.apply([m.Command(command="d", verb="nudge", args={"yaw": 5}, source="key", t=NOW)], 0)
     first, second = list(picture.events)[before:]
     assert (first.text, first.times, first.run, first.mark) == ("head 5° up", 5, "c4", "done")
     assert (second.text, second.times) == ("head 5° left", 1)
@@ -70,9 +70,9 @@ def test_utterances_and_failures_keep_a_line_each() -> None:
     for number in range(2):
         say: dict[str, m.Json] = {"text": "Yes."}
         said = m.Command(command=f"s{number}", verb="say", args=say, source="key", t=1)
-        picture.take([said], 0)
+        picture.apply([said], 0)
     for number in range(2):
-        picture.take(
+        picture.apply(
             [
                 m.Command(command=f"f{number}", verb="drive", args={}, source="key", t=NOW),
                 m.Failed(command=f"f{number}", driver="base", reason="stuck", t=NOW),
@@ -88,11 +88,11 @@ def test_steps_of_one_action_are_one_line_and_refusals_keep_theirs() -> None:
         ActionView(name="nod", label="Nod", key="n", verbs=["play"]),
     ]
     picture = ConsoleState()
-    picture.take([scenes.welcome(shown=[PanelView(title="Body", actions=actions)])], 0)
+    picture.apply([scenes.welcome(shown=[PanelView(title="Body", actions=actions)])], 0)
     before = len(picture.events)
     presses = (("up", "refused"), *(("up", "done"),) * 4, ("nod", "done"), ("nod", "done"))
     for number, (action, how) in enumerate(presses):
-        picture.take(scenes.played(f"r{number}", action, NOW, 0.1, how=how), 0)
+        picture.apply(scenes.played(f"r{number}", action, NOW, 0.1, how=how), 0)
     lines = list(picture.events)[before:]
     assert [(event.text, event.mark, event.times) for event in lines] == [
         ("Up", "refused", 1),
@@ -108,7 +108,7 @@ def test_what_counts_after_the_mode_says_so_instead_of_a_tick() -> None:
     actions = [ActionView(name="up", label="Up", key="u", verbs=["control"])]
     panel = PanelView(title="Body", actions=actions)
     picture = ConsoleState()
-    picture.take([scenes.welcome(shown=[panel])], 0)
+    picture.apply([scenes.welcome(shown=[panel])], 0)
     *begun, ended = scenes.played("r1", "up", NOW, 0.1)
     done = m.Done(
         command="c-r1",
@@ -118,23 +118,23 @@ def test_what_counts_after_the_mode_says_so_instead_of_a_tick() -> None:
         duration_us=2,
         t=NOW + 500,
     )
-    picture.take([*begun, done, ended], 0)
+    picture.apply([*begun, done, ended], 0)
     line = picture.events[-1]
     assert (line.mark, line.detail) == ("waits", "applies after this mode")
     frame = PaintFrame(40, 4, ended.t)
-    assert picture.standing(panel, actions[0], frame.now).state is ButtonState.WAITS
+    assert picture.button_view(panel, actions[0], frame.now).state is ButtonState.WAITS
     rows = panel_rows(picture, frame, lay_out(picture.panels, 40, 4, 3), PanelSelection({}))
     assert "after mode" in "".join(text for row in rows for text, _ in row)
-    picture.take(scenes.played("r2", "up", ended.t, 0.1), 0)
+    picture.apply(scenes.played("r2", "up", ended.t, 0.1), 0)
     assert picture.events[-1].mark == "done"
 
 
 def test_failures_that_nobody_has_seen_leave_room_for_what_happens() -> None:
     picture = welcomed()
     for number in range(10):
-        picture.take([*scenes.played(f"f{number}", "Hello", NOW, 1, how="failed", reason="no")], 0)
+        picture.apply([*scenes.played(f"f{number}", "Hello", NOW, 1, how="failed", reason="no")], 0)
     for number in range(10):
-        picture.take([m.Marker(text=f"{number}", t=NOW + number)], 0)
+        picture.apply([m.Marker(text=f"{number}", t=NOW + number)], 0)
     lines = [(event.text, event.detail) for event in listed_events(picture, 6)]
     assert [detail for text, detail in lines if text == "Marker"] == ["9", "8", "7"]
     assert [text for text, _ in lines[3:]] == ["Hello"] * 3
@@ -156,13 +156,13 @@ def conversation() -> ConsoleState:
     picture = welcomed()
     picture.events.clear()
     for number in range(5):
-        picture.take(scenes.played(f"r{number}", f"Line {number}", NOW + number, 0.1), 0)
+        picture.apply(scenes.played(f"r{number}", f"Line {number}", NOW + number, 0.1), 0)
         for state in ("RobotSpeaks", "EngagedWithKnown"):
             changed = m.EngagementChanged(
                 was="Wait", now=state, outcome="done", why="w", verdicts={}, visitor="V2", t=NOW
             )
             mode = m.ModeChanged(driver="robot", was="demo", now="normal", why="", t=NOW)
-            picture.take([changed, mode], 0)
+            picture.apply([changed, mode], 0)
     return picture
 
 
@@ -186,7 +186,7 @@ def test_a_change_of_the_model_moves_no_row() -> None:
     changed = m.EngagementChanged(
         was="EngagedWithKnown", now="RobotThinks", outcome="done", why="w", verdicts={}, t=NOW
     )
-    picture.take([changed], 0)
+    picture.apply([changed], 0)
     after = rows(picture)
     assert after[:-1] == before[:-1]
     assert "waits for your answer" in after[-1]
@@ -194,8 +194,8 @@ def test_a_change_of_the_model_moves_no_row() -> None:
 
 def test_a_fault_is_in_every_view() -> None:
     picture = conversation()
-    picture.take([m.DriverLost(driver="head", detail="unplugged", t=NOW)], 0)
-    picture.take(scenes.played("r9", "Line 9", NOW, 0.1, how="failed", reason="stuck"), 0)
+    picture.apply([m.DriverLost(driver="head", detail="unplugged", t=NOW)], 0)
+    picture.apply(scenes.played("r9", "Line 9", NOW, 0.1, how="failed", reason="stuck"), 0)
     for view in VIEWS:
         shown = "\n".join(rows(picture, 6, view))
         assert "head lost" in shown
@@ -224,5 +224,5 @@ async def test_a_key_turns_to_the_next_view_and_the_heading_names_it() -> None:
 def test_an_action_that_is_played_in_part_says_without_what() -> None:
     picture = welcomed()
     asked = m.ActionRequested(run="r1", action="Hello", source="key", without=["eyes"], t=NOW)
-    picture.take([asked], 0)
+    picture.apply([asked], 0)
     assert "without eyes" in [*picture.events][-1].detail

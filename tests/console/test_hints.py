@@ -18,7 +18,7 @@ from woz_tui.protocol import requests as r
 
 def named(first: r.Welcome) -> list[str]:
     state = ConsoleState()
-    state.take([first], 0)
+    state.apply([first], 0)
     return [word for _, word in hints(state, by_key(COMMANDS))]
 
 

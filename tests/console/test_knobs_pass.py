@@ -20,7 +20,7 @@ def test_a_turn_of_a_knob_is_no_event_and_nothing_that_could_be_cut_short() -> N
     before = len(state.events)
     assert not state.runs.active
     done = m.Done(command="c9", driver="body", latency_us=1, duration_us=2, sent={}, t=NOW)
-    state.take([done], 0)
+    state.apply([done], 0)
     assert len(state.events) == before
     assert not any("control" in event.text for event in state.events)
 

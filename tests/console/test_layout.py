@@ -91,8 +91,8 @@ async def test_on_a_roomy_screen_events_have_their_width_and_the_script_its_word
 
 def scripted(position: int, height: int) -> list[str]:
     state = ConsoleState()
-    state.take([scenes.welcome(state=[scenes.start()])], 0)
-    state.take([m.ScriptMoved(position=position, t=NOW)], 0)
+    state.apply([scenes.welcome(state=[scenes.start()])], 0)
+    state.apply([m.ScriptMoved(position=position, t=NOW)], 0)
     rows = script_rows(state, PaintFrame(40, height, NOW))
     assert len(rows) <= height
     assert all(length(row) == 40 for row in rows)

@@ -25,7 +25,7 @@ FRAME = PaintFrame(50, 30, NOW)
 
 def pictured(*messages: m.AnyMessage, first: list[m.AnyMessage] | None = None) -> ConsoleState:
     picture = ConsoleState()
-    picture.take([scenes.welcome(state=first), *messages], 0)
+    picture.apply([scenes.welcome(state=first), *messages], 0)
     return picture
 
 
@@ -184,7 +184,7 @@ def test_joints_keep_the_files_order_and_go_from_limit_to_limit() -> None:
         scenes.reading(NOW, f"joint.{name}", value, unit="deg")
         for name, value in (("arm", 0.0), ("pan", 40.0), ("tilt", 40.0))
     ]
-    picture.take([first, *readings], 0)
+    picture.apply([first, *readings], 0)
     rows = meter_rows(picture, FRAME)
     assert [text([row]).split()[0] for row in rows] == ["tilt", "pan", "arm"]
     tilt, pan, arm = (text([row]) for row in rows)
@@ -279,7 +279,7 @@ def test_lost_drivers_failures_and_missing_participants_are_told() -> None:
 def test_unseen_failures_stay_on_the_list() -> None:
     picture = pictured(*scenes.played("bad", "Bow", NOW - 60_000_000, 1, how="failed"))
     for number in range(30):
-        picture.take(scenes.played(f"r{number}", "Nod", NOW - 30_000_000, 1), 0)
+        picture.apply(scenes.played(f"r{number}", "Nod", NOW - 30_000_000, 1), 0)
     shown = listed_events(picture, 6)
     assert len(shown) == 6
     assert shown[0].run == "r29"
@@ -333,7 +333,7 @@ def test_the_stop_bar_names_who_confirmed_and_who_did_not() -> None:
     picture = pictured(m.StopPressed(source="key", t=NOW))
     assert "STOPPED by key" in bar(picture)
     assert "waiting for the drivers" in bar(picture)
-    picture.take(
+    picture.apply(
         [m.StopConfirmed(confirmed=["head", "voice"], missing=["face"], elapsed_us=500_000)], 0
     )
     shown = bar(picture)
@@ -426,7 +426,7 @@ def first_words(names: list[str], *state: m.AnyMessage) -> list[str]:
     """The first word of each row, where the file names these sensors."""
     picture = ConsoleState()
     first = scenes.welcome(settings={"sensors": names}, state=[*scenes.healthy(), *state])
-    picture.take([first], 0)
+    picture.apply([first], 0)
     return [text([row]).split()[0] for row in meter_rows(picture, PaintFrame(50, 30, NOW))]
 
 
@@ -454,9 +454,9 @@ def test_the_engagement_model_stands_where_the_file_says() -> None:
 
 def test_a_reload_moves_the_sensors() -> None:
     picture = ConsoleState()
-    picture.take([scenes.welcome(state=[*scenes.healthy(), *scenes.sensors()])], 0)
+    picture.apply([scenes.welcome(state=[*scenes.healthy(), *scenes.sensors()])], 0)
     panels: dict[str, Any] = {"panels": [], "script": [], "verbs": {}, "conditions": []}
     panels |= {"title": "T", "keyboard": "us", "sensors": ["loudness"]}
-    picture.take([r.PanelsChanged(**panels)], 0)
+    picture.apply([r.PanelsChanged(**panels)], 0)
     (first, *_) = meter_rows(picture, PaintFrame(50, 30, NOW))
     assert text([first]).split()[0] == "loudness"

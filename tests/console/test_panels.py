@@ -26,7 +26,7 @@ FRAME = PaintFrame(80, 13, NOW)
 
 def pictured(*messages: m.AnyMessage, shown: list[PanelView] | None = None) -> ConsoleState:
     state = ConsoleState()
-    state.take([scenes.welcome(shown=shown), *messages], 0)
+    state.apply([scenes.welcome(shown=shown), *messages], 0)
     return state
 
 

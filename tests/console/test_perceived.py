@@ -269,7 +269,7 @@ def test_what_nobody_knows_cannot_be_hidden() -> None:
 
 def test_a_picture_never_holds_what_is_hidden() -> None:
     state = ConsoleState()
-    state.take([seen(told(EVERYTHING))], 0)
+    state.apply([seen(told(EVERYTHING))], 0)
     assert state.session.model.changed is None
     assert state.engaged.shown is None
     assert not state.session.faces

@@ -181,7 +181,7 @@ async def test_a_refused_press_says_so_at_the_button_the_event_and_the_bar() -> 
 def test_long_names_leave_room_for_time_and_recorder(width: int, glyphs: Glyphs) -> None:
     state = ConsoleState()
     first = guide("those who are here for the first time" * 3)
-    state.take([msgspec.structs.replace(first, title="A title " * 12)], 0)
+    state.apply([msgspec.structs.replace(first, title="A title " * 12)], 0)
     frame = PaintFrame(width, 2, NOW, glyphs)
     [top, _] = status_rows(state, frame, StatusInfo())
     text = "".join(piece for piece, _ in top)

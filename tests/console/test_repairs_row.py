@@ -108,7 +108,7 @@ async def test_an_interruption_from_the_reading_thread_reaches_the_screen() -> N
 def test_in_a_replay_there_are_labels_alone() -> None:
     state = ConsoleState()
     replaying = r.Replaying(t=0, length_us=60_000_000, rate=1.0, paused=False)
-    state.take([welcome(ALL), replaying], 0)
+    state.apply([welcome(ALL), replaying], 0)
     shown = "".join(text for text, _ in repair_row(state, PaintFrame(80, 1, scenes.NOW), {}))
     assert "no key" not in shown
     assert "repeat" in shown

@@ -143,7 +143,7 @@ async def test_what_changes_while_a_dialog_is_made_is_not_missed() -> None:
         def body(self) -> Iterable[Widget]:
             yield from super().body()
             lost = m.DriverLost(driver="head", detail="unplugged", remedy="plug in the U2D2")
-            self.state.take([lost], NOW)
+            self.state.apply([lost], NOW)
             self.console_app.paint()
 
     async with sitting() as seat:

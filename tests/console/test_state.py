@@ -19,8 +19,8 @@ NOW = scenes.NOW
 
 def begun(*messages: Incoming, first: r.Welcome | None = None) -> ConsoleState:
     picture = ConsoleState()
-    picture.take([first or scenes.welcome()], 0)
-    picture.take(messages, 0)
+    picture.apply([first or scenes.welcome()], 0)
+    picture.apply(messages, 0)
     return picture
 
 
@@ -28,7 +28,7 @@ def state(picture: ConsoleState, action: str, now: int = NOW) -> ButtonState:
     for panel in picture.panels:
         for view in panel.actions:
             if view.name == action:
-                return picture.standing(panel, view, now).state
+                return picture.button_view(panel, view, now).state
     raise AssertionError(f"no action {action}")
 
 
@@ -67,18 +67,18 @@ def test_the_welcome_fills_the_picture() -> None:
 def test_time_goes_on_between_messages_and_never_back_for_a_late_one() -> None:
     picture = begun()
     assert picture.now(500_000) == NOW + 500_000
-    picture.take([r.Pulse(t=NOW + 400_000)], 500_000)
+    picture.apply([r.Pulse(t=NOW + 400_000)], 500_000)
     assert picture.now(500_000) == NOW + 500_000
-    picture.take([r.Pulse(t=NOW + 900_000)], 600_000)
+    picture.apply([r.Pulse(t=NOW + 900_000)], 600_000)
     assert picture.now(600_000) == NOW + 900_000
 
 
 def test_an_action_is_queued_then_runs_then_is_done_for_a_moment() -> None:
     picture = begun(requested())
     assert state(picture, "Hello") is ButtonState.QUEUED
-    picture.take([command(), dispatched()], 0)
+    picture.apply([command(), dispatched()], 0)
     assert state(picture, "Hello") is ButtonState.RUNNING
-    picture.take([m.ActionDone(run="a1", action="Hello", t=NOW + 100)], 0)
+    picture.apply([m.ActionDone(run="a1", action="Hello", t=NOW + 100)], 0)
     assert state(picture, "Hello", NOW + 100) is ButtonState.DONE
     assert state(picture, "Hello", NOW + 101 + DONE_US) is ButtonState.READY
     assert not picture.runs.active
@@ -92,10 +92,10 @@ def test_progress_tells_the_time_left_and_the_share_gone_by() -> None:
         m.Progress(command="c-a1", driver="voice", expected_us=4_000_000, t=NOW),
     )
     panel, action = picture.panels[0], picture.panels[0].actions[0]
-    standing = picture.standing(panel, action, NOW + 1_000_000)
+    standing = picture.button_view(panel, action, NOW + 1_000_000)
     assert standing.left_us == 3_000_000
     assert standing.share == 0.25
-    late = picture.standing(panel, action, NOW + 9_000_000)
+    late = picture.button_view(panel, action, NOW + 9_000_000)
     assert (late.left_us, late.share) == (0, 1.0)
 
 
@@ -139,7 +139,7 @@ def test_what_was_seen_stays_seen_when_the_line_comes_back() -> None:
     assert len(picture.runs.unseen()) == 1
     picture.runs.see_all()
     picture.lose("closed")
-    picture.take([scenes.welcome(recent=failed)], 0)
+    picture.apply([scenes.welcome(recent=failed)], 0)
     assert picture.runs.unseen() == []
     assert picture.lost == ""
 
@@ -171,7 +171,7 @@ def test_locked_panels_and_lost_drivers() -> None:
     assert state(picture, "Nod") is ButtonState.LOCKED
     assert state(picture, "Hello") is ButtonState.UNREACHABLE
     assert state(picture, "Happy") is ButtonState.READY
-    picture.take(
+    picture.apply(
         [m.PanelLocked(panel="Gestures", locked=False), m.DriverConnected(driver="voice")], 0
     )
     assert state(picture, "Nod") is ButtonState.READY
@@ -184,7 +184,7 @@ def test_a_verb_of_two_drivers_is_reachable_while_one_is_left() -> None:
     )
     picture = begun(m.DriverLost(driver="left"), first=first)
     assert state(picture, "Hello") is ButtonState.READY
-    picture.take([m.DriverLost(driver="right")], 0)
+    picture.apply([m.DriverLost(driver="right")], 0)
     assert state(picture, "Hello") is ButtonState.UNREACHABLE
 
 
@@ -197,11 +197,11 @@ def stopped(picture: ConsoleState) -> object:
 def test_the_stop_from_press_to_release() -> None:
     picture = begun(m.StopPressed(source="key", t=NOW))
     assert stopped(picture) == (NOW, "key", (), (), False)
-    picture.take([m.StopConfirmed(confirmed=["head"], missing=["face"], elapsed_us=9, t=NOW)], 0)
+    picture.apply([m.StopConfirmed(confirmed=["head"], missing=["face"], elapsed_us=9, t=NOW)], 0)
     assert stopped(picture) == (NOW, "key", ("head",), ("face",), True)
-    picture.take([m.StopConfirmed(confirmed=["face"], missing=[], elapsed_us=9, t=NOW)], 0)
+    picture.apply([m.StopConfirmed(confirmed=["face"], missing=[], elapsed_us=9, t=NOW)], 0)
     assert stopped(picture) == (NOW, "key", ("head",), ("face",), True)
-    picture.take([m.StopReleased(source="key", t=NOW)], 0)
+    picture.apply([m.StopReleased(source="key", t=NOW)], 0)
     assert picture.stop is None
 
 
@@ -209,8 +209,8 @@ def test_a_stop_of_driving_alone_is_an_event_and_latches_nothing() -> None:
     picture = begun(m.StopPressed(source="console-lost", scope="drive", t=NOW))
     assert picture.stop is None
     assert picture.events[-1].text == "Driving stopped"
-    picture.take([m.StopPressed(source="key", t=NOW)], 0)
-    picture.take([m.StopPressed(source="console-lost", scope="drive", t=NOW + 1)], 0)
+    picture.apply([m.StopPressed(source="key", t=NOW)], 0)
+    picture.apply([m.StopPressed(source="console-lost", scope="drive", t=NOW + 1)], 0)
     assert stopped(picture) == (NOW, "key", (), (), False)
 
 
@@ -233,11 +233,11 @@ def test_readings_age_and_come_back() -> None:
 
     assert not is_stale(NOW + 1_000_000)
     assert is_stale(NOW + 5_000_000)
-    picture.take([stale], 0)
+    picture.apply([stale], 0)
     assert is_stale(NOW)
-    picture.take([again], 0)
+    picture.apply([again], 0)
     assert not is_stale(NOW + 1)
-    picture.take([lost], 0)
+    picture.apply([lost], 0)
     assert is_stale(NOW)
 
 
@@ -249,15 +249,15 @@ def test_sensors_that_go_and_come_with_their_driver_are_no_events_of_their_own()
     def turns(state: str, at: int) -> list[str]:
         was = "stale" if state == "ok" else "ok"
         before = [*picture.events]
-        picture.take([m.SensorChanged(sensor="distance", state=state, was=was, t=at)], 0)
+        picture.apply([m.SensorChanged(sensor="distance", state=state, was=was, t=at)], 0)
         return [event.text for event in picture.events if event not in before]
 
     assert turns("stale", NOW) == ["distance stale"], "its driver is there"
     assert turns("ok", NOW + 1) == ["distance ok"]
-    picture.take([m.DriverLost(driver="range", t=NOW + 2)], 0)
+    picture.apply([m.DriverLost(driver="range", t=NOW + 2)], 0)
     assert turns("stale", NOW + 3) == []
     assert turns("ok", NOW + 3) == [], "a moment before its driver"
-    picture.take([m.DriverConnected(driver="range", t=NOW + 4)], 0)
+    picture.apply([m.DriverConnected(driver="range", t=NOW + 4)], 0)
     assert turns("ok", NOW + 5) == []
     assert turns("stale", NOW + 6) == ["distance stale"]
     assert turns("ok", NOW + 4_000_000) == ["distance ok"], "long after its driver"
@@ -275,20 +275,20 @@ def test_why_sensors_fell_silent_takes_the_place_of_their_lines(
         m.DriverConnected(driver="usb", t=1),
     )
     for sensor in ("battery", "noise", "touch.x"):  # nobody has touched it: whose is it?
-        picture.take([m.SensorChanged(sensor=sensor, state="stale", was="ok", t=NOW)], 0)
+        picture.apply([m.SensorChanged(sensor=sensor, state="stale", was="ok", t=NOW)], 0)
     assert [event.text for event in picture.events][-3:] == [
         "battery stale",
         "noise stale",
         "touch.x stale",
     ]
-    picture.take([health(driver="pepper", t=NOW + 1_100_000)], 0)
+    picture.apply([health(driver="pepper", t=NOW + 1_100_000)], 0)
     texts = [event.text for event in picture.events]
     assert "battery stale" not in texts
     assert "touch.x stale" not in texts
     assert "noise stale" in texts, "another driver's"
     before = len(picture.events)
     changed = m.SensorChanged(sensor="touch.x", state="ok", was="stale", t=NOW + 2_000_000)
-    picture.take([changed], 0)
+    picture.apply([changed], 0)
     assert len(picture.events) == before, "it comes back with the robot"
 
 
@@ -297,14 +297,14 @@ def test_a_silence_long_before_a_loss_keeps_its_line() -> None:
         scenes.reading(NOW, "battery", 0.5, driver="pepper"),
         m.DriverConnected(driver="pepper", t=1),
     )
-    picture.take([m.SensorChanged(sensor="battery", state="stale", was="ok", t=NOW)], 0)
-    picture.take([m.DriverLost(driver="pepper", t=NOW + 10_000_000)], 0)
+    picture.apply([m.SensorChanged(sensor="battery", state="stale", was="ok", t=NOW)], 0)
+    picture.apply([m.DriverLost(driver="pepper", t=NOW + 10_000_000)], 0)
     assert "battery stale" in [event.text for event in picture.events]
 
 
 def test_a_mistake_stands_at_its_run() -> None:
     picture = begun(*scenes.played("a1", "Hello", NOW, 1), *scenes.played("a2", "Map", NOW, 1))
-    picture.take([m.Mistake(run="a2", action="Map", t=NOW)], 0)
+    picture.apply([m.Mistake(run="a2", action="Map", t=NOW)], 0)
     assert [event.run for event in picture.events if event.mistake] == ["a2"]
 
 
@@ -318,7 +318,7 @@ def test_a_typed_utterance_is_an_event_of_its_own_and_its_failure_is_kept() -> N
     typed = m.Command(command="c9", verb="say", args={"text": "Good"}, source="key", t=NOW)
     picture = begun(typed)
     assert picture.events[-1].text == "“Good”"
-    picture.take([m.Failed(command="c9", driver="voice", reason="no voice", t=NOW)], 0)
+    picture.apply([m.Failed(command="c9", driver="voice", reason="no voice", t=NOW)], 0)
     assert picture.events[-1].mark == "failed"
     assert [failure.reason for failure in picture.runs.unseen()] == ["voice: no voice"]
     assert not picture.runs.active
@@ -357,7 +357,7 @@ def test_a_reload_replaces_panels_and_keeps_what_runs() -> None:
         conditions=[],
         keyboard="de",
     )
-    picture.take([shorter], 0)
+    picture.apply([shorter], 0)
     assert picture.edition > edition
     assert (picture.title, picture.position, len(picture.panels)) == ("Guide 2", 1, 1)
     assert state(picture, "Hello") is ButtonState.RUNNING
@@ -383,7 +383,7 @@ def test_a_reload_brings_every_setting_that_it_can_change() -> None:
         settings=settings,
     )
     picture = ConsoleState()
-    picture.take([told, panels_changed(plan)], 0)
+    picture.apply([told, panels_changed(plan)], 0)
     assert picture.settings == settings
     assert picture.variables == ("room",)
 
@@ -391,17 +391,17 @@ def test_a_reload_brings_every_setting_that_it_can_change() -> None:
 def test_utterances_are_filled_with_what_holds_now() -> None:
     told = scenes.welcome(settings={"values": {"room": "the hall", "participant": "P00"}})
     picture = ConsoleState()
-    picture.take([told, m.SessionChanged(participant="P09", trial=3, t=NOW)], 0)
+    picture.apply([told, m.SessionChanged(participant="P09", trial=3, t=NOW)], 0)
 
     assert picture.filled("{participant}, {trial}: {room} {nobody}") == "P09, 3: the hall {nobody}"
 
 
 def test_a_reload_brings_the_variables_new_values() -> None:
     picture = ConsoleState()
-    picture.take([scenes.welcome()], 0)
+    picture.apply([scenes.welcome()], 0)
     assert picture.filled("Look at {exhibit}") == "Look at {exhibit}"
     plan = {"title": "T", "panels": [], "script": [], "verbs": {}, "conditions": []}
     told = plan | {"keyboard": "us", "values": {"exhibit": "the whale"}}
     changed = msgspec.convert(told | {"kind": "panels"}, r.PanelsChanged)
-    picture.take([changed], 0)
+    picture.apply([changed], 0)
     assert picture.filled("Look at {exhibit}") == "Look at the whale"

@@ -112,11 +112,11 @@ def _any_message() -> st.SearchStrategy[Incoming]:
 @given(st.lists(_any_message(), max_size=25), st.integers(0, 1 << 40))
 def test_no_message_in_any_order_is_too_much(batch: list[Incoming], local: int) -> None:
     state = ConsoleState()
-    state.take(batch, local)
+    state.apply(batch, local)
     now = state.now(local)
     for panel in state.panels:
         for action in panel.actions:
-            standing = state.standing(panel, action, now)
+            standing = state.button_view(panel, action, now)
             assert standing.share is None or 0 <= standing.share <= 1
     assert 0 <= state.position <= len(state.script)
     assert len(state.runs.active) <= len(batch) + 20

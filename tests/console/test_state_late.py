@@ -36,15 +36,15 @@ def greeted(messages: list[m.AnyMessage], *, recent: bool) -> ConsoleState:
     """A console that attaches when all this is over, with or without the last lines."""
     state, lines = SessionState(), RecentMessages()
     for message in messages:
-        state.take(message)
-        lines.take(message)
+        state.apply(message)
+        lines.add(message)
     picture = ConsoleState()
     first = scenes.welcome(
         state.messages(plan=False),
         lines.lines if recent else [],
         settings={"study": told()},
     )
-    picture.take([first], 0)
+    picture.apply([first], 0)
     return picture
 
 
@@ -126,7 +126,7 @@ def test_what_holds_is_there_however_long_ago_it_was(case: str, recent: bool) ->
     course, look, expected = COURSES[case]
     messages = stamped(enumerate([start(participant="P07"), *course]))
     there = ConsoleState()
-    there.take([scenes.welcome([], settings={"study": told()}), *messages], 0)
+    there.apply([scenes.welcome([], settings={"study": told()}), *messages], 0)
     assert look(there) == expected
     assert look(greeted(messages, recent=recent)) == expected
 
@@ -153,7 +153,7 @@ def welcomed(state: SessionState, recent: RecentMessages) -> ConsoleState:
         told, state=raw(state.messages(plan=False)), recent=raw(recent.lines)
     )
     picture = ConsoleState()
-    picture.take([told], 0)
+    picture.apply([told], 0)
     return picture
 
 
@@ -170,9 +170,9 @@ def compared(course: list[m.AnyMessage], first: float, second: float) -> Iterato
     early, late = sorted(2 + round(share * (len(course) - 2)) for share in (first, second))
     state, recent, there = SessionState(), RecentMessages(), ConsoleState()
     for place, message in enumerate(course, start=1):
-        state.take(message)
-        recent.take(message)
-        there.take([message], 0)
+        state.apply(message)
+        recent.add(message)
+        there.apply([message], 0)
         if place == early:
             there = welcomed(state, recent)
         if place == late:

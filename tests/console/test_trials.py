@@ -335,7 +335,7 @@ def study(*messages: m.Message, **told: m.Json) -> StudyView:
 
 def tell(made: StudyView, *messages: m.Message) -> None:
     for message in messages:
-        made.session.take(message)
+        made.session.apply(message)
         made.take(message)
 
 

@@ -69,16 +69,16 @@ def looking(clock: ManualClock, standstill: Standstill, seconds: float) -> None:
     """Time passes while the process runs."""
     for _ in range(round(seconds / Standstill.EVERY_S)):
         clock.advance(Standstill.EVERY_S)
-        standstill.look()
+        standstill.age_us()
 
 
 def test_what_comes_while_the_process_runs_is_fresh() -> None:
     clock = ManualClock()
     standstill = Standstill(clock)
     looking(clock, standstill, 60)
-    assert standstill.look() == standstill.waited_us(0) == 0
+    assert standstill.age_us() == standstill.waited_us(0) == 0
     clock.advance(0.3)  # a busy machine
-    assert standstill.look() == 0
+    assert standstill.age_us() == 0
 
 
 @pytest.mark.parametrize("asleep", [False, True])
@@ -98,13 +98,13 @@ def test_two_pauses_in_a_row_count_as_one_while_the_first_may_not_be_read_yet() 
     clock = ManualClock()
     standstill = Standstill(clock)
     clock.advance(2)
-    standstill.look()
+    standstill.age_us()
     clock.advance(0.45)
-    assert standstill.look() == 2_450_000
+    assert standstill.age_us() == 2_450_000
     for _ in range(100):  # jerks for ever do not make everything old
         clock.advance(0.45)
-        standstill.look()
-    assert standstill.look() < 1_500_000
+        standstill.age_us()
+    assert standstill.age_us() < 1_500_000
 
 
 def test_a_stamp_says_how_long_a_request_was_under_way() -> None:

@@ -72,7 +72,7 @@ def test_the_recorder_is_first_and_gets_the_very_line_that_is_sent() -> None:
     stamped = hub.publish(Note(text="ümläut"))
     assert diary.entries[0] == ("recorder", 0)
     assert set(diary.entries[1:]) == {("listener", 0), ("subscriber", -1)}
-    assert subscription.take() == diary.lines == [codec.encode(stamped)]
+    assert subscription.take_all() == diary.lines == [codec.encode(stamped)]
 
 
 def test_everybody_hears_in_order_even_if_a_listener_answers() -> None:
@@ -90,7 +90,7 @@ def test_everybody_hears_in_order_even_if_a_listener_answers() -> None:
     hub.publish(Note(text="two"))
     assert [seq for who, seq in diary.entries if who == "recorder"] == [0, 1, 2, 3]
     assert [seq for who, seq in diary.entries if who == "listener"] == [0, 1, 2, 3]
-    assert [codec.decode_message(line).seq for line in subscription.take()] == [0, 1, 2, 3]
+    assert [codec.decode_message(line).seq for line in subscription.take_all()] == [0, 1, 2, 3]
 
 
 def test_a_subscriber_is_woken_once_until_it_takes() -> None:
@@ -99,8 +99,8 @@ def test_a_subscriber_is_woken_once_until_it_takes() -> None:
     subscription.offer(False, b"1\n")
     subscription.offer(False, b"2\n")
     assert diary.entries == [("subscriber", -1)]
-    assert subscription.take() == [b"1\n", b"2\n"]
-    assert subscription.take() == []
+    assert subscription.take_all() == [b"1\n", b"2\n"]
+    assert subscription.take_all() == []
     subscription.offer(False, b"3\n")
     assert len(diary.entries) == 2
 
@@ -111,20 +111,20 @@ def test_after_unsubscribing_nothing_arrives() -> None:
     hub.unsubscribe(subscription)
     hub.unsubscribe(subscription)
     hub.publish(Marker())
-    assert subscription.take() == []
+    assert subscription.take_all() == []
 
 
 def test_who_wants_no_samples_gets_none_and_loses_none() -> None:
     subscription = Subscription(1, False, Diary().wake)
     subscription.offer(True, b"sample\n")
-    assert (subscription.take(), subscription.dropped) == ([], 0)
+    assert (subscription.take_all(), subscription.dropped) == ([], 0)
 
 
 def test_the_oldest_sample_makes_room() -> None:
     subscription = Subscription(3, True, Diary().wake)
     for sample, line in [(True, b"s1"), (False, b"a1"), (True, b"s2"), (True, b"s3")]:
         subscription.offer(sample, line)
-    assert subscription.take() == [b"a1", b"s2", b"s3"]
+    assert subscription.take_all() == [b"a1", b"s2", b"s3"]
     assert (subscription.dropped, subscription.overrun) == (1, False)
 
 
@@ -134,7 +134,7 @@ def test_too_many_acks_mark_the_subscription_and_lose_nothing() -> None:
     for ack in acks:
         subscription.offer(False, ack)
     assert subscription.overrun
-    assert subscription.take() == acks
+    assert subscription.take_all() == acks
 
 
 class Looked:
@@ -186,7 +186,7 @@ class BoundedBuffer(RuleBasedStateMachine):
 
     @rule()
     def take(self) -> None:
-        assert self.subscription.take() == [line for _, line in self.waiting]
+        assert self.subscription.take_all() == [line for _, line in self.waiting]
         self.waiting.clear()
         self.woken = 0
 
@@ -207,7 +207,7 @@ def test_every_ack_reaches_a_listener_that_never_takes(kinds: list[str], capacit
     subscription = hub.subscribe(capacity, True, diary.wake)
     for kind in kinds:
         hub.publish(_message(kind))
-    arrived = [codec.decode_message(line) for line in subscription.take()]
+    arrived = [codec.decode_message(line) for line in subscription.take_all()]
     acks = [message.seq for message in arrived if isinstance(message, Done)]
     assert acks == [seq for seq, kind in enumerate(kinds) if kind == "ack"]
     assert [message.seq for message in arrived] == sorted(message.seq for message in arrived)

@@ -201,7 +201,7 @@ class Viewer:
             codec.decode_incoming(codec.encode(each)) if isinstance(each, msgspec.Struct) else each
             for each in told
         ]
-        self.state.take(decoded, self.now)
+        self.state.apply(decoded, self.now)
 
     def kinds(self) -> list[str]:
         """Kinds of the log's lines that came, samples left out; then forget everything."""
@@ -246,7 +246,7 @@ def seen_by_wizard(state: ConsoleState, local: int = 0) -> dict[str, object]:
             )
         },
         "had": set(state.study.over),
-        "model": (state.engaged.speaking(session.t), state.engaged.heard()),
+        "model": (state.engaged.speaking(session.t), state.engaged.transcripts()),
         "changes": [*state.engaged.changes],
         "robots": session.robots.shown,
         "bodies": (session.bodies, session.faces, session.controls),

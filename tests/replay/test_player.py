@@ -59,7 +59,7 @@ def test_samples_come_thinned_between_the_lines() -> None:
 def test_nothing_runs_on_while_it_stands_still() -> None:
     it = viewer()
     it.wait(9)
-    running = it.state.standing(*_action(it, "Go"), it.state.now(it.now))
+    running = it.state.button_view(*_action(it, "Go"), it.state.now(it.now))
     assert running.state is ButtonState.RUNNING
     assert it.do("pause").ok
     it.wait(600, ticks=7)
@@ -68,7 +68,7 @@ def test_nothing_runs_on_while_it_stands_still() -> None:
     assert it.do("pause").ok
     it.wait(3)
     assert it.state.now(it.now) == 12 * SECOND
-    assert it.state.standing(*_action(it, "Go"), it.state.now(it.now)).state is ButtonState.DONE
+    assert it.state.button_view(*_action(it, "Go"), it.state.now(it.now)).state is ButtonState.DONE
 
 
 def _action(it: Viewer, name: str) -> tuple[PanelView, ActionView]:

@@ -123,8 +123,8 @@ def test_what_is_kept_on_the_way_changes_nothing(
     by_hand, recent = SessionState(), RecentMessages()
     for line in recording.lines[:index]:
         assert not isinstance(line, dict)
-        by_hand.take(line)
-        recent.take(line)
+        by_hand.apply(line)
+        recent.add(line)
     assert recording.state(index).messages() == by_hand.messages()
     assert recording.recent(index) == recent.lines
 

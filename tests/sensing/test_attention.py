@@ -55,7 +55,7 @@ def test_unengaged_it_may_turn_to_somebody_else_for_good() -> None:
     """E8: Unengaged."""
     robot = attention("Unengaged", engaged=0.0)
     robot.stimulus(Stimulus.SOUND, 70.0, 0)
-    order = robot.found(True, SECOND)
+    order = robot.somebody_there(True, SECOND)
     assert order == SwitchPartner(70.0, "somebody is 70 degrees to the left")
     assert robot.due() is None and not robot.away
     assert "where the visitor is" in stays(robot.stimulus(Stimulus.TOUCH, 65.0, 2 * SECOND))
@@ -66,7 +66,7 @@ def test_where_nobody_is_found_it_goes_back_to_what_it_did(mode: str) -> None:
     """E8: a stimulus without anybody."""
     robot = attention(mode, engaged=10.0)
     robot.stimulus(Stimulus.SOUND, -70.0, 0)
-    assert robot.found(False, SECOND) == LookBack(
+    assert robot.somebody_there(False, SECOND) == LookBack(
         10.0, "nobody 70 degrees to the right; back to the visitor"
     )
     robot.stimulus(Stimulus.TOUCH, -70.0, 2 * SECOND)
@@ -107,7 +107,7 @@ def test_semi_engaged_it_looks_and_comes_back_to_the_visitor(kind: Stimulus) -> 
     """E8: SemiEngaged."""
     robot = attention("SemiEngaged", engaged=-10.0)
     assert isinstance(robot.stimulus(kind, 70.0, 0), GazeDirection)
-    assert robot.found(True, SECOND) is None
+    assert robot.somebody_there(True, SECOND) is None
     order = robot.advance(2 * SECOND)
     assert isinstance(order, LookBack) and order.direction == -10.0
 
@@ -117,7 +117,7 @@ def test_semi_engaged_it_stays_with_somebody_after_the_visitor_is_lost() -> None
     robot = attention("SemiEngaged", engaged=0.0)
     robot.stimulus(Stimulus.SOUND, 70.0, 0)
     assert robot.engaged(False, None, SECOND) is None
-    assert isinstance(robot.found(True, SECOND), SwitchPartner)
+    assert isinstance(robot.somebody_there(True, SECOND), SwitchPartner)
     robot.stimulus(Stimulus.TOUCH, -70.0, SECOND)
     assert robot.advance(3 * SECOND) == LookBack(
         None, "looked 70 degrees to the right long enough; back to what it did"
@@ -168,7 +168,7 @@ def test_what_goes_on_is_looked_at_once() -> None:
         order = robot.stimulus(Stimulus.SOUND, 60.0, 19 * SECOND // 10 + tenths * SECOND // 10)
         assert isinstance(order, GazeDirection if tenths == 1 else KeepLooking), tenths
         if isinstance(order, GazeDirection):
-            robot.found(False, 2 * SECOND)
+            robot.somebody_there(False, 2 * SECOND)
     quiet = 7 * SECOND + 2 * SECOND
     assert isinstance(robot.stimulus(Stimulus.SOUND, 60.0, quiet), GazeDirection)
 
@@ -252,5 +252,5 @@ def happens(
         case "engaged", bool() as engaged:
             return robot.engaged(engaged, direction, t)
         case "found", bool() as somebody:
-            return robot.found(somebody, t)
+            return robot.somebody_there(somebody, t)
     return robot.advance(t)

@@ -190,7 +190,7 @@ def test_the_model_engages_with_the_same_sample_as_the_bench(scene: str, kind: s
         bank = candidate.made()
         model = EngagementModel(EngagementSettings(filter=kind))
         for row in take.rows:
-            bank.take(row)
+            bank.add(row)
             model.advance(row.t)
             for sign, value in row.samples:
                 if sign == "identity":

@@ -21,7 +21,7 @@ def run(
     endpointer: Endpointer, sound: Sequence[float | None]
 ) -> list[tuple[int, SpeechStart | SpeechEnd]]:
     """What was told, with the number of the chunk at which it was."""
-    told = [(number, endpointer.take(level)) for number, level in enumerate(sound)]
+    told = [(number, endpointer.judge(level)) for number, level in enumerate(sound)]
     return [(number, what) for number, what in told if what is not None]
 
 
@@ -96,7 +96,7 @@ def test_what_may_be_forgotten_is_never_wanted_again(
     endpointer = Endpointer(EDGE, hang, pre, onset=onset)
     kept = 0
     for level in sound:
-        what = endpointer.take(level)
+        what = endpointer.judge(level)
         assert what is None or what.first >= kept
         assert endpointer.earliest >= kept
         kept = endpointer.earliest
@@ -105,7 +105,7 @@ def test_what_may_be_forgotten_is_never_wanted_again(
 def test_quiet_before_speech_is_kept_for_the_pre_roll_only() -> None:
     endpointer = Endpointer(EDGE, hang=3, pre=4, onset=2)
     for _ in range(1000):
-        endpointer.take(QUIET)
+        endpointer.judge(QUIET)
     assert endpointer.chunks - endpointer.earliest == 4
 
 

@@ -24,7 +24,7 @@ def run(queue: Fifo, values: list[bool] | list[float]) -> list[int | None]:
     """The verdict after each value."""
     verdicts = []
     for number, value in enumerate(values):
-        queue.take(value, number)
+        queue.add(value, number)
         verdicts.append(queue.verdict)
     return verdicts
 

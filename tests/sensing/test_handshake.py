@@ -42,7 +42,7 @@ class Visit:
         self.handshake.speaks(self.t)
         self.t += SECOND
         self.handshake.spoke(self.t)
-        return self._after(self.handshake.heard(text, self.t))
+        return self._after(self.handshake.visitor_said(text, self.t))
 
     def wait(self) -> Order | None:
         """Until the handshake has something to do by itself."""
@@ -57,7 +57,7 @@ class Visit:
     def _after(self, order: Order | None) -> Order | None:
         if isinstance(order, Say):
             self.t += SECOND
-            self.handshake.said(self.t)
+            self.handshake.robot_finished(self.t)
         return order
 
 
@@ -170,7 +170,7 @@ def test_silence_counts_from_the_end_of_what_the_robot_says_and_not_while_anybod
     handshake = Handshake(SETTINGS, lambda name: False)
     handshake.begin(0)
     assert handshake.due() == 60 * SECOND
-    handshake.said(5 * SECOND)
+    handshake.robot_finished(5 * SECOND)
     assert handshake.due() == 13 * SECOND
     handshake.speaks(12 * SECOND)
     assert handshake.due() == 60 * SECOND
@@ -178,17 +178,19 @@ def test_silence_counts_from_the_end_of_what_the_robot_says_and_not_while_anybod
     handshake.spoke(21 * SECOND)
     assert handshake.due() == 29 * SECOND
     assert handshake.advance(28 * SECOND) is None
-    assert said(handshake.heard("Anna", 29 * SECOND)) == "Anna?"
+    assert said(handshake.visitor_said("Anna", 29 * SECOND)) == "Anna?"
 
 
 def test_all_of_it_takes_no_longer_than_it_may() -> None:
     handshake = Handshake(SETTINGS, lambda name: False)
     handshake.begin(0)
-    handshake.said(SECOND)
+    handshake.robot_finished(SECOND)
     handshake.speaks(2 * SECOND)
     assert handshake.advance(60 * SECOND - 1) is None
-    assert handshake.heard("Anna", 60 * SECOND) == HandshakeFailed("Bye.", "no name after 60 s")
-    assert handshake.heard("Anna", 61 * SECOND) is None
+    assert handshake.visitor_said("Anna", 60 * SECOND) == HandshakeFailed(
+        "Bye.", "no name after 60 s"
+    )
+    assert handshake.visitor_said("Anna", 61 * SECOND) is None
     handshake = Handshake(SETTINGS, lambda name: False)
     handshake.begin(0)
     assert isinstance(handshake.advance(600 * SECOND), HandshakeFailed)
@@ -199,11 +201,11 @@ def test_the_robot_does_not_answer_itself() -> None:
         replace(SETTINGS, ask="Hello there! What is your name?"), lambda name: False
     )
     handshake.begin(0)
-    assert handshake.heard("Anna", SECOND) is None
-    handshake.said(2 * SECOND)
-    assert handshake.heard("what is your name?", 3 * SECOND) is None
+    assert handshake.visitor_said("Anna", SECOND) is None
+    handshake.robot_finished(2 * SECOND)
+    assert handshake.visitor_said("what is your name?", 3 * SECOND) is None
     assert handshake.attempt == 1
-    assert said(handshake.heard("Anna", 4 * SECOND)) == "Anna?"
+    assert said(handshake.visitor_said("Anna", 4 * SECOND)) == "Anna?"
 
 
 def test_somebody_who_is_recognised_meanwhile_is_done_with_it() -> None:
@@ -243,7 +245,10 @@ WORDS = st.sampled_from(
 ) | st.text(max_size=20)  # fmt: skip
 EVENTS = st.one_of(
     st.tuples(st.just("heard"), WORDS),
-    st.tuples(st.sampled_from(["said", "speaks", "spoke", "advance", "ok", "failed"]), st.just("")),
+    st.tuples(
+        st.sampled_from(["robot_finished", "speaks", "spoke", "advance", "ok", "failed"]),
+        st.just(""),
+    ),
 )
 
 
@@ -274,7 +279,7 @@ def test_whatever_happens_it_ends_and_learns_only_what_was_confirmed(
     while (due := handshake.due()) is not None:
         order = handshake.advance(due)
         orders += [order] if order is not None else []
-        handshake.said(due)
+        handshake.robot_finished(due)
         assert due <= 60 * SECOND
     questions = [order for order in orders if isinstance(order, Say)]
     assert len(questions) <= 2 * attempts
@@ -285,7 +290,7 @@ def test_whatever_happens_it_ends_and_learns_only_what_was_confirmed(
 def _happens(handshake: Handshake, event: str, text: str, t: int) -> Order | None:
     match event:
         case "heard":
-            return handshake.heard(text, t)
+            return handshake.visitor_said(text, t)
         case "advance":
             return handshake.advance(t)
         case "ok" | "failed":

@@ -19,7 +19,7 @@ def run(queue: IdentityFifo, seen: list[str]) -> list[str]:
     """The ID given out after each recognition."""
     given_out = []
     for number, name in enumerate(seen):
-        queue.take(name, number)
+        queue.add(name, number)
         given_out.append(queue.name)
     return given_out
 

@@ -38,7 +38,7 @@ class Robot:
             self.t += self.period
             for sign, value in zip(SIGNS, row, strict=True):
                 if value is not None:
-                    self.joint.take(sign, value, self.t)
+                    self.joint.add(sign, value, self.t)
         return self
 
     @property
@@ -188,7 +188,7 @@ def test_a_sign_that_says_nothing_is_no_evidence() -> None:
     robot = Robot().see(ENGAGED, 9)
     before = [robot.joint.probability(sign) for sign in SIGNS]
     for value in (math.nan, "1"):
-        robot.joint.take("gaze", value, robot.t)
+        robot.joint.add("gaze", value, robot.t)
     assert [robot.joint.probability(sign) for sign in SIGNS] == before
 
 
@@ -234,9 +234,9 @@ def test_views_count_per_cent() -> None:
 def test_a_pause_makes_it_unsure_and_never_wrong() -> None:
     robot = Robot().see(ENGAGED, 30)
     for t in (robot.t + 10**9, robot.t + 10**15, robot.t - 10**12, -(10**18)):
-        robot.joint.take("presence", 1.0, t)
+        robot.joint.add("presence", 1.0, t)
         assert all(0.0 <= robot.joint.probability(sign) <= 1.0 for sign in SIGNS)
-    robot.joint.take("presence", 1.0, robot.t + 2 * 10**15)
+    robot.joint.add("presence", 1.0, robot.t + 2 * 10**15)
     assert robot.joint.probability("gaze") < 0.9
 
 
@@ -259,7 +259,7 @@ def test_whatever_comes_probabilities_stay_probabilities(
     t = 0
     for (sign, value), step, luck in story:
         t += step
-        joint.take(sign, value, t)
+        joint.add(sign, value, t)
         if not luck:
             joint.forget(sign)
         for each in SIGNS:

@@ -21,7 +21,7 @@ def named(story: list[str], threshold: float = 0.5) -> list[str]:
     found = []
     for seen in story:
         names.passed(PERIOD)
-        names.take(seen)
+        names.add(seen)
         names.judge(threshold)
         found.append(names.accepted)
     return found
@@ -64,7 +64,7 @@ def test_names_are_only_labels(story: list[str]) -> None:
 def test_only_so_many_names_are_held(story: list[str], pause: int) -> None:
     names = NameBelief()
     for seen in story:
-        names.take(seen)
+        names.add(seen)
         names.passed(pause)
         names.judge(0.5)
         assert 0.0 <= names.share <= 1.0

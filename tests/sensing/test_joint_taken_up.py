@@ -58,7 +58,7 @@ def test_a_sign_that_leaves_has_no_part_any_more() -> None:
     joint = JointFilter(1.3)
     for t in range(0, 3_000_000, 333_333):
         for sign, value in WITH.items():
-            joint.take(sign, float(value), t)
+            joint.add(sign, float(value), t)
     for sign in WITH:
         assert joint.view(sign).verdict == 1
         joint.view(sign).leave()

@@ -178,7 +178,7 @@ def looks_away(follower: EngagementFollower) -> int:
         t = number * SECOND // 3
         for sensor in ("presence", "gaze", "distance"):
             value = 0.0 if sensor == "gaze" and number >= 30 else 1.0
-            follower.take(m.Reading(sensor=sensor, value=value, t=t))
+            follower.apply(m.Reading(sensor=sensor, value=value, t=t))
         if number >= 30 and follower.model.verdicts["gaze"] == 0:
             return number - 29
     raise AssertionError("it is never noticed")

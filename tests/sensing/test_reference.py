@@ -193,7 +193,7 @@ def test_the_model_says_what_the_plain_one_says(
     visitors = Visitors(random.Random(seed))
     for _ in range(150):
         row = visitors.row()
-        said = model.take(row)
+        said = model.add(row)
         for key, sign in plain.items():
             sign.hear(Fraction(visitors.milliseconds, 1000), _meant(key, row[key]))
         verdicts = {key: plain[key].verdict() for key in ("presence", "gaze", "distance")}

@@ -36,7 +36,7 @@ KEYS = {"t", "presence", "gaze", "id", "distance", "state", "outcome", "why"}
 def run(rows: list[dict[str, Any]], settings: EngagementSettings = QUICK) -> list[Row]:
     """Rows a third of a second apart where they do not say when."""
     model = SampleRowReader(settings)
-    return [model.take({"t": number / 3, **row}) for number, row in enumerate(rows)]
+    return [model.add({"t": number / 3, **row}) for number, row in enumerate(rows)]
 
 
 def outcomes(said: list[Row]) -> list[object]:
@@ -151,7 +151,7 @@ def test_under_hold_there_is_no_verdict_until_the_queue_is_full() -> None:
 
 def test_lines_without_a_time_are_a_period_apart() -> None:
     model = SampleRowReader(EngagementSettings(rate=4.0))
-    stamps = [model.take(row)["t"] for row in ({"t": 2}, {}, {"t": None}, {"t": "x"}, {"t": 3.25})]
+    stamps = [model.add(row)["t"] for row in ({"t": 2}, {}, {"t": None}, {"t": "x"}, {"t": 3.25})]
     assert stamps == [2, 2.25, 2.5, 2.75, 3.25]
 
 
@@ -160,7 +160,7 @@ def test_a_sign_that_misses_two_lines_is_not_stale() -> None:
     gaps = [ALL, *[{**ALL, "gaze": None}] * 2] * 20
     settings = EngagementSettings(samples=2, threshold=1)
     said, unnamed = run(gaps, settings), SampleRowReader(settings)
-    assert [unnamed.take(row) | {"t": line["t"]} for row, line in zip(gaps, said, strict=True)] == (
+    assert [unnamed.add(row) | {"t": line["t"]} for row, line in zip(gaps, said, strict=True)] == (
         said
     )
     assert [row["gaze"] for row in said[3:]] == [1] * 57
@@ -169,21 +169,21 @@ def test_a_sign_that_misses_two_lines_is_not_stale() -> None:
 
 def test_lines_without_a_time_do_not_drift() -> None:
     model = SampleRowReader(EngagementSettings())
-    assert [model.take({})["t"] for _ in range(3001)][::3] == [float(t) for t in range(1001)]
+    assert [model.add({})["t"] for _ in range(3001)][::3] == [float(t) for t in range(1001)]
 
 
 def test_a_clock_that_goes_back_twice_leaves_nobody_stale() -> None:
     model = SampleRowReader(EngagementSettings(samples=1))
     for t in (10.0, 9.0, 8.0, 7.0):
-        row = model.take({"t": t, "presence": 1 if t == 10.0 else None})
+        row = model.add({"t": t, "presence": 1 if t == 10.0 else None})
     assert (row["presence"], row.get("stale")) == (1, None)
 
 
 @pytest.mark.parametrize("t", [math.nan, math.inf, "1.0", True, [], 1e300, 10**400])
 def test_a_time_that_is_none_is_noted(t: object) -> None:
     model = SampleRowReader(QUICK)
-    model.take({"t": 1.0})
-    row = model.take({"t": t, **ALL})
+    model.add({"t": 1.0})
+    row = model.add({"t": t, **ALL})
     assert row["bad"] == ["t"]
     assert row["t"] == pytest.approx(4 / 3)
 
@@ -192,7 +192,7 @@ def test_a_clock_that_is_set_back_loses_nobody() -> None:
     """Binding: the wall clock may be set back by an hour."""
     model = SampleRowReader(EngagementSettings())
     stamps = [number / 3 for number in range(20)] + [number / 3 - 3600 for number in range(20, 40)]
-    said = [model.take({"t": t, **ALL, "id": "Anna"}) for t in stamps]
+    said = [model.add({"t": t, **ALL, "id": "Anna"}) for t in stamps]
     assert outcomes(said) == ["human_presence", "recognized"]
 
 
@@ -243,7 +243,7 @@ def test_no_hostile_row_leads_astray() -> None:
     model = SampleRowReader(EngagementSettings(timeouts=Timeouts(thinking=5.0, approach=30.0)))
     was = "Wait"
     for number, line in enumerate(hostile(1, many(30_000, 100_000))):
-        said = model.take(line)
+        said = model.add(line)
         assert all(said[key] in (0, 1) for key in ("presence", "gaze", "distance"))
         assert isinstance(said["id"], str)
         if said["outcome"] is not None and "steps" not in said:
@@ -266,7 +266,7 @@ def test_hostile_rows_under_every_policy(kind: str, start_up: str) -> None:
     )
     model = SampleRowReader(settings)
     for line in hostile(2, 2_000):
-        json.dumps(model.take(line), allow_nan=False)
+        json.dumps(model.add(line), allow_nan=False)
 
 
 @given(st.lists(st.dictionaries(
@@ -278,17 +278,17 @@ def test_no_line_raises(lines: list[dict[str, Any]]) -> None:
     """E9."""
     model = SampleRowReader(EngagementSettings(samples=2))
     for line in lines:
-        json.dumps(model.take(line), allow_nan=False).encode("utf-8")
+        json.dumps(model.add(line), allow_nan=False).encode("utf-8")
 
 
 def test_memory_does_not_grow_with_the_lines() -> None:
     model = SampleRowReader(EngagementSettings(sound=SoundSettings(threshold=0.1)))
     for line in hostile(3, 3_000):
-        model.take(line)
+        model.add(line)
     tracemalloc.start()
     try:
         for line in hostile(4, 3_000):
-            model.take(line)
+            model.add(line)
         grown, _ = tracemalloc.get_traced_memory()
     finally:
         tracemalloc.stop()

@@ -49,7 +49,7 @@ class Log:
 
     def say(self, message: m.Message, after: float = 0.0) -> None:
         self.t += round(after * SECOND)
-        self.changes += self.follower.take(m_replace(message, t=self.t))
+        self.changes += self.follower.apply(m_replace(message, t=self.t))
 
     def sense(self, sensor: str, value: float | None, text: str = "", after: float = 0.0) -> None:
         self.say(m.Reading(sensor=sensor, value=value, text=text), after)
@@ -316,7 +316,7 @@ def test_no_message_hurts(messages: list[tuple[Any, int]]) -> None:
     t = 0
     for message, step in messages:
         t += step
-        for change in follower.take(m_replace(message, t=t)):
+        for change in follower.apply(m_replace(message, t=t)):
             assert change.now in (*STATES, "stop")
         follower.until(t)
         follower.due()

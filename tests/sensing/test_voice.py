@@ -19,7 +19,7 @@ def heard(
     voice: LoudnessSpeechDetector, *values: object, period: int = PERIOD
 ) -> list[Event | None]:
     """What each of so many values brings, one period apart."""
-    return [voice.take(value, number * period)[1] for number, value in enumerate(values, start=1)]
+    return [voice.add(value, number * period)[1] for number, value in enumerate(values, start=1)]
 
 
 START, END = Event.SPEECH_START, Event.SPEECH_END
@@ -49,7 +49,7 @@ def test_chunks_that_come_a_little_early_or_late_count_as_on_time(
     times = [number * period + data.draw(late) for number in range(1, chunks + 3)]
     levels = [0.0, 0.5, *[0.0] * chunks]
     voice = LoudnessSpeechDetector(SoundSettings(threshold=0.1, hang_over=chunks * period / SECOND))
-    events = [voice.take(level, t)[1] for level, t in zip(levels, times, strict=True)]
+    events = [voice.add(level, t)[1] for level, t in zip(levels, times, strict=True)]
     assert events == [None, START, *[None] * (chunks - 1), END]
 
 
@@ -57,7 +57,7 @@ def test_after_a_hole_in_the_sound_the_hang_over_is_not_cut_short() -> None:
     voice = LoudnessSpeechDetector(SoundSettings(threshold=0.1))
     times = [100_000, 200_000, 1_000_000, 1_100_000, 1_200_000]
     levels = [0.0, 0.5, 0.0, 0.0, 0.0]
-    events = [voice.take(level, t)[1] for level, t in zip(levels, times, strict=True)]
+    events = [voice.add(level, t)[1] for level, t in zip(levels, times, strict=True)]
     assert events == [None, START, None, None, END]
 
 
@@ -68,9 +68,9 @@ def test_a_pause_within_a_sentence_does_not_end_it() -> None:
 
 def test_nothing_and_rubbish_are_no_chunks() -> None:
     voice = LoudnessSpeechDetector(SoundSettings(threshold=0.1))
-    assert [voice.take(value, SECOND)[0] for value in (None, "x", -1, 2.0, math.inf)] == [False] * 5
+    assert [voice.add(value, SECOND)[0] for value in (None, "x", -1, 2.0, math.inf)] == [False] * 5
     assert voice.level is None
-    assert voice.take(math.nan, SECOND) == (True, None)
+    assert voice.add(math.nan, SECOND) == (True, None)
 
 
 def test_the_threshold_is_the_settings_or_what_the_microphone_learnt_or_the_published_one() -> None:
@@ -121,7 +121,7 @@ def test_speech_while_the_robot_talks_is_not_heard() -> None:
 def test_sound_that_stays_away_ends_speech_after_a_second_at_the_earliest() -> None:
     """A sensor that speaks once in a second is no silence, however brief the hang-over."""
     voice = LoudnessSpeechDetector(SoundSettings(threshold=0.1, hang_over=0.3))
-    assert voice.take(0.5, 0)[1] is START
+    assert voice.add(0.5, 0)[1] is START
     assert voice.pass_to(SECOND) is None
     assert voice.ends_at() == SECOND + 1
     assert voice.pass_to(SECOND + 1) is END

@@ -281,13 +281,13 @@ def test_the_absence_of_the_visitor_ends_the_state_and_not_the_sentence(tmp_path
 
     room = in_room(tmp_path, scenario, guided(tmp_path, settings))
     follower = EngagementFollower(PLAIN)
-    again = [change for line in room.lines for change in follower.take(line)]
+    again = [change for line in room.lines for change in follower.apply(line)]
     assert [change.now for change in again] == room.path
     changes = room.of(m.EngagementChanged)
     assert [change.t for change in again] == pytest.approx([line.t for line in changes], abs=5000)
     before = EngagementFollower(PLAIN)
     old = [_without_absent(line) for line in room.lines]
-    found = [change.now for line in old for change in before.take(line)]
+    found = [change.now for line in old for change in before.apply(line)]
     assert found[-3:] == [KNOWN_STATE, "PersonDetected", "Wait"], "after the answer, as before"
 
 

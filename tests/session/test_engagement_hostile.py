@@ -99,9 +99,9 @@ def test_a_place_that_takes_no_file_costs_no_name(tmp_path: Path, place: str) ->
         model = room.session.engagement._model
         assert model is not None
         visiting = model.visitors
-        visiting.known.wait(10)
+        visiting.visitors.wait(10)
         await asyncio.sleep(0.5)
-        assert visiting.known.is_taken("anna")
+        assert visiting.visitors.is_taken("anna")
 
     room = in_room(tmp_path, scenario, guided(tmp_path, settings))
     assert room.path[-1] == "EngagedWithKnown"

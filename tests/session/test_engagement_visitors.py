@@ -48,7 +48,7 @@ def saves(room: Room) -> None:
     model = room.session.engagement._model
     assert model is not None
     visiting = model.visitors
-    visiting.known.wait(10)
+    visiting.visitors.wait(10)
 
 
 def test_the_wizard_is_told_and_gives_a_name(tmp_path: Path) -> None:

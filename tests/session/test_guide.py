@@ -94,7 +94,7 @@ def test_whoever_reads_the_log_comes_to_the_same(twice: list[list[m.AnyMessage]]
     experiment = load(guide_session.GUIDE, installed())
     assert experiment.engagement is not None
     follower = EngagementFollower(experiment.engagement.settings)
-    found = [change for message in twice[0] for change in follower.take(message)]
+    found = [change for message in twice[0] for change in follower.apply(message)]
     assert [(each.t, each.was, each.now, each.outcome, each.why) for each in found] == [
         (each.t, each.was, each.now, each.outcome, each.why) for each in changes(twice[0])
     ]

@@ -197,13 +197,13 @@ def test_a_session_hears_of_others_changes_when_somebody_comes(tmp_path: Path) -
         model = room.session.engagement._model
         assert model is not None
         visiting = model.visitors
-        assert visiting.known.is_taken("Anna")
+        assert visiting.visitors.is_taken("Anna")
         store.rename("Anna", "V12")
         await room.visit(3)
-        visiting.known.wait(20)
+        visiting.visitors.wait(20)
         await asyncio.sleep(0.5)
-        assert not visiting.known.is_taken("Anna")
-        assert visiting.known.is_taken("V12")
+        assert not visiting.visitors.is_taken("Anna")
+        assert visiting.visitors.is_taken("V12")
 
     in_room(tmp_path, scenario)
 
@@ -236,7 +236,7 @@ def ended(tmp_path: Path, path: Path, before_the_end: Callable[[], object]) -> R
         model = room.session.engagement._model
         assert model is not None
         visiting = model.visitors
-        visiting.known.wait(20)
+        visiting.visitors.wait(20)
         await asyncio.sleep(0.5)
         assert any("cannot be written" in text for text in room.notices)
         before_the_end()
@@ -264,7 +264,7 @@ def test_a_disk_that_hangs_at_the_end_does_not_hold_up_the_event_loop(tmp_path: 
         model = room.session.engagement._model
         assert model is not None
         visiting = model.visitors
-        gate = hanging(visiting.known)
+        gate = hanging(visiting.visitors)
 
         def hear(message: m.AnyMessage) -> None:
             if isinstance(message, m.Notice) and "within 2.5 s" in message.text:

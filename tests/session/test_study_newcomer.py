@@ -66,7 +66,7 @@ def test_the_state_for_newcomers_tells_all(tmp_path: Path, steps: list[tuple[str
             take(stage, step, what)
             live, late = stage.session.state, SessionState()
             for message in live.messages():
-                late.take(message)
+                late.apply(message)
             told = late.study.settings = stage.session.study.settings
             assert study_snapshot(told, late.study) == study_snapshot(told, live.study)
             assert late.study.had == live.study.had

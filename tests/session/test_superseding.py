@@ -214,7 +214,7 @@ def test_the_timeline_counts_it_as_superseded(tmp_path: Path) -> None:
     stage = scene(tmp_path, pressed((0, "Exhibit"), (0.6, "Repeat"), (3, "Exhibit")))
     timeline = Timeline()
     for line in stage.lines:
-        timeline.take(line)
+        timeline.apply(line)
     timeline.finish()
     outcomes = [each.outcome for each in timeline.of(Played)]
     assert outcomes == [EpisodeOutcome.SUPERSEDED, EpisodeOutcome.DONE, EpisodeOutcome.DONE]

@@ -34,7 +34,7 @@ COURSES = st.one_of(recordings(), damaged())
 def state_of(messages: list[m.Message] | list[m.AnyMessage]) -> SessionState:
     state = SessionState()
     for message in messages:
-        state.take(message)
+        state.apply(message)
     return state
 
 
@@ -114,7 +114,7 @@ def test_state_spans_and_parts_have_the_same_context(messages: list[m.AnyMessage
     timeline = Timeline()
     found: list[tuple[int, int, Context]] = []
     for message in messages:
-        timeline.take(message)
+        timeline.apply(message)
         if timeline.state.study.begun:
             found.append((timeline.state.t, message.seq, timeline.state.context))
     timeline.finish()
@@ -174,8 +174,8 @@ def test_a_newcomer_knows_the_same(messages: list[m.AnyMessage], share: float) -
     assert held(late) == held(there)
     assert {line.seq for line in late.messages()} <= {line.seq for line in snapshot}
     for message in messages[place:]:
-        there.take(message)
-        late.take(message)
+        there.apply(message)
+        late.apply(message)
     assert held(late) == held(there)
 
 
@@ -185,10 +185,10 @@ def test_a_copy_goes_on_by_itself(messages: list[m.AnyMessage], share: float) ->
     state = state_of(messages[:place])
     before, copy = held(state), state.copy()
     snapshot = state.messages()
-    ended = [list(copy.take(message)) for message in messages[place:]]
+    ended = [list(copy.apply(message)) for message in messages[place:]]
     assert held(state) == before
     assert state.messages() == snapshot
-    assert [list(state.take(message)) for message in messages[place:]] == ended
+    assert [list(state.apply(message)) for message in messages[place:]] == ended
     assert held(state) == held(copy)
 
 
@@ -229,7 +229,7 @@ def test_memory_is_bounded_whatever_never_ends() -> None:
                 m.PreflightChecked(check=name, level="ok", source="wizard"),
             )
         ):
-            done = state.take(msgspec.structs.replace(message, seq=seq + at, t=seq))
+            done = state.apply(msgspec.structs.replace(message, seq=seq + at, t=seq))
             ended += sum(isinstance(each, ActionEpisode) and each.end is not None for each in done)
         if number == MOST_KEPT:
             size = len(state.messages())

@@ -373,7 +373,7 @@ def test_answers_whose_questionnaire_has_no_beginning_are_not_lost() -> None:
 def state_of(*course: tuple[float, m.AnyMessage]) -> SessionState:
     state = SessionState()
     for message in timed((0, start()), (0, plan()), *course):
-        state.take(message)
+        state.apply(message)
     return state
 
 
@@ -404,7 +404,7 @@ def test_a_questionnaire_that_was_had_once_stays_had_when_it_is_left() -> None:
     state = state_of((1, over("ux")), (2, begun("ux")), (3, over("ux", "left")))
     late = SessionState()
     for message in state.messages():
-        late.take(message)
+        late.apply(message)
     assert set(state.study.had) == set(late.study.had) == {"ux"}
 
 

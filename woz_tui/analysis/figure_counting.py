@@ -281,7 +281,7 @@ class _Counting:
             for tally, us in self._pieces(off, self.at):
                 tally.off_us += us
 
-    def whole(self, *, every: bool) -> PartSums:
+    def total(self, *, every: bool) -> PartSums:
         """All together, but for what does not count unless `every`; nothing is clipped to the
         trials of which it consists.
         """
@@ -340,7 +340,7 @@ def _whole_session(
     counted = [tally for tally in counting.tallies if every or tally.counted]
     conditions = ", ".join(_unique(tally.condition for tally in counted))
     begun = sum(every or trial.counted for trial in trials)
-    return part_figures(counting.whole(every=every), _named(counted, people), conditions, begun)
+    return part_figures(counting.total(every=every), _named(counted, people), conditions, begun)
 
 
 def _parts(

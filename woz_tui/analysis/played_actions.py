@@ -92,7 +92,7 @@ def played_session(name: str, messages: Iterable[m.AnyMessage]) -> PlayedSession
     """
     timeline = Timeline(passing=True)
     for message in messages:
-        timeline.take(message)
+        timeline.apply(message)
     timeline.finish()
     return _played(name, timeline)
 

@@ -34,7 +34,7 @@ class LineCount:
         #: So many were lost before the last checkpoint.
         self.short = 0
 
-    def take(self, item: AnyMessage | LogLine) -> None:
+    def add(self, item: AnyMessage | LogLine) -> None:
         """The next line of the log, unknown ones included."""
         if type(item) is Checkpoint:
             self.short = max(self.short, item.lines - self._lines)
@@ -166,16 +166,16 @@ def _read_report(
     timeline, curves, roll = Timeline(), SensorCurves(), LineCount()
     lines, some = 0, False
     for message in messages(path, damage, places=places, samples=extras.curves):
-        roll.take(message)
+        roll.add(message)
         if isinstance(message, LogLine):
             lines += not message.sample
             continue
         some = True
         lines += not is_sample(message)
         if is_sample(message):
-            curves.take(message)  # a session lasts from its first to its last line of actions
+            curves.add(message)  # a session lasts from its first to its last line of actions
         else:
-            timeline.take(message)
+            timeline.apply(message)
     if not some:
         raise NoSessionError(f"{path}: {'; '.join(damage.sentences()) or 'it contains no session'}")
     timeline.finish()

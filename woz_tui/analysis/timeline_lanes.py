@@ -291,7 +291,7 @@ class SensorCurves:
         self.t = 0
         self._sensors: dict[str, _Thinned] = {}
 
-    def take(self, sample: m.Message) -> None:
+    def add(self, sample: m.Message) -> None:
         """The next sample."""
         if not isinstance(sample, m.Reading) or sample.sensor not in CURVES:
             return

@@ -124,7 +124,7 @@ class Bus:
             except ArgumentError as error:
                 ticket.refuse("args", str(error))
             else:
-                self._lane(command.driver, verb).take(ticket, args, command.when_busy)
+                self._lane(command.driver, verb).accept(ticket, args, command.when_busy)
         return recorded
 
     def refuse(

@@ -66,7 +66,7 @@ class Subscription:
         if not waiting:
             self._wake()
 
-    def take(self) -> list[bytes]:
+    def take_all(self) -> list[bytes]:
         """All waiting lines, oldest first."""
         lines, acks, given = [], list(self._acks), 0
         for ahead, sample in self._samples:

@@ -186,7 +186,7 @@ class Lane:
 
     # -- coming in ---------------------------------------------------------------------------
 
-    def take(self, pending: PendingCommand, args: Mapping[str, Json], when_busy: str) -> None:
+    def accept(self, pending: PendingCommand, args: Mapping[str, Json], when_busy: str) -> None:
         """Accept, queue or refuse a command."""
         if self.faulted:
             pending.refuse(

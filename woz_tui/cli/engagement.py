@@ -338,7 +338,7 @@ def _rows(lines: _Lines, settings: EngagementSettings, live: bool) -> None:
     rows = SampleRowReader(settings)
     out = sys.stdout.buffer
     for row in lines:
-        verdicts = rows.no_row() if row is None else rows.take(row)
+        verdicts = rows.no_row() if row is None else rows.add(row)
         out.write(json_text(verdicts).encode("utf-8") + b"\n")
         if live:
             out.flush()

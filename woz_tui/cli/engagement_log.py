@@ -80,11 +80,11 @@ class ModelRerun:
     def take(self, message: m.AnyMessage) -> Sequence[Transition]:
         """One message; the transitions that it brought."""
         if not isinstance(message, m.Reading | m.EngagementShown):
-            self._state.take(message)
+            self._state.apply(message)
         understood = self._understood(message)
         if understood is None or self.follower is None:
             return ()
-        return [*self.follower.take(understood)]
+        return [*self.follower.apply(understood)]
 
     def until(self, t: int) -> Sequence[Transition]:
         """What happens by itself up to `t`."""

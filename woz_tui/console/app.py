@@ -159,7 +159,7 @@ class Console(ScreenApp):
 
     def _take(self, local: int) -> None:
         for batch in self.inbox.batches():
-            self.state.take(batch, local)
+            self.state.apply(batch, local)
             for message in batch:
                 if isinstance(message, Reply):
                     self._replied(message)

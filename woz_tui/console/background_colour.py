@@ -46,7 +46,7 @@ def ask_background(source: int, target: int, window_s: float = WINDOW_S) -> Term
     try:
         termios.tcsetattr(source, termios.TCSANOW, quiet)
         os.write(target, QUESTION)
-        return _heard(source, time.monotonic() + window_s)
+        return _read_answer(source, time.monotonic() + window_s)
     except (OSError, termios.error):
         return TerminalBackground()
     finally:
@@ -54,7 +54,7 @@ def ask_background(source: int, target: int, window_s: float = WINDOW_S) -> Term
             termios.tcsetattr(source, termios.TCSANOW, before)
 
 
-def _heard(source: int, until: float) -> TerminalBackground:
+def _read_answer(source: int, until: float) -> TerminalBackground:
     scanner = Scanner()
     scanner.expects_ground = True
     light: bool | None = None

@@ -293,10 +293,10 @@ def _urgent(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
         waited = millis(frame.now - asked_us)
         first = f" {glyphs.stop} STOP SENT {glyphs.middle} no answer yet, {waited}"
         return [((fit(first, width), "alarm"),), ((" " * width, "alarm-soft"),)]
-    return _told(bar.news, glyphs, width)
+    return _news_rows(bar.news, glyphs, width)
 
 
-def _told(news: News, glyphs: Glyphs, width: int) -> list[Row]:
+def _news_rows(news: News, glyphs: Glyphs, width: int) -> list[Row]:
     """News on one line, or on two if it takes them: the remedy stands at its end."""
     if not news.text:
         return []

@@ -91,7 +91,7 @@ _LINGER = {"done": DONE_US, "refused": REFUSED_US} | dict.fromkeys(
 
 @dataclass(slots=True)
 class ConsoleState:
-    """Everything the console knows. Fields are for reading; `take` changes them."""
+    """Everything the console knows. Fields are for reading; `apply` changes them."""
 
     #: What holds, as far as the wizard may know it.
     session: SessionState = field(default_factory=SessionState)
@@ -267,7 +267,7 @@ class ConsoleState:
         """The session's `t` at the local clock's `local_us`."""
         return self._t + round(max(0, local_us - self._local) * self.rate)
 
-    def _heard(self, t: int, local_us: int) -> None:
+    def _tie_clocks(self, t: int, local_us: int) -> None:
         """Tie the clocks: forward at once, back only if they are far apart (a paused feed)."""
         behind = self.now(local_us) - t
         if behind < 0 or behind > STALE_US:
@@ -276,11 +276,11 @@ class ConsoleState:
     def _pulse(self, pulse: r.Pulse, local_us: int) -> None:
         if pulse.rate != self.rate:
             self._t, self._local, self.rate = pulse.t, local_us, pulse.rate
-        self._heard(pulse.t, local_us)
+        self._tie_clocks(pulse.t, local_us)
 
     # -- reducing ---------------------------------------------------------------------------
 
-    def take(self, batch: Iterable[Incoming], local_us: int) -> None:
+    def apply(self, batch: Iterable[Incoming], local_us: int) -> None:
         """Work a batch in, oldest first; `local_us` is the local clock's time of arrival."""
         for message in batch:
             if isinstance(message, r.Welcome):
@@ -293,7 +293,7 @@ class ConsoleState:
                 self.replay = updated(self.replay, message)
             elif isinstance(message, m.Message):
                 if message.t >= 0 and not isinstance(message, m.Reading):
-                    self._heard(message.t, local_us)
+                    self._tie_clocks(message.t, local_us)
                 self._message(message, tell=True)
 
     def lose(self, why: str) -> None:
@@ -342,10 +342,10 @@ class ConsoleState:
         """
         before, fresh = self.session, SessionState()
         if before.plan is not None:
-            fresh.take(before.plan)
+            fresh.apply(before.plan)
         for line in lines:
             if not isinstance(line, m.SessionPlan) and (seen := see(line)) is not None:
-                fresh.take(seen)
+                fresh.apply(seen)
         fresh.t, fresh.actions, fresh.commands = before.t, before.actions, before.commands
         self.session = self.study.session = self.engaged.session = self.runs.session = fresh
 
@@ -406,7 +406,7 @@ class ConsoleState:
             drivers=drivers,
             settings=self.settings,
         )
-        self.session.take(shown)
+        self.session.apply(shown)
         self.study.adopt()
 
     def _message(self, message: m.Message, tell: bool) -> None:
@@ -415,11 +415,11 @@ class ConsoleState:
         if isinstance(message, m.PerceptionChanged):
             self._perceive(PerceptionFilter(message.hidden, message.blurred))
         if isinstance(message, m.Reading):  # hundreds a second, of which only the last are shown
-            self.session.take(message)
+            self.session.apply(message)
             return
         recorder = self.session.recorder
-        outcome = self.runs.take(self.session.take(message))
-        self.engaged.take(message)
+        outcome = self.runs.apply(self.session.apply(message))
+        self.engaged.apply(message)
         self.study.take(message)
         self._follow_up(message)
         match message:
@@ -441,7 +441,7 @@ class ConsoleState:
                     recorder.detail,
                 )
         if tell:
-            self._tell(message, outcome)
+            self._add_event(message, outcome)
         if isinstance(message, m.Command):
             self._put_said(message)
 
@@ -472,7 +472,7 @@ class ConsoleState:
                     each for each, view in there.items() if view is not None and not view.locked
                 )
 
-    def _tell(self, message: m.Message, outcome: RunOutcome | None) -> None:
+    def _add_event(self, message: m.Message, outcome: RunOutcome | None) -> None:
         """Put it on the list of events, or its outcome behind the event that began it."""
         if outcome is not None:
             for event in reversed(self.events):
@@ -583,7 +583,7 @@ class ConsoleState:
         changed = self.session.locks.get(panel.title)
         return panel.locked if changed is None else changed.locked
 
-    def standing(self, panel: PanelView, action: ActionView, now: int) -> ButtonView:
+    def button_view(self, panel: PanelView, action: ActionView, now: int) -> ButtonView:
         """How an action stands at `now`."""
         current = self.runs.of(action.name)
         if current is not None:

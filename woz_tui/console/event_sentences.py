@@ -315,7 +315,7 @@ def _speech(message: m.SpeechEnded, shown: EventContext) -> EventLine | None:
     return EventLine("warning", "Speech not saved", message.detail)
 
 
-def _heard(message: m.SpeechText, shown: EventContext) -> EventLine:
+def _transcript_line(message: m.SpeechText, shown: EventContext) -> EventLine:
     if message.text.strip():
         return EventLine("heard", f"“{message.text}”", "heard")
     mark = "warning" if message.detail else "info"
@@ -397,7 +397,7 @@ SENTENCES: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]
     m.SensorChanged: _sensor,
     m.EngagementChanged: _engagement,
     m.SpeechEnded: _speech,
-    m.SpeechText: _heard,
+    m.SpeechText: _transcript_line,
     m.VisitorChanged: _visitor,
     m.Marker: _marker,
     m.Mistake: _mistake,

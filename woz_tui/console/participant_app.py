@@ -56,7 +56,7 @@ class ParticipantApp(ScreenApp):
         if not self.inbox or not self.screen_stack or not self.is_running:
             return
         for batch in self.inbox.batches():
-            self.state.take(batch, self.clock.now_us())
+            self.state.apply(batch, self.clock.now_us())
             for message in batch:
                 if isinstance(message, Reply):
                     self._waiting.pop(message.ref, _nobody)(message)
@@ -72,7 +72,13 @@ class ParticipantApp(ScreenApp):
         lost, halted = bool(self.state.lost), self.state.stop is not None
         for sheet in self.query(QuestionnaireSheet):
             notice = self._words.stopped if halted else ""
-            sheet.follow(self._asked(), self._lines(), words=self._words, away=lost, notice=notice)
+            sheet.follow(
+                self._open_questionnaire(),
+                self._lines(),
+                words=self._words,
+                away=lost,
+                notice=notice,
+            )
 
     def _begin(self) -> None:
         """Whoever waits for one questionnaire alone asks for it as soon as it is due."""
@@ -90,7 +96,7 @@ class ParticipantApp(ScreenApp):
         for ref, on_reply in waiting.items():
             on_reply(Reply(ref=ref, ok=False, reason=GONE))
 
-    def _asked(self) -> OpenQuestionnaire | None:
+    def _open_questionnaire(self) -> OpenQuestionnaire | None:
         asked = self.state.study.asked
         wanted = asked is not None and self._only in ("", asked.name)
         return asked if wanted else None

@@ -49,7 +49,7 @@ class RobotRequests:
         #: Whether the session is being ended from here.
         self.ending = False
         self.drafts: dict[str, str] = {}
-        self.said: list[str] = []
+        self.history: list[str] = []
         self.moved: list[str] = []
 
     def ask(self, request: r.AnyRequest, on_reply: OnReply | None = None) -> None:
@@ -94,7 +94,7 @@ class RobotRequests:
 
     def say(self, text: str, on: str, key: str) -> None:
         """Say a typed utterance; `key` opened the dialog."""
-        self.said = [*(old for old in self.said if old != text), text][-HISTORY:]
+        self.history = [*(old for old in self.history if old != text), text][-HISTORY:]
         self.ask(r.AskVerb(verb="say", args={"text": text}, on=on, source="key", key=key))
 
     def move(self, name: str, on: str, key: str) -> None:

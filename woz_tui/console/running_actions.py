@@ -119,7 +119,7 @@ class ActiveRun:
 class RunningActions:
     """All runs under way by id, the last outcome of each action, failures until seen.
 
-    `session` says what is under way; `take` what has ended.
+    `session` says what is under way; `apply` what has ended.
     """
 
     session: SessionState
@@ -200,7 +200,7 @@ class RunningActions:
         refusal, self._refusal = self._refusal, None
         return refusal
 
-    def take(self, episodes: Iterable[Episode]) -> RunOutcome | None:
+    def apply(self, episodes: Iterable[Episode]) -> RunOutcome | None:
         """What a message began and ended; the outcome of the run that is over with it."""
         found = None
         for episode in episodes:

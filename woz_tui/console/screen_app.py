@@ -50,7 +50,7 @@ class Inbox:
 
     # -- in any thread --------------------------------------------------------------------------
 
-    def heard(self, batch: list[Incoming]) -> None:
+    def receive(self, batch: list[Incoming]) -> None:
         """Keep a batch for the next painting; wake the screen if it has been still."""
         idle = not self._batches
         self._batches.append(batch)
@@ -138,7 +138,7 @@ class ScreenApp(App[str]):
         self.set_class(self.theme == SIXTEEN.name, "-sixteen")
         self.begin()
         self.set_interval(BEAT, self.beat)
-        self.feed.start(self.inbox.heard, self.inbox.cut)
+        self.feed.start(self.inbox.receive, self.inbox.cut)
 
     def on_unmount(self) -> None:
         """Nothing comes any more."""

@@ -156,10 +156,10 @@ class EventExtractor:
         if isinstance(message, m.SettingsShown):
             message = line.message  # all that is shown of settings is in the timeline
         if message is not None:
-            self._timeline.take(message)
+            self._timeline.apply(message)
         public = message if isinstance(message, _COUNTED) else line.message
         if public is not None:
-            self._public.take(public)
+            self._public.apply(public)
         match line.message:
             case m.SessionStart():
                 self.session.start = line.message

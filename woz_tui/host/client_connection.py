@@ -54,7 +54,7 @@ class RoleView:
         self._recent = RecentMessages()
         self._last: tuple[m.Message | None, m.Message | None] = None, None
         for message in before:
-            redactor.take(message)
+            redactor.apply(message)
         for message in recent:
             self._remember(redactor.message(message))
 
@@ -67,7 +67,7 @@ class RoleView:
     def on_message(self, message: m.AnyMessage) -> None:
         """`message` has been published."""
         self._remember(self.redacted(message))
-        self.redactor.take(message)
+        self.redactor.apply(message)
 
     @property
     def recent(self) -> list[m.AnyMessage]:
@@ -76,7 +76,7 @@ class RoleView:
 
     def _remember(self, message: Any) -> None:
         if message is not None:
-            self._recent.take(message)
+            self._recent.add(message)
 
 
 #: Lines that may wait for a client that does not read; then its samples are dropped.
@@ -343,7 +343,7 @@ class ClientConnection(asyncio.Protocol):
 
     def _collect(self) -> None:
         if self._subscription is not None and not self._paused:
-            self._due += self._subscription.take()
+            self._due += self._subscription.take_all()
 
     def _flush(self) -> None:
         self._collect()

@@ -349,7 +349,7 @@ class Engine:
 
     def _joints(self, args: Args) -> InputResult:
         taken = usable_angles("joints.joints", args["joints"], self._shape.joints)
-        self._joint_controller.put(taken.joints, "joints")
+        self._joint_controller.set_angles(taken.joints, "joints")
         return InputResult(taken.to_json())
 
     # -- controls -------------------------------------------------------------------------------
@@ -436,7 +436,7 @@ class Engine:
         """In saccade following they take the head along."""
         primary = self._joint_controller.source
         if moved and isinstance(primary, SaccadeFollowing):
-            primary.look(self._face.x, self._face.y)
+            primary.look_at(self._face.x, self._face.y)
 
     def _brightness(self, args: Args) -> InputResult:
         self._face.brightness = args["level"]

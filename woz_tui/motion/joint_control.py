@@ -75,7 +75,7 @@ class DesiredPose:
         self._zoom = 2.0 * place - 1.0
         self._update()
 
-    def take(self, angles: Mapping[str, float]) -> None:
+    def aim(self, angles: Mapping[str, float]) -> None:
         """Want these angles, zoom included; it gives way where it would not fit."""
         pose = {**self.pose, **angles}
         zoom = self._zoom if not self._shares else self._effective()
@@ -187,16 +187,16 @@ class JointController:
         self.desired.turn_zoom(place)
         self._release_joints({name for name, share in self._shape.zoom.items() if share}, by)
 
-    def put(self, angles: Mapping[str, float], by: str) -> None:
+    def set_angles(self, angles: Mapping[str, float], by: str) -> None:
         """Joints directly, under whatever is being played."""
-        self.desired.take(angles)
+        self.desired.aim(angles)
         self._release_joints(set(angles), by)
 
     def shift(self, angles: Mapping[str, float], by: str) -> None:
-        """As `put`, but what is being played leans over to its new pose in the time of a fade."""
+        """As `set_angles`, but what is played leans over to its new pose in the time of a fade."""
         pose = self.desired.pose
         before = {joint: pose[joint] for joint in angles}
-        self.put(angles, by)
+        self.set_angles(angles, by)
         for joint, angle in before.items():
             self._fade.more(joint, angle - self.desired.pose[joint])
 
@@ -225,7 +225,7 @@ class JointController:
         line = LinearMotion(name, legs_of(self._start(), goals, self._shape, easing), easing, token)
         self._set_source(line, f"replaced by {name}")
         for goal, _ in goals:
-            self.desired.take(goal)
+            self.desired.aim(goal)
         return line
 
     def play(self, move: Move, speed: float, amplitude: float, token: int) -> MovePlayback:
@@ -266,7 +266,7 @@ class JointController:
         if remains:
             self._fade.begin(self.last_pose, self.desired.pose, self.last_pose)
         else:
-            self.desired.take(self.last_pose)
+            self.desired.aim(self.last_pose)
 
     def restart(self, present: Mapping[str, float]) -> None:
         """Begin anew in this pose."""
@@ -285,7 +285,7 @@ class JointController:
         """A line that is under way ends where it is."""
         if isinstance(self.source, LinearMotion):
             start = self._start()
-            self.desired.take({name: start[name] for name in self.source.joints})
+            self.desired.aim({name: start[name] for name in self.source.joints})
 
     def _return(self, seconds: float, why: str) -> None:
         """Lead back to the pose wanted, in a straight line."""
@@ -341,7 +341,7 @@ class JointController:
             self.notices.append(f"the {self.mode.value} is over")
             self._return(RETURN_S, "")
         elif isinstance(source, MovePlayback) and source.move.stays:
-            self.desired.take(self.last_pose)
+            self.desired.aim(self.last_pose)
             self._set_source(Hold(), "")
         else:
             self._return(self._shape.crossfade, "")

@@ -217,19 +217,19 @@ class KeyframeMove:
         """The sounds of all layers that are heard, in order."""
         cues = (
             SoundCue(frame.at, frame.sound, frame.volume * layer.share)
-            for layer in self._heard
+            for layer in self._audible_layers
             for frame in layer.frames
             if frame.sound
         )
         return tuple(sorted(cues, key=lambda cue: cue.at))
 
     @property
-    def _heard(self) -> list[MoveLayer]:
+    def _audible_layers(self) -> list[MoveLayer]:
         return [layer for layer in self.layers if not layer.muted and layer.share > 0]
 
     @cached_property
     def _tracks(self) -> tuple[_LayerTracks, ...]:
-        return tuple(_LayerTracks.of(layer) for layer in self._heard)
+        return tuple(_LayerTracks.of(layer) for layer in self._audible_layers)
 
     def at(self, place: float) -> Posture:
         """What it wants at `place`; before the beginning and after the end as there."""

@@ -446,7 +446,7 @@ class SaccadeFollowing(PoseSource):
         if eyes != (0.0, 0.0):
             self._turn_to(eyes, self._lead)
 
-    def look(self, x: float, y: float) -> None:
+    def look_at(self, x: float, y: float) -> None:
         """Look there, -1..1 of `SPAN`."""
         self._turn_to((x, y), SPAN)
 

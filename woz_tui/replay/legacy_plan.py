@@ -36,7 +36,7 @@ def plan_from(messages: Iterable[object]) -> m.SessionPlan:
     timeline = Timeline(passing=True)
     for message in messages:
         if isinstance(message, m.Message):
-            timeline.take(message)
+            timeline.apply(message)
     timeline.finish()
     played: dict[str, _Shown] = {}
     drivers: dict[str, dict[str, None]] = {}

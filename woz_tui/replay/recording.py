@@ -148,7 +148,7 @@ class Recording:
         for line, t in zip(self.lines, self.times, strict=True):
             yield bookmark_of(line, t)
             if isinstance(line, _OF_MODEL):
-                for episode in state.take(line):
+                for episode in state.apply(line):
                     if isinstance(episode, EngagementEpisode) and episode.end is None:
                         yield Bookmark(t, "engagement", state.model.state)
 
@@ -210,7 +210,7 @@ class Recording:
     def _play(self, state: SessionState, begin: int, end: int) -> None:
         for line, t in zip(self.lines[begin:end], self.times[begin:end], strict=True):
             if isinstance(line, Message):
-                state.take(line if line.t == t else msgspec.structs.replace(line, t=t))
+                state.apply(line if line.t == t else msgspec.structs.replace(line, t=t))
 
     def prepare(self, count: int) -> bool:
         """Work `count` lines ahead; whether there are more."""
@@ -258,7 +258,7 @@ class _RedactedSamples:
             t = max(sample.t, t_us)
             place = bisect.bisect_right(self._kept, t, key=lambda entry: entry[0])
             self._redactor.perception = self._kept[place - 1][1] if place else PerceptionFilter()
-            self._redactor.take(sample)
+            self._redactor.apply(sample)
             seen: Any = self._redactor.message(sample)
             if seen is not None:
                 yield seen
@@ -279,7 +279,7 @@ def _redacted(
             continue
         if isinstance(line, m.SessionStart):
             schema = line.schema
-        redactor.take(line)
+        redactor.apply(line)
         if redactor.perception != kept[-1][1]:
             kept.append((t, redactor.perception))
         seen: Any = redactor.message(mark_legacy(line, schema))

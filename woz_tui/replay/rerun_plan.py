@@ -150,7 +150,7 @@ def plan_of(path: Path) -> RerunPlan:
     messages = [msgspec.structs.replace(message, t=times[place]) for place, message in lines]
     timeline = Timeline(passing=True)
     for message in messages:
-        timeline.take(message)
+        timeline.apply(message)
     timeline.finish()
     start = timeline.state.start
     presses = [

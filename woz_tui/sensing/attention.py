@@ -174,7 +174,7 @@ class Attention:
         self._away = _Away(kind, place, self._look_until())
         return GazeDirection(place, what)
 
-    def found(self, somebody: bool, t: int) -> Order | None:
+    def somebody_there(self, somebody: bool, t: int) -> Order | None:
         """Whether somebody is there, at the place it looks at now."""
         over = self.advance(t)
         away = self._away

@@ -87,7 +87,7 @@ def _handshake(model: EngagementModel, args: Args) -> dict[str, Json]:
     code = name_of(args["code"]) if args.get("code") else ""
     if what != "begin" and model.state is not State.HANDSHAKE:
         raise ValueError(f"there is no handshake to end: the state is {model.state}")
-    if what == "ok" and not (code or model.known or model.visitor):
+    if what == "ok" and not (code or model.has_name or model.visitor):
         raise ValueError("nobody has a name yet: give it with `code`, or with `visitor`")
     return {"what": what, "code": code} if code else {"what": what}
 

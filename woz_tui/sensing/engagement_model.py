@@ -100,7 +100,7 @@ class EngagementModel:
         ended = self.voice.pass_to(now)
         if ended is not None and not self.cuts:
             self._events.append(ended)
-        self._look()
+        self._notice_changes()
 
     def sample(self, sign: str, value: object, name: str = "") -> bool:
         """A value of presence, gaze, distance, identity or loudness, whatever it is, at present.
@@ -111,8 +111,8 @@ class EngagementModel:
         now = self._time.now
         if sign == "loudness":
             return self._hear(value, now)
-        taken = self.signs.take(sign, value, name, now)
-        self._look()
+        taken = self.signs.add(sign, value, name, now)
+        self._notice_changes()
         return taken
 
     def override(self, sign: str, value: object | None, name: str = "") -> None:
@@ -122,7 +122,7 @@ class EngagementModel:
         with a sentence for anything else.
         """
         self.signs.override(sign, value, name)
-        self._look()
+        self._notice_changes()
 
     def configure(
         self,
@@ -137,7 +137,7 @@ class EngagementModel:
         ValueError with a sentence for a sign or numbers that there are not.
         """
         self.signs.configure(sign, kind, samples, threshold)
-        self._look()
+        self._notice_changes()
 
     def set_threshold(self, rms: object) -> None:
         """The loudness of speech as the microphone has learnt it; the settings go before it."""
@@ -146,9 +146,9 @@ class EngagementModel:
     def near_within(self, metres: float) -> None:
         """Another social distance; ValueError outside of 0.1 to 10 m."""
         self.signs.near_within(metres)
-        self._look()
+        self._notice_changes()
 
-    def heard(self) -> list[Event]:
+    def loudness_events(self) -> list[Event]:
         """Take out what the loudness has brought since the last step."""
         events = list(self._events)
         self._events.clear()
@@ -162,13 +162,13 @@ class EngagementModel:
         self._time.period = periods(1, settings.rate)
         self.signs.adopt(settings, before)
         self.voice.adopt(settings.sound)
-        self._look()
+        self._notice_changes()
 
     def known_as(self, name: str) -> None:
         """The visitor's code, from the handshake or the wizard; forgotten with the visitor."""
         self._introduced = name
         self.visitor = name or self._recognised()
-        self._look()
+        self._notice_changes()
 
     @property
     def run(self) -> str:
@@ -193,7 +193,7 @@ class EngagementModel:
                 self._queued.append(event)
             return None
         edge = self._edge(event)
-        return None if edge is None else self._take(edge, event)
+        return None if edge is None else self._follow(edge, event)
 
     def step_once(self) -> Transition | None:
         """In `hold`: take the edge that is pending, by hand."""
@@ -203,7 +203,7 @@ class EngagementModel:
         edge, event = found
         while event is not None and self._queued.popleft() is not event:
             pass
-        return self._take(edge, event, by_hand="stepped by the wizard: ")
+        return self._follow(edge, event, by_hand="stepped by the wizard: ")
 
     def force(self, to: str, *, stands: bool = True) -> Transition:
         """Go to a state, or along an outcome of the present one; it `stands` until the signs say
@@ -212,7 +212,7 @@ class EngagementModel:
         """
         edge = edge_to(self.state, to)
         self._queued.clear()
-        change = self._take(edge, None, by_hand="forced by the wizard: ")
+        change = self._follow(edge, None, by_hand="forced by the wizard: ")
         self._stands = self._verdict() if stands else None
         return change
 
@@ -248,9 +248,9 @@ class EngagementModel:
         return self._engaged
 
     @property
-    def known(self) -> bool:
+    def has_name(self) -> bool:
         """Whether there is a name, by the filter or as somebody told it."""
-        return self.signs.identity.known or bool(self._introduced)
+        return self.signs.identity.has_name or bool(self._introduced)
 
     @property
     def verdicts(self) -> dict[str, Json]:
@@ -289,15 +289,15 @@ class EngagementModel:
     # -- inside ---------------------------------------------------------------------------------
 
     def _hear(self, value: object, now: int) -> bool:
-        taken, event = self.voice.take(value, now)
+        taken, event = self.voice.add(value, now)
         if event is not None and not self.cuts:
             self._events.append(event)
         return taken
 
     def _verdict(self) -> tuple[bool, bool, bool]:
-        return self.signs.present, self._engaged, self.known
+        return self.signs.present, self._engaged, self.has_name
 
-    def _look(self) -> None:
+    def _notice_changes(self) -> None:
         """Notice when the condition, the name, or whoever is there comes and goes."""
         now = self._time.now
         engaged = self.signs.engaged(now)
@@ -313,7 +313,7 @@ class EngagementModel:
         if self.signs.present != self._there:
             self._there = not self._there
             self._left = now
-        if not engaged or self.known:
+        if not engaged or self.has_name:
             self._nameless_since = now
         if self._stands is not None and self._stands != self._verdict():
             self._stands = None
@@ -325,7 +325,7 @@ class EngagementModel:
             event=event,
             presence=self.signs.present,
             engaged=self._engaged,
-            known=self.known,
+            known=self.has_name,
             elapsed=(now - self.since) / SECOND,
             lost_for=0.0 if self._engaged else (now - self._turned) / SECOND,
             nameless_for=(now - self._nameless_since) / SECOND,
@@ -352,7 +352,7 @@ class EngagementModel:
         edge = self._edge(None)
         return None if edge is None else (edge, None)
 
-    def _take(self, edge: Edge, event: Event | None, by_hand: str = "") -> Transition:
+    def _follow(self, edge: Edge, event: Event | None, by_hand: str = "") -> Transition:
         forced = bool(by_hand) or self._rests_on_wizard(edge, event)
         why = "{reason}" if by_hand.startswith("forced") else edge.why
         why = by_hand + self.signs.explained(why, self._time.now, self._introduced)
@@ -392,7 +392,7 @@ class EngagementModel:
 
     def _recognised(self) -> str:
         identity = self.signs.identity
-        return identity.name_given if identity.known else ""
+        return identity.name_given if identity.has_name else ""
 
     def _deadlines(self) -> Iterator[int]:
         yield from self.signs.deadlines()
@@ -409,5 +409,5 @@ class EngagementModel:
             yield self._left + microseconds(timeouts.absent)
         if not self._engaged:
             yield self._turned + microseconds(timeouts.lost)
-        elif not self.known:
+        elif not self.has_name:
             yield self._nameless_since + microseconds(timeouts.unrecognized)

@@ -77,7 +77,7 @@ class EngagementFollower:
             return message.sensor in self.sensors
         return type(message) in _READ
 
-    def take(self, message: m.Message) -> Changes:
+    def apply(self, message: m.Message) -> Changes:
         """One message, in the order of `seq`; the transitions it brought, oldest first."""
         if not self.reads(message):
             return ()
@@ -90,7 +90,7 @@ class EngagementFollower:
         """
         for message in messages:
             if not isinstance(message, m.Reading | m.EngagementAdopted):
-                self.take(message)
+                self.apply(message)
 
     def until(self, t: int) -> Changes:
         """What happens by itself up to `t`: timeouts, signs that grow old, a second edge.

@@ -54,7 +54,7 @@ class IdentityFifo:
         """What the queue holds, oldest first."""
         return list(self._samples)
 
-    def take(self, name: str, t: int) -> None:
+    def add(self, name: str, t: int) -> None:
         """One more recognition; "Unknown" fills a place."""
         if len(self._samples) == self.places:
             self._drop(self._samples[0])
@@ -159,7 +159,7 @@ class Fifo:
         """What the queue holds, oldest first."""
         return list(self._samples)
 
-    def take(self, value: float, t: int) -> None:
+    def add(self, value: float, t: int) -> None:
         """One more valid sample."""
         if len(self._samples) == self.places:
             self.count -= self._yes(self._samples[0])
@@ -206,12 +206,12 @@ class Median(Fifo):
         self._ordered: list[float] = []
         super().__init__(samples, threshold, start_up, near)
 
-    def take(self, value: float, t: int) -> None:
+    def add(self, value: float, t: int) -> None:
         """One more valid sample."""
         if len(self._samples) == self.places:
             del self._ordered[bisect_left(self._ordered, self._samples[0])]
         insort(self._ordered, value)
-        super().take(value, t)
+        super().add(value, t)
 
     @property
     def needed(self) -> int:

@@ -73,15 +73,15 @@ class Dwell:
             (MISSED, (PEEKS, glance), STRAY, BLIND),
             (MISSED, (GLANCES, glance), STRAY, BLIND),
         )
-        self._known: dict[int, DwellSteps] = {}
+        self._steps_by_ms: dict[int, DwellSteps] = {}
 
     def steps(self, elapsed: int) -> DwellSteps:
         """The shares for so many microseconds."""
-        found = self._known.get(elapsed)
+        found = self._steps_by_ms.get(elapsed)
         if found is None:
-            if len(self._known) >= 64:
-                self._known.clear()
-            found = self._known[elapsed] = self._solve(elapsed / 1e6)
+            if len(self._steps_by_ms) >= 64:
+                self._steps_by_ms.clear()
+            found = self._steps_by_ms[elapsed] = self._solve(elapsed / 1e6)
         return found
 
     def _solve(self, seconds: float) -> DwellSteps:

@@ -96,7 +96,7 @@ class NameBelief:
         good, lapsed, mistaken = self._shares_by_name[UNKNOWN]
         self._shares_by_name[UNKNOWN] = (good + moved, lapsed, mistaken)
 
-    def take(self, sample: str) -> None:
+    def add(self, sample: str) -> None:
         """One more recognition; "Unknown" is a face that nobody knows."""
         if sample != UNKNOWN and sample not in self._shares_by_name:
             self._admit(sample)
@@ -239,7 +239,7 @@ class JointFilter:
         """Another mean length of glances away from now on."""
         self._dwell = Dwell(seconds)
 
-    def take(self, sign: str, value: float | str, t: int) -> None:
+    def add(self, sign: str, value: float | str, t: int) -> None:
         """A valid sample: a flag, metres (infinite: out of reach) or a name, at the time `t`."""
         self.overhear(sign, value, t)
         self._weigh_sample(sign, value, t)
@@ -268,7 +268,7 @@ class JointFilter:
     def _weigh_sample(self, sign: str, value: float | str, t: int) -> None:
         self._pass(t)
         if sign == "identity":
-            self._names.take(str(value))
+            self._names.add(str(value))
             self._names.judge(self._views[sign].needed / PLACES)
         elif isinstance(value, str) or math.isnan(value):
             return
@@ -391,9 +391,9 @@ class JointSign:
     def resume(self, values: Sequence[float | str]) -> None:
         """Nothing of what another filter held: a sample or two tell everything again."""
 
-    def take(self, value: float | str, t: int) -> None:
+    def add(self, value: float | str, t: int) -> None:
         """One more valid sample of this sign."""
-        self._joint.take(self._sign, value, t)
+        self._joint.add(self._sign, value, t)
 
     def overhear(self, value: float | str, t: int) -> None:
         """One more valid sample, while another filter has this sign."""

@@ -55,7 +55,7 @@ class LoudnessSpeechDetector:
         if level is not None and not self._fixed and 0.0 <= level < math.inf:
             self._points.threshold = level
 
-    def take(self, value: object, now: int) -> tuple[bool, Event | None]:
+    def add(self, value: object, now: int) -> tuple[bool, Event | None]:
         """One value at the model's time: whether it is one, and what begins or ends with it."""
         rms = sample_values.level(value, self.threshold)
         if rms is None:
@@ -63,7 +63,7 @@ class LoudnessSpeechDetector:
         self.level = rms
         half = self._half_a_chunk(now)
         self._chunk_at = now
-        begun = isinstance(self._points.take(rms), SpeechStart)
+        begun = isinstance(self._points.judge(rms), SpeechStart)
         if rms > self.threshold:
             self._loud_at = now
             return True, Event.SPEECH_START if begun else None

@@ -121,14 +121,14 @@ class Handshake:
         self.attempt = 1
         return self._say(self._settings.ask, "asks for the name")
 
-    def said(self, t: int) -> None:
+    def robot_finished(self, t: int) -> None:
         """The robot's sentence is over, or could not be spoken."""
         self._pass(t)
         self._talks = False
         self._quiet_since = self._now
 
     def speaks(self, t: int) -> None:
-        """The visitor speaks: nothing is asked until `spoke` or `heard`."""
+        """The visitor speaks: nothing is asked until `spoke` or `visitor_said`."""
         self._pass(t)
         self._speaks = True
 
@@ -138,7 +138,7 @@ class Handshake:
         self._speaks = False
         self._quiet_since = self._now
 
-    def heard(self, text: str, t: int) -> Order | None:
+    def visitor_said(self, text: str, t: int) -> Order | None:
         """What the visitor said, as it was understood; empty: it was not.
 
         While the robot speaks it is taken for the robot's own voice, and so is what repeats the

@@ -57,7 +57,7 @@ class SampleRowReader:
             self._model = EngagementModel(self._settings, self._stamp)
         return self._model
 
-    def take(self, row: Mapping[str, object]) -> Row:
+    def add(self, row: Mapping[str, object]) -> Row:
         """One row; what the model says after it."""
         bad: list[str] = []
         t = self._timed(row, bad)
@@ -100,7 +100,7 @@ class SampleRowReader:
 
     def _steps(self, named: list[Event]) -> Iterator[Transition]:
         """One step for each event, those of the loudness last; without any, one by the signs."""
-        handled = self.model.heard()
+        handled = self.model.loudness_events()
         if _SPEECH.isdisjoint(named):
             named = [*named, *handled]
         for event in named or (None,):

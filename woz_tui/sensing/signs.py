@@ -144,9 +144,9 @@ class FilteredSign(Generic[Q]):
         self.ever = True
         self.stale = False
         if self._thinning.counts(now):
-            self.queue.take(value, now)
+            self.queue.add(value, now)
             if self._jointly:
-                self._joint.take(value, now)
+                self._joint.add(value, now)
             else:
                 self._joint.overhear(value, now)
 
@@ -199,7 +199,7 @@ class Sign(FilteredSign[Fifo]):
         self.raw: float | None = None
         super().__init__(name, settings, joint, now)
 
-    def take(self, value: object, now: int) -> bool:
+    def add(self, value: object, now: int) -> bool:
         """A sample, whatever it is; whether it is one."""
         read = sample_values.FLAGS.get(self.name)
         understood = sample_values.metres(value, self._farthest) if read is None else read(value)
@@ -271,7 +271,7 @@ class IdentitySign(FilteredSign[IdentityFifo]):
     forced: str | None
     raw = ""
 
-    def take(self, value: object, text: str, now: int) -> bool:
+    def add(self, value: object, text: str, now: int) -> bool:
         """A recognition, whatever it is; whether it is one."""
         name = sample_values.name(value, text)
         if name is None:
@@ -291,21 +291,21 @@ class IdentitySign(FilteredSign[IdentityFifo]):
     def verdict(self) -> int | None:
         """1 if there is an ID, 0 if not, None while there is no verdict yet."""
         if self.forced is not None or (self.stale and self.ever):
-            return int(self.known)
+            return int(self.has_name)
         return self.filter.verdict
 
     @property
-    def known(self) -> bool:
+    def has_name(self) -> bool:
         """Whether there is an ID."""
         return self.name_given != UNKNOWN
 
     def words(self, introduced: str = "") -> str:
         """Who it is, as a person says it; `told`: the name that somebody has given."""
-        if introduced and not self.known:
+        if introduced and not self.has_name:
             return f"known as {introduced}"
         if self.forced is not None:
-            return f"{self.forced if self.known else 'no name'} (wizard)"
-        if not self.known:
+            return f"{self.forced if self.has_name else 'no name'} (wizard)"
+        if not self.has_name:
             return "no name"
         return self.name_given + self._share()
 
@@ -347,11 +347,11 @@ class Signs:
         for sign in self._all:
             sign.pass_to(now)
 
-    def take(self, sign: str, value: object, name: str, now: int) -> bool:
+    def add(self, sign: str, value: object, name: str, now: int) -> bool:
         """A sample, whatever it is; whether it is one. ValueError if there is no such sign."""
         if sign == "identity":
-            return self.identity.take(value, name, now)
-        return self._sign(sign).take(value, now)
+            return self.identity.add(value, name, now)
+        return self._sign(sign).add(value, now)
 
     def override(self, sign: str, value: object | None, name: str) -> None:
         """What the wizard says; ValueError with a sentence if it makes no sense."""

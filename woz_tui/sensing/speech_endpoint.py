@@ -79,7 +79,7 @@ class Endpointer:
             return self._first
         return max(self._free, self.chunks - self._loud - self._pre, 0)
 
-    def take(self, rms: float | None) -> SpeechStart | SpeechEnd | None:
+    def judge(self, rms: float | None) -> SpeechStart | SpeechEnd | None:
         """Judge the next chunk; what begins or ends with it."""
         number = self.chunks
         self.chunks += 1

@@ -104,7 +104,7 @@ def labelled(name: str, label: str) -> Change:
     """A recogniser calls the visitor's face `label`. Refused if somebody else has it."""
 
     def change(people: People) -> dict[str, Visitor]:
-        visitor = _found(people, name)
+        visitor = _visitor_named(people, name)
         if key_of(label) in map(key_of, visitor.labels):
             return dict(people)
         if key_of(label) != key_of(name):
@@ -138,7 +138,7 @@ def renamed(old: str, new: str) -> Change:
     """Another name for a visitor; labels stay. Refused if somebody else has it."""
 
     def change(people: People) -> dict[str, Visitor]:
-        visitor = _found(people, old)
+        visitor = _visitor_named(people, old)
         rest = {key: one for key, one in people.items() if key != key_of(old)}
         _free(rest, new)
         return {**rest, key_of(new): replace(visitor, name=new)}
@@ -150,7 +150,7 @@ def forgotten(*names: str) -> Change:
     """Nothing is left of these visitors."""
 
     def change(people: People) -> dict[str, Visitor]:
-        keys = {key_of(_found(people, name).name) for name in names}
+        keys = {key_of(_visitor_named(people, name).name) for name in names}
         return {key: one for key, one in people.items() if key not in keys}
 
     return change
@@ -162,10 +162,10 @@ def both(first: Change, second: Change) -> Change:
 
 
 def _changed(name: str, change: Callable[[Visitor], Visitor]) -> Change:
-    return lambda people: {**people, key_of(name): change(_found(people, name))}
+    return lambda people: {**people, key_of(name): change(_visitor_named(people, name))}
 
 
-def _found(people: People, name: str) -> Visitor:
+def _visitor_named(people: People, name: str) -> Visitor:
     visitor = people.get(key_of(name))
     if visitor is None:
         raise VisitorRefusedError(
@@ -227,7 +227,7 @@ def sorted_by_name(visitors: Iterable[Visitor]) -> list[Visitor]:
 def visitors_in(text: str, place: str) -> dict[str, Visitor]:
     """The visitors in a file's text. `place` names the file in `VisitorFileError`."""
     try:
-        content = json.loads(text, object_pairs_hook=_whole)
+        content = json.loads(text, object_pairs_hook=_without_double_keys)
     except json.JSONDecodeError as error:
         where = f"{place}:{error.lineno}:{error.colno}"
         raise _unreadable(f"{where}: not JSON: {error.msg}") from None
@@ -300,7 +300,7 @@ def _unreadable(reason: str) -> VisitorFileError:
     return VisitorFileError(reason, MEND)
 
 
-def _whole(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+def _without_double_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     """An object of JSON in which no key stands twice: one of the two would be lost."""
     found = dict(pairs)
     if len(found) < len(pairs):

@@ -96,19 +96,19 @@ class VisitorStore:
     def everybody(self) -> list[Visitor]:
         """Everybody, by name."""
         with self._thread:
-            self._look()
+            self._refresh()
             return changes.sorted_by_name(self._people.values())
 
     def find(self, name: str) -> Visitor | None:
         """The visitor of this name, in any letter case."""
         with self._thread:
-            self._look()
+            self._refresh()
             return self._people.get(key_of(name))
 
     def called(self, label: str) -> Visitor | None:
         """Whom a recogniser means: whose label it is, else whose name."""
         with self._thread:
-            self._look()
+            self._refresh()
             return changes.owner_of(self._people, label)
 
     def is_taken(self, name: str) -> bool:
@@ -219,7 +219,7 @@ class VisitorStore:
         self._people, self._stamp, self._pending = people, stamp, []
         self.given_up += misfits
 
-    def _look(self) -> None:
+    def _refresh(self) -> None:
         """Read the file if it is not the one that was read last."""
         path = _real(self.path)
         if self._was_read and _stamp(path) == self._stamp:

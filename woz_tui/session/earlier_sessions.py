@@ -54,7 +54,7 @@ class EarlierSessions:
     """
 
     folder: Path
-    _known: dict[Path, tuple[tuple[int, int], list[m.AnyMessage]]] = field(default_factory=dict)
+    _cache: dict[Path, tuple[tuple[int, int], list[m.AnyMessage]]] = field(default_factory=dict)
 
     def read(self, title: str, file: str) -> EarlierParticipants:
         """Everything about the experiment of this title; logs that tell no title (of version 1)
@@ -99,10 +99,10 @@ class EarlierSessions:
     def _lines(self, path: Path) -> list[m.AnyMessage]:
         facts = path.stat()
         stamp = (facts.st_size, facts.st_mtime_ns)
-        known = self._known.get(path)
+        known = self._cache.get(path)
         if known is None or known[0] != stamp:
             known = (stamp, [*_messages(path)])
-            self._known[path] = known
+            self._cache[path] = known
         return known[1]
 
 
@@ -158,7 +158,7 @@ def _attribute(lines: list[m.AnyMessage], people: dict[str, ParticipantHistory])
     """Add what the lines of one session say to its participants."""
     state = SessionState()
     for line in lines:
-        state.take(line)
+        state.apply(line)
         code = state.study.participant
         if not code:
             continue

@@ -183,7 +183,7 @@ class EngagementController:
                 visitors.introduced(verb, message.sent)
         was = follower.model.run
         if follower.reads(message):
-            self._publish_transitions(follower.take(message))
+            self._publish_transitions(follower.apply(message))
         elif isinstance(message, m.Reading):
             attention.on_message(message)
             return

@@ -177,7 +177,7 @@ class KnownVisitors:
         self._publish = publish
         self._store = VisitorStore(path)
         self._worker = VisitorStoreWorker(self._store, lambda: later(self._catch_up))
-        self._known: dict[str, Visitor] = {}
+        self._by_name: dict[str, Visitor] = {}
         #: Jobs of which it is not known yet what becomes; those of them that must be tried again.
         self._open: list[StoreJob] = []
         self._unmade: list[StoreJob] = []
@@ -233,8 +233,8 @@ class KnownVisitors:
     def called(self, label: str) -> Visitor | None:
         """Who has this name, or whose face a recogniser calls so."""
         key = key_of(label)
-        named = (each for each in self._known.values() if key in map(key_of, each.labels))
-        return self._known.get(key) or next(named, None)
+        named = (each for each in self._by_name.values() if key in map(key_of, each.labels))
+        return self._by_name.get(key) or next(named, None)
 
     def is_taken(self, name: str) -> bool:
         """Whether somebody has this name."""
@@ -271,7 +271,7 @@ class KnownVisitors:
         day = today.isoformat()
         group, address = (facts.get(fact, "") for fact in _FACTS)
         visitor = Visitor(name, group, address, (), day, day, 1)
-        self._known[key_of(name)] = visitor
+        self._by_name[key_of(name)] = visitor
         self._here = name
         self._log(visitor, "learnt")
         self._do(
@@ -296,7 +296,7 @@ class KnownVisitors:
             )
         if new:
             more = replace(visitor, **new)
-            self._known[key_of(visitor.name)] = more
+            self._by_name[key_of(visitor.name)] = more
             self._log(more, "profile")
             group, address = new.get("age_group"), new.get("address")
             self._do(
@@ -332,11 +332,11 @@ class KnownVisitors:
 
     def _know(self, people: Iterable[Visitor]) -> None:
         """Take over the visitors of the store; those whose job still waits stay."""
-        before, self._known = self._known, {key_of(visitor.name): visitor for visitor in people}
+        before, self._by_name = self._by_name, {key_of(visitor.name): visitor for visitor in people}
         for key in {key_of(job.name) for job in self._open if job.name}:
             if key in before:
-                self._known[key] = before[key]
-        for key in self._named.keys() - self._known.keys():
+                self._by_name[key] = before[key]
+        for key in self._named.keys() - self._by_name.keys():
             self._publish(m.VisitorChanged(visitor=self._named.pop(key), what="forgotten"))
 
     # -- told --------------------------------------------------------------------------------------

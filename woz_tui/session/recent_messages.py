@@ -27,7 +27,7 @@ class RecentMessages:
         """The last messages, oldest first."""
         return [*self._lines]
 
-    def take(self, message: m.AnyMessage) -> None:
+    def add(self, message: m.AnyMessage) -> None:
         """Take in the next message, if an event list shows it."""
         if self.lists(message):
             self._lines.append(message)

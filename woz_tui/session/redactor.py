@@ -106,7 +106,7 @@ class PerceptionFilter:
 class Redactor:
     """A wizard's and a watcher's view of a session.
 
-    `take` every message in its order, whoever sees it; `message`, `welcome`, `panels` and `reply`
+    `apply` every message in its order, whoever sees it; `message`, `welcome`, `panels` and `reply`
     give what the role may have.
     """
 
@@ -136,7 +136,7 @@ class Redactor:
             self._labels = labels
             self._names = {label: name for name, label in labels.items()}
 
-    def take(self, message: m.Message) -> None:
+    def apply(self, message: m.Message) -> None:
         """A message of the session."""
         match message:
             case m.Reading(sensor=sensor, value=float(value)) if sensor.endswith(".threshold"):

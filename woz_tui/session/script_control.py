@@ -157,7 +157,7 @@ class ScriptController:
 
     # -- what happens ------------------------------------------------------------------------------
 
-    def take(self, action: ActionEpisode) -> None:
+    def apply(self, action: ActionEpisode) -> None:
         """An action was asked for, or has ended."""
         run = action.request.run
         if action.end is None:

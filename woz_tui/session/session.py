@@ -86,7 +86,7 @@ class Session:
         self.hub = Hub(self.clock, self.recorder.record)
         self.state, self.recent = SessionState(), RecentMessages()
         self.hub.listen(self._on_message)
-        self.hub.listen(self.recent.take)
+        self.hub.listen(self.recent.add)
         self.phases = PhaseController(
             self.hub.publish,
             self.state.study,
@@ -224,7 +224,7 @@ class Session:
         self._timers["clock"] = self._loop.call_later(CLOCK_TIE_S, self._tie_clock)
 
     def _check_standstill(self) -> None:
-        self.standstill.look()
+        self.standstill.age_us()
         self._timers["look"] = self._loop.call_later(Standstill.EVERY_S, self._check_standstill)
 
     def _checkpoint(self) -> None:
@@ -325,7 +325,7 @@ class Session:
 
     def _old(self, ask: Ask) -> str:
         """Why a hand's ask is too old: a driver reads late what waited while nobody read."""
-        return self.too_old(self.standstill.look()) if is_by_hand(ask) else ""
+        return self.too_old(self.standstill.age_us()) if is_by_hand(ask) else ""
 
     def too_old(self, age_us: int) -> str:
         """Why a press of this age is not played; empty if it may be."""
@@ -371,9 +371,9 @@ class Session:
 
     def _on_message(self, message: m.AnyMessage) -> None:
         """A message of this session: scripts follow the actions."""
-        for episode in self.state.take(message):
+        for episode in self.state.apply(message):
             if isinstance(episode, e.ActionEpisode):
-                self.scripts.take(episode)
+                self.scripts.apply(episode)
         if isinstance(message, m.PhaseChanged):
             self.scripts.phase_began()
         if isinstance(message, m.TrialEnded) and not self.ended:

@@ -83,7 +83,7 @@ class RobotHandshake:
             case m.SpeechEnded():
                 self._procedure.spoke(self._now)
             case m.SpeechText(text=text):
-                self._carry_out(self._procedure.heard(text, self._now))
+                self._carry_out(self._procedure.visitor_said(text, self._now))
         self._timer.set(self._procedure.due())
 
     def left(self, outcome: str, visitor: str) -> None:
@@ -129,7 +129,7 @@ class RobotHandshake:
 
     def _on_said(self, end: m.End) -> None:
         self._saying -= 1
-        self._procedure.said(self._now)
+        self._procedure.robot_finished(self._now)
         self._timer.set(self._procedure.due())
 
     def _command(self, verb: str, **args: m.Json) -> None:
@@ -192,16 +192,16 @@ class VisitorRecognition:
         self._settings = settings
         self._loop = asyncio.get_running_loop()
         self._logs = logs
-        self.known = self._read_visitors(store_at(settings.visitors, self._logs))
+        self.visitors = self._read_visitors(store_at(settings.visitors, self._logs))
         self._introduction: RobotHandshake | None = None
 
     def adopt(self, settings: EngagementSettings) -> None:
         """Other settings count from the next handshake on; another file from now on."""
         self._settings = settings
         path = store_at(settings.visitors, self._logs)
-        if path != self.known.path:
-            self.known.refresh()
-            self.known = self._read_visitors(path)
+        if path != self.visitors.path:
+            self.visitors.refresh()
+            self.visitors = self._read_visitors(path)
 
     def _read_visitors(self, path: Path) -> KnownVisitors:
         known = KnownVisitors(path, self._robot.hub.publish, self._later)
@@ -216,11 +216,11 @@ class VisitorRecognition:
         """The session ends, or goes on without the section."""
         self._end_introduction()
         if not self._robot.is_over():
-            self.known.refresh()
+            self.visitors.refresh()
 
     async def finish(self) -> None:
         """The session has ended: what is known goes into the file, if the disk takes it."""
-        await self.known.finish(SAVE_S)
+        await self.visitors.finish(SAVE_S)
 
     @property
     def attempt(self) -> int:
@@ -229,7 +229,7 @@ class VisitorRecognition:
 
     def name(self, label: str) -> str:
         """The visitor's name, for what a recogniser calls them."""
-        visitor = self.known.called(label) if label else None
+        visitor = self.visitors.called(label) if label else None
         return visitor.name if visitor else label
 
     # -- what happens ------------------------------------------------------------------------------
@@ -244,11 +244,11 @@ class VisitorRecognition:
         if change.now == State.HANDSHAKE:
             self._introduce()
         elif change.now == State.KNOWN and change.visitor:
-            self.known.meet(change.visitor, self._robot.today())
+            self.visitors.meet(change.visitor, self._robot.today())
         elif change.now == State.WAIT:
-            self.known.left()
+            self.visitors.left()
         if change.now in _NEW:
-            self.known.refresh()
+            self.visitors.refresh()
 
     def on_message(self, message: m.AnyMessage) -> None:
         """Speech, the stop, and verbs that say who it is."""
@@ -265,7 +265,7 @@ class VisitorRecognition:
         named = verb == "visitor" or (verb == "handshake" and args.get("what") == "ok")
         if named and isinstance(name, str) and name:
             facts = {fact: str(args[fact]) for fact in ("age_group", "address") if args.get(fact)}
-            self.known.introduce(name, facts, self._robot.today())
+            self.visitors.introduce(name, facts, self._robot.today())
 
     def resume(self, state: State) -> None:
         """The stop was released."""
@@ -287,7 +287,9 @@ class VisitorRecognition:
         elif not self._robot.is_stopped:
             if not self._hears():
                 self._notice("the robot asks for a name, but no device recognises the answer")
-            self._introduction = RobotHandshake(self._robot, settings, voice, self.known.is_taken)
+            self._introduction = RobotHandshake(
+                self._robot, settings, voice, self.visitors.is_taken
+            )
             self._introduction.begin()
 
     def _end_introduction(self) -> None:

@@ -89,7 +89,7 @@ def boot_id() -> str:
 class Standstill:
     """How long a press may have waited for this process while it was stopped, blocked or asleep.
 
-    `look` is to be called every `EVERY_S`. What a longer pause between two calls left waiting (in
+    `age_us` is to be called every `EVERY_S`. What a longer pause between two calls left waiting (in
     sockets, pipes, ports of devices) is read within `AFTER_S`; all that comes without a time stamp
     until then counts as old as the pause.
     """
@@ -105,7 +105,7 @@ class Standstill:
         #: When each of the last pauses began and ended.
         self._pauses: list[tuple[int, int]] = []
 
-    def look(self) -> int:
+    def age_us(self) -> int:
         """The process runs. How old something may be that came just now, in microseconds."""
         now, seen = self._clock.boot_us(), self._seen_us
         self._seen_us = now
@@ -117,11 +117,11 @@ class Standstill:
 
     def since_us(self) -> int:
         """`Clock.boot_us` since which something may have waited that came just now."""
-        return self._clock.boot_us() - self.look()
+        return self._clock.boot_us() - self.age_us()
 
     def waited_us(self, sent_us: int) -> int:
         """How long a request was under way that was stamped with `sent_us` of `Clock.boot_us`
         (0: it was not), in microseconds.
         """
         waited = self._clock.boot_us() - sent_us
-        return waited if sent_us > 0 and waited >= 0 else self.look()
+        return waited if sent_us > 0 and waited >= 0 else self.age_us()

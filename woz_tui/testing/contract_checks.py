@@ -292,7 +292,7 @@ async def stops(driver_class: type[Driver], device: Devices) -> list[Finding]:
     async with device as there, _Life(driver_class, there.settings) as life:
         if there.command is None:
             return []
-        await life.found()
+        await life.until_connected()
         running = await life.begins(there.command, "perform")
         if running is None:
             return life.findings
@@ -316,7 +316,7 @@ async def loses(driver_class: type[Driver], device: Devices) -> list[Finding]:
     are refused at once with `DeviceLostError`.
     """
     async with device as there, _Life(driver_class, there.settings) as life:
-        await life.found()
+        await life.until_connected()
         running = await life.begins(there.command, "perform") if there.command else None
         there.unplug()
         if running is not None:
@@ -373,7 +373,7 @@ class _Life:
         if not context.healths:
             self.wrong("open", "said nothing about its health", "context.health(Health.CONNECTING)")
         if found:
-            await self.found()
+            await self.until_connected()
         await self.refuses("perform of an unknown verb", RejectedError)
         for scope in Scope:
             await self.quiet(f"stop({scope.name}) with nothing running", driver.stop(scope))
@@ -400,7 +400,7 @@ class _Life:
             return True
         return False
 
-    async def found(self) -> None:
+    async def until_connected(self) -> None:
         """Wait until it has found its device."""
         if not await self.healthy(Health.CONNECTED):
             self.wrong("open", f"is not CONNECTED to its device after {NOTICE_S:g} s")

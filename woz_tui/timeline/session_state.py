@@ -64,7 +64,7 @@ class DriverState(msgspec.Struct, frozen=True):
 class SessionState:
     """The state of a session, kept up to date by its messages in the order of the log.
 
-    `take` returns the episodes that a message ends or begins, in this order, and keeps only those
+    `apply` returns the episodes that a message ends or begins, in this order, and keeps only those
     that go on: memory is bounded. It never raises, whatever is missing, doubled or out of order.
     Time never goes back: a message that is late, or whose time is impossible, counts as of
     now.
@@ -199,7 +199,7 @@ class SessionState:
 
     # -- messages ---------------------------------------------------------------------------------
 
-    def take(self, message: m.Message) -> Iterable[Episode]:
+    def apply(self, message: m.Message) -> Iterable[Episode]:
         """Apply a message; returns the episodes that it ends (those have an `end`) or begins."""
         case = CASES.get(type(message))
         if case is None:  # of another version

@@ -89,7 +89,7 @@ class RobotSettings:
 
     def _compare(self, driver: str, t: int, seq: int) -> Iterator[Episode]:
         """Ends episodes that no longer hold, begins new ones."""
-        now = {} if driver in self.lost else _found(self.shown.get(driver), t, seq)
+        now = {} if driver in self.lost else _open_episodes(self.shown.get(driver), t, seq)
         if driver not in self._open and len(self._open) >= MOST_KEPT:
             return
         before = self._open.setdefault(driver, {})
@@ -116,7 +116,7 @@ def _same(one: SettingEpisode | ConflictEpisode, other: SettingEpisode | Conflic
     return (one.differs, one.value, one.wanted) == (other.differs, other.value, other.wanted)
 
 
-def _found(
+def _open_episodes(
     shown: m.SettingsShown | None, t: int, seq: int
 ) -> dict[_Key, SettingEpisode | ConflictEpisode]:
     """The settings and conflicts in a message; nothing without a message."""

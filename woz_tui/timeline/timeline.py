@@ -110,12 +110,12 @@ class Timeline:
         trial = self._trials.get(context.run)
         return trial is None or trial.counts
 
-    def take(self, message: m.Message) -> None:
+    def apply(self, message: m.Message) -> None:
         """Add the next message; `finish` must not have been called."""
         state, study = self.state, self.state.study
         before, first = study.context, state.begin is None
         due = study.due if isinstance(message, _PASSES) else []
-        changes = state.take(message)
+        changes = state.apply(message)
         if due:
             self.unanswered += tuple(each for each in due if each not in study.due)
         if first and state.begin is not None:
@@ -199,6 +199,6 @@ def timeline_of(messages: Iterable[m.Message]) -> Timeline:
     """Builds the finished timeline of messages."""
     timeline = Timeline()
     for message in messages:
-        timeline.take(message)
+        timeline.apply(message)
     timeline.finish()
     return timeline

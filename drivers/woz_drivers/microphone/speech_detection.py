@@ -75,7 +75,7 @@ class SpeechDetector:
         self._zeros = 0 if samples.any() else self._zeros + 1
         self._since_clipping = 0 if clipped(samples) >= _CLIPS else self._since_clipping + 1
         self._ends.threshold = self.threshold
-        self.event = self._ends.take(level)
+        self.event = self._ends.judge(level)
         self._quiet = 0 if level > self.threshold else self._quiet + 1
         if isinstance(self.event, SpeechStart):
             self._speaks = True

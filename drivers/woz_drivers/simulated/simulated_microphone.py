@@ -201,7 +201,7 @@ class SpeechSegmenter:
 
     def take(self, loudness: float) -> list[SpeechInProgress]:
         """The loudness of the next tick; what it tells."""
-        event = self.ends.take(loudness)
+        event = self.ends.judge(loudness)
         now = self.ends.chunks * self._tick
         reports: list[SpeechInProgress] = []
         if isinstance(event, SpeechStart):

@@ -37,7 +37,7 @@ def colours_of(canvas: HalfBlockCanvas) -> Pixels:
 
 def painted(canvas: HalfBlockCanvas, picture: Pixels, allowance: int = ALL) -> int:
     """Show a picture of the canvas's size; how many cells are painted."""
-    return sum(one.width for one in canvas.take(picture.tobytes(), allowance))
+    return sum(one.width for one in canvas.paint(picture.tobytes(), allowance))
 
 
 @pytest.mark.parametrize(("depth", "mean", "most"), [(1 << 24, 4, 8), (256, 17, 60), (16, 45, 140)])
@@ -62,7 +62,7 @@ def test_what_moves_is_painted_and_nothing_else() -> None:
     picture = room(40, 30)
     painted(canvas, picture)
     picture[10:14, 20:23] = (0, 255, 0)
-    (stretches) = canvas.take(picture.tobytes(), ALL)
+    (stretches) = canvas.paint(picture.tobytes(), ALL)
     assert {(one.y, one.x, one.right) for one in stretches} == {(5, 20, 23), (6, 20, 23)}
 
 
@@ -85,7 +85,7 @@ def test_a_slow_line_gets_first_what_has_changed_most() -> None:
     painted(canvas, picture)
     picture[2, 3] = (150, 150, 150)
     picture[6, 7] = (255, 255, 255)
-    (one,) = canvas.take(picture.tobytes(), COSTS[1 << 24])
+    (one,) = canvas.paint(picture.tobytes(), COSTS[1 << 24])
     assert (one.y, one.x, one.right) == (3, 7, 8)
 
 

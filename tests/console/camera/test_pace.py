@@ -24,7 +24,7 @@ def played(
         cost = min(wanted, pace.allowance)
         took = cost / speed
         sent.append((now, cost, took))
-        pace.asked(now)
+        pace.requested(now)
         began, now = now, now + round(took * SECOND) + 1000
         pace.shown(began, cost, round(took * SECOND))
     return sent
@@ -67,7 +67,7 @@ def test_a_line_that_turns_slow_is_heard_of_at_once() -> None:
 def test_small_pictures_tell_nothing_and_drawing_counts() -> None:
     pace = PictureBudget()
     before = pace.allowance
-    pace.asked(0)
+    pace.requested(0)
     assert not pace.due(200_000 - 1)
     pace.shown(0, 500, 3 * SECOND)
     assert pace.allowance == before

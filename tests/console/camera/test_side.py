@@ -77,7 +77,7 @@ def test_a_terminal_that_never_answers_has_what_it_has_taken(seat: Seat) -> None
     seat.line.asked()
     assert seat.side.arrived_us(written) is None, "it may still answer"
     seat.clock.advance(DEAD_S)
-    assert seat.side.put("x" * 200_000)
+    assert seat.side.write("x" * 200_000)
     assert seat.side.waiting > 100_000
     assert seat.side.arrived_us(written) is None
     taken = 0
@@ -98,10 +98,10 @@ def test_the_shortest_way_is_remembered(seat: Seat) -> None:
 
 def test_bytes_are_counted_and_cells_measured(seat: Seat) -> None:
     before = seat.side.written
-    assert seat.side.put("é" * 10)
+    assert seat.side.write("é" * 10)
     assert seat.side.written == before + 20
     assert seat.side.cell is None, "this terminal has no pixels"
     seat.output, old = None, seat.output
     assert (seat.side.written, seat.side.waiting, seat.side.cell) == (0, 0, None)
-    assert not seat.side.put("x")
+    assert not seat.side.write("x")
     seat.output = old

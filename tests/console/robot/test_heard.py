@@ -16,9 +16,9 @@ from woz_tui.timeline.session_state import SessionState
 
 def test_the_last_settings_of_each_robot_stand_in_the_picture() -> None:
     picture = ConsoleState()
-    picture.take([pepper.welcome(drivers=("left", "right"))], 0)
+    picture.apply([pepper.welcome(drivers=("left", "right"))], 0)
     assert picture.session.robots.shown == {}
-    picture.take(
+    picture.apply(
         [
             pepper.shown(driver="left", volume=0.1),
             pepper.shown(driver="right"),
@@ -41,27 +41,27 @@ def test_a_newcomer_is_told_the_last_settings_of_each_robot() -> None:
         pepper.shown({"volume": 0.5}, driver="left", volume=0.2),
     ]
     for seq, message in enumerate(told):
-        state.take(stamped := msgspec.structs.replace(message, seq=seq))
-        recent.take(stamped)
+        state.apply(stamped := msgspec.structs.replace(message, seq=seq))
+        recent.add(stamped)
     held = [message for message in state.messages() if isinstance(message, m.SettingsShown)]
     assert [message.seq for message in held] == [1, 2]
     assert recent.lines == []  # no line in the list of events
     picture = ConsoleState()
-    picture.take([pepper.welcome(*held, drivers=("left", "right"))], 0)
+    picture.apply([pepper.welcome(*held, drivers=("left", "right"))], 0)
     assert picture.session.robots.shown["left"].wanted == {"volume": 0.5}
 
 
 def test_the_eyes_are_kept_where_the_face_is() -> None:
     picture, redactor = ConsoleState(), Redactor()
-    picture.take([pepper.welcome(), pepper.shown({"eyes": "#ffffff", "volume": 0.5})], 0)
+    picture.apply([pepper.welcome(), pepper.shown({"eyes": "#ffffff", "volume": 0.5})], 0)
     assert picture.session.robots.shown["pepper"].values["eyes"] == "#00ff80"
     for message in (
         m.PerceptionChanged(hidden=["face"], blurred=[]),
         pepper.shown({"eyes": "#123456"}),
     ):
-        redactor.take(message)
+        redactor.apply(message)
         seen: Any = redactor.message(message)
-        picture.take([seen], 0)
+        picture.apply([seen], 0)
         robot = picture.session.robots.shown["pepper"]
         assert robot.values["eyes"] == robot.wanted["eyes"] == HIDDEN
         assert robot.values["volume"] == 0.7

@@ -23,7 +23,7 @@ NOW = scenes.NOW
 
 def stopped(*confirmations: m.StopConfirmed) -> ConsoleState:
     state = ConsoleState()
-    state.take([scenes.welcome(), m.StopPressed(source="key", t=NOW), *confirmations], 0)
+    state.apply([scenes.welcome(), m.StopPressed(source="key", t=NOW), *confirmations], 0)
     return state
 
 
@@ -145,9 +145,9 @@ def test_a_robot_that_is_unplugged_confirms_no_stop(tmp_path: Path) -> None:
 
     lines = guide_session.played(tmp_path, 8.0, hand)
     live = ConsoleState()
-    live.take([scenes.welcome(), *lines], 0)
+    live.apply([scenes.welcome(), *lines], 0)
     late = ConsoleState()
-    late.take([scenes.welcome(state=live.session.messages())], 0)
+    late.apply([scenes.welcome(state=live.session.messages())], 0)
     for state in (live, late):
         shown = bar(state)
         assert "NOT REACHED: robot" in shown

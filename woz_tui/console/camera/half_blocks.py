@@ -141,7 +141,7 @@ class HalfBlockCanvas:
             return " "
         return RAMP[(upper + lower) * len(RAMP) // 512]
 
-    def take(self, rgb: bytes, allowance: int) -> list[Region]:
+    def paint(self, rgb: bytes, allowance: int) -> list[Region]:
         """Show a picture of `size`, as far as `allowance` bytes reach; returns what to paint."""
         changed = self._worst(self._differences(rgb), max(1, allowance // COSTS[self.colours]))
         shown = self._shown = self._shown or bytearray(len(rgb))

@@ -54,7 +54,7 @@ class PictureBudget:
         """Whether the next picture may be requested."""
         return now_us >= self._next_us
 
-    def asked(self, now_us: int) -> None:
+    def requested(self, now_us: int) -> None:
         """Note that a picture is requested: the next one waits as long as the rate asks for."""
         self.wait(now_us, 1 / self.rate)
 
@@ -177,7 +177,7 @@ class PictureRequester:
         if not idle or not self.pace.due(now):
             return
         self._requested_us = now
-        self.pace.asked(now)
+        self.pace.requested(now)
         generation = self._generation
         request = AskPicture(
             driver=self.camera,

@@ -66,7 +66,7 @@ class PictureTerminal:
                 return width // columns, height // rows
         return None
 
-    def put(self, text: str) -> bool:
+    def write(self, text: str) -> bool:
         """Write `text` behind all that has been drawn; False if it was dropped."""
         output = self._output()
         return output is not None and output.write(text)

@@ -114,7 +114,7 @@ class HalfBlockView(PictureView):
         """Paint the cells that have changed, the worst first."""
         canvas = self._canvas
         pixels = resized(unpacked(shown), shown.width, shown.height, *canvas.size)
-        painted = canvas.take(pixels, allowance)
+        painted = canvas.paint(pixels, allowance)
         for region in painted:
             self._strips.pop(region.y, None)
         if painted:
@@ -222,7 +222,7 @@ class KittyView(SentView):
         self.refresh()
 
     def _put(self, text: str) -> bool:
-        return self._terminal.put(kitty.tmux_passthrough(text) if self._tmux else text)
+        return self._terminal.write(kitty.tmux_passthrough(text) if self._tmux else text)
 
     def line(self, y: int) -> Strip:
         """A line of placeholders in the colour that is the picture's name."""
@@ -263,7 +263,7 @@ class SixelView(SentView):
     def settled(self) -> None:
         """Draw what is due."""
         if self._due and self._data:
-            self._due = not self._terminal.put(self._data)
+            self._due = not self._terminal.write(self._data)
 
     def clear(self) -> None:
         """Have the cells painted again: blanks erase what is drawn over them."""

@@ -65,7 +65,7 @@ def block_rows(
     if frame.height >= FULL:
         rows.append((name_piece("now"), *(_now(shown, frame, unheard) or [_dash(frame)])))
         rows += [_why(state, frame), *_singles(state, shown, frame)]
-        heard.append((name_piece("heard"), *_heard(state, frame)))
+        heard.append((name_piece("heard"), *_transcript_row(state, frame)))
     else:
         rows.append(_now_or_heard(state, shown, frame, unheard))
         if frame.height >= MIDDLE:
@@ -112,12 +112,12 @@ def _now_or_heard(
     state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame, unheard: str
 ) -> Row:
     """What asks for the wizard now with what was just heard, or else what was heard last."""
-    heard = state.engaged.heard()
+    heard = state.engaged.transcripts()
     recent = bool(heard) and frame.now - heard[0].t < HEARD_US
     now = _now(shown, frame, unheard)
     if now and recent:
         now += [("  ", "plain"), quoted(heard[0], frame.glyphs)]
-    return ((" ", "plain"), *(now or _heard(state, frame)))
+    return ((" ", "plain"), *(now or _transcript_row(state, frame)))
 
 
 def _dash(frame: PaintFrame) -> Piece:
@@ -134,11 +134,11 @@ def _why(state: ConsoleState, frame: PaintFrame) -> Row:
     return (name_piece("why"), *hand, (frame.glyphs.plain(clean(change_reason(last))), "muted"))
 
 
-def _heard(state: ConsoleState, frame: PaintFrame) -> Row:
+def _transcript_row(state: ConsoleState, frame: PaintFrame) -> Row:
     """What was understood last, and when."""
     if state.perception.hides("transcript"):
         return ((HIDDEN, "faint"),)
-    heard = state.engaged.heard()
+    heard = state.engaged.transcripts()
     if not heard:
         return (_dash(frame),)
     last = heard[0]

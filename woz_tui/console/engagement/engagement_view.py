@@ -19,14 +19,14 @@ HOLD, OFF = "hold", "off"
 
 @dataclass(slots=True)
 class EngagementView:
-    """What holds is in `session`; `take` remembers what was: the model's changes, what visitors
+    """What holds is in `session`; `apply` remembers what was: the model's changes, what visitors
     said, what is known of them by code.
     """
 
     session: SessionState = field(default_factory=SessionState)
     changes: deque[m.EngagementChanged] = field(default_factory=lambda: deque(maxlen=CHANGES))
     visitors: dict[str, dict[str, str]] = field(default_factory=dict)
-    _heard: deque[m.SpeechText] = field(default_factory=lambda: deque(maxlen=HEARD))
+    _transcripts: deque[m.SpeechText] = field(default_factory=lambda: deque(maxlen=HEARD))
 
     @property
     def shown(self) -> m.EngagementShown | None:
@@ -57,24 +57,24 @@ class EngagementView:
             return spoken if now - spoken.begin < ENDLESS_US else None
         return None
 
-    def heard(self) -> list[m.SpeechText]:
+    def transcripts(self) -> list[m.SpeechText]:
         """What was understood, newest first."""
-        return [text for text in reversed(self._heard) if text.text]
+        return [text for text in reversed(self._transcripts) if text.text]
 
     def moves(self, now: int) -> bool:
         """Whether a figure on the screen grows by itself: somebody waits or speaks."""
         return self.waited(now) is not None or self.speaking(now) is not None
 
-    def take(self, message: m.Message) -> None:
+    def apply(self, message: m.Message) -> None:
         """Work a message in; others than those of the model are passed over."""
         match message:
             case m.EngagementChanged():
                 self.changes.append(message)
             case m.SpeechText(driver=driver, segment=segment):
-                for before in [*self._heard]:  # it was understood once more
+                for before in [*self._transcripts]:  # it was understood once more
                     if (before.driver, before.segment) == (driver, segment):
-                        self._heard.remove(before)
-                self._heard.append(message)
+                        self._transcripts.remove(before)
+                self._transcripts.append(message)
             case m.VisitorChanged():
                 about = self.visitors.pop(message.was or message.visitor, {})
                 if message.what != "forgotten":
@@ -83,7 +83,7 @@ class EngagementView:
     def forget(self) -> None:
         """Forget what was: there is no model any more, or it is kept from the wizard."""
         self.changes.clear()
-        self._heard.clear()
+        self._transcripts.clear()
         self.visitors.clear()
 
 

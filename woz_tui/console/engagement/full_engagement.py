@@ -60,7 +60,9 @@ def full_rows(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) 
     else:
         top.append((("path  ", "muted"), *path_row(shown, frame.width - 6, frame.glyphs)))
     rows = [*top, *_spacer(frame), *table, *_spacer(frame)]
-    heard = [] if side else _heard(state, frame, _HEARD_LINES if frame.height >= _TALL else 1)
+    heard = (
+        [] if side else _transcript_rows(state, frame, _HEARD_LINES if frame.height >= _TALL else 1)
+    )
     rows += _history(state, frame, max(1, frame.height - len(rows) - len(heard)))
     return cut_rows(rows, frame, heard)
 
@@ -123,7 +125,7 @@ def _states(
     if not side:
         return drawn
     room = frame.width - WIDTH - 2
-    heard = _heard(state, replace(frame, width=room), HEIGHT)
+    heard = _transcript_rows(state, replace(frame, width=room), HEIGHT)
     return side_by_side([(drawn, WIDTH), (heard, room)], HEIGHT, frame.glyphs, 2)
 
 
@@ -221,13 +223,13 @@ def _history(state: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
     return rows[:room] or [(("nothing has changed yet", "muted"),)]
 
 
-def _heard(state: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
+def _transcript_rows(state: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
     """What was understood, newest on top."""
     if state.perception.hides("transcript"):
         return [((f"what was said is {HIDDEN}", "faint"),)]
     rows: list[Row] = [
         ((f"{elapsed(segment.t):>6} ", "muted"), quoted(segment, frame.glyphs))
-        for segment in state.engaged.heard()
+        for segment in state.engaged.transcripts()
     ]
     return rows[:room]
 

@@ -31,13 +31,13 @@ class _Inbox(Inbox):
         super().__init__(wake)
         self.played: deque[str] = deque(maxlen=8)
 
-    def heard(self, batch: list[Incoming]) -> None:
+    def receive(self, batch: list[Incoming]) -> None:
         self.played.extend(
             message.action
             for message in batch
             if isinstance(message, ActionRequested) and message.source in HANDS
         )
-        super().heard(batch)
+        super().receive(batch)
 
 
 class ReplayConsole(Console):

@@ -76,7 +76,7 @@ class CameraDialog(Dialog):
     def on_mount(self) -> None:
         """Begin to watch."""
         self._lay_out()
-        self.set_interval(_LOOK_S, self._look)
+        self.set_interval(_LOOK_S, self._request_picture)
 
     def on_resize(self) -> None:
         """Take the new size."""
@@ -111,7 +111,7 @@ class CameraDialog(Dialog):
 
     # -- pictures ----------------------------------------------------------------------------
 
-    def _look(self) -> None:
+    def _request_picture(self) -> None:
         """Ask for the next picture, unless something else has the screen."""
         view, watching = self._view, self._watching
         if view is not None and watching is not None and self.is_active:
@@ -205,14 +205,14 @@ class CameraDialog(Dialog):
         if key in (_NEXT, _BACK):
             self._watching.next_camera(1 if key == _NEXT else -1)
         elif key == _TAKE:
-            self._take(self._watching.camera)
+            self._save_picture(self._watching.camera)
         else:
             larger = -1 if key == _LARGER else 1
             self._step = min(len(_SIZES) - 1, max(0, self._step + larger))
             self._lay_out()
         self.refreshed()
 
-    def _take(self, camera: str) -> None:
+    def _save_picture(self, camera: str) -> None:
         """Have the driver make a file of a picture."""
         if _VERB not in self.state.verbs.get(camera, ()):
             self.console_app.news(f"{camera or 'this camera'} cannot save pictures")

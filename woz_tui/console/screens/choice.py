@@ -124,14 +124,14 @@ class SearchDialog(EntryDialog, Generic[T]):
 
     def accept(self, typed: str) -> None:
         """Take what is chosen."""
-        self._take(self._list.highlighted)
+        self._choose(self._list.highlighted)
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """A click in this list is meant."""
         event.stop()
-        self._take(event.option_index)
+        self._choose(event.option_index)
 
-    def _take(self, index: int | None) -> None:
+    def _choose(self, index: int | None) -> None:
         chosen = self.shown[index] if index is not None and index < len(self.shown) else None
         typed = self.entry.value.strip()
         self.leave()

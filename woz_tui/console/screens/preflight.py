@@ -122,7 +122,7 @@ class PreflightDialog(ReportDialog):
     def __init__(self) -> None:
         super().__init__()
         self._findings: list[Finding] = []
-        self._said = ""
+        self._status = ""
         self._reply: Reply | None = None
         self._terminal: list[Finding] | None = None
         self._shown: dict[str, bool] = {}
@@ -171,7 +171,7 @@ class PreflightDialog(ReportDialog):
 
     def _ticked(self, reply: Reply) -> None:
         if not reply.ok:
-            self._said = refusal_text(reply)
+            self._status = refusal_text(reply)
             self.renew()
 
     def refreshed(self) -> None:
@@ -190,7 +190,7 @@ class PreflightDialog(ReportDialog):
 
     def _look_again(self) -> None:
         """Ask the robot process, and look at the terminal meanwhile."""
-        self._findings, self._said = [], f"checking {self.glyphs.ellipsis}"
+        self._findings, self._status = [], f"checking {self.glyphs.ellipsis}"
         self._reply = self._terminal = None
         self.renew()
         self.requests.ask(AskPreflight(), self._answered)
@@ -230,18 +230,18 @@ class PreflightDialog(ReportDialog):
         levels = Counter(found.level for found in self._findings)
         unticked = len(self.state.study.unticked())
         if not reply.ok:
-            self._said = refusal_text(reply)
+            self._status = refusal_text(reply)
         elif levels["error"] or levels["warning"] or unticked:
             counts = [(levels[word], word) for word in ("error", "warning")]
             told = [f"{n} {word}{'' if n == 1 else 's'}" for n, word in counts if n]
             told += [f"{unticked} of your own checks not ticked"] if unticked else []
-            self._said = ", ".join(told)
+            self._status = ", ".join(told)
         else:
-            self._said = "everything is ready"
+            self._status = "everything is ready"
 
     def lines(self) -> list[Row]:
         """The verdict, then every finding."""
-        rows: list[Row] = [((self._said, "strong"),), ()]
+        rows: list[Row] = [((self._status, "strong"),), ()]
         for found in self._findings:
             sign = str(getattr(self.glyphs, _SIGNS.get(found.level, "info")))
             look = _LOOKS.get(found.level, "plain")

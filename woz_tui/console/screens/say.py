@@ -83,7 +83,7 @@ class SayDialog(EntryDialog):
         """Utterances as they are now."""
         if not self.there:
             return
-        self._utterances = utterances_of(self.state, self.requests.said)
+        self._utterances = utterances_of(self.state, self.requests.history)
         self.entry.suggester = Completion(self._suggest)
         self.watch(self.entry, "selection", self._show_matches, init=False)  # the caret
         self._show_voice()
@@ -183,7 +183,7 @@ class SayDialog(EntryDialog):
     @property
     def history(self) -> Sequence[str]:
         """What was said before."""
-        return self.requests.said
+        return self.requests.history
 
     def action_voice(self) -> None:
         """Let another driver speak."""

@@ -33,11 +33,11 @@ class FilterBank:
     def __init__(self, filters: Mapping[str, Filter]) -> None:
         self.filters = filters
         self._takes: dict[str, Callable[[Any, int], None]] = {
-            sign: taker.take for sign, taker in filters.items()
+            sign: taker.add for sign, taker in filters.items()
         }
         self._condition = [filters[sign] for sign in CONDITION]
 
-    def take(self, row: SampleRow) -> None:
+    def add(self, row: SampleRow) -> None:
         """The samples of one moment."""
         t = row.t
         for sign, value in row.samples:
@@ -224,7 +224,7 @@ def _turns(candidate: Candidate, film: SceneRun, engaged: bool) -> int:
     turns = 0
     right = True
     for row in film.rows:
-        bank.take(row)
+        bank.add(row)
         if row.t >= CALM * 1e6:
             was, right = right, bank.engaged == engaged
             turns += was and not right
@@ -271,7 +271,7 @@ def _delay(candidate: Candidate, film: SceneRun, engaged: bool) -> float | None:
     bank = candidate.made()
     before: bool | None = None
     for row in film.rows:
-        bank.take(row)
+        bank.add(row)
         if row.t < film.moment:
             before = bank.engaged
         elif before == engaged:
@@ -298,7 +298,7 @@ def _lasted(candidate: Candidate, film: SceneRun) -> dict[str, float]:
     bank = candidate.made()
     lasted = dict.fromkeys(SIGNS, math.inf)
     for row in film.rows:
-        bank.take(row)
+        bank.add(row)
         since = row.t / 1e6 - CALM
         if since >= 0.0:
             for sign in SIGNS:

@@ -24,7 +24,7 @@ from tools import (
     toolkit_coverage,
 )
 from tools.driver_settings import bundled
-from woz_tui.cli import modes
+from woz_tui.cli import modes, robots
 from woz_tui.cli.render_target import inputs_table
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.config.json_schema import experiment_schema, included_schema, robot_schema
@@ -41,6 +41,7 @@ FILES: Mapping[str, Callable[[str], str]] = {
     "docs/how-to/export.md": redaction_lists.refreshed,
     "docs/how-to/pepper.md": pepper_coverage.refreshed,
     "docs/how-to/render.md": lambda page: replaced(page, "inputs", inputs_table()),
+    "docs/how-to/robots.md": lambda page: replaced(page, "robots", robots.markdown(bundled())),
     "docs/images/engagement-states.svg": lambda _: engagement_diagram.svg(),
     "docs/reference/experiment-file.md": lambda _: experiment_reference.page(),
     "docs/reference/modes.md": lambda _: f"{modes.markdown()}\n",

@@ -112,3 +112,20 @@ def test_nobody_who_answers_any_more_writes_nothing(tmp_path: Path) -> None:
 
     assert made(tmp_path / "e.yaml", ask=gone) == 1
     assert not [*tmp_path.iterdir()]
+
+
+def test_every_robot_is_offered_and_can_be_taken(tmp_path: Path) -> None:
+    catalogue = plugins.installed()
+    robots = [name for name in catalogue if catalogue[name].facts.robot]
+    asked: list[str] = []
+
+    def ask(question: str) -> str:
+        asked.append(question)
+        return ""
+
+    assert made(tmp_path / "first.yaml", ask=ask) == 0
+    assert {"pepper", "simulated"} <= {*robots}
+    for robot in robots:
+        assert robot in asked[0]
+        assert made(tmp_path / f"{robot}.yaml", "--robot", robot) == 0
+        assert [spec.type for spec in read(tmp_path / f"{robot}.yaml").drivers] == [robot]

@@ -136,7 +136,7 @@ def test_the_demo_that_comes_with_woz_counts_only_where_it_is_the_same(tmp_path:
         bundled = tmp_path / "installed" / "bundled.yaml"
         bundled.parent.mkdir()
         bundled.write_text("title: Another one\n", encoding="utf-8")
-        patch.setattr("woz_tui.cli.demo.demo_file", lambda name: bundled)
+        patch.setattr("woz_tui.cli.replay.bundled_file", lambda name: bundled)
         assert shown(path) is not None
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from woz_tui.testing.contract_checks import COMMON_VERBS
+from woz_tui.drivers.verb_names import COMMON_VERBS
 
 DRIVERS = Path(__file__).parents[2] / "drivers"
 EXAMPLE = DRIVERS / "example"

@@ -26,6 +26,7 @@ COMMANDS = {
     "coding": "list codes that were set in replays, and the agreement of two coders",
     "compare": "compare two sessions, or a session and its re-run",
     "check": "check an experiment file and show its keys",
+    "robots": "show which robots there are and what each offers",
     "convert": "write a WoZ4U config.yaml as an experiment file",
     "design": "show the order of conditions: used so far, and next",
     "doctor": "check this machine, its devices and this terminal for an experiment",

@@ -165,7 +165,7 @@ def _count(number: int, what: str) -> str:
 
 def _print_robot_and_study(console: TextConsole, experiment: Experiment) -> None:
     for spec in experiment.drivers:
-        rows = _verb_rows(spec.verbs)
+        rows = verb_rows(spec.verbs)
         if spec.sensors:
             sensors = Text(", ".join(spec.sensors), style="dim")
             rows.append((Text("(senses)", style="dim"), sensors))
@@ -173,7 +173,7 @@ def _print_robot_and_study(console: TextConsole, experiment: Experiment) -> None
     if experiment.engagement is not None:
         lines = _engagement_lines(experiment, experiment.engagement)
         _print_section(console, "engagement", _subject_rows(lines))
-        _print_section(console, "", _verb_rows(engagement_verbs()))
+        _print_section(console, "", verb_rows(engagement_verbs()))
     if study := [*study_summary.study_lines(experiment)]:
         _print_section(console, "study", _subject_rows(study))
 
@@ -194,7 +194,8 @@ def _subject_rows(lines: Iterable[tuple[str, str]]) -> Iterator[tuple[Text, Text
     return ((Text(subject, style="dim"), Text(sentence)) for subject, sentence in lines)
 
 
-def _verb_rows(verbs: Sequence[Verb]) -> list[tuple[Text, Text]]:
+def verb_rows(verbs: Sequence[Verb]) -> list[tuple[Text, Text]]:
+    """Name, and summary with the arguments, of each verb."""
     return [
         (
             Text(verb.name, style="bold"),

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import sys
 from argparse import ArgumentParser, Namespace
-from importlib.resources import files
-from pathlib import Path
 
 from woz_tui.cli import run as run_command
 from woz_tui.cli.shared_options import add_keymap, add_pictures, add_session, add_theme
+from woz_tui.config.bundled_files import bundled_file, robot_files
+from woz_tui.config.problems import hint
 
 #: Robots that can be shown: their experiment, and the condition and participant it begins with.
 DEMOS: dict[str, tuple[str, str, str]] = {
@@ -25,12 +25,13 @@ def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument(
         "--robot",
-        choices=tuple(DEMOS),
         default="simulated",
+        metavar="NAME",
         help="simulated: a museum guide and a visitor; eyepi: a body with a face to be played by"
         " hand; show: two such bodies; guide: with engagement model, runs without a wizard;"
         " pepper: a simulated Pepper behind a real connection;"
-        " study: a complete study, with a wizard who is blind to the conditions",
+        " study: a complete study, with a wizard who is blind to the conditions;"
+        f" the museum guide on another robot: {', '.join(other_robots())}",
     )
     add_session(parser)
     add_keymap(parser)
@@ -38,20 +39,24 @@ def add(parser: ArgumentParser) -> None:
     add_theme(parser)
 
 
+def other_robots() -> list[str]:
+    """Robots that come with woz-tui and have no demo of their own."""
+    return [name for name in robot_files(None) if name not in DEMOS]
+
+
 def run(arguments: Namespace) -> int:
     """Play a demo experiment that comes with woz-tui."""
-    name, condition, participant = DEMOS[arguments.robot]
-    experiment = demo_file(name)
+    wanted: str = arguments.robot
+    other = other_robots()
+    if wanted not in DEMOS and wanted not in other:
+        near = hint(wanted, [*DEMOS, *other]) or f"; there are {', '.join([*DEMOS, *other])}"
+        print(f"woz: there is no demo of the robot {wanted!r}{near}", file=sys.stderr)
+        return 2
+    name, condition, participant = DEMOS.get(wanted, DEMOS["simulated"])
+    experiment = bundled_file(name)
     if experiment is None:
         print(f"woz: this installation lacks experiments/{name}", file=sys.stderr)
         return 1
     arguments.condition = arguments.condition or condition
     arguments.participant = arguments.participant or participant
-    return run_command.play(arguments, experiment)
-
-
-def demo_file(name: str = "demo.yaml") -> Path | None:
-    """The experiment `name` of the installed package, or of the source tree it runs from."""
-    package = Path(str(files("woz_tui")))
-    candidates = (package / "_experiments" / name, package.parent / "experiments" / name)
-    return next((path for path in candidates if path.exists()), None)
+    return run_command.play(arguments, experiment, "" if wanted in DEMOS else wanted)

@@ -20,6 +20,7 @@ from woz_tui.config.experiment import Experiment, ExperimentError
 from woz_tui.config.keys import LAYOUTS
 from woz_tui.config.languages import DEFAULT, shipped
 from woz_tui.config.loading import load
+from woz_tui.config.robots import SIMULATED
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver
 
@@ -103,14 +104,17 @@ def new(arguments: Namespace, catalogue: Mapping[str, type[Driver]], ask: Ask | 
         print(f"woz: {path} is there already; choose another name", file=sys.stderr)
         return 1
     try:
-        answers = _answers(arguments, ask)
+        answers = _answers(arguments, ask, catalogue)
     except EOFError:
         print("\nNothing was written.")
         return 1
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        abilities = _abilities(answers["robot"], path.parent, catalogue)
-        text = experiment_text(TEMPLATES[arguments.template], answers, abilities)
+        robot = _robot(answers["robot"], catalogue)
+        abilities = _abilities(robot, path.parent, catalogue)
+        text = experiment_text(
+            TEMPLATES[arguments.template], {**answers, "robot": robot}, abilities
+        )
         with path.open("x", encoding="utf-8") as file:
             file.write(text)
     except FileExistsError:
@@ -173,14 +177,17 @@ def _answer(
     return default
 
 
-def _answers(arguments: Namespace, ask: Ask | None) -> dict[str, str]:
+def _answers(
+    arguments: Namespace, ask: Ask | None, catalogue: Mapping[str, type[Driver]]
+) -> dict[str, str]:
     """The five answers by the question's name."""
+    robots = ", ".join(name for name in catalogue if catalogue[name].facts.robot)
     kind = {True: "study", False: "free", None: None}[arguments.study]
     if kind is None and arguments.conditions is not None:
         kind = "study"
     answers = {
         "robot": _answer(
-            *(arguments.robot, ask, "1 of 5  Robot (simulated, pepper, or a robot file)"),
+            *(arguments.robot, ask, f"1 of 5  Robot ({robots}, or a robot file)"),
             "simulated",
         ),
         "kind": _answer(kind, ask, "2 of 5  A study, or free play?", "study", ("study", "free")),
@@ -198,11 +205,11 @@ def _answers(arguments: Namespace, ask: Ask | None) -> dict[str, str]:
 
 
 def _abilities(robot: str, folder: Path, catalogue: Mapping[str, type[Driver]]) -> Abilities:
-    """What the robot can do, as an experiment beside the new file would find it.
+    """What the robot, a value of `robot:`, can do, as an experiment beside the new file finds it.
 
     Raises `ExperimentError` if there is no such robot, or if it cannot speak.
     """
-    trial = f"title: T\nrobot: {_robot(robot)}\npanels:\n  - title: P\n    actions:\n"
+    trial = f"title: T\nrobot: {robot}\npanels:\n  - title: P\n    actions:\n"
     with tempfile.NamedTemporaryFile(
         "w", suffix=".yaml", prefix=".woz-new-", dir=folder, delete=False
     ) as file:
@@ -272,11 +279,14 @@ training:                     # `woz train`: a visitor is simulated, you answer
 """
 
 
-def _robot(answer: str) -> str:
-    """The value of `robot:`."""
-    if answer == "pepper":
-        return "{drivers: {pepper: {type: pepper, robots: [simulated]}}}"
-    return answer if answer == "simulated" else json.dumps(answer)
+def _robot(answer: str, catalogue: Mapping[str, type[Driver]]) -> str:
+    """The value of `robot:`, with a hint where the robot's address goes."""
+    if answer == SIMULATED or answer not in catalogue or not catalogue[answer].facts.robot:
+        return answer if answer == SIMULATED else json.dumps(answer)
+    example = catalogue[answer].facts.example
+    settings = f"type: {answer}{f', {example}' if example else ''}"
+    comment = "\n# instead of simulated: your robot's address" if SIMULATED in example else ""
+    return f"{{drivers: {{{answer}: {{{settings}}}}}}}{comment}"
 
 
 def experiment_text(template: Template, answers: Mapping[str, str], abilities: Abilities) -> str:
@@ -289,10 +299,7 @@ def _text_lines(
 ) -> Iterator[str]:
     conditions = [name.strip() for name in answers["conditions"].split(",") if name.strip()]
     is_study = answers["kind"] == "study"
-    robot = _robot(answers["robot"])
-    if answers["robot"] == "pepper":
-        robot += "\n# instead of simulated: your robot's address"
-    yield _HEAD.format(**msgspec.structs.asdict(template), **{**answers, "robot": robot})
+    yield _HEAD.format(**msgspec.structs.asdict(template), **answers)
     if is_study:
         yield 'participants: {pattern: "P\\\\d\\\\d"}   # P01 ... P99: codes, never names'
         if conditions:

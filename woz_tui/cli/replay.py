@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 from woz_tui.cli import console_start
 from woz_tui.cli.argument_types import number
 from woz_tui.cli.console_start import detect_appearance
-from woz_tui.cli.demo import demo_file
 from woz_tui.cli.experiment_changes import change_lines, error_lines
 from woz_tui.cli.shared_options import add_theme
+from woz_tui.config.bundled_files import bundled_file
 from woz_tui.config.experiment import Experiment, ExperimentError
 from woz_tui.config.keys.terminals import detect_terminal
 from woz_tui.config.loading import load
@@ -201,7 +201,7 @@ def _experiment(
 
 def _bundled_plan(origin: ExperimentOrigin, catalogue: Catalogue) -> SessionPlan | None:
     """The plan of the bundled experiment of this name, if it has not changed."""
-    file = demo_file(Path(origin.name).name) if origin.name else None
+    file = bundled_file(Path(origin.name).name) if origin.name else None
     if file is None:
         return None
     try:

@@ -19,11 +19,11 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from woz_tui.cli.console_start import ScreenOptions, run_session, with_terminal
-from woz_tui.cli.demo import demo_file
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.experiment_changes import change_lines, error_lines, redactor_of
 from woz_tui.cli.host_start import Launch, LaunchError, RobotProcess, host_arguments
 from woz_tui.cli.single_keys import single_keys
+from woz_tui.config.bundled_files import bundled_file
 from woz_tui.config.experiment import Experiment, ExperimentError
 from woz_tui.drivers.plugins import installed
 from woz_tui.log.file_names import current_path
@@ -137,7 +137,7 @@ def _load_experiment(
 def _bundled(log: Path, name: str) -> Path | None:
     """The experiment of this name that comes with woz-tui, if there is none near the log."""
     name = Path(name).name
-    return demo_file(name) if name and not experiment_origin.candidate_files(log, name) else None
+    return bundled_file(name) if name and not experiment_origin.candidate_files(log, name) else None
 
 
 def _dry_run(rerun: _Rerun, arguments: argparse.Namespace) -> int:

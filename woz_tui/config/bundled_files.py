@@ -23,12 +23,12 @@ def is_path(robot: str) -> bool:
     return "/" in robot or robot.endswith(_SUFFIXES)
 
 
-def robot_files(folder: Path) -> dict[str, Path]:
+def robot_files(folder: Path | None) -> dict[str, Path]:
     """Robot files by name: those beside the experiments of `folder`, then those of woz-tui."""
-    bundled = bundled_file(ROBOTS)
+    places = [folder / ROBOTS if folder is not None else None, bundled_file(ROBOTS)]
     found: dict[str, Path] = {}
-    for place in (folder / ROBOTS, *([bundled] if bundled else ())):
-        for file in sorted(place.glob("*")) if place.is_dir() else ():
+    for place in places:
+        for file in sorted(place.glob("*")) if place is not None and place.is_dir() else ():
             if file.suffix in _SUFFIXES:
                 found.setdefault(file.stem, file)
     return found

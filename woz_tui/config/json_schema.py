@@ -409,7 +409,7 @@ def _sample_verbs(driver: type[Driver]) -> Iterable[Verb]:
     """The verbs with settings as a file would give them at least, and those that a switch brings
     along; may raise anything.
     """
-    sample = _sample(driver.Settings)
+    sample = sample_settings(driver.Settings)
     offered = [*driver.verbs(sample)]
     for item in fields_of(driver.Settings):
         if split_annotation(item.annotation)[0] is bool and item.default is False:
@@ -434,7 +434,7 @@ def _merged(one: Verb, other: Verb) -> Verb:
     return dataclasses.replace(one, arguments=tuple(known.values()))
 
 
-def _sample(shape: type) -> Any:
+def sample_settings(shape: type) -> Any:
     """An instance with what is required, and with all parts that can be skipped: a robot may
     have a face, and its editor shall know what faces can do.
     """
@@ -458,10 +458,10 @@ def _sample_value(annotation: Any) -> Any:
     if (allowed := find_note(notes, fields.Range)) is not None and bare in (int, float):
         return bare(allowed.low if allowed.low is not None else allowed.high or 0)
     if (part := _part(annotation)) is not None:
-        return _sample(part)
+        return sample_settings(part)
     origin = typing.get_origin(bare) or bare
     if origin in (dict, Mapping):
         return {"sample": _sample_value(typing.get_args(bare)[1])}
     if dataclasses.is_dataclass(origin) and isinstance(origin, type):
-        return _sample(origin)
+        return sample_settings(origin)
     return {str: "sample", int: 1, float: 1.0, bool: False, tuple: (), list: []}.get(origin)

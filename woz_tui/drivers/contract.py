@@ -261,6 +261,27 @@ class StopReport:
     missing: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True, slots=True)
+class DriverFacts:
+    """What a lab wants to know before it chooses a robot, for `woz robots`.
+
+    Attributes:
+        robot: Whether it is a whole robot and not a part of one.
+        needs: The hardware and programs that it needs.
+        simulated: What stands in for the hardware, and how; empty: nothing does.
+        stop: What confirms its stop; empty: there is nothing to stop.
+        page: Its page in the source tree.
+        example: The settings of the simulated one, as `woz new` writes them: `address: simulated`.
+    """
+
+    robot: bool = False
+    needs: str = ""
+    simulated: str = ""
+    stop: str = ""
+    page: str = ""
+    example: str = ""
+
+
 class Performer(Protocol):
     """The part of a driver that the bus knows. Both run in the event loop, each call in a task of
     its own.
@@ -306,6 +327,8 @@ class Driver(Performer):
     Settings: ClassVar[type]
     #: What it is, in one line.
     summary: ClassVar[str]
+    #: What `woz robots` tells of it beside its verbs and sensors.
+    facts: ClassVar[DriverFacts] = DriverFacts()
 
     def __init__(self, name: str, settings: Any, context: DriverContext) -> None:
         """Keep what it is made with; hardware is opened in `open`."""

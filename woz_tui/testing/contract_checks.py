@@ -35,29 +35,9 @@ from woz_tui.drivers.contract import (
     Written,
 )
 from woz_tui.drivers.fields import Section
+from woz_tui.drivers.verb_names import COMMON_VERBS
 from woz_tui.protocol.messages import Json
 from woz_tui.testing.recording_context import PlainJob, RecordingContext, until
-
-#: Main argument of the verbs whose names everybody shares.
-COMMON_VERBS: Mapping[str, str] = {
-    "say": "text",
-    "play": "move",
-    "pose": "joints",
-    "poses": "poses",
-    "home": "seconds",
-    "gaze": "yaw",
-    "nudge": "yaw",
-    "torque": "on",
-    "emotion": "emotion",
-    "eyes": "color",
-    "screen": "file",
-    "sound": "file",
-    "drive": "x",
-    "mode": "mode",
-    "volume": "level",
-    "learn_face": "name",
-    "listen_room": "seconds",
-}
 
 #: Words that mean something else in every action: its own fields, and the session's verbs.
 RESERVED = (

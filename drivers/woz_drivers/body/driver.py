@@ -15,6 +15,7 @@ from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
     DriverError,
+    DriverFacts,
     Finding,
     Health,
     Job,
@@ -53,6 +54,12 @@ class Body(RenderedDriver):
 
     Settings = BodySettings
     summary = "a body: gaze, moves, emotions and modes, for servos or only on the screen"
+    facts = DriverFacts(
+        needs="servos (type dynamixel) and a face (type led-face), or only the screen",
+        simulated="without servos the console shows the body",
+        stop="the motion stands still; the servos confirm by themselves",
+        page="docs/how-to/body.md",
+    )
     settings: BodySettings
     #: What keeps the rate, made with the rate and the driver's name.
     ticker: ClassVar[Callable[[float, str], ThreadTicker]] = ThreadTicker

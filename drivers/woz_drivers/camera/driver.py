@@ -15,6 +15,7 @@ from woz_drivers.camera.settings import CameraSettings
 from woz_tui.drivers.contract import (
     DriverContext,
     DriverError,
+    DriverFacts,
     Finding,
     Health,
     PassiveDriver,
@@ -40,6 +41,10 @@ class Camera(PassiveDriver):
 
     Settings = CameraSettings
     summary = "position of something green in a camera picture"
+    facts = DriverFacts(
+        needs="a program that writes pictures, such as ffmpeg",
+        page="docs/how-to/camera.md",
+    )
     settings: CameraSettings
 
     def __init__(self, name: str, settings: CameraSettings, context: DriverContext) -> None:

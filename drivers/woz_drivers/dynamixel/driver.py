@@ -20,6 +20,7 @@ from woz_tui.drivers.contract import (
     Driver,
     DriverContext,
     DriverError,
+    DriverFacts,
     Finding,
     Job,
     Probe,
@@ -52,6 +53,11 @@ class DynamixelServos(Driver):
 
     Settings = ServoSettings
     summary = "Dynamixel servos on a serial port (X series; MX, RX, AX)"
+    facts = DriverFacts(
+        needs="servos on a serial port",
+        stop="each servo answers that it holds its place",
+        page="docs/how-to/hardware.md",
+    )
     settings: ServoSettings
 
     def __init__(self, name: str, settings: ServoSettings, context: DriverContext) -> None:

@@ -15,6 +15,7 @@ from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
     DriverContext,
+    DriverFacts,
     Finding,
     Health,
     Job,
@@ -110,6 +111,10 @@ class LedFace(PassiveDriver):
 
     Settings = LedFaceSettings
     summary = "a face of lights on a serial port (24 x 16 and other sizes)"
+    facts = DriverFacts(
+        needs="a microcontroller with the firmware of drivers/firmware",
+        page="docs/how-to/hardware.md",
+    )
     settings: LedFaceSettings
 
     def __init__(self, name: str, settings: LedFaceSettings, context: DriverContext) -> None:

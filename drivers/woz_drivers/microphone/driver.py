@@ -19,6 +19,7 @@ from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
     DriverError,
+    DriverFacts,
     Finding,
     Health,
     Job,
@@ -50,6 +51,10 @@ class Microphone(PassiveDriver):
 
     Settings = MicrophoneSettings
     summary = "loudness and speech from a microphone"
+    facts = DriverFacts(
+        needs="a recording program such as arecord",
+        page="docs/explanation/engagement-sound.md",
+    )
     settings: MicrophoneSettings
 
     def __init__(self, name: str, settings: MicrophoneSettings, context: DriverContext) -> None:

@@ -18,6 +18,7 @@ from woz_tui.drivers.contract import (
     Ask,
     DeviceLostError,
     DriverContext,
+    DriverFacts,
     Finding,
     Health,
     Job,
@@ -44,6 +45,10 @@ class MidiPanel(PassiveDriver):
 
     Settings = MidiSettings
     summary = "a MIDI panel of knobs, sliders and buttons"
+    facts = DriverFacts(
+        needs="a MIDI panel",
+        page="docs/how-to/midi.md",
+    )
     settings: MidiSettings
 
     def __init__(self, name: str, settings: MidiSettings, context: DriverContext) -> None:

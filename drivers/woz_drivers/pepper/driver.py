@@ -24,7 +24,7 @@ from woz_drivers.pepper import doctor, screen_remarks
 from woz_drivers.pepper.hip import HipPart
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet import TabletPart
-from woz_tui.drivers.contract import Finding, Probe
+from woz_tui.drivers.contract import DriverFacts, Finding, Probe
 
 
 class Pepper(NaoqiRobot):
@@ -32,6 +32,14 @@ class Pepper(NaoqiRobot):
 
     Settings = PepperSettings
     summary = "SoftBank's Pepper over NAOqi (2.5 to 2.9), or a simulated one"
+    facts = DriverFacts(
+        robot=True,
+        needs="the robot's address",
+        simulated="robots: [simulated], with a visitor",
+        stop="the robot's answers, by part: base, motion, animation, speech, sound ...",
+        page="docs/how-to/pepper.md",
+        example="robots: [simulated]",
+    )
     settings: PepperSettings
 
     PARTS: ClassVar[tuple[type[NaoqiPart], ...]] = (

@@ -12,6 +12,7 @@ from woz_drivers.serial_line import SerialLine
 from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
+    DriverFacts,
     Finding,
     Health,
     PassiveDriver,
@@ -37,6 +38,10 @@ class Rangefinder(PassiveDriver):
 
     Settings = RangefinderSettings
     summary = "a distance sensor on a serial port"
+    facts = DriverFacts(
+        needs="a sensor on a serial port",
+        page="docs/how-to/hardware.md",
+    )
     settings: RangefinderSettings
 
     def __init__(self, name: str, settings: RangefinderSettings, context: DriverContext) -> None:

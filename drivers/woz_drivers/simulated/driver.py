@@ -31,6 +31,7 @@ from woz_tui.drivers.contract import (
     Driver,
     DriverContext,
     DriverError,
+    DriverFacts,
     Finding,
     Health,
     Job,
@@ -86,6 +87,13 @@ class SimulatedRobot(Driver):
 
     Settings = _settings.SimulatedSettings
     summary = "A robot without hardware, to write and rehearse experiments"
+    facts = DriverFacts(
+        robot=True,
+        needs="nothing",
+        simulated="it is a simulation",
+        stop="its joints, voice and base stand still",
+        page="drivers/woz_drivers/simulated/README.md",
+    )
     settings: _settings.SimulatedSettings
 
     def __init__(

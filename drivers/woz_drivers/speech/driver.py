@@ -27,6 +27,7 @@ from woz_tui.drivers.contract import (
     Driver,
     DriverContext,
     DriverError,
+    DriverFacts,
     Finding,
     Health,
     Job,
@@ -69,6 +70,11 @@ class Speech(Driver):
 
     Settings = SpeechSettings
     summary = "speech and sound files through a loudspeaker"
+    facts = DriverFacts(
+        needs="a synthesiser such as espeak-ng, and a loudspeaker",
+        stop="its programs have ended",
+        page="drivers/woz_drivers/speech/README.md",
+    )
     settings: SpeechSettings
 
     def __init__(self, name: str, settings: SpeechSettings, context: DriverContext) -> None:

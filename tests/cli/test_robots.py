@@ -1,0 +1,85 @@
+"""`woz robots`: what there is and what each offers."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.config.catalogue import CATALOGUE, Bare, NoSettings
+from tools.driver_settings import bundled
+from woz_tui.cli import robots
+from woz_tui.drivers.contract import Driver, DriverFacts
+
+ROOT = Path(__file__).parents[2]
+
+
+class Whole(Bare):
+    Settings = NoSettings
+    summary = "a robot of glass"
+    facts = DriverFacts(robot=True, needs="a quiet room", stop="its bell", simulated="always")
+
+
+class Unkind(Bare):
+    """It fails with any settings."""
+
+    Settings = NoSettings
+
+    @classmethod
+    def sensors(cls, settings: object) -> tuple[str, ...]:
+        raise RuntimeError("a bug in the driver")
+
+
+def shown(*words: str, catalogue: dict[str, type[Driver]] | None = None) -> int:
+    parser = argparse.ArgumentParser()
+    robots.add(parser)
+    return robots.robots(parser.parse_args([*words]), catalogue or {**CATALOGUE, "glass": Whole})
+
+
+def test_whole_robots_come_first_with_what_a_lab_must_know(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    assert shown() == 0
+    out = capsys.readouterr().out
+    assert max(map(len, out.splitlines())) <= 80
+    first, _, parts = out.partition("Parts of robots")
+    assert first.startswith("glass  a robot of glass")
+    for fact in ("a quiet room", "its bell", "always"):
+        assert fact in first
+    assert "voice" in parts
+
+
+def test_one_is_shown_with_settings_and_arguments(capsys: pytest.CaptureFixture[str]) -> None:
+    assert shown("head") == 0
+    out = capsys.readouterr().out
+    assert "where it is [required]" in out
+    assert "1 to 200 Hz" in out
+    assert "speed: number, 0.1 to 4" in out
+
+
+def test_one_that_is_not_there_is_answered_with_its_neighbour(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert shown("glas") == 1
+    assert "did you mean 'glass'?" in capsys.readouterr().err
+
+
+def test_a_driver_with_a_bug_is_named_and_hides_no_other(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert shown("--json", catalogue={"glass": Whole, "odd": Unkind}) == 0
+    printed = capsys.readouterr()
+    assert [*json.loads(printed.out)] == ["glass"]
+    assert "'odd'" in printed.err
+
+
+@pytest.mark.parametrize("name", sorted(bundled()))
+def test_our_drivers_say_what_they_need_and_where_their_page_is(name: str) -> None:
+    driver = bundled()[name]
+    assert driver.facts.needs
+    assert (ROOT / driver.facts.page).is_file()
+    if driver.facts.robot:
+        assert driver.facts.stop and driver.facts.simulated

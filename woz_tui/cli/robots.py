@@ -1,0 +1,240 @@
+"""`woz robots`: which robots and devices there are, and what each offers."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from argparse import ArgumentParser, Namespace
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+from rich.text import Text
+
+from woz_tui.cli.check import verb_rows
+from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.safe_streams import json_text
+from woz_tui.config.bundled_files import robot_files
+from woz_tui.config.experiment import DriverSpec, ExperimentError
+from woz_tui.config.json_schema import sample_settings
+from woz_tui.config.problems import hint
+from woz_tui.config.robots import load_robot
+from woz_tui.config.settings_table import settings_rows
+from woz_tui.console.text_console import TextConsole
+from woz_tui.drivers import plugins
+from woz_tui.drivers.contract import Driver, DriverFacts, Verb
+from woz_tui.drivers.verb_names import COMMON_VERBS
+from woz_tui.protocol.messages import Json
+
+#: Columns of a page that goes into a file or a pipe.
+_PAGE = 80
+
+
+def add(parser: ArgumentParser) -> None:
+    """Declare the command's options."""
+    parser.add_argument("type", nargs="?", default="", help="one of them, in detail")
+    parser.add_argument("--json", action="store_true", help="for programs: one JSON object")
+
+
+def run(arguments: Namespace) -> int:
+    """Print all, or one in detail."""
+    return with_error_sentences(lambda: robots(arguments, plugins.installed()), who="woz robots")
+
+
+def robots(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
+    """`run` with the drivers of `catalogue`."""
+    found = descriptions(catalogue, Path())
+    if arguments.type and arguments.type not in found:
+        near = hint(arguments.type, found) or f"; there are: {', '.join(found)}"
+        print(f"woz: there is no robot or driver {arguments.type!r}{near}", file=sys.stderr)
+        return 1
+    chosen = found[arguments.type] if arguments.type else None
+    if arguments.json:
+        shown = [chosen] if chosen is not None else found.values()
+        print(json_text({each.kind: each.as_json() for each in shown}, indent=2))
+        return 0
+    console = TextConsole(page=_PAGE)
+    if chosen is not None:
+        _print_one(console, chosen)
+    else:
+        _print_all(console, found.values())
+    return 0
+
+
+@dataclass(frozen=True, slots=True)
+class RobotDescription:
+    """A driver's type with what it offers; `files`: robot files that use it, by name.
+
+    Verbs and sensors are those that it has without any setting; where it needs some, those of the
+    first robot file, or of made-up settings (`sample`).
+    """
+
+    kind: str
+    driver: type[Driver]
+    verbs: tuple[Verb, ...]
+    sensors: tuple[str, ...]
+    files: tuple[str, ...] = ()
+    sample: bool = False
+
+    @property
+    def facts(self) -> DriverFacts:
+        """What its class says of it."""
+        return self.driver.facts
+
+    def facts_shown(self) -> Iterator[tuple[str, str]]:
+        """Word and sentence of each thing to be told."""
+        names = [verb.name for verb in self.verbs]
+        common = [name for name in COMMON_VERBS if name in names]
+        own = [name for name in dict.fromkeys(names) if name not in COMMON_VERBS]
+        yield "verbs", ", ".join(common) or ("" if own else "none")
+        yield "own verbs", ", ".join(own)
+        yield "sensors", ", ".join(self.sensors) or "none"
+        yield "stop", self.facts.stop or "nothing to stop"
+        yield "simulated", self.facts.simulated or "no"
+        yield "needs", self.facts.needs
+        yield "files", ", ".join(self.files)
+        yield "page", self.facts.page
+
+    def as_json(self) -> dict[str, Json]:
+        """For programs."""
+        return {
+            "summary": self.driver.summary,
+            "robot": self.facts.robot,
+            "verbs": [verb.name for verb in self.verbs],
+            "sensors": [*self.sensors],
+            "stop": self.facts.stop,
+            "simulated": self.facts.simulated,
+            "needs": self.facts.needs,
+            "files": [*self.files],
+            "page": self.facts.page,
+        }
+
+
+def descriptions(
+    catalogue: Mapping[str, type[Driver]], folder: Path | None
+) -> dict[str, RobotDescription]:
+    """All types, whole robots first; robot files are those that an experiment in `folder` finds."""
+    used: dict[str, dict[str, DriverSpec]] = {}
+    for name, file in robot_files(folder).items():
+        for spec in _drivers_of(file, catalogue):
+            used.setdefault(spec.type, {}).setdefault(name, spec)
+    found = []
+    for name in sorted(catalogue):
+        try:
+            found.append(_described(name, catalogue[name], used.get(name, {})))
+        except plugins.PluginError as error:
+            print(f"woz: {error}", file=sys.stderr)
+        except Exception as error:  # noqa: BLE001 - a plug-in's code
+            print(f"woz: the driver {name!r} fails: {error!r}", file=sys.stderr)
+    return {each.kind: each for each in sorted(found, key=lambda each: not each.facts.robot)}
+
+
+def _drivers_of(file: Path, catalogue: Mapping[str, type[Driver]]) -> tuple[DriverSpec, ...]:
+    try:
+        return load_robot(file, catalogue)
+    except ExperimentError:
+        return ()
+
+
+def _described(name: str, driver: type[Driver], used: Mapping[str, DriverSpec]) -> RobotDescription:
+    """Raises whatever the driver's code raises with made-up settings."""
+    files = tuple(used)
+    with contextlib.suppress(Exception):  # it needs settings; which, only its own code knows
+        verbs, sensors = _offers(driver, driver.Settings())
+        if verbs or sensors or not used:
+            return RobotDescription(name, driver, verbs, sensors, files)
+    if used:
+        first = next(iter(used.values()))
+        return RobotDescription(name, driver, first.verbs, first.sensors, files)
+    offers = _offers(driver, sample_settings(driver.Settings))
+    return RobotDescription(name, driver, *offers, files, sample=True)
+
+
+def _offers(driver: type[Driver], settings: Any) -> tuple[tuple[Verb, ...], tuple[str, ...]]:
+    return tuple(driver.verbs(settings)), tuple(driver.sensors(settings))
+
+
+def markdown(catalogue: Mapping[str, type[Driver]]) -> str:
+    """The whole robots as tables of Markdown: who offers which common verb, and the rest."""
+    found = [each for each in descriptions(catalogue, None).values() if each.facts.robot]
+    offered = [{verb.name for verb in each.verbs} for each in found]
+    verbs = [
+        (f"`{verb}`", *("yes" if verb in names else "-" for names in offered))
+        for verb in COMMON_VERBS
+    ]
+    rest = []
+    for each in found:
+        facts = dict(each.facts_shown())
+        name = f"[`{each.kind}`]({_link(each.facts.page)})"
+        rest.append((name, *(facts[word] or "-" for word in _TOLD)))
+    return f"{_table(['verb', *(f'`{each.kind}`' for each in found)], verbs)}\n\n" + _table(
+        ["robot", *_TOLD], rest
+    )
+
+
+#: What is told of a robot beside its common verbs.
+_TOLD = ("own verbs", "sensors", "stop", "simulated", "needs")
+
+
+def _table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    lines = [f"| {' | '.join(row)} |" for row in (head, *rows)]
+    return "\n".join([lines[0], "|---" * (lines[0].count(" | ") + 1) + "|", *lines[1:]])
+
+
+def _link(page: str) -> str:
+    """A link from a page of docs/how-to."""
+    return f"../../{page}".replace("../../docs/how-to/", "")
+
+
+# -- for people ------------------------------------------------------------------------------------
+
+
+def _print_all(console: TextConsole, found: Iterable[RobotDescription]) -> None:
+    every = [*found]
+    for each in every:
+        if each.facts.robot:
+            _print_block(console, each)
+    console.print(Text("Parts of robots", style="bold"))
+    rows = [(each.kind, each.driver.summary) for each in every if not each.facts.robot]
+    console.print(_columns(rows))
+    console.print()
+    for line in (
+        "woz robots TYPE                  its settings, verbs and sensors",
+        "woz run FILE --robot NAME        an experiment with another robot",
+        "woz check FILE --robot all       what each robot does of each action",
+    ):
+        console.print(Text(line))
+
+
+def _print_block(console: TextConsole, each: RobotDescription) -> None:
+    console.print(Text.assemble((each.kind, "bold"), "  ", each.driver.summary))
+    console.print(_columns((word, text) for word, text in each.facts_shown() if text))
+    console.print()
+
+
+def _print_one(console: TextConsole, each: RobotDescription) -> None:
+    _print_block(console, each)
+    if rows := settings_rows(each.driver.Settings):
+        console.print(Text("settings, with their defaults in brackets", style="bold"))
+        console.print(
+            _columns(
+                (name, Text.assemble(meaning, (f" [{default}]" if default else "", "dim")))
+                for name, default, meaning in rows
+            )
+        )
+        console.print()
+    if each.verbs:
+        examples = " with sample settings" if each.sample else ""
+        console.print(Text(f"verbs{examples}", style="bold"))
+        console.print(_columns(verb_rows(each.verbs)))
+
+
+def _columns(rows: Iterable[tuple[str | Text, str | Text]]) -> Table:
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), show_header=False)
+    table.add_column(no_wrap=True, style="dim")
+    table.add_column(overflow="fold", ratio=1)
+    for word, text in rows:
+        table.add_row(*(Text(each) if isinstance(each, str) else each for each in (word, text)))
+    return table

@@ -1,0 +1,258 @@
+"""The driver: hands verbs to parts, stops all of them at once, and tells what the robot has."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Mapping
+from typing import Any
+
+from woz_drivers.furhat import doctor
+from woz_drivers.furhat.furhat_camera import FurhatCamera
+from woz_drivers.furhat.furhat_face import FurhatFace
+from woz_drivers.furhat.furhat_head import FurhatHead
+from woz_drivers.furhat.furhat_hearing import FurhatHearing
+from woz_drivers.furhat.furhat_light import FurhatLight
+from woz_drivers.furhat.furhat_link import FurhatLink
+from woz_drivers.furhat.furhat_moves import FACE_PARAMETERS, offered_moves
+from woz_drivers.furhat.furhat_parts import FurhatPart
+from woz_drivers.furhat.furhat_senses import FurhatSenses
+from woz_drivers.furhat.furhat_speech import FurhatSpeech
+from woz_drivers.furhat.settings import FurhatSettings
+from woz_tui.drivers.contract import (
+    DeviceLostError,
+    Driver,
+    DriverContext,
+    DriverError,
+    Finding,
+    Job,
+    Probe,
+    RejectedError,
+    Scope,
+    StopReport,
+    Verb,
+)
+from woz_tui.drivers.fields import Range
+from woz_tui.protocol.messages import Json, SettingsShown
+from woz_tui.protocol.robot_outline import RobotOutline, Setting
+
+#: The bus waits 0.5 s for a stop; what has not confirmed after so long is told as missing.
+STOP_S = 0.45
+#: How often it is looked what has changed by itself, in seconds.
+_LOOK_S = 1.0
+
+_PARTS: tuple[type[FurhatPart], ...] = (
+    *(FurhatSpeech, FurhatFace, FurhatHead, FurhatLight),
+    *(FurhatHearing, FurhatSenses, FurhatCamera),
+)
+_SETTINGS = (
+    Setting(
+        name="voice",
+        section="Voice",
+        label="Voice",
+        verb="voice",
+        argument="name",
+        help="name of a voice, or a part of it",
+    ),
+    Setting(
+        name="volume",
+        section="Voice",
+        label="Volume",
+        verb="volume",
+        argument="level",
+        kind="number",
+        help="how loud it is",
+    ),
+    Setting(
+        name="listening",
+        section="Voice",
+        label="Listens",
+        verb="listen",
+        argument="on",
+        kind="flag",
+        help="recognises what is said, but not while it speaks itself",
+    ),
+    Setting(
+        name="face",
+        section="Face",
+        label="Face",
+        verb="face",
+        argument="face",
+        help="mask and character, such as adult - Isabel",
+    ),
+    Setting(
+        name="eyes",
+        section="Face",
+        label="LED ring",
+        verb="eyes",
+        argument="color",
+        kind="color",
+        help="a name or #rrggbb; off",
+    ),
+    Setting(
+        name="attends",
+        section="Face",
+        label="Looks at",
+        verb="follow",
+        argument="user",
+        help="closest, nobody, or a user's id",
+    ),
+)
+
+
+class Furhat(Driver):
+    """A Furhat over its Realtime API, or a simulated one."""
+
+    Settings = FurhatSettings
+    summary = "a Furhat by its Realtime API, or a simulated one"
+    settings: FurhatSettings
+
+    def __init__(self, name: str, settings: FurhatSettings, context: DriverContext) -> None:
+        super().__init__(name, settings, context)
+        self._link = FurhatLink(settings, context, get_ready=self._get_ready, on_lost=self._lost)
+        about = (self._link, settings, context)
+        head = FurhatHead(*about)
+        self._hearing = FurhatHearing(*about)
+        self._parts: tuple[FurhatPart, ...] = (
+            *(FurhatSpeech(*about), FurhatFace(*about, head), head, FurhatLight(*about)),
+            *(self._hearing, FurhatSenses(*about, head), FurhatCamera(*about)),
+        )
+        self._by_verb = {verb.name: part for part in self._parts for verb in part.verbs(settings)}
+        self._looking: asyncio.Task[None] | None = None
+        self._shown: dict[str, Json] = {}
+        self._closed = False
+
+    @classmethod
+    def verbs(cls, settings: FurhatSettings) -> tuple[Verb, ...]:
+        """Speech, sounds, gestures, gaze, expression, light, listening, camera."""
+        return tuple(verb for part in _PARTS for verb in part.verbs(settings))
+
+    @classmethod
+    def sensors(cls, settings: FurhatSettings) -> tuple[str, ...]:
+        """People, loudness, speech."""
+        return tuple(sensor for part in _PARTS for sensor in part.sensors(settings))
+
+    @classmethod
+    def joints(cls, settings: FurhatSettings) -> Mapping[str, Range]:
+        """Face parameters, 0 to 1; those of neck and gaze in degrees."""
+        return FACE_PARAMETERS
+
+    @classmethod
+    def outline(cls, settings: FurhatSettings) -> dict[str, Json]:
+        """Settings that can be shown and changed, gestures, the camera."""
+        moves = list(offered_moves(settings.gestures))
+        return RobotOutline(settings=list(_SETTINGS), moves=moves, camera=True).told()
+
+    @classmethod
+    async def examine(cls, probe: Probe) -> list[Finding]:
+        """Look whether the robot gives access, and what it has, without moving anything."""
+        return await doctor.examine(probe)
+
+    async def open(self) -> None:
+        """Begin to look for the robot."""
+        self._link.start()
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Carry out a verb by its part. Raises `DeviceLostError` while no robot is connected."""
+        part = self._by_verb.get(job.verb)
+        if part is None and not self._closed:
+            raise RejectedError(f"a Furhat cannot {job.verb!r}")
+        if part is None or not self._link.ready:
+            trouble = self._link.trouble
+            raise DeviceLostError(trouble.what, trouble.remedy)
+        try:
+            return await part.perform(job)
+        finally:
+            self._show()
+
+    async def stop(self, scope: Scope) -> StopReport | None:
+        """End speech and gestures and hold the gaze; each confirms with the robot's own event."""
+        if scope is not Scope.ALL or not self._link.ready:
+            return None
+        until = asyncio.get_running_loop().time() + STOP_S
+        ends: dict[str, list[asyncio.Future[Any]]] = {}
+        for part in self._parts:
+            halted = await part.halt()
+            if part.name:
+                ends[part.name] = halted
+        # The robot takes requests in order: with this answer it has taken those of the stop.
+        taken = asyncio.ensure_future(self._link.authenticate(STOP_S))
+        every = [taken, *(end for part_ends in ends.values() for end in part_ends)]
+        try:
+            left = max(0.0, until - asyncio.get_running_loop().time())
+            await asyncio.wait(every, timeout=left)
+            missing = {
+                name for name, part_ends in ends.items() if not all(map(_done, [taken, *part_ends]))
+            }
+        finally:
+            taken.cancel()
+            taken.add_done_callback(lambda over: over.cancelled() or over.exception())
+        return StopReport(tuple(sorted(ends.keys() - missing)), tuple(sorted(missing)))
+
+    async def rest(self) -> None:
+        """A neutral face that looks at nobody."""
+        if self._link.ready:
+            with contextlib.suppress(DeviceLostError):
+                await self._link.send("request.speak.stop")
+                await self._link.send("request.face.reset")
+                await self._link.send("request.attend.nobody")
+
+    async def close(self) -> None:
+        """End everything of this driver; the robot stays as it is."""
+        self._closed = True
+        self._by_verb = {}
+        looking, self._looking = self._looking, None
+        if looking is not None:
+            looking.cancel()
+            await asyncio.wait([looking])
+        for part in self._parts:
+            await part.close()
+        await self._link.close()
+
+    # -- the line --------------------------------------------------------------------------------
+
+    async def _get_ready(self) -> str:
+        """Have every part apply what was asked for; what the robot did not take is told."""
+        for part in self._parts:
+            try:
+                await part.connected()
+            except DeviceLostError:
+                raise
+            except DriverError as error:
+                self.context.notice("warning", error.what, error.remedy)
+        self._looking = asyncio.create_task(self._look(), name="furhat settings")
+        self._show()
+        words = [self._link.shown, *(str(self._shown.get(name, "")) for name in ("voice", "face"))]
+        return ", ".join(word for word in words if word)
+
+    def _lost(self) -> None:
+        if self._closed:
+            return
+        if self._looking is not None:
+            self._looking.cancel()
+            self._looking = None
+        for part in self._parts:
+            part.lost()
+
+    async def _look(self) -> None:
+        """What changes by itself: whom it looks at, whether it listens."""
+        with contextlib.suppress(DeviceLostError):
+            while True:
+                await asyncio.sleep(_LOOK_S)
+                await self._hearing.go_on()
+                self._show()
+
+    def _show(self) -> None:
+        """The settings as the robot has them, if they have changed."""
+        if self._closed:
+            return
+        shown: dict[str, Json] = {}
+        for part in self._parts:
+            shown |= part.shown()
+        if shown != self._shown:
+            self._shown = shown
+            self.context.show(SettingsShown(values=shown))
+
+
+def _done(end: asyncio.Future[Any]) -> bool:
+    return end.done() and not end.cancelled() and end.exception() is None

@@ -1,0 +1,359 @@
+"""A Furhat's face: gestures, emotions, single parameters, and which face is shown.
+
+The robot's own gestures run on the robot. What consists of face parameters is sent from here, piece
+by piece, so that it ends at once with the stop.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from woz_drivers.furhat.furhat_head import FurhatHead
+from woz_drivers.furhat.furhat_link import Exchange, FurhatLink
+from woz_drivers.furhat.furhat_moves import (
+    COMMON_GESTURES,
+    EMOTIONS,
+    FACE_PARAMETERS,
+    GESTURES,
+    HEAD_MOVES,
+    FaceFrame,
+    offered_moves,
+)
+from woz_drivers.furhat.furhat_parts import FurhatPart
+from woz_drivers.furhat.realtime_events import FaceStatus, GestureEnded, GestureStarted
+from woz_drivers.furhat.settings import FurhatSettings
+from woz_drivers.simulated.argument_values import (
+    did_you_mean,
+    known_joints,
+    number,
+    positive,
+    text,
+    word,
+)
+from woz_tui.drivers.contract import (
+    Argument,
+    DriverContext,
+    DriverError,
+    Job,
+    RejectedError,
+    Verb,
+)
+from woz_tui.drivers.fields import Range
+from woz_tui.protocol.messages import Json
+
+#: From one message with face parameters to the next, in seconds.
+STEP_S = 0.04
+#: An emotion comes and goes in this time, in seconds.
+_FADE_S = 0.4
+#: A gesture must begin within this, in seconds, and lasts no longer than that.
+_BEGINS_WITHIN_S, _ENDS_WITHIN_S = 2.0, 30.0
+_SECONDS = Argument("seconds", "seconds", "0: at once", default=0.0, range=Range(0, 60))
+_CONFIGURED = ("visible", "microexpressions", "blinking", "head_sway")
+
+
+class FurhatFace(FurhatPart):
+    """`play`, `emotion`, `pose`, `poses`, `home`, `face`."""
+
+    name = "gesture"
+
+    def __init__(
+        self,
+        link: FurhatLink,
+        settings: FurhatSettings,
+        context: DriverContext,
+        head: FurhatHead,
+    ) -> None:
+        super().__init__(link, settings, context)
+        self._head = head
+        self._gesture: Exchange[GestureEnded] | None = None
+        #: What the face holds: of the emotion, and beside it of poses.
+        self._emotion: dict[str, float] = {}
+        self._posed: dict[str, float] = {}
+        #: What was sent last, and counts up with each stop: what moves the face then ends.
+        self._sent: dict[str, float] = {}
+        self._stops = 0
+        self._face_id = settings.face
+        self._faces: list[str] = []
+        self._configured: dict[str, bool] = {}
+
+    @classmethod
+    def verbs(cls, settings: FurhatSettings) -> tuple[Verb, ...]:
+        """Gestures by name, emotions, face parameters as joints."""
+        moves = offered_moves(settings.gestures)
+        return (
+            Verb(
+                "play",
+                "play a gesture",
+                (
+                    Argument("move", "choice", required=True, choices=moves),
+                    Argument("speed", "number", "2 is twice as fast", False, 1.0, Range(0.1, 4)),
+                    Argument("amplitude", "number", "size", False, 1.0, Range(0, 2)),
+                ),
+                lane="body",
+                limit_s=120.0,
+            ),
+            Verb(
+                "pose",
+                "set face parameters",
+                (Argument("joints", "joints", "0 to 1 by parameter", required=True), _SECONDS),
+                lane="body",
+                limit_s=65.0,
+            ),
+            Verb(
+                "poses",
+                "pass through face parameters over time",
+                (Argument("poses", "poses", "parameters, each with `seconds`", required=True),),
+                lane="body",
+                limit_s=300.0,
+            ),
+            Verb("home", "a neutral face that looks straight on", (_SECONDS,), "body"),
+            Verb(
+                "emotion",
+                "show an emotion",
+                (
+                    Argument("emotion", "choice", required=True, choices=tuple(EMOTIONS)),
+                    Argument("intensity", "number", "0 to 1", False, 1.0, Range(0, 1)),
+                ),
+                lane="face",
+            ),
+            Verb(
+                "face",
+                "show another face, or change how it lives",
+                (
+                    Argument("face", "text", "mask and character: adult - Isabel", default=""),
+                    *(Argument(name, "flag", "leave out: as it is") for name in _CONFIGURED),
+                ),
+                lane="face",
+            ),
+        )
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Ends when it is over."""
+        match job.verb:
+            case "play":
+                return await self._play(job)
+            case "pose" | "poses":
+                return await self._poses(job)
+            case "home":
+                return await self._home(job)
+            case "emotion":
+                return await self._feel(job)
+            case "face":
+                return await self._configure(job)
+        return await super().perform(job)
+
+    async def halt(self) -> list[asyncio.Future[Any]]:
+        """End gestures; the expression stays."""
+        self._stops += 1
+        gesture = self._gesture
+        if gesture is None or gesture.over.done():
+            return []
+        await self._neutral()
+        return [gesture.over]
+
+    async def connected(self) -> None:
+        """Show the face that was wanted, with the expression of before."""
+        self._gesture = None
+        self._sent = {}
+        await self._neutral()
+        status = await self._link.ask("request.face.status", FaceStatus)
+        self._faces = status.face_list or []
+        wanted, self._face_id = self._face_id, status.face_id or ""
+        if wanted and wanted != self._face_id:
+            self._known(wanted)
+            self._face_id = wanted
+            await self._link.send("request.face.config", face_id=wanted, **self._configured)
+        elif self._configured:
+            await self._link.send("request.face.config", **self._configured)
+
+    def shown(self) -> Mapping[str, Json]:
+        """Which face it is."""
+        return {"face": self._face_id} if self._face_id else {}
+
+    # -- gestures ------------------------------------------------------------------------------
+
+    async def _play(self, job: Job) -> dict[str, Json]:
+        own = self._settings.gestures
+        move = word(job.args, "move", offered_moves(own))
+        speed = number(job.args, "speed", 1.0)
+        amplitude = number(job.args, "amplitude", 1.0)
+        if move in own:
+            await self._frames(job, self._settings.frames(move), speed, amplitude)
+        elif move in HEAD_MOVES:
+            await self._frames(job, HEAD_MOVES[move], speed, amplitude)
+        else:
+            gesture = COMMON_GESTURES.get(move, move)
+            await self._robot_gesture(gesture, 1.0 / speed, amplitude)
+            return {"move": move, "gesture": gesture}
+        return {"move": move}
+
+    async def _robot_gesture(self, name: str, duration: float, intensity: float) -> None:
+        assert name in GESTURES
+        if self._gesture is not None:
+            self._link.forget(self._gesture)
+        self._gesture = await self._link.begin(
+            *("request.gesture.start", GestureEnded, GestureStarted),
+            name=name,
+            intensity=intensity,
+            duration=duration,
+            monitor=True,
+        )
+        late = DriverError(
+            f"the robot did not play the gesture {name}", "does its software have it?"
+        )
+        try:
+            event = await self._gesture.next(_BEGINS_WITHIN_S, late)
+            while not isinstance(event, GestureEnded):
+                event = await self._gesture.next(_ENDS_WITHIN_S, late)
+        except asyncio.CancelledError:
+            if self._link.ready and not self._gesture.over.done():
+                await self._neutral()
+            raise
+
+    async def _frames(
+        self, job: Job, frames: Sequence[FaceFrame], speed: float, amplitude: float
+    ) -> None:
+        """A gesture of ours; what it changed is as before at its end."""
+        job.expects(sum(frame.seconds for frame in frames) / speed)
+        before = dict(self._posed)
+        yaw, pitch = self._head.direction()
+        turns = any(frame.yaw or frame.pitch for frame in frames)
+        stops = self._stops
+        for frame in frames:
+            if turns:
+                await self._head.look(yaw + frame.yaw * amplitude, pitch + frame.pitch * amplitude)
+            scaled = _bounded({name: share * amplitude for name, share in frame.face.items()})
+            await self._ramp(self._posed, before | scaled, frame.seconds / speed, whole=True)
+            if stops != self._stops:
+                return
+        await self._ramp(self._posed, before, 0.0, whole=True)
+
+    async def _poses(self, job: Job) -> dict[str, Json]:
+        poses = [job.args] if job.verb == "pose" else job.args.get("poses") or []
+        steps = [(_checked(one.get("joints")), positive(one, "seconds")) for one in poses]
+        if not steps:
+            raise RejectedError("there are no poses", "write at least one")
+        job.expects(sum(seconds for _, seconds in steps))
+        stops = self._stops
+        for wanted, seconds in steps:
+            await self._ramp(self._posed, wanted, seconds)
+            if stops != self._stops:
+                break
+        return {"joints": dict(steps[-1][0])}
+
+    async def _home(self, job: Job) -> dict[str, Json]:
+        seconds = positive(job.args, "seconds", 0.0)
+        job.expects(seconds)
+        await self._head.look(0.0, 0.0)
+        await self._ramp(self._posed, {}, 0.0, whole=True)
+        await self._ramp(self._emotion, {}, seconds, whole=True)
+        await self._neutral()
+        return {"seconds": seconds}
+
+    # -- the expression ------------------------------------------------------------------------
+
+    async def _feel(self, job: Job) -> dict[str, Json]:
+        emotion = word(job.args, "emotion", EMOTIONS)
+        intensity = min(max(number(job.args, "intensity", 1.0), 0.0), 1.0)
+        wanted = {name: share * intensity for name, share in EMOTIONS[emotion].items()}
+        await self._ramp(self._emotion, wanted, _FADE_S, whole=True)
+        return {"emotion": emotion, "intensity": intensity}
+
+    async def _ramp(
+        self,
+        layer: dict[str, float],
+        wanted: Mapping[str, float],
+        seconds: float,
+        *,
+        whole: bool = False,
+    ) -> None:
+        """Bring a layer of the face there in so many seconds; `whole`: what is not named goes to 0.
+
+        Ends early at a stop, and the face holds what it has.
+        """
+        loop = asyncio.get_running_loop()
+        names = {*wanted, *(layer if whole else ())}
+        start = {name: layer.get(name, 0.0) for name in names}
+        begun, stops = loop.time(), self._stops
+        while True:
+            share = 1.0 if seconds <= 0 else min(1.0, (loop.time() - begun) / seconds)
+            for name in names:
+                layer[name] = start[name] + (wanted.get(name, 0.0) - start[name]) * share
+            await self._send_face()
+            if share >= 1.0:
+                break
+            await asyncio.sleep(min(STEP_S, seconds * (1.0 - share)))
+            if stops != self._stops:
+                return
+        for name in names:
+            if layer.get(name) == 0.0:
+                del layer[name]
+
+    async def _send_face(self) -> None:
+        """What has changed since the last message."""
+        wanted = _bounded({**self._emotion, **self._posed})
+        for name in self._sent:
+            wanted.setdefault(name, 0.0)
+        changed = {
+            name: round(share, 4)
+            for name, share in wanted.items()
+            if round(share, 4) != self._sent.get(name, 0.0)
+        }
+        if changed:
+            self._sent |= changed
+            await self._link.send("request.face.params", params=changed)
+
+    async def _neutral(self) -> None:
+        """End gestures of the robot, which takes the expression along; show that again."""
+        await self._link.send("request.face.reset")
+        self._sent = {}
+        await self._send_face()
+
+    # -- which face ----------------------------------------------------------------------------
+
+    async def _configure(self, job: Job) -> dict[str, Json]:
+        face = text({"face": job.args.get("face") or ""}, "face").strip()
+        flags = {name: job.args[name] for name in _CONFIGURED if job.args.get(name) is not None}
+        if not face and not flags:
+            raise RejectedError("nothing to change was named", "give a face, or a flag")
+        if face:
+            self._known(face)
+        sent = {"visibility" if name == "visible" else name: bool(on) for name, on in flags.items()}
+        wanted = {"face_id": face} if face else {}
+        await self._link.send("request.face.config", **wanted, **sent)
+        self._configured |= sent
+        if face:
+            status = await self._link.ask("request.face.status", FaceStatus, face_list=False)
+            if status.face_id not in (None, face):
+                raise DriverError(f"the robot shows {status.face_id}, not {face}", "try again")
+            self._face_id = face
+        return {"face": self._face_id, **flags}
+
+    def _known(self, face: str) -> None:
+        """Raises `RejectedError` for a face that the robot does not list."""
+        if self._faces and face not in self._faces:
+            raise RejectedError(
+                f"the robot has no face {face!r}", did_you_mean(face, sorted(self._faces))
+            )
+
+    def lost(self) -> None:
+        """What moves the face ends."""
+        self._stops += 1
+
+
+def _bounded(params: Mapping[str, float]) -> dict[str, float]:
+    """Within what each parameter may be."""
+    bounded = {}
+    for name, share in params.items():
+        limits = FACE_PARAMETERS[name]
+        bounded[name] = min(max(share, limits.low or 0.0), limits.high or 1.0)
+    return bounded
+
+
+def _checked(joints: Any) -> Mapping[str, float]:
+    """Face parameters of a command, or `RejectedError`."""
+    if not isinstance(joints, Mapping) or not joints:
+        raise RejectedError("no face parameter was named", "such as JAW_OPEN: 0.5")
+    return _bounded(known_joints(joints, FACE_PARAMETERS))

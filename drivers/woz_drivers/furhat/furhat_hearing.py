@@ -1,0 +1,166 @@
+"""What a Furhat hears: when somebody speaks, what was understood so far, and the whole of it.
+
+It listens all the time but while it speaks itself. What is understood so far is a reading of the
+sensor `speech`, with the words as its text.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from woz_drivers.furhat.furhat_link import FurhatLink
+from woz_drivers.furhat.furhat_parts import FurhatPart
+from woz_drivers.furhat.realtime_events import (
+    HearEnded,
+    HearPartial,
+    HearStarted,
+    ListenEnded,
+    ListenStarted,
+)
+from woz_drivers.furhat.settings import FurhatSettings
+from woz_tui.drivers.contract import SPEECH, SPEECH_TEXT, Argument, DriverContext, Job, Verb
+from woz_tui.protocol.messages import Json, SpeechEnded, SpeechStarted, SpeechText
+
+#: It stops listening by itself for these reasons, and goes on after a while; else it is asked to.
+_BY_ITSELF = ("robot_speak",)
+
+
+class FurhatHearing(FurhatPart):
+    """Segments of speech with their texts."""
+
+    def __init__(self, link: FurhatLink, settings: FurhatSettings, context: DriverContext) -> None:
+        super().__init__(link, settings, context)
+        self._wanted = settings.listening.on
+        self._listens = False
+        self._segment = 0
+        #: When the segment under way began; None: nobody speaks.
+        self._began: int | None = None
+        #: Whether it has to be asked to listen again.
+        self.restarts = False
+        link.on(ListenStarted, self._started)
+        link.on(ListenEnded, self._ended)
+        link.on(HearStarted, self._hears)
+        link.on(HearPartial, self._hears_so_far)
+        link.on(HearEnded, self._heard)
+
+    @classmethod
+    def verbs(cls, settings: FurhatSettings) -> tuple[Verb, ...]:
+        """`listen`."""
+        return (
+            Verb(
+                "listen",
+                "recognise what is said, or stop doing so",
+                (Argument("on", "flag", required=True),),
+                lane="listen",
+                limit_s=5.0,
+            ),
+        )
+
+    @classmethod
+    def sensors(cls, settings: FurhatSettings) -> tuple[str, ...]:
+        """Speech and its texts."""
+        return (SPEECH, SPEECH_TEXT)
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Begin or end listening."""
+        self._wanted = job.args.get("on") is True
+        if self._wanted:
+            await self._listen()
+        else:
+            await self._link.send("request.listen.stop")
+        return {"on": self._wanted}
+
+    async def connected(self) -> None:
+        """Listen if that is wanted."""
+        self._state()
+        if self._wanted:
+            await self._listen()
+
+    def lost(self) -> None:
+        """Nobody knows whether they speak on."""
+        self._listens = self.restarts = False
+        self._cut("the robot is not connected")
+        self._context.sensor(SPEECH, "stale", "the robot is not connected")
+
+    async def go_on(self) -> None:
+        """Ask it to listen again if it has stopped for no reason of ours."""
+        if self.restarts and self._wanted:
+            self.restarts = False
+            await self._listen()
+
+    async def close(self) -> None:
+        """The session is over."""
+        self._cut("the session ended")
+
+    def shown(self) -> Mapping[str, Json]:
+        """Whether it listens."""
+        return {"listening": self._listens}
+
+    async def _listen(self) -> None:
+        settings = self._settings.listening
+        phrases = {"phrases": list(settings.phrases)} if settings.phrases else {}
+        await self._link.send(
+            "request.listen.config", languages=list(settings.languages), **phrases
+        )
+        await self._link.send(
+            "request.listen.start",
+            partial=True,
+            concat=True,
+            stop_no_speech=False,
+            stop_robot_start=True,
+            stop_user_end=False,
+            resume_robot_end=True,
+            end_speech_timeout=settings.end_speech,
+        )
+
+    # -- what the robot tells ------------------------------------------------------------------
+
+    def _started(self, _: ListenStarted) -> None:
+        self._listens, self.restarts = True, False
+        self._state()
+
+    def _ended(self, event: ListenEnded) -> None:
+        self._listens = False
+        self._cut(f"the robot stopped listening ({event.cause or 'it does not say why'})")
+        self.restarts = self._wanted and event.cause not in _BY_ITSELF
+        self._state()
+
+    def _state(self) -> None:
+        if self._listens:
+            self._context.sensor(SPEECH, "ready", "the robot tells itself when somebody speaks")
+        else:
+            self._context.sensor(SPEECH, "paused", "the robot does not listen now")
+
+    def _hears(self, _: HearStarted) -> None:
+        self._cut("another utterance has begun")
+        self._begin()
+
+    def _hears_so_far(self, event: HearPartial) -> None:
+        if self._began is None:
+            self._begin()
+        self._context.reading(SPEECH, float(len(event.text.split())), text=event.text)
+
+    def _heard(self, event: HearEnded) -> None:
+        if self._began is None:
+            self._begin()
+        self._cut("")
+        words = (event.text or "").strip()
+        self._context.tell(SpeechText(driver="", segment=self._segment, text=words))
+
+    def _begin(self) -> None:
+        self._segment += 1
+        self._began = self._now()
+        self._context.tell(SpeechStarted(driver="", segment=self._segment, began=self._began))
+
+    def _cut(self, detail: str) -> None:
+        """What is under way ends now."""
+        began, self._began = self._began, None
+        if began is not None:
+            self._context.tell(
+                SpeechEnded(
+                    driver="", segment=self._segment, began=began, ended=self._now(), detail=detail
+                )
+            )
+
+    def _now(self) -> int:
+        return self._context.t(self._context.clock.now_us())

@@ -1,0 +1,103 @@
+"""The ring of LEDs at a Furhat's neck: `eyes` colours it, since its eyes are drawn."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Mapping
+
+from woz_drivers.furhat.furhat_link import FurhatLink
+from woz_drivers.furhat.furhat_parts import FurhatPart
+from woz_drivers.furhat.settings import FurhatSettings
+from woz_drivers.simulated.argument_values import color, word
+from woz_tui.drivers.contract import Argument, DeviceLostError, DriverContext, Job, Verb
+from woz_tui.protocol.messages import Json
+
+ANIMATIONS = ("steady", "blink", "intermittent")
+#: Seconds between two blinks of the lids, and of each half of a light that comes and goes.
+_OPEN_S, _HALF_S = 3.5, 0.6
+
+
+class FurhatLight(FurhatPart):
+    """One colour for the whole ring."""
+
+    def __init__(self, link: FurhatLink, settings: FurhatSettings, context: DriverContext) -> None:
+        super().__init__(link, settings, context)
+        self._color = color({"color": settings.led}, "color") if settings.led else ""
+        self._loop: asyncio.Task[None] | None = None
+
+    @classmethod
+    def verbs(cls, settings: FurhatSettings) -> tuple[Verb, ...]:
+        """`eyes`."""
+        return (
+            Verb(
+                "eyes",
+                "colour the LED ring",
+                (
+                    Argument("color", "text", "a name or #rrggbb; off", required=True),
+                    Argument(
+                        *("animation", "choice", "steady, blinking lids, or a pulsing light"),
+                        default="steady",
+                        choices=ANIMATIONS,
+                    ),
+                ),
+                lane="light",
+                limit_s=5.0,
+            ),
+        )
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Show the colour at once."""
+        shown = color(job.args, "color")
+        animation = word(
+            {"animation": job.args.get("animation", "steady")}, "animation", ANIMATIONS
+        )
+        self._end_loop()
+        await self._link.send("request.led.set", color=shown)
+        self._color = shown
+        if animation != "steady":
+            self._loop = asyncio.create_task(self._repeat(animation), name="furhat light")
+        return {"color": shown, "animation": animation}
+
+    async def halt(self) -> list[asyncio.Future[object]]:
+        """The light stays; it comes and goes no more."""
+        if self._loop is not None:
+            self._end_loop()
+            await self._link.send("request.led.set", color=self._color)
+        return []
+
+    async def connected(self) -> None:
+        """Show the colour that was asked for last."""
+        if self._color:
+            await self._link.send("request.led.set", color=self._color)
+
+    def lost(self) -> None:
+        """Nothing blinks any more."""
+        self._end_loop()
+
+    def shown(self) -> Mapping[str, Json]:
+        """The colour, if one was asked for."""
+        return {"eyes": self._color} if self._color else {}
+
+    async def close(self) -> None:
+        """The light stays."""
+        loop = self._loop
+        self._end_loop()
+        if loop is not None:
+            await asyncio.wait([loop])
+
+    async def _repeat(self, animation: str) -> None:
+        with contextlib.suppress(DeviceLostError):
+            while True:
+                if animation == "blink":
+                    await asyncio.sleep(_OPEN_S)
+                    await self._link.send("request.gesture.start", name="Blink")
+                else:
+                    for shown in ("#000000", self._color):
+                        await asyncio.sleep(_HALF_S)
+                        await self._link.send("request.led.set", color=shown)
+
+    def _end_loop(self) -> None:
+        loop, self._loop = self._loop, None
+        if loop is not None:
+            loop.cancel()

@@ -1,0 +1,167 @@
+"""Who stands before a Furhat, and how loud it is there."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import binascii
+import contextlib
+import math
+
+from woz_drivers import pcm_audio
+from woz_drivers.furhat.furhat_head import FurhatHead, direction_of
+from woz_drivers.furhat.furhat_link import FurhatLink
+from woz_drivers.furhat.furhat_parts import FurhatPart
+from woz_drivers.furhat.realtime_events import AudioData, DetectedUser, Place, UsersData
+from woz_drivers.furhat.settings import FurhatSettings
+from woz_tui.drivers.contract import DriverContext, DriverError
+
+#: Of people, as the engagement model calls them.
+PEOPLE = ("presence", "people", "distance", "direction", "gaze")
+#: Ten readings a second are plenty, in microseconds; what comes in between waits so long.
+_APART_US, _LOOK_S = 90_000, 0.1
+#: When nothing was told of people for so long they are asked for, in seconds.
+_QUIET_S = 1.0
+#: From this share on somebody counts as looking at the robot.
+_LOOKS = 0.5
+#: Nobody is seen farther away, in metres.
+_REACH_M = 30.0
+_RATE = 16000
+
+
+class FurhatSenses(FurhatPart):
+    """People by the robot's camera, loudness by its microphone."""
+
+    def __init__(
+        self,
+        link: FurhatLink,
+        settings: FurhatSettings,
+        context: DriverContext,
+        head: FurhatHead,
+    ) -> None:
+        super().__init__(link, settings, context)
+        self._head = head
+        self._published_us = {"people": -_APART_US, "loudness": -_APART_US}
+        self._heard_us = 0
+        #: What was told of people too soon after what was published.
+        self._waiting: UsersData | None = None
+        self._watching: asyncio.Task[None] | None = None
+        link.on(UsersData, self._users)
+        link.on(AudioData, self._sound)
+
+    @classmethod
+    def sensors(cls, settings: FurhatSettings) -> tuple[str, ...]:
+        """What is read with these settings."""
+        senses = settings.senses
+        return (*(PEOPLE if senses.users else ()), *(("loudness",) if senses.loudness else ()))
+
+    async def connected(self) -> None:
+        """Have the robot tell who is there, and what it hears."""
+        if self._settings.senses.users:
+            await self._link.send("request.users.start")
+            self._heard_us = self._context.clock.now_us()
+            self._watching = asyncio.create_task(self._watch(), name="furhat users")
+        if self._settings.senses.loudness:
+            await self._link.send(
+                "request.audio.start", sample_rate=_RATE, microphone=True, speaker=False
+            )
+
+    def lost(self) -> None:
+        """Nothing is known any more."""
+        if self._watching is not None:
+            self._watching.cancel()
+            self._watching = None
+        self._waiting = None
+        self._head.sees({})
+        self._stale(self.sensors(self._settings), "the robot is not connected")
+
+    async def close(self) -> None:
+        """The robot need not tell us any more."""
+        watching, self._watching = self._watching, None
+        if watching is not None:
+            watching.cancel()
+            await asyncio.wait([watching])
+
+    def _stale(self, sensors: tuple[str, ...], why: str) -> None:
+        for sensor in sensors:
+            self._context.sensor(sensor, "stale", why)
+
+    async def _watch(self) -> None:
+        """Publish what had to wait; ask a robot that tells of people on a change alone."""
+        while True:
+            await asyncio.sleep(_LOOK_S)
+            if self._waiting is not None:
+                self._publish(self._waiting)
+            if self._context.clock.now_us() - self._heard_us < _QUIET_S * 1e6:
+                continue
+            try:
+                await self._link.ask("request.users.once", UsersData)
+            except DriverError as error:
+                self._stale(PEOPLE, error.what)
+
+    # -- people --------------------------------------------------------------------------------
+
+    def _users(self, data: UsersData) -> None:
+        self._heard_us = self._context.clock.now_us()
+        places = {str(user.id): place for user in data.users if (place := user.place) is not None}
+        self._head.sees(places)
+        if not self._settings.senses.users:
+            return
+        if self._heard_us - self._published_us["people"] < _APART_US:
+            self._waiting = data
+        else:
+            self._publish(data)
+
+    def _publish(self, data: UsersData) -> None:
+        self._waiting = None
+        self._published_us["people"] = self._context.clock.now_us()
+        nearest = min(data.users, key=_metres, default=None)
+        says = nearest is None or nearest.attending is not None
+        for sensor in PEOPLE:
+            if sensor != "gaze" or says:
+                self._context.sensor(sensor, "ok")
+        reading = self._context.reading
+        reading("presence", float(bool(data.users)))
+        reading("people", float(len(data.users)))
+        if nearest is None:
+            reading("distance", None, unit="m")
+            reading("gaze", 0.0)
+            return
+        metres = _metres(nearest)
+        reading("distance", round(metres, 3) if metres < _REACH_M else None, unit="m")
+        place = nearest.place
+        if place is not None:
+            yaw, _ = direction_of(place, mirrored=self._settings.attention.mirrored)
+            reading("direction", round(yaw, 1), unit="deg")
+        if nearest.attending is None:
+            self._context.sensor("gaze", "stale", "the robot does not say whether they look")
+        else:
+            reading("gaze", float(nearest.attending >= _LOOKS), raw=float(nearest.attending))
+
+    # -- sound ---------------------------------------------------------------------------------
+
+    def _sound(self, data: AudioData) -> None:
+        now_us = self._context.clock.now_us()
+        recent = now_us - self._published_us["loudness"] < _APART_US
+        if not self._settings.senses.loudness or recent or not data.microphone:
+            return
+        with contextlib.suppress(binascii.Error):
+            samples = pcm_audio.decode(base64.b64decode(data.microphone), "S16_LE", 1)
+            if samples.size:
+                self._published_us["loudness"] = now_us
+                self._context.sensor("loudness", "ok")
+                self._context.reading("loudness", round(pcm_audio.rms(samples), 6))
+
+
+def _metres(user: DetectedUser) -> float:
+    """How far away somebody is; who has no distance comes last."""
+    if user.distance is not None:
+        found = user.distance
+    else:
+        place = user.place
+        found = _REACH_M if place is None else _length(place)
+    return found if 0 < found < _REACH_M else _REACH_M
+
+
+def _length(place: Place) -> float:
+    return math.hypot(place.x, place.y, place.z)

@@ -1,0 +1,147 @@
+"""The settings of a Furhat in a robot file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Annotated
+
+from woz_drivers.furhat.furhat_moves import FACE_PARAMETERS, FaceFrame
+from woz_drivers.network_address import host_and_port, joined
+from woz_drivers.simulated.argument_values import color, did_you_mean
+from woz_drivers.simulated_process import SIMULATED
+from woz_tui.drivers.contract import RejectedError
+from woz_tui.drivers.fields import Doc, OneOf, Range, Seconds, Section
+
+#: Where the Realtime API listens.
+PORT = 9000
+SPEEDS = ("xslow", "slow", "medium", "fast", "xfast")
+_EXAMPLES = "write the address of the robot, such as 192.168.1.20, or simulated"
+
+
+@dataclass(frozen=True, slots=True)
+class FurhatVoiceSettings:
+    """How it speaks. What is not named is left as the robot has it."""
+
+    name: Annotated[str, Doc("name of the voice, or a part of it")] = ""
+    language: Annotated[str, Doc("language of the voice: en-US")] = ""
+    gender: Annotated[str, Doc("male, female or neutral, as the robot's list of voices has it")] = (
+        ""
+    )
+    volume: Annotated[float | None, Range(0, 1), Doc("how loud it is")] = None
+
+
+@dataclass(frozen=True, slots=True)
+class FurhatListeningSettings:
+    """What it recognises of what is said to it."""
+
+    on: Annotated[bool, Doc("listen from the start, but not while it speaks itself")] = True
+    languages: Annotated[tuple[str, ...], Doc("languages to recognise")] = ("en-US",)
+    phrases: Annotated[tuple[str, ...], Doc("words that are likely, such as names")] = ()
+    end_speech: Annotated[float, Seconds(0.1, 10), Doc("silence that ends an utterance")] = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class FurhatGazeSettings:
+    """How it looks at somebody or something."""
+
+    speed: Annotated[str, OneOf(SPEEDS), Doc("of the head")] = "medium"
+    slack_yaw: Annotated[
+        float, Range(0, 60, "degrees"), Doc("so far to the side the eyes turn without the head")
+    ] = 5.0
+    slack_pitch: Annotated[
+        float, Range(0, 60, "degrees"), Doc("so far up and down the eyes turn without the head")
+    ] = 5.0
+    slack_timeout: Annotated[
+        float, Seconds(0, 60), Doc("after so long the head follows the eyes")
+    ] = 3.0
+    mirrored: Annotated[
+        bool, Doc("true if the robot looks to the right when it should look to the left")
+    ] = False
+
+
+@dataclass(frozen=True, slots=True)
+class FurhatSensesSettings:
+    """What is read from the robot all the time."""
+
+    users: Annotated[bool, Doc("presence, gaze, distance and direction of people")] = True
+    loudness: Annotated[bool, Doc("loudness at its microphone")] = True
+
+
+@dataclass(frozen=True, slots=True)
+class GestureFrame:
+    """A piece of a gesture of your own."""
+
+    seconds: Annotated[float, Seconds(0, 60), Doc("time from the piece before")]
+    face: Annotated[dict[str, float], Doc("face parameters, 0 to 1")] = field(default_factory=dict)
+    yaw: Annotated[float, Range(-60, 60, "degrees"), Doc("turn of the head to the left")] = 0.0
+    pitch: Annotated[float, Range(-40, 40, "degrees"), Doc("turn of the head down")] = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class FurhatSettings(Section):
+    """One Furhat."""
+
+    address: Annotated[str, Doc("the robot's address, host or host:port, or simulated")] = SIMULATED
+    key: Annotated[
+        str, Doc("name of the environment variable with the key of the Realtime API")
+    ] = "WOZ_FURHAT_KEY"
+    face: Annotated[str, Doc("face on connect, mask and character: adult - Isabel")] = ""
+    led: Annotated[str, Doc("colour of the LED ring on connect: a name or #rrggbb")] = ""
+    voice: Annotated[FurhatVoiceSettings, Doc("applied on connect")] = field(
+        default_factory=FurhatVoiceSettings
+    )
+    listening: Annotated[FurhatListeningSettings, Doc("recognition of speech")] = field(
+        default_factory=FurhatListeningSettings
+    )
+    attention: Annotated[FurhatGazeSettings, Doc("how it looks")] = field(
+        default_factory=FurhatGazeSettings
+    )
+    senses: Annotated[FurhatSensesSettings, Doc("what is read")] = field(
+        default_factory=FurhatSensesSettings
+    )
+    gestures: Annotated[
+        dict[str, tuple[GestureFrame, ...]], Doc("gestures of your own, for `play`")
+    ] = field(default_factory=dict)
+    pictures: Annotated[
+        str, Doc("folder for camera pictures on this machine; empty: beside the log")
+    ] = ""
+    pace: Annotated[
+        float, Range(0.01, 100), Doc("of the simulated robot only: how fast its time passes")
+    ] = 1.0
+
+    @property
+    def place(self) -> str:
+        """`host:port` of the robot; empty for the simulated one. Raises `RejectedError`."""
+        if self.address.strip().lower() == SIMULATED:
+            return ""
+        return joined(*host_and_port(self.address.strip(), PORT, _EXAMPLES))
+
+    def frames(self, move: str) -> tuple[FaceFrame, ...]:
+        """A gesture of the robot file."""
+        return tuple(
+            FaceFrame(one.seconds, one.face, one.yaw, one.pitch) for one in self.gestures[move]
+        )
+
+    def problems(self) -> list[tuple[str, str]]:
+        """What no robot takes, by the setting's path."""
+        found: list[tuple[str, str]] = []
+        try:
+            _ = self.place
+        except RejectedError as error:
+            found.append(("address", f"{error.what}; {error.remedy}"))
+        if self.led:
+            try:
+                color({"color": self.led}, "color")
+            except RejectedError as error:
+                found.append(("led", f"{error.what}; {error.remedy}"))
+        for name, frames in self.gestures.items():
+            for index, frame in enumerate(frames):
+                for parameter, value in frame.face.items():
+                    path = f"gestures.{name}[{index}].face.{parameter}"
+                    limits = FACE_PARAMETERS.get(parameter)
+                    if limits is None:
+                        near = did_you_mean(parameter, sorted(FACE_PARAMETERS))
+                        found.append((path, f"is no face parameter; {near}"))
+                    elif not limits.contains(value):
+                        found.append((path, f"must be within {limits}"))
+        return found

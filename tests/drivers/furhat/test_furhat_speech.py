@@ -1,0 +1,188 @@
+"""What it says and plays, word by word and to its end; voice and volume."""
+
+from __future__ import annotations
+
+import struct
+import wave
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+from aiohttp import web
+from furhat_realtime_api import AsyncFurhatClient
+from robot_simulators.furhat import CHARACTERS_PER_S, VOICES
+from woz_drivers.furhat import furhat_speech
+from woz_drivers.furhat.settings import FurhatVoiceSettings
+
+from tests.drivers.furhat.acted import Acted, acted, brisk
+from woz_tui.drivers.contract import DriverError, RejectedError
+from woz_tui.testing import until
+
+SENTENCE = "Good morning to everybody in this room"
+
+
+@pytest.fixture
+async def it(tmp_path: Path) -> AsyncIterator[Acted]:
+    async with acted(tmp_path) as it:
+        yield it
+
+
+def sound(path: Path, seconds: float, rate: int = 8000, channels: int = 1) -> Path:
+    with wave.open(str(path), "wb") as made:
+        made.setnchannels(channels)
+        made.setsampwidth(2)
+        made.setframerate(rate)
+        frames = round(seconds * rate) * channels
+        made.writeframes(struct.pack(f"<{frames}h", *([8000] * frames)))
+    return path
+
+
+async def test_an_utterance_ends_when_the_robot_has_said_it(it: Acted) -> None:
+    saying = it.begin("say", text=SENTENCE)
+    await until(lambda: it.robot.speaking == SENTENCE)
+    await it.passes(0.5)
+    assert not saying.done()
+    sent = await it.ended(saying)
+    assert sent["text"] == SENTENCE
+    assert not it.robot.speaking
+
+
+async def test_each_word_is_noted_with_its_time(tmp_path: Path) -> None:
+    async with acted(tmp_path, brisk()) as it:
+        words = (await it.do("say", text=SENTENCE))["words"]
+    assert isinstance(words, list)
+    times = [float(str(one)) for one in words]
+    assert len(times) == len(SENTENCE.split())
+    assert times == sorted(times) and times[0] < times[-1]
+
+
+async def test_the_countdown_follows_the_words_of_a_slow_voice(
+    it: Acted, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("robot_simulators.furhat.CHARACTERS_PER_S", CHARACTERS_PER_S / 4)
+    monkeypatch.setattr(furhat_speech, "_WRONG_BY_S", 0.0)
+    await it.do("say", text=SENTENCE)
+    announced = it.jobs[-1].expected
+    assert announced[0] == pytest.approx(len(SENTENCE) / 14, abs=0.1)
+    assert len(announced) > 3
+
+
+async def test_nothing_is_said_of_an_empty_text(it: Acted) -> None:
+    with pytest.raises(RejectedError):
+        await it.do("say", text="  ")
+    assert not it.robot.requests("request.speak.text")
+
+
+async def test_a_cancelled_utterance_ends_on_the_robot_and_the_next_one_is_heard(it: Acted) -> None:
+    saying = it.begin("say", text=SENTENCE)
+    await until(lambda: it.robot.speaking == SENTENCE)
+    saying.cancel()
+    await until(lambda: not it.robot.speaking)
+    assert (await it.do("say", text="Hello"))["text"] == "Hello"
+
+
+async def test_another_program_that_cuts_it_short_is_told(it: Acted) -> None:
+    saying = it.begin("say", text=SENTENCE)
+    await until(lambda: it.robot.speaking == SENTENCE)
+    other = AsyncFurhatClient("other")
+    other.ws_url = f"ws://{it.robot.address}/v1/events"
+    await other.connect()
+    try:
+        await other.request_speak_text("Now I speak", abort=True)
+        with pytest.raises(DriverError, match="cut short"):
+            await saying
+        await until(lambda: it.robot.speaking == "Now I speak")
+    finally:
+        await other.disconnect()
+
+
+async def test_an_utterance_that_does_not_begin_is_given_up_and_does_not_begin_later(
+    it: Acted, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(furhat_speech, "_BEGINS_WITHIN_S", 0.1)
+    it.robot.ignored.add("request.speak.text")
+    with pytest.raises(DriverError, match="did not begin"):
+        await it.begin("say", text=SENTENCE)
+    await until(lambda: it.robot.calls[-1][0] == "request.speak.stop")
+
+
+async def test_a_refused_utterance_gives_the_robots_own_words(it: Acted) -> None:
+    it.robot.faults.refused["request.speak.text"] = "no voice is installed"
+    with pytest.raises(DriverError, match="no voice is installed"):
+        await it.do("say", text=SENTENCE)
+
+
+# -- sounds ----------------------------------------------------------------------------------------
+
+
+async def test_a_file_of_this_machine_is_sent_as_it_is_played(it: Acted, tmp_path: Path) -> None:
+    sound(tmp_path / "gong.wav", 1.5, channels=2)
+    sent = await it.do("sound", file="gong.wav")
+    assert sent == {"file": "gong.wav", "volume": 1.0}
+    [started] = it.robot.requests("request.speak.audio.start")
+    assert started["sample_rate"] == 8000
+    pieces = it.robot.requests("request.speak.audio.data")
+    assert len(pieces) > 3
+    samples = sum(len(piece["audio"]) * 3 // 4 for piece in pieces) // 2
+    assert samples == pytest.approx(1.5 * 8000, abs=2 * len(pieces))  # base64 is padded
+    assert len(it.robot.requests("request.speak.audio.end")) == 1
+    assert it.jobs[-1].expected[0] == pytest.approx(1.5)
+
+
+async def test_a_cancelled_sound_ends_on_the_robot(it: Acted, tmp_path: Path) -> None:
+    sound(tmp_path / "long.wav", 30)
+    playing = it.begin("sound", file="long.wav")
+    await until(lambda: bool(it.robot.speaking))
+    playing.cancel()
+    await until(lambda: not it.robot.speaking)
+    sent = len(it.robot.requests("request.speak.audio.data"))
+    await it.passes(1.0)
+    assert len(it.robot.requests("request.speak.audio.data")) == sent
+
+
+async def test_what_is_no_sound_is_refused(it: Acted, tmp_path: Path) -> None:
+    (tmp_path / "note.wav").write_text("no sound")
+    for name in ("note.wav", "nothing.wav"):
+        with pytest.raises(RejectedError):
+            await it.do("sound", file=name)
+    assert not it.robot.requests("request.speak.audio.start")
+
+
+async def test_an_address_is_fetched_by_the_robot(it: Acted, tmp_path: Path) -> None:
+    app = web.Application()
+    app.router.add_static("/", sound(tmp_path / "far.wav", 0.5).parent)
+    runner = web.AppRunner(app, shutdown_timeout=0.1)
+    await runner.setup()
+    site = web.TCPSite(runner, "127.0.0.1", 0)
+    await site.start()
+    place = f"http://127.0.0.1:{runner.addresses[0][1]}"
+    try:
+        assert await it.do("sound", file=f"{place}/far.wav") == {"file": f"{place}/far.wav"}
+        with pytest.raises(DriverError, match="could not"):
+            await it.do("sound", file=f"{place}/nothing.wav")
+    finally:
+        await runner.cleanup()
+
+
+# -- voice and volume ------------------------------------------------------------------------------
+
+
+async def test_voice_and_volume_of_the_robot_file_are_taken_on_connect(tmp_path: Path) -> None:
+    voice = FurhatVoiceSettings(name="Amy", volume=0.35)
+    async with acted(tmp_path, voice=voice) as it:
+        assert it.robot.voice == VOICES[1]
+        assert it.robot.volume == 35
+        assert (it.shown["voice"], it.shown["volume"]) == (VOICES[1]["voice_id"], 0.35)
+
+
+async def test_a_voice_that_the_robot_does_not_have_is_told(tmp_path: Path) -> None:
+    async with acted(tmp_path, voice=FurhatVoiceSettings(name="Nobody")) as it:
+        assert "Nobody" in it.notices
+        assert (await it.do("voice", name="Vicki"))["voice"] == VOICES[2]["voice_id"]
+        with pytest.raises(RejectedError):
+            await it.do("voice")
+
+
+async def test_the_volume_is_set_in_per_cent(it: Acted) -> None:
+    assert await it.do("volume", level=0.5) == {"level": 0.5}
+    await until(lambda: it.robot.volume == 50)

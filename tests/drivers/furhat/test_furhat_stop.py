@@ -1,0 +1,151 @@
+"""The stop: everything ends at once, and each part is confirmed by the robot's own event."""
+
+from __future__ import annotations
+
+import struct
+import wave
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+from woz_drivers.furhat import driver
+from woz_drivers.furhat.settings import FurhatSensesSettings
+
+from tests.drivers.furhat.acted import SOMEBODY, Acted, acted
+from woz_tui.bus.bus import Bus
+from woz_tui.bus.hub import Hub
+from woz_tui.drivers.contract import DeviceLostError, Scope, StopReport
+from woz_tui.protocol.messages import AnyMessage, Command, DriverConnected, Json, StopConfirmed
+from woz_tui.testing import until
+
+LONG = "A very long story that nobody wants to hear to its end. " * 10
+PARTS = ("gaze", "gesture", "speech")
+
+
+@pytest.fixture
+def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A busy machine takes its time; that a stop waits no longer is another test's."""
+    monkeypatch.setattr(driver, "STOP_S", 20.0)
+
+
+@pytest.fixture
+async def it(tmp_path: Path) -> AsyncIterator[Acted]:
+    async with acted(tmp_path, senses=FurhatSensesSettings(loudness=False)) as it:
+        yield it
+
+
+async def busy(it: Acted) -> None:
+    """Let it do everything at once."""
+    it.robot.person = SOMEBODY
+    await it.passes(0.2)
+    await it.do("emotion", emotion="happy")
+    await it.do("follow", user="closest")
+    await it.do("eyes", color="red", animation="intermittent")
+    it.begin("say", text=LONG)
+    it.begin("play", move="Roll", speed=0.1)
+    await until(lambda: bool(it.robot.speaking and it.robot.gesturing))
+    await until(lambda: it.robot.attended == "user-1")
+    await until(lambda: it.shown["attends"] == "user-1")
+
+
+@pytest.mark.usefixtures("unhurried")
+async def test_everything_ends_and_each_part_confirms(it: Acted) -> None:
+    await busy(it)
+    await it.arrived()
+    face = dict(it.robot.face)
+    report = await it.stop()
+    assert report == StopReport(confirmed=PARTS)
+    assert (it.robot.speaking, it.robot.gesturing) == ("", [])
+    assert it.robot.attended == "location"  # where the person was, whom it follows no further
+    assert it.robot.location[0] == pytest.approx(0.51, abs=0.05)
+    await it.arrived()
+    assert it.robot.face == face  # the expression stays
+    assert it.robot.led == "#ff0000"
+    await it.do("say", text="Hello")  # and all of it works again
+    await it.do("play", move="nod")
+
+
+@pytest.mark.usefixtures("unhurried")
+async def test_with_nothing_going_on_whoever_speaks_through_it_falls_silent(it: Acted) -> None:
+    await it.arrived()
+    assert await it.stop() == StopReport(confirmed=PARTS)
+    assert it.robot.calls[-2][0] == "request.speak.stop"
+
+
+@pytest.mark.usefixtures("unhurried")
+async def test_a_sound_and_a_gesture_of_ours_end(it: Acted, tmp_path: Path) -> None:
+    with wave.open(str(tmp_path / "long.wav"), "wb") as made:
+        made.setparams((1, 2, 8000, 0, "NONE", ""))
+        made.writeframes(struct.pack("<80000h", *([1000] * 80000)))
+    it.begin("sound", file="long.wav")
+    it.begin("play", move="dance", speed=0.1)
+    await until(lambda: bool(it.robot.speaking and it.robot.face))
+    assert (await it.stop()).missing == ()
+    assert not it.robot.speaking
+    await it.arrived()
+    sent = len(it.robot.calls)
+    await it.arrived()
+    assert len(it.robot.calls) - sent == 1  # nothing of either comes behind the stop
+
+
+async def test_a_gesture_that_the_robot_plays_to_its_end_is_named(it: Acted) -> None:
+    it.robot.gestures_end_early = False
+    await busy(it)
+    report = await it.stop()
+    assert "gesture" in report.missing
+    assert it.robot.gesturing
+
+
+async def test_a_robot_that_does_not_end_its_speech_is_named(it: Acted) -> None:
+    await busy(it)
+    it.robot.ignored.add("request.speak.stop")
+    assert "speech" in (await it.stop()).missing
+    assert it.robot.speaking
+
+
+async def test_a_frozen_robot_confirms_nothing(it: Acted) -> None:
+    await busy(it)
+    it.robot.freeze()
+    assert await it.stop() == StopReport(missing=PARTS)
+
+
+async def test_a_robot_that_is_lost_has_nothing_to_confirm(it: Acted) -> None:
+    saying = it.begin("say", text=LONG)
+    await until(lambda: bool(it.robot.speaking))
+    await it.robot.close()
+    await it.is_lost()
+    assert await it.driver.stop(Scope.ALL) is None
+    with pytest.raises(DeviceLostError):
+        await saying
+
+
+async def test_a_stop_of_driving_alone_does_not_silence_it(it: Acted) -> None:
+    it.begin("say", text=LONG)
+    await until(lambda: bool(it.robot.speaking))
+    assert await it.driver.stop(Scope.DRIVE) is None
+    assert it.robot.speaking
+
+
+async def test_a_session_hears_which_part_did_not_confirm(it: Acted) -> None:
+    """As the wizard's red bar names it."""
+    messages: list[AnyMessage] = []
+    hub = Hub(it.context.clock, lambda message, line: None)
+    hub.listen(messages.append)
+    bus = Bus(hub, {"it": it.driver}, {"it": it.driver.verbs(it.driver.settings)})
+    hub.publish(DriverConnected(driver="it"))
+    it.robot.gestures_end_early = False
+    orders: dict[str, dict[str, Json]] = {
+        "say": {"text": LONG},
+        "play": {"move": "Roll", "speed": 0.1},
+    }
+    for verb, args in orders.items():
+        command = Command(command=verb, driver="it", verb=verb, args=args, source="key")
+        bus.submit(command)
+    await until(lambda: bool(it.robot.speaking and it.robot.gesturing))
+    await bus.stop("key")
+    (confirmed,) = [one for one in messages if isinstance(one, StopConfirmed)]
+    assert confirmed.missing == ["it"]
+    assert "gesture" not in confirmed.parts.get("it", [])
+    assert not it.robot.speaking
+    bus.release("key")
+    await bus.drain(2)

@@ -164,9 +164,14 @@ class WebRobot(abc.ABC):
 
 
 def run_as_program(
-    name: str, make: Callable[[SimulatorTime, SimulatedVisitors | None], WebRobot]
+    name: str,
+    make: Callable[[SimulatorTime, SimulatedVisitors | None], WebRobot],
+    words: Sequence[str] | None = None,
 ) -> int:
-    """Serve a robot until SIGTERM or SIGINT; the first line says where: `{"address": "..."}`."""
+    """Serve a robot until SIGTERM or SIGINT; the first line says where: `{"address": "..."}`.
+
+    `words`: the command line without what the robot's module has read of it.
+    """
     parser = argparse.ArgumentParser(
         prog=f"python -m robot_simulators.{name}", description=f"A simulated robot: {name}."
     )
@@ -176,7 +181,7 @@ def run_as_program(
     add("--pace", type=float, default=1.0, help="its time passes so many times as fast")
     add("--seed", type=int, default=7, help="which visitors come")
     add("--no-visitors", action="store_true", help="nobody ever comes")
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(words)
     try:
         visitors = None if arguments.no_visitors else SimulatedVisitors(arguments.seed)
         robot = make(PacedTime(arguments.pace), visitors)

@@ -18,6 +18,7 @@ from woz_drivers.microphone.settings import MicrophoneSettings
 from woz_drivers.midi.settings import MidiSettings
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.rangefinder import Rangefinder, RangefinderSettings
+from woz_drivers.ros.settings import RosSettings
 from woz_drivers.speech.settings import SpeechSettings
 
 from tests.drivers.body.rig import robot
@@ -38,6 +39,7 @@ SETTINGS: list[tuple[str, Any]] = [
     *(("pepper", PepperSettings(robots=robots)) for robots in [(), ("simulated",), ("a/b",)]),
     ("pepper", PepperSettings(robots=("tcp://127.0.0.1:1",))),
     ("rangefinder", RangefinderSettings(NOWHERE)),
+    ("ros", RosSettings(address="127.0.0.1:1")),
     ("simulated", simulated.SimulatedSettings()),
     ("simulated", simulated.SimulatedSettings(visitor=True)),
     ("simulated", simulated.SimulatedSettings(joints={})),

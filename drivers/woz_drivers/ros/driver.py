@@ -1,0 +1,514 @@
+"""The driver: plays what a robot file declares, stops all of it at once, reads its sensors."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import time
+from collections.abc import Awaitable, Iterable, Mapping
+from contextlib import suppress
+from typing import Any
+
+from woz_drivers.ros import doctor, simulated_interface
+from woz_drivers.ros.declarations import (
+    EndDeclaration,
+    SensorDeclaration,
+    StopDeclaration,
+    VerbDeclaration,
+)
+from woz_drivers.ros.rosbridge import Rosbridge
+from woz_drivers.ros.settings import RosSettings
+from woz_drivers.ros.survey import survey
+from woz_drivers.ros.templates import TemplateError, ValuePath, fill, placeholders
+from woz_drivers.ros.velocity_drive import VelocityDrive
+from woz_drivers.ros.verbs import DERIVED, arguments_of, offered
+from woz_drivers.simulated.argument_values import color, known_joints, number
+from woz_tui.drivers.contract import (
+    UNKNOWN,
+    DeviceLostError,
+    Driver,
+    DriverContext,
+    DriverError,
+    Finding,
+    Job,
+    Probe,
+    RejectedError,
+    Scope,
+    StopReport,
+    Verb,
+    Written,
+)
+from woz_tui.drivers.fields import Range
+from woz_tui.protocol.messages import Json
+
+#: The bus waits 0.5 s for a stop; what has not confirmed after so long is told as missing.
+_STOP_S = 0.45
+#: What a topic says must begin so soon after it was asked for, in seconds.
+_BEGINS_S = 5.0
+#: A sensor that is silent for so long, or for so many of its readings, is stale.
+_STALE_S, _STALE_READINGS = 2.0, 5
+_LOOK_S = 0.5
+#: Findings that the wizard is told of, before it becomes too much.
+_MOST_NOTICES = 4
+
+
+class Ros(Driver):
+    """A robot that speaks ROS 1 or ROS 2, by rosbridge."""
+
+    Settings = RosSettings
+    summary = "whatever speaks ROS 1 or ROS 2, by rosbridge, or a simulated one"
+    settings: RosSettings
+
+    def __init__(self, name: str, settings: RosSettings, context: DriverContext) -> None:
+        super().__init__(name, settings, context)
+        self._robot = Rosbridge(
+            settings,
+            context,
+            simulated_interface.options(settings),
+            get_ready=self._get_ready,
+            on_lost=self._lost,
+        )
+        self._base = (
+            VelocityDrive(self._robot, settings.drive) if settings.drive is not None else None
+        )
+        self._acts = {
+            verb: Act(verb, declared, self._robot) for verb, declared in settings.verbs.items()
+        }
+        self._sensors = {
+            sensor: Sensor(sensor, declared, context, self._robot)
+            for sensor, declared in settings.sensors.items()
+        }
+        self._offered = {verb.name: verb for verb in offered(settings.verbs, settings.drive)}
+        #: Where it looks: degrees to the left, degrees down.
+        self._gaze = (0.0, 0.0)
+        #: Verbs that cannot work with this robot, and why.
+        self._broken: Mapping[str, Finding] = {}
+        self._watch: asyncio.Task[None] | None = None
+        #: What may be going on since the line was lost.
+        self._leftovers: set[str] = set()
+        self._lost_unasked = False
+        self._closed = False
+
+    @classmethod
+    def verbs(cls, settings: RosSettings) -> tuple[Verb, ...]:
+        """What the file declares, and what follows from it: nudge, poses."""
+        return offered(settings.verbs, settings.drive)
+
+    @classmethod
+    def sensors(cls, settings: RosSettings) -> tuple[str, ...]:
+        """What the file declares."""
+        return tuple(settings.sensors)
+
+    @classmethod
+    def joints(cls, settings: RosSettings) -> Mapping[str, Range] | None:
+        """What the file declares."""
+        return {name: Range(*ends, "deg") for name, ends in settings.joints.items()} or None
+
+    @classmethod
+    def remarks(cls, settings: RosSettings, written: Written) -> Iterable[Finding]:
+        """Colours that are none, and arguments of which the robot is told nothing."""
+        declared = settings.verbs.get(written.verb)
+        if declared is None:
+            return
+        used = {name for _, name, _ in placeholders(declared.message)}
+        arguments = arguments_of(written.verb, declared)
+        for name, value in written.args.items():
+            if name in arguments and name not in used and value != arguments[name].default:
+                yield Finding("warning", name, "has no effect: the robot file does not send it")
+        shade = written.args.get("color")
+        free = "color" in used and "color" not in declared.values
+        if free and isinstance(shade, str) and UNKNOWN not in shade:
+            try:
+                color(written.args, "color")
+            except RejectedError as error:
+                yield Finding("warning", "color", f"{error.what}; {error.remedy}")
+
+    @classmethod
+    async def examine(cls, probe: Probe) -> list[Finding]:
+        """Compare the file with the robot; list what the robot offers, and draft a file."""
+        return await doctor.examine(probe)
+
+    # -- a session -------------------------------------------------------------------------------
+
+    async def open(self) -> None:
+        """Begin to look for the robot."""
+        self._robot.start()
+        if self._sensors:
+            self._watch = asyncio.create_task(self._watch_sensors(), name="watching sensors")
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Send what the file says, and return when it has ended. Raises as the contract says."""
+        if job.verb not in self._offered:
+            raise RejectedError(f"{self.name} cannot {job.verb!r}")
+        if self._closed:
+            raise DeviceLostError("the robot's driver is closed")
+        broken = self._broken.get(DERIVED.get(job.verb, job.verb))
+        self._robot.need()
+        if broken is not None:
+            raise DriverError(f"{broken.subject}: {broken.text}", broken.remedy)
+        match job.verb:
+            case "drive" if self._base is not None:
+                return await self._base.drive(job)
+            case "gaze" | "nudge":
+                return await self._look(job)
+            case "poses":
+                return await self._poses(job)
+            case "pose":
+                self._check_pose(job.args["joints"])
+            case "home":
+                self._gaze = (0.0, 0.0)
+        return await self._acts[job.verb].perform(job, job.args)
+
+    async def _look(self, job: Job) -> Mapping[str, Json]:
+        """A gaze, or a step from the last one, within the bounds of the file."""
+        arguments = {one.name: one for one in self._offered["gaze"].arguments}
+        angles = []
+        for name, before in zip(("yaw", "pitch"), self._gaze, strict=True):
+            if job.verb == "nudge":
+                angle = before + number(job.args, name)
+            else:
+                angle = number(job.args, name, before)
+            bounds = arguments[name].range
+            if bounds is not None:
+                low = -math.inf if bounds.low is None else bounds.low
+                high = math.inf if bounds.high is None else bounds.high
+                angle = min(max(angle, low), high)
+            angles.append(angle)
+        self._gaze = (angles[0], angles[1])
+        sent = await self._acts["gaze"].perform(job, {"yaw": angles[0], "pitch": angles[1]})
+        return {"yaw": angles[0], "pitch": angles[1], **sent}
+
+    async def _poses(self, job: Job) -> Mapping[str, Json]:
+        poses: list[dict[str, Any]] = job.args["poses"]
+        for pose in poses:
+            self._check_pose(pose["joints"])
+        sent: list[Json] = []
+        for pose in poses:
+            seconds = float(pose.get("seconds") or 1.0)
+            began = time.monotonic()
+            arguments = {"joints": pose["joints"], "seconds": seconds}
+            sent.append(dict(await self._acts["pose"].perform(job, arguments)))
+            # A message is sent at once, the movement takes its time.
+            await asyncio.sleep(max(0.0, seconds - (time.monotonic() - began)))
+        return {"poses": sent}
+
+    def _check_pose(self, joints: Mapping[str, float]) -> None:
+        for name, angle in known_joints(joints, self.settings.joints).items():
+            low, high = self.settings.joints[name]
+            if not low <= angle <= high:
+                raise RejectedError(f"{name}: {angle:g} is not within {low:g} to {high:g} degrees")
+
+    # -- stopping --------------------------------------------------------------------------------
+
+    async def stop(self, scope: Scope) -> StopReport | None:
+        """Everything at once; each verb confirms for itself."""
+        if not self._robot.line.ready:
+            moving = self._moving() if self._lost_unasked else ()
+            return StopReport(missing=tuple(moving)) if moving else None
+        stops: dict[str, Awaitable[None]] = {}
+        if self._base is not None:
+            stops["driving"] = self._base.stop()
+        if scope is Scope.ALL:
+            stops |= {name: act.stop() for name, act in self._acts.items() if act.stoppable}
+        return await self._confirmed(stops)
+
+    def _moving(self) -> list[str]:
+        return [*(["driving"] if self._base is not None else []), *sorted(self._leftovers)]
+
+    async def _confirmed(self, stops: Mapping[str, Awaitable[None]]) -> StopReport | None:
+        if not stops:
+            return None
+        tasks = {self._robot_task(stop): name for name, stop in stops.items()}
+        # Those that come too late go on: a slow line must not keep it moving.
+        done, _ = await asyncio.wait(tasks, timeout=_STOP_S)
+        good = [tasks[task] for task in done if not task.cancelled() and task.exception() is None]
+        missing = {*tasks.values()} - {*good}
+        return StopReport(tuple(sorted(good)), tuple(sorted(missing)))
+
+    def _robot_task(self, work: Awaitable[None]) -> asyncio.Task[None]:
+        task = asyncio.ensure_future(work)
+        task.add_done_callback(lambda over: over.cancelled() or over.exception())
+        self._robot.keep(task)
+        return task
+
+    async def rest(self) -> None:
+        """Stand still; poses are the robot's own affair."""
+        if self._robot.line.ready and self._base is not None:
+            with suppress(DriverError, TimeoutError):
+                await self._base.stop()
+
+    async def close(self) -> None:
+        """Let go; what is being done is ended."""
+        first, self._closed = not self._closed, True
+        if self._watch is not None:
+            self._watch.cancel()
+            await asyncio.gather(self._watch, return_exceptions=True)
+            self._watch = None
+        if first and self._robot.line.ready:
+            with suppress(DriverError, TimeoutError):
+                async with asyncio.timeout(1.0):
+                    await self._end_everything()
+        await self._robot.close()
+
+    # -- coming and going --------------------------------------------------------------------------
+
+    async def _get_ready(self) -> str:
+        """The robot is there: what went on when it was lost ends first."""
+        if self._base is not None:
+            await self._base.zero()
+        if self._lost_unasked:
+            await self._end_everything()
+        self._lost_unasked = False
+        self._leftovers.clear()
+        self._robot.later(self._compare())
+        return f"rosbridge of ROS {self.settings.ros} at {self._robot.shown}"
+
+    async def _end_everything(self) -> None:
+        """Without waiting for confirmations, but for those of services."""
+        if self._base is not None:
+            await self._base.zero()
+        for act in self._acts.values():
+            with suppress(DriverError, TimeoutError):
+                await act.end()
+
+    async def _compare(self) -> None:
+        """Tell the wizard what does not fit this robot before a verb is used."""
+        found = await survey(self._robot, self.settings)
+        self._broken = found.broken
+        findings = [finding for _, finding in found.wrong]
+        findings.sort(key=lambda finding: finding.level)
+        for finding in findings[:_MOST_NOTICES]:
+            self.context.notice(finding.level, f"{finding.subject}: {finding.text}", finding.remedy)
+        if len(findings) > _MOST_NOTICES:
+            more = len(findings) - _MOST_NOTICES
+            self.context.notice("warning", f"and {more} more", "see all with woz doctor")
+
+    def _lost(self, error: DeviceLostError) -> None:
+        self._lost_unasked = not self._closed
+        self._leftovers |= {name for name, act in self._acts.items() if act.going_on}
+        if self._base is not None:
+            self._base.lost()
+        if not self._closed:
+            for sensor in self._sensors.values():
+                sensor.stale(error.what)
+
+    async def _watch_sensors(self) -> None:
+        while True:
+            await asyncio.sleep(_LOOK_S)
+            for sensor in self._sensors.values():
+                sensor.look()
+
+
+class Act:
+    """One verb of the file: sends it, knows its end, ends it."""
+
+    def __init__(self, verb: str, declared: VerbDeclaration, robot: Rosbridge) -> None:
+        self._verb = verb
+        self._declared = declared
+        self._robot = robot
+        self._arguments = arguments_of(verb, declared)
+        self._text = next((n for n, one in self._arguments.items() if one.kind == "text"), "")
+        #: How many commands of it are going on.
+        self._going_on = 0
+        self._ends = EndTopic(declared.ends, robot) if declared.ends.subscribe else None
+        stop = declared.stop
+        if declared.publish:
+            robot.advertise(declared.publish, declared.type_)
+        if declared.action:
+            robot.use_action(declared.action, declared.type_)
+        if stop is not None and stop.publish:
+            robot.advertise(stop.publish, stop.type_)
+
+    @property
+    def going_on(self) -> bool:
+        """Whether a command of it is under way."""
+        return self._going_on > 0
+
+    @property
+    def stoppable(self) -> bool:
+        """Whether a stop has anything to do, or to tell, about it."""
+        return bool(self._declared.action or self._declared.stop is not None or self._going_on)
+
+    async def perform(self, job: Job, args: Mapping[str, Any]) -> Mapping[str, Json]:
+        """Send it, and return when it has ended."""
+        declared = self._declared
+        try:
+            message = fill(declared.message, self._values(args))
+        except TemplateError as error:
+            raise RejectedError(f"{self._verb}: {error}", "correct the robot file") from None
+        sent: dict[str, Json] = {"to": declared.target, "message": message}
+        self._going_on += 1
+        try:
+            if self._ends is not None:
+                self._ends.expect()
+            if declared.publish:
+                await self._robot.publish(declared.publish, message)
+            elif declared.service:
+                answer = await self._robot.call(declared.service, message, declared.within)
+                _check_success(declared.service, answer, declared.success)
+                sent["result"] = answer
+            else:
+                kind = declared.type_.removesuffix("Action")
+                result = await self._robot.pursue(declared.action, kind, message, declared.within)
+                _check_success(declared.action, result, declared.success)
+                sent["result"] = result
+            await self._until_end(job, args)
+        except asyncio.CancelledError:
+            # Stopped, replaced or timed out; a stop is sent beside this, and twice does no harm.
+            self._robot.later(self.end())
+            raise
+        finally:
+            self._going_on -= 1
+        return sent
+
+    def _values(self, args: Mapping[str, Any]) -> dict[str, Any]:
+        values = {**dict.fromkeys(self._arguments), **args}
+        for name, words in self._declared.values.items():
+            if isinstance(values.get(name), str) and values[name] in words:
+                values[name] = words[values[name]]
+        if "color" in values and "color" not in self._declared.values:
+            values["color"] = color(values, "color")
+        return values
+
+    async def _until_end(self, job: Job, args: Mapping[str, Any]) -> None:
+        ends = self._declared.ends
+        length = len(str(args.get(self._text) or "")) if self._text else 0
+        seconds = ends.seconds + ends.per_character * length
+        if seconds:
+            job.expects(seconds)
+        if self._ends is None:
+            await asyncio.sleep(seconds)
+            return
+        await self._ends.wait(self._verb, self._declared.within)
+
+    async def stop(self) -> None:
+        """End it and return when that is known. Raises if nobody knows it."""
+        declared = self._declared
+        was_going_on = self._going_on > 0
+        await self.end()
+        if declared.action:
+            ours = [goal for goal in self._robot.goals.values() if goal.action == declared.action]
+            await asyncio.gather(*(self._robot.cancel(goal) for goal in ours))
+            return
+        if declared.stop is None:
+            raise DriverError(f"{self._verb} cannot be stopped", "say how with `stop`")
+        if declared.stop.publish:
+            await self._robot.read_so_far()
+        elif was_going_on and declared.service:
+            # The call of the verb and that of its stop go different ways: one may overtake.
+            await self.end()
+        if self._ends is not None:
+            await self._ends.silence()
+
+    async def end(self) -> None:
+        """Send what ends it. Raises `DriverError` if a service refuses."""
+        declared = self._declared
+        if declared.action:
+            await self._robot.cancel_all(declared.action)
+        elif declared.stop is not None:
+            await _send(self._robot, declared.stop)
+
+
+async def _send(robot: Rosbridge, stop: StopDeclaration) -> None:
+    if stop.publish:
+        await robot.publish(stop.publish, fill(stop.message, {}))
+    else:
+        answer = await robot.call(stop.service, fill(stop.message, {}), 1.0)
+        _check_success(stop.service, answer)
+
+
+def _check_success(name: str, answer: Json, field: str = "success") -> None:
+    """An answer may say whether it succeeded, and a sentence. Raises `DriverError`."""
+    if isinstance(answer, dict) and answer.get(field) is False:
+        words = str(answer.get("message") or "it gives no reason")
+        raise DriverError(f"{name} did not succeed: {words:.200}", "look at the robot's own node")
+
+
+class EndTopic:
+    """A topic that says whether something goes on."""
+
+    def __init__(self, declared: EndDeclaration, robot: Rosbridge) -> None:
+        self._declared = declared
+        self._path = ValuePath.parse(declared.value)
+        self._begun = self._ended = False
+        #: What it said last; what was never heard counts as ended.
+        self._silent = True
+        self._told = asyncio.Event()
+        robot.subscribe(declared.subscribe, declared.type_, self._arrived)
+
+    def expect(self) -> None:
+        """Something is going to begin: what was said before does not count."""
+        self._begun = self._declared.begun is None
+        self._ended = False
+
+    def _arrived(self, message: Mapping[str, Any]) -> None:
+        value = self._path.of(message)
+        self._silent = value == self._declared.ended
+        if value == self._declared.begun:
+            self._begun = True
+        elif self._silent and self._begun:
+            self._ended = True
+        self._told.set()
+
+    async def wait(self, verb: str, within: float) -> None:
+        """Return when it has ended. Raises `DriverError` if the robot does not say so."""
+        topic = self._declared.subscribe
+        began = asyncio.get_running_loop().time()
+        for what, limit in (("begun", min(_BEGINS_S, within)), ("ended", within)):
+            try:
+                async with asyncio.timeout_at(began + limit):
+                    while not (self._ended if what == "ended" else self._begun):
+                        self._told.clear()
+                        await self._told.wait()
+            except TimeoutError:
+                raise DriverError(
+                    f"{verb}: {topic} did not say within {limit:g} s that it has {what}",
+                    "look at the robot's own node; check `ends` in the robot file",
+                ) from None
+
+    async def silence(self) -> None:
+        """Return when it says that nothing goes on. Raises TimeoutError."""
+        async with asyncio.timeout(_STOP_S):
+            while not self._silent:
+                self._told.clear()
+                await self._told.wait()
+
+
+class Sensor:
+    """One value of one topic."""
+
+    def __init__(
+        self, name: str, declared: SensorDeclaration, context: DriverContext, robot: Rosbridge
+    ) -> None:
+        self._name = name
+        self._declared = declared
+        self._context = context
+        self._path = ValuePath.parse(declared.value)
+        self._heard = time.monotonic()
+        self._is_stale = False
+        robot.subscribe(declared.subscribe, declared.type_, self._arrived, declared.throttle)
+
+    def _arrived(self, message: Mapping[str, Any]) -> None:
+        declared, value = self._declared, self._path.of(message)
+        self._heard, self._is_stale = time.monotonic(), False
+        self._context.sensor(self._name, "ok")
+        if isinstance(value, str):
+            self._context.reading(self._name, None, text=value)
+            return
+        number = None if value is None else float(value)
+        scaled = None if number is None else number * declared.scale
+        if scaled is not None and not Range(declared.low, declared.high).contains(scaled):
+            scaled = None
+        self._context.reading(self._name, scaled, unit=declared.unit, raw=number)
+
+    def look(self) -> None:
+        """Say it when nothing comes any more."""
+        limit = max(_STALE_S, _STALE_READINGS * self._declared.throttle)
+        if time.monotonic() - self._heard > limit:
+            self.stale(f"{self._declared.subscribe} is silent")
+
+    def stale(self, why: str) -> None:
+        """Nothing comes any more."""
+        if not self._is_stale:
+            self._is_stale = True
+            self._context.sensor(self._name, "stale", why)

@@ -1,0 +1,453 @@
+"""Operations of rosbridge: what is published and subscribed goes over the robot's line; what waits
+for an answer goes over connections of its own.
+
+rosbridge of ROS 2 reads the next operation of a connection only when the service that it calls has
+answered, and the goal that it sends has ended. On one connection neither a stop nor a velocity
+would get through meanwhile. So each call and each goal takes a connection for itself, a spare one
+is kept open, and the line to the robot never waits.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import uuid
+from collections.abc import Awaitable, Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import aiohttp
+import msgspec
+
+from woz_drivers.ros.message_types import plain, wire_name
+from woz_drivers.ros.settings import RosSettings, url
+from woz_drivers.simulated_process import SIMULATED, SimulatedProcess
+from woz_drivers.web_socket_line import WebPlace, WebSocketLine
+from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
+from woz_tui.protocol.messages import Json
+
+#: A service of rosapi that only answers; any answer says that the server has read so far.
+_TIME = "/rosapi/get_time"
+#: The server must be found to be rosbridge within so many seconds.
+_KNOWN_WITHIN_S = 5.0
+#: A cancellation that came before its goal was accepted is lost: it is repeated, in seconds.
+_CANCEL_AGAIN_S = 0.1
+#: States of a goal, by version of ROS: `actionlib_msgs/GoalStatus`, `action_msgs/GoalStatus`.
+_SUCCEEDED = {1: 3, 2: 4}
+_CANCELLED = {1: (2, 8), 2: (5,)}
+_ENDED_BADLY = {1: {4: "aborted", 5: "refused", 9: "lost"}, 2: {6: "aborted", 0: "not carried out"}}
+_UNANSWERED = (
+    "look at the robot's own node; after a stop or a restart of rosbridge it may still do it"
+)
+
+log = logging.getLogger(__name__)
+
+
+class ServiceFailedError(DriverError):
+    """rosbridge answered that a service could not be called, or a goal not be sent."""
+
+
+@dataclass(eq=False)
+class SentGoal:
+    """A goal that was sent; `ended` has its state and its result."""
+
+    ident: str
+    action: str
+    kind: str
+    ended: asyncio.Future[tuple[int, Json]]
+
+
+Handler = Callable[[Mapping[str, Any]], None]
+
+
+class Rosbridge:
+    """One robot. Made in the event loop; begins with `start`, ends with `close`.
+
+    `get_ready` is awaited after each opening, once the server has answered and everything is
+    advertised and subscribed; it returns what is shown of the connected robot. `on_lost` is called
+    when a connection has ended.
+    """
+
+    def __init__(
+        self,
+        settings: RosSettings,
+        context: DriverContext,
+        simulated: Iterable[str],
+        *,
+        get_ready: Callable[[], Awaitable[str]],
+        on_lost: Callable[[DeviceLostError], None],
+    ) -> None:
+        self._settings = settings
+        self._context = context
+        self._ros = settings.ros
+        self.shown = "the simulated robot" if settings.address == SIMULATED else settings.address
+        self._url = url(settings.address)
+        self._simulated = SimulatedProcess(
+            "robot_simulators.rosbridge", tuple(simulated), context.folder
+        )
+        self._robot_ready = get_ready
+        self._robot_lost = on_lost
+        self.line = WebSocketLine(
+            context,
+            self.shown,
+            self._find,
+            get_ready=self._get_ready,
+            on_message=self._arrived,
+            on_lost=self._lost,
+        )
+        self._advertised: dict[str, str] = {}
+        self._handlers: dict[str, list[Handler]] = {}
+        self._subscribed: dict[str, tuple[str, float]] = {}
+        self._waiting: dict[str, asyncio.Future[Mapping[str, Any]]] = {}
+        self.goals: dict[str, SentGoal] = {}
+        self._session: aiohttp.ClientSession | None = None
+        self._spare: aiohttp.ClientWebSocketResponse[bool] | None = None
+        self._in_use: set[aiohttp.ClientWebSocketResponse[bool]] = set()
+        self._why = DeviceLostError(f"{self.shown} is not connected yet", "wait until it is there")
+        self._background: set[asyncio.Task[Any]] = set()
+
+    # -- its life ------------------------------------------------------------------------------
+
+    def advertise(self, topic: str, kind: str) -> None:
+        """Say at each opening that messages will be published. Before `start`."""
+        self._advertised[topic] = wire_name(kind, self._ros, "msg")
+
+    def subscribe(self, topic: str, kind: str, handler: Handler, throttle_s: float = 0.0) -> None:
+        """Have `handler` called with each message of a topic. Before `start`."""
+        self._handlers.setdefault(topic, []).append(handler)
+        before = self._subscribed.get(topic, ("", throttle_s))
+        self._subscribed[topic] = (
+            wire_name(kind, self._ros, "msg"),
+            min(before[1], throttle_s),
+        )
+
+    def use_action(self, action: str, kind: str) -> None:
+        """Be ready to send goals. Before `start`. With ROS 1 an action is a set of topics."""
+        if self._ros == 1:
+            base = plain(kind).removesuffix("Action")
+            self.advertise(f"{action}/goal", f"{base}ActionGoal")
+            self.advertise(f"{action}/cancel", "actionlib_msgs/GoalID")
+            self.subscribe(f"{action}/result", f"{base}ActionResult", self._actionlib_result)
+
+    def start(self) -> None:
+        """Begin to look for the robot."""
+        self.line.start()
+
+    async def close(self) -> None:
+        """Let go of the robot."""
+        for task in tuple(self._background):
+            task.cancel()
+        await asyncio.gather(*self._background, return_exceptions=True)
+        self._forget(DeviceLostError("the robot's driver is closed"))
+        await self.line.close()
+        await self._hang_up()
+        if self._session is not None:
+            await self._session.close()
+            self._session = None
+        await self._simulated.close()
+
+    def later(self, work: Awaitable[Any]) -> asyncio.Task[Any]:
+        """Do something that nobody waits for; a robot that is gone needs it no more."""
+
+        async def quietly() -> None:
+            with contextlib.suppress(DriverError):
+                await work
+
+        task = asyncio.ensure_future(quietly())
+        self.keep(task)
+        return task
+
+    def keep(self, task: asyncio.Task[Any]) -> None:
+        """A task of the driver that ends with the connection to the robot."""
+        self._background.add(task)
+        task.add_done_callback(self._background.discard)
+
+    def need(self) -> None:
+        """Raise `DeviceLostError` unless the robot is there and ready."""
+        if not self.line.ready:
+            raise DeviceLostError(self._why.what, self._why.remedy)
+
+    async def _find(self) -> WebPlace:
+        address = await self.place()
+        secure, _, rest = address.partition("://")
+        host, slash, path = rest.partition("/")
+        return WebPlace(host, slash + path, secure == "wss")
+
+    async def place(self) -> str:
+        """The server's address as ws:// or wss://; starts the simulated robot if it is that."""
+        return self._url or f"ws://{await self._simulated.address()}/"
+
+    async def _get_ready(self) -> str:
+        for topic, kind in self._advertised.items():
+            await self.line.send(
+                {"op": "advertise", "id": f"advertise {topic}", "topic": topic, "type": kind}
+            )
+        for topic, (kind, throttle_s) in self._subscribed.items():
+            await self.line.send(
+                {
+                    "op": "subscribe",
+                    "id": f"subscribe {topic}",
+                    "topic": topic,
+                    "type": kind,
+                    "throttle_rate": round(throttle_s * 1000),
+                    "queue_length": 1,
+                }
+            )
+        try:
+            await self.read_so_far(_KNOWN_WITHIN_S)
+        except TimeoutError:
+            raise DriverError(
+                f"{self.shown} answers, but not as rosbridge does",
+                "check its port; is rosbridge still starting?",
+            ) from None
+        self._spare = await self._connection()
+        return await self._robot_ready()
+
+    def _lost(self, error: DeviceLostError) -> None:
+        self._why = error
+        self._forget(error)
+        self.later(self._hang_up())
+        self._robot_lost(error)
+
+    def _forget(self, why: DeviceLostError) -> None:
+        """Nothing that is under way will be answered any more."""
+        futures: list[asyncio.Future[Any]] = [*self._waiting.values()]
+        futures += [goal.ended for goal in self.goals.values()]
+        for future in futures:
+            if not future.done():
+                future.set_exception(DeviceLostError(why.what, why.remedy))
+                future.exception()  # perhaps nobody waits for it any more
+
+    async def _hang_up(self) -> None:
+        spare, self._spare = self._spare, None
+        for opened in (*([spare] if spare is not None else []), *self._in_use):
+            await opened.close()
+
+    # -- messages --------------------------------------------------------------------------------
+
+    def _arrived(self, message: Any) -> None:
+        if not isinstance(message, dict):
+            raise ValueError(f"no operation: {message!r:.80}")
+        match message.get("op"):
+            case "publish":
+                content = message.get("msg")
+                if not isinstance(content, dict):
+                    raise ValueError("a message without fields")
+                for handler in self._handlers.get(str(message.get("topic")), ()):
+                    handler(content)
+            case "service_response":
+                self._answered(message)
+            case "status":
+                if message.get("level") == "error":
+                    self._context.notice("warning", f"rosbridge says: {message.get('msg')!s:.200}")
+            case operation:
+                raise ValueError(f"unknown operation {operation!r:.80}")
+
+    def _answered(self, message: Mapping[str, Any]) -> None:
+        waiting = self._waiting.get(str(message.get("id")))
+        if waiting is not None and not waiting.done():
+            waiting.set_result(message)
+
+    async def publish(self, topic: str, message: Json) -> None:
+        """Publish a message. Raises `DeviceLostError`."""
+        await self.line.send({"op": "publish", "topic": topic, "msg": message})
+
+    async def read_so_far(self, within: float = 1.0) -> None:
+        """Return when the server has carried out everything that was sent over the line.
+
+        It carries out one operation after the other, so it is asked something then; that rosapi is
+        not there is an answer, too. Raises TimeoutError, `DeviceLostError`.
+        """
+        ident = uuid.uuid4().hex
+        answer = self._waiting[ident] = asyncio.get_running_loop().create_future()
+        try:
+            async with asyncio.timeout(within):
+                await self.line.send({"op": "call_service", "id": ident, "service": _TIME})
+                await answer
+        finally:
+            self._waiting.pop(ident, None)
+
+    # -- calls and goals -----------------------------------------------------------------------
+
+    async def _connection(self) -> aiohttp.ClientWebSocketResponse[bool]:
+        if self._session is None:
+            self._session = aiohttp.ClientSession()
+        try:
+            return await self._session.ws_connect(
+                await self.place(), max_msg_size=1 << 26, timeout=aiohttp.ClientWSTimeout(0.1)
+            )
+        except (aiohttp.ClientError, OSError) as error:
+            raise DeviceLostError(
+                f"{self.shown} takes no further connection: {error}", "look at rosbridge"
+            ) from None
+
+    async def _ask(self, message: dict[str, Json], end: str, within: float) -> Mapping[str, Any]:
+        """Send an operation over a connection of its own; returns the answer to it.
+
+        Raises TimeoutError, `DeviceLostError`.
+        """
+        opened, self._spare = self._spare, None
+        if opened is None or opened.closed:
+            opened = await self._connection()
+        self._in_use.add(opened)
+        answered = False
+        try:
+            async with asyncio.timeout(within):
+                await opened.send_str(msgspec.json.encode(message).decode())
+                while True:
+                    answer = await _read(opened)
+                    if answer is None:
+                        raise DeviceLostError(self._why.what, self._why.remedy)
+                    if answer.get("op") == end and answer.get("id") == message["id"]:
+                        answered = True
+                        return answer
+        except (ConnectionError, RuntimeError) as error:
+            raise DeviceLostError(f"{self.shown} was lost: {error}", self._why.remedy) from error
+        finally:
+            self._in_use.discard(opened)
+            self._put_back(opened, answered)
+
+    def _put_back(self, opened: aiohttp.ClientWebSocketResponse[bool], answered: bool) -> None:
+        """Keep a connection for the next call; on one without an answer the server may go on for
+        long, so another one is made.
+        """
+        if answered and self._spare is None and self.line.ready:
+            self._spare = opened
+            return
+        self.later(opened.close())
+        if self._spare is None and self.line.ready:
+            self.later(self._refill())
+
+    async def _refill(self) -> None:
+        fresh = await self._connection()
+        if self._spare is None and self.line.ready:
+            self._spare = fresh
+        else:
+            await fresh.close()
+
+    async def call(self, service: str, request: Json, within: float = 3.0) -> Any:
+        """The answer of a service.
+
+        Raises:
+            ServiceFailedError: The server could not call it, in its words.
+            DriverError: It did not answer in time.
+            DeviceLostError: The robot went away.
+        """
+        message = {
+            "op": "call_service",
+            "id": uuid.uuid4().hex,
+            "service": service,
+            "args": request,
+        }
+        try:
+            answer = await self._ask(message, "service_response", within)
+        except TimeoutError:
+            raise DriverError(
+                f"{service} did not answer within {within:g} s", _UNANSWERED
+            ) from None
+        if answer.get("result") is not True:
+            raise ServiceFailedError(
+                f"{service}: {answer.get('values')!s:.200}", "is its node running?"
+            )
+        return answer.get("values")
+
+    async def pursue(self, action: str, kind: str, goal: Json, within: float) -> Json:
+        """Send a goal and return its result when it has succeeded.
+
+        Raises:
+            DriverError: It ended otherwise, or not in time; then it is cancelled.
+            DeviceLostError: The robot went away.
+        """
+        ended: asyncio.Future[tuple[int, Json]] = asyncio.get_running_loop().create_future()
+        sent = SentGoal(f"woz-{uuid.uuid4().hex}", action, kind, ended)
+        self.goals[sent.ident] = sent
+        asking = self.later(self._send_goal(sent, goal, within))
+        try:
+            async with asyncio.timeout(within):
+                status, result = await asyncio.shield(ended)
+        except TimeoutError:
+            self.later(self.cancel(sent))
+            raise DriverError(f"{action} did not end within {within:g} s", _UNANSWERED) from None
+        except asyncio.CancelledError:
+            self.later(self.cancel(sent))
+            raise
+        finally:
+            if ended.done():
+                self.goals.pop(sent.ident, None)
+                asking.cancel()
+        if status == _SUCCEEDED[self._ros]:
+            return result
+        if status in _CANCELLED[self._ros]:
+            raise DriverError(f"{action} was cancelled on the robot")
+        how = _ENDED_BADLY[self._ros].get(status, f"ended in state {status}")
+        raise DriverError(f"{action} was {how}: {result!s:.200}", "look at the robot's own node")
+
+    async def _send_goal(self, goal: SentGoal, content: Json, within: float) -> None:
+        if self._ros == 1:
+            ident = {"stamp": {"secs": 0, "nsecs": 0}, "id": goal.ident}
+            await self.publish(f"{goal.action}/goal", {"goal_id": ident, "goal": content})
+            return
+        message = {
+            "op": "send_action_goal",
+            "id": goal.ident,
+            "action": goal.action,
+            "action_type": wire_name(goal.kind, 2, "action"),
+            "args": content,
+        }
+        try:
+            answer = await self._ask(message, "action_result", within + 5.0)
+        except (DriverError, TimeoutError) as error:
+            if not goal.ended.done():
+                goal.ended.set_exception(
+                    error if isinstance(error, DriverError) else DriverError("no answer")
+                )
+            return
+        if not goal.ended.done():
+            failed = answer.get("result") is not True
+            status = 0 if failed else answer.get("status")
+            goal.ended.set_result((status if isinstance(status, int) else 0, answer.get("values")))
+
+    def _actionlib_result(self, message: Mapping[str, Any]) -> None:
+        status = message.get("status")
+        if not isinstance(status, dict) or not isinstance(status.get("goal_id"), dict):
+            raise ValueError("a result without a goal")
+        goal = self.goals.get(str(status["goal_id"].get("id")))
+        if goal is not None and not goal.ended.done():
+            code = status.get("status")
+            text = status.get("text")
+            result = message.get("result") or {}
+            bad = code != _SUCCEEDED[1] and text
+            goal.ended.set_result((code if isinstance(code, int) else 0, text if bad else result))
+
+    async def cancel(self, goal: SentGoal) -> None:
+        """End a goal; returns when its result has come, which says that it has ended."""
+        while not goal.ended.done():
+            if self._ros == 1:
+                await self.publish(f"{goal.action}/cancel", {"id": goal.ident})
+            else:
+                await self.line.send(
+                    {"op": "cancel_action_goal", "id": goal.ident, "action": goal.action}
+                )
+            await asyncio.wait([goal.ended], timeout=_CANCEL_AGAIN_S)
+        self.goals.pop(goal.ident, None)
+
+    async def cancel_all(self, action: str) -> None:
+        """End everything that an action is doing, whoever asked for it. Raises `DriverError`."""
+        if self._ros == 1:
+            await self.publish(f"{action}/cancel", {"id": ""})
+        else:
+            with contextlib.suppress(ServiceFailedError):  # without its server nothing goes on
+                await self.call(f"{action}/_action/cancel_goal", {}, within=1.0)
+
+
+async def _read(opened: aiohttp.ClientWebSocketResponse[bool]) -> Mapping[str, Any] | None:
+    """The next message with fields; None when the connection has ended."""
+    while True:
+        message = await opened.receive()
+        if message.type not in (aiohttp.WSMsgType.TEXT, aiohttp.WSMsgType.BINARY):
+            return None
+        with contextlib.suppress(msgspec.DecodeError):
+            found = msgspec.json.decode(message.data)
+            if isinstance(found, dict):
+                return found

@@ -18,8 +18,9 @@ from woz_drivers.microphone.settings import MicrophoneSettings
 from woz_drivers.midi.settings import MidiSettings
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.rangefinder import Rangefinder, RangefinderSettings
+from woz_drivers.reachy_mini import ReachyMiniSettings
 from woz_drivers.ros.settings import RosSettings
-from woz_drivers.speech.settings import SpeechSettings
+from woz_drivers.speech.settings import SpeechSettings, SynthesisSettings
 
 from tests.drivers.body.rig import robot
 from tests.drivers.servo_stand import head
@@ -30,6 +31,7 @@ from woz_tui.drivers.plugins import installed
 from woz_tui.testing import Device, DriverTests, PlainJob, check, contract_checks
 
 NOWHERE = "/dev/no-such-port"
+SILENT = SynthesisSettings(synthesise=("no-such-program",))
 SETTINGS: list[tuple[str, Any]] = [
     ("camera", CameraSettings(command=("no-such-program",))),
     ("dynamixel", head(Path(NOWHERE), pan="pan", poses={"up": {"tilt": 10.0}})),
@@ -40,6 +42,8 @@ SETTINGS: list[tuple[str, Any]] = [
     ("pepper", PepperSettings(robots=("tcp://127.0.0.1:1",))),
     ("rangefinder", RangefinderSettings(NOWHERE)),
     ("ros", RosSettings(address="127.0.0.1:1")),
+    ("reachy-mini", ReachyMiniSettings("127.0.0.1:1", voice=SILENT)),
+    ("reachy-mini", ReachyMiniSettings(follows="body", voice=SILENT)),
     ("simulated", simulated.SimulatedSettings()),
     ("simulated", simulated.SimulatedSettings(visitor=True)),
     ("simulated", simulated.SimulatedSettings(joints={})),

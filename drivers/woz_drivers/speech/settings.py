@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated
 
@@ -19,24 +19,17 @@ Command = str | tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class SpeechSettings(Section):
-    """How text becomes sound, and how sound is played."""
+class SynthesisSettings(Section):
+    """How text becomes sound."""
 
     voice: Annotated[str, Doc("espeak-ng voice; `espeak-ng --voices` lists them")] = "en"
     speed: Annotated[int, Range(60, 450, "words/min"), Doc("how fast it speaks")] = 160
     pitch: Annotated[int, Range(0, 99), Doc("how high it speaks")] = 50
-    volume: Annotated[float, Range(0, 1), Doc("1 is as loud as the sound card is set")] = 1.0
-    device: Annotated[str, Doc("ALSA device for aplay, such as plughw:1,0")] = ""
     synthesise: Annotated[
         Command,
         Doc("program that turns {text} (or stdin) into a WAV file {wav} (or stdout);"
             " default: espeak-ng"),
     ] = ""  # fmt: skip
-    play: Annotated[Command, Doc("program that plays the file {wav}; default: aplay")] = ""
-    speak: Annotated[
-        Command,
-        Doc("program that speaks {text} (or stdin) by itself, instead of synthesise and play"),
-    ] = ""
     recordings: Annotated[
         Mapping[str, Annotated[str, Path(must_exist=True)]],
         Doc("WAV files to be played instead of synthesising, by utterance"),
@@ -46,25 +39,10 @@ class SpeechSettings(Section):
     ] = ""
     cache: Annotated[str, Path(), Doc("folder for what was synthesised")] = ""
     cache_megabytes: Annotated[int, Range(1, 100_000), Doc("largest size of that folder")] = 200
-    margin: Annotated[
-        float, Seconds(0.1, 2.0), Doc("a player may take this much longer than the sound")
-    ] = 1.5
 
     def problems(self) -> list[tuple[str, str]]:
-        """What is wrong between settings: pairs of a setting's name and a sentence."""
-        found = []
-        for setting, look in (
-            ("synthesise", self.synthesise_words),
-            ("play", self.play_words),
-            ("speak", self.speak_words),
-        ):
-            try:
-                look()
-            except DriverError as error:
-                found.append((setting, f"{error.what}; {error.remedy}"))
-        if self.speak and (self.synthesise or self.play):
-            found.append(("speak", "speak replaces synthesise and play: leave these out"))
-        return found
+        """What is wrong with the command: pairs of a setting's name and a sentence."""
+        return [*command_problems(("synthesise", self.synthesise_words))]
 
     def synthesise_words(self) -> tuple[str, ...]:
         """The command that makes a WAV file. Raises `DriverError` if it is none."""
@@ -72,6 +50,36 @@ class SpeechSettings(Section):
             voice = ("-v", "{voice}", "-s", "{speed}", "-p", "{pitch}")
             return ("espeak-ng", *voice, "-b", "1", "--stdin", "-w", "{wav}")
         return _checked(self.synthesise, SYNTHESISE_WORDS, "synthesise")
+
+    def voice_values(self) -> dict[str, str]:
+        """What stands for the placeholders, but for {text} and {wav}."""
+        return {"voice": self.voice, "speed": str(self.speed), "pitch": str(self.pitch)}
+
+
+@dataclass(frozen=True, slots=True)
+class SpeechSettings(SynthesisSettings):
+    """How text becomes sound, and how sound is played."""
+
+    volume: Annotated[float, Range(0, 1), Doc("1 is as loud as the sound card is set")] = 1.0
+    device: Annotated[str, Doc("ALSA device for aplay, such as plughw:1,0")] = ""
+    play: Annotated[Command, Doc("program that plays the file {wav}; default: aplay")] = ""
+    speak: Annotated[
+        Command,
+        Doc("program that speaks {text} (or stdin) by itself, instead of synthesise and play"),
+    ] = ""
+    margin: Annotated[
+        float, Seconds(0.1, 2.0), Doc("a player may take this much longer than the sound")
+    ] = 1.5
+
+    def problems(self) -> list[tuple[str, str]]:
+        """What is wrong between settings: pairs of a setting's name and a sentence."""
+        found = [
+            *SynthesisSettings.problems(self),
+            *command_problems(("play", self.play_words), ("speak", self.speak_words)),
+        ]
+        if self.speak and (self.synthesise or self.play):
+            found.append(("speak", "speak replaces synthesise and play: leave these out"))
+        return found
 
     def play_words(self) -> tuple[str, ...]:
         """The command that plays a WAV file. Raises `DriverError` if it is none."""
@@ -89,12 +97,19 @@ class SpeechSettings(Section):
     def values(self, volume: float) -> dict[str, str]:
         """What stands for the placeholders, but for {text} and {wav}; {volume} in percent."""
         return {
-            "voice": self.voice,
-            "speed": str(self.speed),
-            "pitch": str(self.pitch),
+            **self.voice_values(),
             "device": self.device,
             "volume": str(round(volume * 100)),
         }
+
+
+def command_problems(*commands: tuple[str, Callable[[], object]]) -> Iterator[tuple[str, str]]:
+    """What is wrong with commands, each given as its setting and what reads it."""
+    for setting, look in commands:
+        try:
+            look()
+        except DriverError as error:
+            yield setting, f"{error.what}; {error.remedy}"
 
 
 def _checked(command: str | Sequence[str], known: tuple[str, ...], setting: str) -> tuple[str, ...]:

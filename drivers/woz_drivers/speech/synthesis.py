@@ -14,7 +14,7 @@ from pathlib import Path
 
 from woz_drivers import child_process, command_lines, wav
 from woz_drivers.child_process import Child
-from woz_drivers.speech.settings import SpeechSettings
+from woz_drivers.speech.settings import SynthesisSettings
 from woz_drivers.wav import NotWavError, Wav
 from woz_tui.drivers.contract import DriverError, RejectedError
 from woz_tui.system.files import open_regular
@@ -150,7 +150,7 @@ async def finish(running: Child, seconds: float) -> None:
 class SpeechSynthesis:
     """Makes utterances of texts with one set of settings; `folder`: the experiment's."""
 
-    def __init__(self, settings: SpeechSettings, folder: Path) -> None:
+    def __init__(self, settings: SynthesisSettings, folder: Path) -> None:
         self._settings = settings
         self._folder = folder
         cache = Path(settings.cache) if settings.cache else users_folder()
@@ -165,7 +165,7 @@ class SpeechSynthesis:
         if recording is not None:
             return PreparedUtterance(recording, read_wav(recording), "recording")
         words = self._settings.synthesise_words()
-        path = self._cache.path((*words, *self._settings.values(0).values(), text))
+        path = self._cache.path((*words, *self._settings.voice_values().values(), text))
         known = self._cache.get(path)
         if known is not None:
             with contextlib.suppress(NotWavError):  # a damaged file is made anew
@@ -193,7 +193,7 @@ class SpeechSynthesis:
 
     async def _synthesise(self, words: Sequence[str], text: str) -> Wav:
         with _new_file() as path:
-            values = {**self._settings.values(0), "text": text, "wav": str(path)}
+            values = {**self._settings.voice_values(), "text": text, "wav": str(path)}
             used = command_lines.placeholders(words, values, "synthesise")
             output = bytearray()
 

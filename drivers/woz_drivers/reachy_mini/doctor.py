@@ -1,0 +1,106 @@
+"""Examines a Reachy Mini for `woz doctor`: it asks the daemon, and moves nothing."""
+
+from __future__ import annotations
+
+import asyncio
+import statistics
+from typing import Any
+
+import aiohttp
+import msgspec
+
+from woz_drivers.network_address import joined
+from woz_drivers.reachy_mini.daemon_link import read_status
+from woz_drivers.reachy_mini.settings import ReachyMiniSettings
+from woz_drivers.simulated_process import SIMULATED, SimulatedProcess
+from woz_drivers.speech.synthesis import SpeechSynthesis
+from woz_tui.drivers.contract import DeviceLostError, DriverError, Finding, Probe
+
+#: Seconds for each question; a robot that is slow shows as slow, not as gone.
+_WITHIN_S = 3.0
+_QUESTIONS = 20
+#: A slower line lags visibly behind the wizard's key, in milliseconds.
+_SLOW_MS = 50.0
+
+
+async def examine(probe: Probe) -> list[Finding]:
+    """Everything about the daemon, and the voice. Never raises."""
+    settings: ReachyMiniSettings = probe.settings
+    simulated = SimulatedProcess("robot_simulators.reachy_mini", (), probe.folder)
+    try:
+        if settings.address == SIMULATED:
+            place = await simulated.address()
+        else:
+            place = joined(*settings.place)
+        findings = await _visit(settings.address, f"http://{place}/api/")
+    except DriverError as error:
+        findings = [Finding("error", settings.address, error.what, error.remedy)]
+    finally:
+        await simulated.close()
+    return [*findings, await _voice(probe.name, settings, probe)]
+
+
+async def _visit(name: str, base: str) -> list[Finding]:
+    """Findings about a daemon. Raises `DeviceLostError` if it does not answer."""
+    timeout = aiohttp.ClientTimeout(total=_WITHIN_S)
+    try:
+        async with aiohttp.ClientSession(base, timeout=timeout) as session:
+            told = await _asked(session, "daemon/status")
+            if not isinstance(told, dict) or told.get("type") != "daemon_status":
+                text = "answers, but is no daemon of a Reachy Mini, or a very old one"
+                return [Finding("error", name, text, "check the address; update the robot")]
+            status = read_status(told)
+            findings = [await _line(name, session)]
+            running = await _asked(session, "move/running")
+    except (aiohttp.ClientError, OSError, TimeoutError, ValueError) as error:
+        raise DeviceLostError(
+            f"does not answer: {str(error) or type(error).__name__}",
+            "is the robot switched on, and its daemon started? docs/how-to/reachy-mini.md",
+        ) from error
+    kind = "a simulation" if status.simulated else "a robot"
+    findings.append(Finding("ok", name, f"{status.name}, daemon {status.version}, {kind}"))
+    if status.state != "running":
+        text = f"the daemon does not run the robot: {status.error or status.state}"
+        findings.append(Finding("error", name, text, "look at the daemon's log, restart it"))
+    match status.motors:
+        case "enabled":
+            findings.append(Finding("ok", name, "its motors are on"))
+        case mode:
+            remedy = "`torque: on`, or `wake_up`"
+            findings.append(Finding("info", name, f"its motors are {mode or 'unknown'}", remedy))
+    if status.silent:
+        remedy = "start the daemon without --no-media"
+        findings.append(Finding("warning", name, "it has no sound and no camera", remedy))
+    if running:
+        text = f"{len(running)} moves run already"
+        findings.append(Finding("warning", name, text, "does another program move it? end that"))
+    return findings
+
+
+async def _asked(session: aiohttp.ClientSession, path: str) -> Any:
+    async with session.get(path) as answer:
+        answer.raise_for_status()
+        return msgspec.json.decode(await answer.read())
+
+
+async def _line(name: str, session: aiohttp.ClientSession) -> Finding:
+    loop = asyncio.get_running_loop()
+    times_ms = []
+    for _ in range(_QUESTIONS):
+        begun = loop.time()
+        await _asked(session, "motors/status")
+        times_ms.append((loop.time() - begun) * 1000)
+    median, worst = statistics.median(times_ms), max(times_ms)
+    text = f"answers in {median:.1f} ms (worst of {_QUESTIONS}: {worst:.1f} ms)"
+    if median > _SLOW_MS:
+        remedy = "use a cable, or a wireless network of its own on 5 GHz"
+        return Finding("warning", name, text, remedy)
+    return Finding("ok", name, text)
+
+
+async def _voice(name: str, settings: ReachyMiniSettings, probe: Probe) -> Finding:
+    try:
+        made = await SpeechSynthesis(settings.voice, probe.folder).utterance("Hello")
+    except DriverError as error:
+        return Finding("error", name, error.what, error.remedy)
+    return Finding("ok", name, f"its voice: {made.sound.seconds:.1f} s for 'Hello'")

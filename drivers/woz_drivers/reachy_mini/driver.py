@@ -1,0 +1,576 @@
+"""The driver: verbs in; poses, sounds and readings of one Reachy Mini out."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Awaitable, Callable, Iterable, Mapping
+
+from woz_drivers.reachy_mini import doctor, reachy_pose
+from woz_drivers.reachy_mini.daemon_link import DaemonLink
+from woz_drivers.reachy_mini.reachy_body import ReachyBody
+from woz_drivers.reachy_mini.reachy_moves import EMOTIONS, LIBRARIES, MOVES, data_set_and_name
+from woz_drivers.reachy_mini.reachy_pose import ASLEEP, HOME
+from woz_drivers.reachy_mini.reachy_senses import ReachySenses
+from woz_drivers.reachy_mini.reachy_sounds import ReachySounds
+from woz_drivers.reachy_mini.settings import ReachyMiniSettings
+from woz_drivers.simulated.argument_values import did_you_mean
+from woz_tui.drivers.contract import (
+    UNKNOWN,
+    Argument,
+    DeviceLostError,
+    Driver,
+    DriverContext,
+    DriverError,
+    DriverFacts,
+    Finding,
+    Job,
+    Probe,
+    RejectedError,
+    Scope,
+    StopReport,
+    Verb,
+    Written,
+)
+from woz_tui.drivers.fields import Range
+from woz_tui.protocol.messages import Json
+
+#: The bus waits 0.5 s for a stop; what has not confirmed after so long is told as missing.
+STOP_S = 0.45
+#: The robot is let go within so many seconds.
+FAREWELL_S = 1.0
+#: How fast it lies down when it is left alone, in seconds.
+_LIES_DOWN_S = 2.0
+#: Between two moves of the mode `demo`, in seconds.
+_DEMO_PAUSE_S = 2.0
+MODES = ("normal", "tracking", "demo")
+_SILENT = (
+    "no speech and sounds are heard: the daemon runs without media",
+    "start it without --no-media; with a simulated robot they take their time in silence",
+)
+
+Sent = Mapping[str, Json]
+
+# -- what it can do --------------------------------------------------------------------------------
+
+_BODY, _VOICE, _CONTROL = "body", "voice", "control"
+_ANGLE, _METRES, _STEP = Range(-180, 180, "deg"), Range(-100, 100, "m"), Range(-90, 90, "deg")
+_SECONDS = Argument("seconds", "seconds", "0: as fast as it may", False, 0.0, Range(0, 60, "s"))
+
+_SOUND = (
+    Verb(
+        "say",
+        "speak a sentence with a voice made on this machine",
+        (Argument("text", "text", "what to say", required=True),),
+        lane=_VOICE,
+        limit_s=180.0,
+    ),
+    Verb(
+        "sound",
+        "play a WAV file on the robot",
+        (Argument("file", "file", "relative to the experiment's folder", required=True),),
+        lane=_VOICE,
+        limit_s=600.0,
+    ),
+    Verb(
+        "volume",
+        "set how loud the robot is",
+        (Argument("level", "number", "0 mute, 1 full", required=True, range=Range(0, 1)),),
+        lane=_CONTROL,
+    ),
+    Verb(
+        "wobble",
+        "let the head move along with speech and sounds, or not",
+        (Argument("on", "flag", required=True),),
+        lane=_CONTROL,
+    ),
+)
+_POWER = (
+    Verb(
+        "torque",
+        "switch the motors on or off",
+        (
+            Argument("on", "flag", required=True),
+            Argument("by_hand", "flag", "on, but the head can be moved by hand", default=False),
+        ),
+        lane=_CONTROL,
+    ),
+    Verb("wake_up", "switch the motors on and wake up, with a sound", lane=_BODY),
+    Verb("go_to_sleep", "lie down, with a sound; the motors go off", lane=_BODY, limit_s=40.0),
+)
+_RECORDED = Verb(
+    "recorded",
+    "play a recorded move of the robot, with its sound",
+    (Argument("move", "text", "dances/NAME, emotions/NAME, OWNER/DATA-SET/NAME", required=True),),
+    lane=_BODY,
+    limit_s=120.0,
+)
+_EMOTION = Verb(
+    "emotion",
+    "show an emotion by posture and antennas",
+    (
+        Argument("emotion", "choice", required=True, choices=tuple(EMOTIONS)),
+        Argument("intensity", "number", "0 neutral, 1 full", default=1.0, range=Range(0, 1)),
+    ),
+    lane=_BODY,
+)
+
+
+def _moving(settings: ReachyMiniSettings) -> tuple[Verb, ...]:
+    """What a body does in its place, where it follows one."""
+    return (
+        Verb(
+            "play",
+            "play a move",
+            (
+                Argument("move", "choice", required=True, choices=settings.playable),
+                Argument("speed", "number", "2 is twice as fast", False, 1.0, Range(0.1, 4)),
+                Argument("amplitude", "number", "size", False, 1.0, Range(0, 2)),
+            ),
+            lane=_BODY,
+            limit_s=120.0,
+        ),
+        Verb(
+            "pose",
+            "take a pose",
+            (
+                Argument("joints", "joints", "degrees by joint; mm for the ways", required=True),
+                _SECONDS,
+            ),
+            lane=_BODY,
+            limit_s=70.0,
+        ),
+        Verb(
+            "poses",
+            "pass through poses, one after the other",
+            (Argument("poses", "poses", "poses, each with `seconds`", required=True),),
+            lane=_BODY,
+            limit_s=300.0,
+        ),
+        Verb("home", "look ahead, upright", (_SECONDS,), lane=_BODY, limit_s=70.0),
+        Verb(
+            "gaze",
+            "look in a direction, or at a point in space",
+            (
+                Argument("yaw", "number", "left is positive", range=_ANGLE),
+                Argument("pitch", "number", "down is positive", range=Range(-90, 90, "deg")),
+                Argument("x", "number", "metres forward of the head", range=_METRES),
+                Argument("y", "number", "to its left", range=_METRES),
+                Argument("z", "number", "above the head", range=_METRES),
+            ),
+            lane=_BODY,
+            stream=True,
+        ),
+        Verb(
+            "nudge",
+            "turn the head a step from where it looks",
+            (
+                Argument("yaw", "number", "left is positive", default=0.0, range=_STEP),
+                Argument("pitch", "number", "down is positive", default=0.0, range=_STEP),
+            ),
+            lane=_BODY,
+            limit_s=5.0,
+            brief=True,
+        ),
+        Verb(
+            "mode",
+            "tracking: the head follows faces; demo: it shows its moves; normal: neither",
+            (Argument("mode", "choice", required=True, choices=MODES),),
+            lane="mode",
+        ),
+    )
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+class ReachyMini(Driver):
+    """One Reachy Mini behind its daemon."""
+
+    Settings = ReachyMiniSettings
+    summary = "Pollen Robotics' Reachy Mini by its daemon, or a simulated one"
+    facts = DriverFacts(
+        robot=True,
+        needs="the address of its daemon; espeak-ng, or another voice",
+        simulated="address: simulated, with a visitor",
+        stop="its daemon runs no move, its pose stands still, its sound has ended",
+        page="docs/how-to/reachy-mini.md",
+        example="address: simulated",
+    )
+    settings: ReachyMiniSettings
+
+    def __init__(self, name: str, settings: ReachyMiniSettings, context: DriverContext) -> None:
+        super().__init__(name, settings, context)
+        self._link = DaemonLink(
+            settings, context, get_ready=self._get_ready, on_lost=self._when_lost
+        )
+        self._body = ReachyBody(self._link, settings, context)
+        self._sounds = ReachySounds(self._link, settings, context)
+        self._senses = ReachySenses(
+            self._link,
+            settings,
+            context,
+            own_sound=lambda: self._sounds.audible,
+            setpoints=lambda: self._body.setpoint,
+        )
+        self._wobbles = settings.wobble
+        self._mode = MODES[0]
+        self._demo: asyncio.Task[None] | None = None
+        #: Recorded moves by library; None: not asked for, or nobody answered.
+        self._installed: Mapping[str, list[str]] | None = None
+        self._library: asyncio.Task[None] | None = None
+        self._told_silent = self._asked_library = False
+        self._stopped = self._closed = False
+        self._performers: dict[str, Callable[[Job], Awaitable[Sent]]] = {
+            "say": self._sounds.say,
+            "sound": self._sounds.sound,
+            "volume": self._volume,
+            "wobble": self._wobble,
+            "torque": self._torque,
+            "wake_up": self._wake_up,
+            "go_to_sleep": self._go_to_sleep,
+            "recorded": self._recorded,
+            "emotion": self._emotion,
+            "play": self._play,
+            "pose": self._pose,
+            "poses": self._poses,
+            "home": self._home,
+            "gaze": self._gaze,
+            "nudge": self._nudge,
+            "mode": self._set_mode,
+        }
+        self._offered = {verb.name for verb in self.verbs(settings)}
+
+    @classmethod
+    def verbs(cls, settings: ReachyMiniSettings) -> tuple[Verb, ...]:
+        """Speech, sounds, poses, moves, emotions, gaze, motors; a body that is followed has the
+        verbs of movement in its place.
+        """
+        moving = () if settings.follows else _moving(settings)
+        return (*_SOUND, *moving, _EMOTION, _RECORDED, *_POWER)
+
+    @classmethod
+    def sensors(cls, settings: ReachyMiniSettings) -> tuple[str, ...]:
+        """Joints, a face, the direction of sound, speech."""
+        return ReachySenses.sensors(settings)
+
+    @classmethod
+    def joints(cls, settings: ReachyMiniSettings) -> Mapping[str, Range]:
+        """Joints with their ranges in degrees, or millimetres."""
+        return reachy_pose.joint_ranges()
+
+    @classmethod
+    def remarks(cls, settings: ReachyMiniSettings, written: Written) -> Iterable[Finding]:
+        """A recorded move that is written as none."""
+        move = written.args.get("move") if written.verb == "recorded" else None
+        if isinstance(move, str) and UNKNOWN not in move:
+            try:
+                data_set_and_name(move)
+            except RejectedError as error:
+                yield Finding("warning", "move", error.what, error.remedy)
+
+    @classmethod
+    async def examine(cls, probe: Probe) -> list[Finding]:
+        """Look whether the daemon is there and what it lacks, without moving anything."""
+        return await doctor.examine(probe)
+
+    # -- life ------------------------------------------------------------------------------------
+
+    async def open(self) -> None:
+        """Begin to look for the daemon."""
+        self._link.start()
+
+    async def prepare(self, utterances: list[str]) -> None:
+        """Synthesise what will be said, and send it to the robot."""
+        await self._sounds.prepare(utterances)
+
+    async def perform(self, job: Job) -> Sent:
+        """Carry out a verb. Raises `DeviceLostError` while the daemon is not there."""
+        performer = self._performers.get(job.verb) if job.verb in self._offered else None
+        if performer is None:
+            raise RejectedError(f"a Reachy Mini cannot {job.verb!r}")
+        if self._closed:
+            raise DeviceLostError("the robot's driver is closed")
+        self._link.need()
+        if self._demo is not None and job.verb in _ENDS_DEMO:
+            await self._end_demo()
+        return await performer(job)
+
+    async def stop(self, scope: Scope) -> StopReport | None:
+        """Stand still and fall silent; return which of both was confirmed in time.
+
+        It has no wheels: nothing carries it through the room.
+        """
+        if scope is Scope.DRIVE or not self._link.ready:
+            return None
+        self._stopped = True
+        if self._demo is not None:
+            self._demo.cancel()
+        parts = {
+            asyncio.ensure_future(self._stop_motion()): "motion",
+            asyncio.ensure_future(self._sounds.stop()): "sound",
+        }
+        await asyncio.wait(parts, timeout=STOP_S)
+        confirmed, missing = [], []
+        for part, name in parts.items():
+            if part.done() and not part.cancelled() and part.exception() is None:
+                confirmed.append(name)
+            else:
+                missing.append(name)
+                part.cancel()
+        return StopReport(tuple(confirmed), tuple(missing))
+
+    async def _stop_motion(self) -> None:
+        tracked, self._mode = self._mode == "tracking", MODES[0]
+        await asyncio.gather(
+            *(self._senses.track(False) for _ in range(tracked)), self._body.stop()
+        )
+        self.context.mode(self._mode)
+
+    async def resume(self) -> None:
+        """The stop was released: a body is followed again."""
+        self._stopped = False
+        self._body.resume()
+
+    async def rest(self) -> None:
+        """Lie down slowly and without a sound; then the motors go off."""
+        if not self.settings.sleeps or not self._link.ready:
+            return
+        await self._end_demo()
+        if self._link.status.motors == "enabled":
+            await self._body.lie_down(ASLEEP, _LIES_DOWN_S)
+            await self._link.set_motors("disabled")
+
+    async def close(self) -> None:
+        """Let go of the daemon; the robot stays as it is, and does nothing by itself."""
+        if self._closed:
+            return
+        self._closed = True
+        await self._end_demo()
+        if self._library is not None:
+            self._library.cancel()
+            await asyncio.gather(self._library, return_exceptions=True)
+        await self._senses.close()
+        await asyncio.gather(self._body.close(), self._sounds.close())
+        if self._link.ready:
+            with contextlib.suppress(DriverError, TimeoutError):
+                async with asyncio.timeout(FAREWELL_S):
+                    await self._link.ask("POST", "media/tracking/disable")
+                    await self._link.ask("POST", "media/wobbling/disable")
+        await self._link.close()
+
+    # -- the daemon ------------------------------------------------------------------------------
+
+    async def _get_ready(self) -> None:
+        """The daemon is there, for the first time or again."""
+        self._sounds.forget()
+        await self._link.ask("POST", f"media/wobbling/{_able(self._wobbles)}")
+        await self._senses.connected()
+        self.context.mode(self._mode)
+        if self._link.status.silent and not self._told_silent:
+            self._told_silent = True
+            self.context.notice("warning", *_SILENT)
+        if self.settings.libraries and not self._asked_library:
+            self._asked_library = True
+            self._library = asyncio.create_task(self._ask_library(), name="reachy-mini library")
+        self._body.follow()
+
+    def _when_lost(self, error: DeviceLostError) -> None:
+        self._mode = MODES[0]
+        if self._demo is not None:
+            self._demo.cancel()
+        self._body.forget()
+        self._senses.lost()
+
+    async def _ask_library(self) -> None:
+        """Say which recorded moves are there. Asked once: a daemon that has none looks for them in
+        the network, and says and does nothing in the meantime.
+        """
+        try:
+            self._installed = await self._link.installed()
+        except DeviceLostError:
+            self.context.notice(
+                "warning",
+                "the daemon did not say which recorded moves it has",
+                "without a network: set `libraries: false`; the driver's own moves need nothing",
+            )
+            return
+        there = [f"{len(moves)} {name}" for name, moves in self._installed.items()]
+        absent = [name for name in LIBRARIES if name not in self._installed]
+        self.context.notice(
+            "info",
+            "recorded moves on the robot: "
+            + (", ".join(there) or "none")
+            + (f"; not installed: {', '.join(absent)}" if absent else ""),
+            "give the robot a network once, and it fetches them" if absent else "",
+        )
+
+    # -- moving ----------------------------------------------------------------------------------
+
+    async def _pose(self, job: Job) -> Sent:
+        return await self._go(job, reachy_pose.wanted_joints(job.args["joints"]))
+
+    async def _home(self, job: Job) -> Sent:
+        return await self._go(job, HOME)
+
+    async def _go(self, job: Job, wanted: Mapping[str, float]) -> Sent:
+        job.expects(self._body.seconds_for(wanted, job.args["seconds"]))
+        return await self._body.go(wanted, job.args["seconds"])
+
+    async def _poses(self, job: Job) -> Sent:
+        poses = [
+            (reachy_pose.wanted_joints(pose["joints"]), max(float(pose.get("seconds", 0.5)), 0.0))
+            for pose in job.args["poses"]
+        ]
+        job.expects(sum(seconds for _, seconds in poses))
+        total = 0.0
+        joints: dict[str, float] = {}
+        for wanted, seconds in poses:
+            sent = await self._body.go(wanted, seconds)
+            total, joints = total + sent["seconds"], {**joints, **sent["joints"]}
+        return {"joints": joints, "seconds": round(total, 3)}
+
+    async def _play(self, job: Job) -> Sent:
+        name = job.args["move"]
+        if name in self.settings.recorded:
+            return {"move": name, **await self._play_recorded(self.settings.recorded[name])}
+        return {"move": name, **await self._own_move(job, name)}
+
+    async def _own_move(self, job: Job, name: str) -> Sent:
+        how = (MOVES[name], self._body.pose, job.args["amplitude"], job.args["speed"])
+        job.expects(self._body.gesture_s(*how))
+        seconds = await self._body.gesture(*how)
+        return {"seconds": round(seconds, 3), "amplitude": job.args["amplitude"]}
+
+    async def _recorded(self, job: Job) -> Sent:
+        return await self._play_recorded(str(job.args["move"]))
+
+    async def _play_recorded(self, move: str) -> Sent:
+        data_set, name = data_set_and_name(move)
+        library = next((ours for ours, theirs in LIBRARIES.items() if theirs == data_set), None)
+        if library is not None and self._installed is not None:
+            there = self._installed.get(library)
+            if there is None:
+                raise RejectedError(
+                    f"the robot has no {library}",
+                    "give it a network once, and it fetches them; `play` and `emotion` need none",
+                )
+            if name not in there:
+                raise RejectedError(f"{library} have no {name!r}", did_you_mean(name, there))
+        await self._body.play(f"recorded-move-dataset/{data_set}/{name}")
+        return {"recorded": move}
+
+    async def _emotion(self, job: Job) -> Sent:
+        emotion, intensity = job.args["emotion"], job.args["intensity"]
+        recorded = self.settings.emotions.get(emotion)
+        if recorded and self._has(recorded):
+            return {"emotion": emotion, **await self._play_recorded(recorded)}
+        frames = EMOTIONS[emotion]
+        if self._body.following:
+            self._body.need_motors()
+            await self._body.express(frames, intensity)
+        else:
+            looks = {name: self._body.pose[name] for name in ("pan", "tilt", "body")}
+            how = (frames, {**HOME, **looks}, intensity, 1.0)
+            job.expects(self._body.gesture_s(*how))
+            await self._body.gesture(*how)
+        return {"emotion": emotion, "intensity": intensity}
+
+    def _has(self, move: str) -> bool:
+        data_set, name = data_set_and_name(move)
+        known = {LIBRARIES[library]: moves for library, moves in (self._installed or {}).items()}
+        return name in known.get(data_set, ()) if data_set in LIBRARIES.values() else True
+
+    async def _gaze(self, job: Job) -> Sent:
+        args = {name: at for name, at in job.args.items() if at is not None}
+        if {"x", "y", "z"} & set(args):
+            wanted = reachy_pose.aimed_at(*(args.get(axis, 0.0) for axis in ("x", "y", "z")))
+        else:
+            names = {"yaw": "pan", "pitch": "tilt"}
+            wanted = {names[key]: at for key, at in args.items() if key in names}
+        if not wanted:
+            raise RejectedError("neither a direction nor a point was given")
+        return await self._aim(wanted)
+
+    async def _nudge(self, job: Job) -> Sent:
+        aimed = self._body.pose
+        return await self._aim(
+            {"pan": aimed["pan"] + job.args["yaw"], "tilt": aimed["tilt"] + job.args["pitch"]}
+        )
+
+    async def _aim(self, wanted: Mapping[str, float]) -> Sent:
+        if self._mode == "tracking":
+            raise RejectedError("the head follows faces", "`mode: normal` first")
+        aimed = await self._body.aim(wanted)
+        return {"yaw": aimed.get("pan"), "pitch": aimed.get("tilt")}
+
+    # -- modes and motors ------------------------------------------------------------------------
+
+    async def _set_mode(self, job: Job) -> Sent:
+        mode, was = job.args["mode"], self._mode
+        await self._end_demo()
+        if "tracking" in (mode, was):
+            await self._senses.track(mode == "tracking")
+            self._body.forget()
+        if mode == "demo":
+            self._body.need_motors()
+            self._demo = asyncio.create_task(self._show(), name="reachy-mini demo")
+        self._mode = mode
+        self.context.mode(mode)
+        return {"mode": mode, "was": was}
+
+    async def _show(self) -> None:
+        """Play every move and show every emotion, again and again."""
+        with contextlib.suppress(DriverError):
+            while True:
+                for frames in (*MOVES.values(), *EMOTIONS.values()):
+                    await self._body.gesture(frames, HOME, 1.0, 1.0)
+                    await self._link.pause(_DEMO_PAUSE_S)
+
+    async def _end_demo(self) -> None:
+        demo, self._demo = self._demo, None
+        if demo is not None:
+            demo.cancel()
+            await asyncio.gather(demo, return_exceptions=True)
+            self._mode = MODES[0]
+            self.context.mode(self._mode)
+
+    async def _torque(self, job: Job) -> Sent:
+        by_hand = job.args["by_hand"]
+        mode = "gravity_compensation" if by_hand else "enabled"
+        mode = mode if job.args["on"] else "disabled"
+        self._body.forget()
+        await self._link.set_motors(mode)
+        self._body.follow()
+        return {"on": job.args["on"], "motors": mode}
+
+    async def _wake_up(self, job: Job) -> Sent:
+        await self._link.set_motors("enabled")
+        await self._body.play("wake_up")
+        return {}
+
+    async def _go_to_sleep(self, job: Job) -> Sent:
+        await self._body.play("goto_sleep")
+        await self._link.set_motors("disabled")  # they are: only the newest status may not say so
+        return {}
+
+    async def _volume(self, job: Job) -> Sent:
+        return await self._sounds.set_volume(job.args["level"])
+
+    async def _wobble(self, job: Job) -> Sent:
+        on = job.args["on"]
+        await self._link.ask("POST", f"media/wobbling/{_able(on)}")
+        self._wobbles = on
+        return {"on": on}
+
+
+#: What moves it ends the mode `demo`.
+_ENDS_DEMO = frozenset(
+    verb.name
+    for verb in (*_moving(ReachyMiniSettings()), _EMOTION, _RECORDED, *_POWER)
+    if verb.name != "mode"
+)
+
+
+def _able(on: bool) -> str:
+    return "enable" if on else "disable"

@@ -1,0 +1,202 @@
+"""What the robot perceives, as readings: joints, a face, the direction of sound, speech."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections.abc import Callable
+
+from woz_drivers.reachy_mini.daemon_link import DaemonLink
+from woz_drivers.reachy_mini.reachy_pose import LIMITS, Pose
+from woz_drivers.reachy_mini.settings import ReachyMiniSettings
+from woz_tui.drivers.contract import SPEECH, DeviceLostError, DriverContext, DriverError
+from woz_tui.motion.body_feeds import SEEN, Sighting
+from woz_tui.motion.safety import finite_number
+from woz_tui.protocol.messages import SpeechEnded, SpeechStarted
+
+FACE, DIRECTION = ("presence", "face.x", "face.y"), ("direction",)
+#: The daemon looks for faces only while it follows them, a little at least. With this weight the
+#: head does not move by it: a face at the edge of the picture turns it by a tenth of a degree.
+_WATCHES = 0.003
+#: Speech ends when none was noticed for so long, in seconds.
+_SILENCE_S = 0.8
+#: With this a face or a sound that the robot cannot tell of is said once.
+_ABSENT = {
+    FACE[0]: "the robot's camera is not there for its daemon",
+    DIRECTION[0]: "the robot's microphones tell no direction",
+}
+
+
+class ReachySenses:
+    """Asks the daemon `settings.rate` times a second while it is there. `own_sound()` says whether
+    the robot itself is to be heard, which is nobody's speech.
+    """
+
+    def __init__(
+        self,
+        link: DaemonLink,
+        settings: ReachyMiniSettings,
+        context: DriverContext,
+        own_sound: Callable[[], bool],
+        setpoints: Callable[[], Pose],
+    ) -> None:
+        self._link = link
+        self._settings = settings
+        self._context = context
+        self._own_sound = own_sound
+        self._setpoints = setpoints
+        self._seen = context.feed(SEEN)
+        self._frame = 0
+        #: Whether the head follows faces; None: the daemon does not look for any.
+        self.tracks: bool | None = None
+        self._polling: asyncio.Task[None] | None = None
+        self._segment = 0
+        #: When the segment under way began and speech was heard last; None: nobody speaks.
+        self._began_us: int | None = None
+        self._heard_us = 0
+        self._states: dict[str, str] = {}
+
+    @staticmethod
+    def sensors(settings: ReachyMiniSettings) -> tuple[str, ...]:
+        """Names of the readings."""
+        joints = tuple(f"{kind}.{name}" for name in LIMITS for kind in ("joint", "setpoint"))
+        face = FACE if settings.face else ()
+        return (*joints, *face, *((*DIRECTION, SPEECH) if settings.direction else ()))
+
+    async def connected(self) -> None:
+        """Begin to look and listen. Raises `DriverError`."""
+        await self.track(False)
+        self._states.clear()
+        if self._polling is None or self._polling.done():
+            self._polling = asyncio.get_running_loop().create_task(
+                self._poll(), name="reachy-mini senses"
+            )
+
+    async def track(self, on: bool) -> None:
+        """Have the head follow faces, or leave it alone. Raises `DriverError` without a camera."""
+        watches = on or self._settings.face
+        if watches and not self._link.status.silent:
+            weight = 1.0 if on else _WATCHES
+            answer = await self._link.ask("POST", "media/tracking/enable", json={"weight": weight})
+            there = isinstance(answer, dict) and answer.get("enabled") is True
+        else:
+            await self._link.ask("POST", "media/tracking/disable")
+            there = False
+        self.tracks = on if there else None
+        if on and not there:
+            raise DriverError(_ABSENT[FACE[0]], "start the daemon with its media")
+
+    def lost(self) -> None:
+        """Nobody knows whether they speak on."""
+        self._end_polling()
+        if self._began_us is not None:
+            self._end_speech("the robot is not connected")
+        for sensor in ("presence", "direction", SPEECH):
+            if sensor in self._states:
+                self._state(sensor, "stale", "the robot is not connected")
+
+    async def close(self) -> None:
+        """Look no more; the head is left where it is."""
+        self._end_polling()
+        if self._polling is not None:
+            await asyncio.gather(self._polling, return_exceptions=True)
+        if self._began_us is not None:
+            self._end_speech("the session ended")
+
+    def _end_polling(self) -> None:
+        if self._polling is not None:
+            self._polling.cancel()
+
+    async def _poll(self) -> None:
+        while True:
+            self._tell_joints()
+            for asks, sensor in ((self._hear, DIRECTION[0]), (self._see, FACE[0])):
+                try:
+                    await asks()
+                except DeviceLostError:
+                    return
+                except DriverError as error:
+                    self._state(sensor, "stale", error.what)
+            await asyncio.sleep(1 / self._settings.rate)
+
+    def _tell_joints(self) -> None:
+        for kind, pose in (("joint", self._link.pose), ("setpoint", self._setpoints())):
+            for name, at in pose.items():
+                unit = "mm" if LIMITS[name].high <= 30 else "deg"
+                self._context.reading(f"{kind}.{name}", round(at, 2), unit=unit)
+
+    # -- sound -----------------------------------------------------------------------------------
+
+    async def _hear(self) -> None:
+        if not self._settings.direction:
+            return
+        match await self._link.ask("GET", "state/doa"):
+            case {"angle": int() | float() as angle, "speech_detected": bool(speech)}:
+                # On the wire 0 is left, a quarter turn ahead and half a turn right.
+                degrees = 90.0 - math.degrees(angle)
+                self._state(DIRECTION[0], "ok")
+                self._state(SPEECH, "ready", "the microphones tell when somebody speaks")
+                if speech and not self._own_sound():
+                    self._context.reading(DIRECTION[0], round(degrees, 1), unit="deg", raw=angle)
+                self._speech(speech and not self._own_sound())
+            case None:
+                self._state(DIRECTION[0], "silent", _ABSENT[DIRECTION[0]])
+                self._state(SPEECH, "silent", _ABSENT[DIRECTION[0]])
+            case other:
+                raise DriverError(f"the direction of sound is {repr(other)[:60]}")
+
+    def _speech(self, speaks: bool) -> None:
+        now = self._context.clock.now_us()
+        if speaks:
+            self._heard_us = now
+            if self._began_us is None:
+                self._segment += 1
+                self._began_us = self._context.t(now)
+                self._context.tell(
+                    SpeechStarted(driver="", segment=self._segment, began=self._began_us)
+                )
+        elif self._began_us is not None and now - self._heard_us > _SILENCE_S * 1e6:
+            self._end_speech("")
+
+    def _end_speech(self, why: str) -> None:
+        began, self._began_us = self._began_us, None
+        assert began is not None
+        self._context.tell(
+            SpeechEnded(
+                driver="",
+                segment=self._segment,
+                began=began,
+                ended=max(began, self._context.t(self._heard_us)),
+                detail=why,
+            )
+        )
+
+    # -- faces -----------------------------------------------------------------------------------
+
+    async def _see(self) -> None:
+        if not self._settings.face:
+            return
+        if self.tracks is None:
+            self._state(FACE[0], "silent", _ABSENT[FACE[0]])
+            return
+        match await self._link.ask("GET", "media/tracking/face"):
+            case {"face_target": {"detected": bool(detected), **where}}:
+                x, y = finite_number(where.get("x")), finite_number(where.get("y"))
+                seen = detected and x is not None and y is not None
+                self._state(FACE[0], "ok")
+                self._context.reading(FACE[0], float(seen))
+                self._context.reading(FACE[1], x if seen else None)
+                self._context.reading(FACE[2], y if seen else None)
+                self._tell_body(x if seen else None, y if seen else None)
+            case other:
+                raise DriverError(f"the tracked face is {repr(other)[:60]}")
+
+    def _tell_body(self, x: float | None, y: float | None) -> None:
+        """For a body whose `camera` this driver is."""
+        self._frame += 1
+        self._seen.put(Sighting(self._context.clock.now_us(), self._frame, x, y))
+
+    def _state(self, sensor: str, state: str, why: str = "") -> None:
+        if self._states.get(sensor) != state:
+            self._states[sensor] = state
+            self._context.sensor(sensor, state, why)

@@ -1,0 +1,147 @@
+"""Speech and sounds on the robot's loudspeaker: synthesised or found here, sent once, played there.
+
+The daemon has one player, and a new sound ends the one before: so both share a lane. It does not
+say when a sound has ended; a sound lasts as long as its file.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import hashlib
+from collections.abc import Coroutine, Mapping
+from pathlib import Path
+from typing import Any
+
+import aiohttp
+
+from woz_drivers.reachy_mini.daemon_link import QUICK_S, UPLOAD_S, DaemonLink
+from woz_drivers.reachy_mini.settings import ReachyMiniSettings
+from woz_drivers.speech.synthesis import SpeechSynthesis, read_wav, spoken_text
+from woz_drivers.wav import Wav
+from woz_drivers.web_socket_line import AnswerError
+from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, Job, RejectedError
+from woz_tui.protocol.messages import Json
+
+#: A robot without sound that is no simulation must not seem to speak.
+_NO_SOUND = DriverError(
+    "the robot's daemon runs without sound",
+    "start it without --no-media, or let go of its media in the other program",
+)
+
+
+class ReachySounds:
+    """The loudspeaker; one sound at a time."""
+
+    def __init__(
+        self, link: DaemonLink, settings: ReachyMiniSettings, context: DriverContext
+    ) -> None:
+        self._link = link
+        self._context = context
+        self._synthesis = SpeechSynthesis(settings.voice, context.folder)
+        #: Names of files that the robot has; it forgets them when it is switched off.
+        self._sent: set[str] = set()
+        self._tidying: set[asyncio.Task[None]] = set()
+        #: Whether something of ours is to be heard now.
+        self.audible = False
+
+    async def say(self, job: Job) -> Mapping[str, Json]:
+        """Speak; ends when the sound has ended."""
+        text = spoken_text(str(job.args["text"]))
+        utterance = await self._synthesis.utterance(text)
+        heard = await self._play(job, utterance.sound)
+        return {"text": text, "source": utterance.source} | heard
+
+    async def sound(self, job: Job) -> Mapping[str, Json]:
+        """Play a file of this machine."""
+        file = str(job.args["file"])
+        wav = await asyncio.to_thread(read_wav, self._context.folder / Path(file))
+        return {"file": file} | await self._play(job, wav)
+
+    async def prepare(self, utterances: list[str]) -> None:
+        """Synthesise what will be said, and send it to the robot."""
+        try:
+            for text in utterances:
+                with contextlib.suppress(RejectedError):
+                    utterance = await self._synthesis.utterance(spoken_text(text))
+                    if self._link.ready and not self._link.status.silent:
+                        await self._deliver(utterance.sound)
+        except DeviceLostError:
+            return
+        except DriverError as error:
+            text = f"speech not prepared: {error.what}"
+            self._context.notice("warning", text, error.remedy, tells=("request",))
+
+    async def set_volume(self, level: float) -> dict[str, Json]:
+        """Set the loudspeaker's volume, for all of its sounds; 0 to 1."""
+        percent = round(level * 100)
+        await self._link.send_volume(percent)
+        try:
+            found = await self._link.ask("GET", "volume/current")
+        except AnswerError as error:
+            raise DriverError("the robot has no volume to set", "look at its sound") from error
+        match found:
+            case {"volume": int(found)}:
+                if abs(found - percent) > 1:
+                    raise DriverError(
+                        f"the volume stays at {found} %", "look at the sound system of the robot"
+                    )
+                return {"level": level}
+        raise DriverError("the robot does not say its volume", "restart its daemon")
+
+    async def stop(self) -> None:
+        """Fall silent, whoever began the sound; returns when the daemon has confirmed it."""
+        await self._link.ask("POST", "media/stop_sound", within=QUICK_S)
+        while self._tidying:
+            await asyncio.wait(set(self._tidying))
+
+    def forget(self) -> None:
+        """The robot may have been switched off: it has no file of ours any more."""
+        self._sent.clear()
+
+    async def close(self) -> None:
+        """Wait until a sound that was broken off has ended."""
+        if self._tidying:
+            await asyncio.wait(set(self._tidying), timeout=0.5)
+            for task in self._tidying:
+                task.cancel()
+
+    async def _play(self, job: Job, wav: Wav) -> dict[str, Json]:
+        status = self._link.status
+        if status.silent and not status.simulated:
+            raise _NO_SOUND
+        while self._tidying:
+            await asyncio.wait(set(self._tidying))
+        name = "" if status.silent else await self._deliver(wav)
+        job.expects(wav.seconds)
+        self.audible = True
+        try:
+            if name:
+                await self._link.ask("POST", "media/play_sound", json={"file": name})
+            await self._link.pause(wav.seconds)
+        except asyncio.CancelledError:
+            self._tidy(self._silence())
+            raise
+        finally:
+            self.audible = False
+        return {"seconds": round(wav.seconds, 3), "heard": bool(name)}
+
+    async def _deliver(self, wav: Wav) -> str:
+        """Have the robot have this sound; the name that it has there."""
+        content = await asyncio.to_thread(wav.to_bytes)
+        name = f"woz-{hashlib.sha256(content).hexdigest()[:24]}.wav"
+        if name not in self._sent:
+            form = aiohttp.FormData()
+            form.add_field("file", content, filename=name, content_type="audio/wav")
+            await self._link.ask("POST", "media/sounds/upload", data=form, within=UPLOAD_S)
+            self._sent.add(name)
+        return name
+
+    async def _silence(self) -> None:
+        with contextlib.suppress(DriverError):
+            await self._link.ask("POST", "media/stop_sound", within=QUICK_S)
+
+    def _tidy(self, work: Coroutine[Any, Any, None]) -> None:
+        task = asyncio.get_running_loop().create_task(work, name="reachy-mini falls silent")
+        self._tidying.add(task)
+        task.add_done_callback(self._tidying.discard)

@@ -1,0 +1,91 @@
+"""The settings of a Reachy Mini in a robot file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Annotated
+
+from woz_drivers.network_address import host_and_port
+from woz_drivers.reachy_mini.reachy_moves import EMOTIONS, MOVES, data_set_and_name
+from woz_drivers.simulated_process import SIMULATED
+from woz_drivers.speech.settings import SynthesisSettings
+from woz_tui.drivers.contract import RejectedError
+from woz_tui.drivers.fields import Doc, Range, Section, Sibling
+
+#: Where the vendor's daemon listens unless it is told otherwise.
+PORT = 8000
+ADDRESS_EXAMPLES = f"write reachy-mini.local, 127.0.0.1:{PORT} or {SIMULATED}"
+
+
+@dataclass(frozen=True, slots=True)
+class ReachyMiniSettings(Section):
+    """One Reachy Mini: where its daemon is, and what the driver does with it."""
+
+    address: Annotated[
+        str, Doc("the daemon's host or host:port, such as reachy-mini.local; or simulated")
+    ] = SIMULATED
+    follows: Annotated[
+        str, Sibling(), Doc("driver of type body that moves it; empty: it moves as it is asked to")
+    ] = ""
+    twitches: Annotated[
+        float,
+        Range(0, 60, "/min"),
+        Doc("how often the antennas twitch, as eyes blink, while it follows a body"),
+    ] = 8.0
+    voice: Annotated[
+        SynthesisSettings, Doc("how its speech is made; the robot itself has no voice")
+    ] = field(default_factory=SynthesisSettings)
+    wobble: Annotated[bool, Doc("the head moves along with speech and sounds")] = True
+    face: Annotated[bool, Doc("have the daemon look for a face: presence, face.x, face.y")] = True
+    direction: Annotated[bool, Doc("read the direction of sound, and whether it is speech")] = True
+    rate: Annotated[float, Range(1, 20, "Hz"), Doc("readings a second")] = 5.0
+    recorded: Annotated[
+        Mapping[str, str],
+        Doc("recorded moves that `play` takes, too: {sway: dances/side_to_side_sway}"),
+    ] = field(default_factory=dict)
+    emotions: Annotated[
+        Mapping[str, str],
+        Doc("recorded moves in place of the driver's emotions: {happy: emotions/cheerful1}"),
+    ] = field(default_factory=dict)
+    libraries: Annotated[
+        bool, Doc("ask the daemon at the start which recorded moves are installed")
+    ] = True
+    sleeps: Annotated[
+        bool, Doc("left alone it lies down and its motors go off; else it stays as it is")
+    ] = True
+    pace: Annotated[
+        float, Range(0.01, 100), Doc("of the simulated robot only: how fast its time passes")
+    ] = 1.0
+
+    def problems(self) -> list[tuple[str, str]]:
+        """What no daemon can be reached with, by the setting's path."""
+        found = [(f"voice.{path}", what) for path, what in self.voice.problems()]
+        return [*found, *self._address_problems(), *self._recorded_problems()]
+
+    @property
+    def place(self) -> tuple[str, int]:
+        """Host and port of the daemon. Raises `RejectedError` if `address` is none."""
+        return host_and_port(self.address, PORT, ADDRESS_EXAMPLES)
+
+    @property
+    def playable(self) -> tuple[str, ...]:
+        """Everything that `play` takes."""
+        return tuple(sorted({*MOVES, *self.recorded}))
+
+    def _address_problems(self) -> Iterator[tuple[str, str]]:
+        if self.address != SIMULATED:
+            try:
+                _ = self.place
+            except RejectedError as error:
+                yield "address", f"{error.what}; {error.remedy}"
+
+    def _recorded_problems(self) -> Iterator[tuple[str, str]]:
+        for path, moves in (("recorded", self.recorded), ("emotions", self.emotions)):
+            for name, move in moves.items():
+                if path == "emotions" and name not in EMOTIONS:
+                    yield f"emotions.{name}", f"there is no such emotion; {', '.join(EMOTIONS)}"
+                try:
+                    data_set_and_name(move)
+                except RejectedError as error:
+                    yield f"{path}.{name}", f"{error.what}; {error.remedy}"

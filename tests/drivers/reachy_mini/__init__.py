@@ -1,0 +1,1 @@
+"""Tests of the driver for Reachy Mini, on the simulated one."""

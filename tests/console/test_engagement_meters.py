@@ -165,6 +165,19 @@ def test_without_a_level_the_speech_is_told_by_itself() -> None:
     assert "speech 3.1 s" in meters(engaged.shown("UserSpeaks"), engaged.speaks())
 
 
+def test_what_was_understood_so_far_is_shown_while_it_is_said() -> None:
+    before = scenes.reading(NOW - 9 * SECOND, "speech", None, text="of before", driver="microphone")
+    said = scenes.reading(NOW - SECOND, "speech", None, text="where is the", driver="microphone")
+    speaks = (engaged.shown("UserSpeaks"), *engaged.talk(), engaged.speaks())
+    assert "where is the roman glass" in meters(*speaks, before)
+    shown = meters(*speaks, before, said)
+    assert "“where is the …" in shown
+    assert "roman glass" not in shown
+    ended = m.SpeechEnded(driver="microphone", segment=9, began=NOW - 9, ended=NOW, t=NOW)
+    text = m.SpeechText(driver="microphone", segment=9, text="where is the cloakroom", t=NOW)
+    assert "where is the cloakroom" in meters(*speaks, said, ended, text)
+
+
 def test_nobody_knows_of_speech_when_the_microphone_is_gone() -> None:
     lost = m.DriverLost(driver="microphone", detail="unplugged", t=NOW)
     state = ConsoleState()

@@ -53,6 +53,12 @@ def test_the_spot_moves_with_the_distance() -> None:
     assert at(0.2) < at(1.0) < at(3.0) <= at(4.7) == at(40.0)
 
 
+def test_what_was_understood_of_speech_is_shown_where_there_is_no_model() -> None:
+    assert "speech" not in meters(m.SensorChanged(sensor="speech", state="ready", t=NOW))
+    said = scenes.reading(NOW, "speech", None, text="where is the", driver="furhat")
+    assert "where is the" in meters(said)
+
+
 def test_old_values_look_old() -> None:
     reading = scenes.reading(NOW - 4_000_000, "distance", 1.0)
     (row,) = meter_rows(pictured(reading), FRAME)

@@ -168,8 +168,13 @@ def other_rows(state: ConsoleState, frame: PaintFrame, known: Sequence[str]) -> 
     """
     groups: dict[str, list[SensorView]] = {}
     for name in sorted(state.sensors, key=lambda name: (len(name), name)):
-        told = any(shape.fullmatch(name) for shape in (_JOINT, _THRESHOLD, _FOR_THE_LOG))
-        if name not in known and not told and (sensor := state.sensor(name)) is not None:
+        told = any(shape.fullmatch(name) for shape in (_JOINT, _THRESHOLD))
+        sensor = state.sensor(name)
+        if sensor is None or name in known or told:
+            continue
+        # What was understood of speech is in the model's rows, where there is a model.
+        understood = bool(sensor.text) and state.engaged.shown is None
+        if understood or not _FOR_THE_LOG.fullmatch(name):
             groups.setdefault(name.rpartition(".")[0] or name, []).append(sensor)
     names = sorted(groups, key=lambda name: (name in _LAST, name))
     return {name: _group(name, groups[name], state, frame) for name in names}

@@ -111,7 +111,7 @@ class Furhat(Driver):
         super().__init__(name, settings, context)
         self._link = FurhatLink(settings, context, get_ready=self._get_ready, on_lost=self._lost)
         about = (self._link, settings, context)
-        head = FurhatHead(*about)
+        self._head = head = FurhatHead(*about)
         self._hearing = FurhatHearing(*about)
         self._parts: tuple[FurhatPart, ...] = (
             *(FurhatSpeech(*about), FurhatFace(*about, head), head, FurhatLight(*about)),
@@ -167,7 +167,10 @@ class Furhat(Driver):
 
     async def stop(self, scope: Scope) -> StopReport | None:
         """End speech and gestures and hold the gaze; each confirms with the robot's own event."""
-        if scope is not Scope.ALL or not self._link.ready:
+        if scope is not Scope.ALL:
+            return None
+        if not self._link.ready:
+            self._head.let_go()
             return None
         until = asyncio.get_running_loop().time() + STOP_S
         ends: dict[str, list[asyncio.Future[Any]]] = {}

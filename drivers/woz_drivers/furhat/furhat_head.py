@@ -130,6 +130,12 @@ class FurhatHead(FurhatPart):
             return [self._turn.over]
         return []
 
+    def let_go(self) -> None:
+        """Follow nobody when the robot is back: the stop was pressed while it was away."""
+        if self._followed and self._followed != "nobody":
+            self._yaw, self._pitch = self.direction()
+            self._followed = ""
+
     async def connected(self) -> None:
         """Look where it was told to last."""
         if self._followed:

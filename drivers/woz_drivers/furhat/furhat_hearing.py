@@ -35,6 +35,8 @@ class FurhatHearing(FurhatPart):
         self._segment = 0
         #: When the segment under way began; None: nobody speaks.
         self._began: int | None = None
+        #: Whether the last segment has ended before its text came.
+        self._textless = False
         #: Whether it has to be asked to listen again.
         self.restarts = False
         link.on(ListenStarted, self._started)
@@ -121,7 +123,7 @@ class FurhatHearing(FurhatPart):
 
     def _ended(self, event: ListenEnded) -> None:
         self._listens = False
-        self._cut(f"the robot stopped listening ({event.cause or 'it does not say why'})")
+        self._cut("")  # what it has understood of that is still told
         self.restarts = self._wanted and event.cause not in _BY_ITSELF
         self._state()
 
@@ -132,23 +134,26 @@ class FurhatHearing(FurhatPart):
             self._context.sensor(SPEECH, "paused", "the robot does not listen now")
 
     def _hears(self, _: HearStarted) -> None:
-        self._cut("another utterance has begun")
+        self._cut("")
         self._begin()
 
     def _hears_so_far(self, event: HearPartial) -> None:
         if self._began is None:
             self._begin()
-        self._context.reading(SPEECH, float(len(event.text.split())), text=event.text)
+        self._context.reading(SPEECH, None, text=event.text)
 
     def _heard(self, event: HearEnded) -> None:
-        if self._began is None:
+        if self._began is None and not self._textless:
             self._begin()
         self._cut("")
+        self._textless = False
         words = (event.text or "").strip()
+        self._context.reading(SPEECH, None, text=words)
         self._context.tell(SpeechText(driver="", segment=self._segment, text=words))
 
     def _begin(self) -> None:
         self._segment += 1
+        self._textless = False
         self._began = self._now()
         self._context.tell(SpeechStarted(driver="", segment=self._segment, began=self._began))
 
@@ -156,6 +161,7 @@ class FurhatHearing(FurhatPart):
         """What is under way ends now."""
         began, self._began = self._began, None
         if began is not None:
+            self._textless = True
             self._context.tell(
                 SpeechEnded(
                     driver="", segment=self._segment, began=began, ended=self._now(), detail=detail

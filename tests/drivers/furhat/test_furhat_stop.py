@@ -119,6 +119,19 @@ async def test_a_robot_that_is_lost_has_nothing_to_confirm(it: Acted) -> None:
         await saying
 
 
+async def test_a_robot_that_is_away_at_the_stop_follows_nobody_when_it_is_back(it: Acted) -> None:
+    it.robot.person = SOMEBODY
+    await it.do("follow", user="closest")
+    await until(lambda: it.robot.attended == "user-1")
+    await it.robot.close()
+    await it.is_lost()
+    assert await it.driver.stop(Scope.ALL) is None
+    await it.robot.start()
+    await it.is_there()
+    await it.arrived()
+    assert it.robot.requests("request.attend.user") == it.robot.requests("request.attend.user")[:1]
+
+
 async def test_a_stop_of_driving_alone_does_not_silence_it(it: Acted) -> None:
     it.begin("say", text=LONG)
     await until(lambda: bool(it.robot.speaking))

@@ -39,7 +39,7 @@ from woz_tui.console.meter_rows import (
 from woz_tui.console.number_text import age, seconds
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.proxemics import zone
-from woz_tui.session.redactor import HIDDEN, KEPT
+from woz_tui.session.redactor import HIDDEN, KEPT, perceived_kind
 
 #: Lines from which path and reason have a row each, and from which each sign has one.
 MIDDLE, FULL = 8, 14
@@ -138,11 +138,32 @@ def _transcript_row(state: ConsoleState, frame: PaintFrame) -> Row:
     """What was understood last, and when."""
     if state.perception.hides("transcript"):
         return ((HIDDEN, "faint"),)
+    so_far = _so_far(state, frame)
+    if so_far:
+        glyphs = frame.glyphs
+        said = glyphs.plain(clean(so_far))
+        return ((f"{glyphs.opening}{said} {glyphs.ellipsis}", "good"),)
     heard = state.engaged.transcripts()
     if not heard:
         return (_dash(frame),)
     last = heard[0]
     return ((f"{age(frame.now - last.t)} ago ", "muted"), quoted(last, frame.glyphs))
+
+
+def _so_far(state: ConsoleState, frame: PaintFrame) -> str:
+    """What was understood up to now of what is being said, where a driver tells."""
+    segment = None if state.lost else state.engaged.speaking(frame.now)
+    if segment is None:
+        return ""
+    found = [state.sensor(name) for name in state.sensors if perceived_kind(name) == "transcript"]
+    return next(
+        (
+            sensor.text
+            for sensor in found
+            if sensor is not None and sensor.driver == segment.driver and sensor.t >= segment.begin
+        ),
+        "",
+    )
 
 
 def quoted(heard: m.SpeechText, glyphs: Glyphs) -> Piece:

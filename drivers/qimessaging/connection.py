@@ -225,7 +225,7 @@ class QiConnection(asyncio.Protocol):
         try:
             while self._received and not self.lost.done():
                 with contextlib.suppress(ConnectionLostError):  # nobody is left to be answered
-                    self._take(self._received.popleft())
+                    self._dispatch(self._received.popleft())
                 if self._received and loop.time() > until:
                     self._reading(False)
                     self._next = loop.call_soon(self._process_received, seconds)
@@ -245,7 +245,7 @@ class QiConnection(asyncio.Protocol):
         else:
             self._transport.pause_reading()
 
-    def _take(self, frame: QiMessage) -> None:
+    def _dispatch(self, frame: QiMessage) -> None:
         if frame.kind in _ANSWERS:
             answer = self._pending.get(frame.id)
             if answer is not None and not answer.done():

@@ -79,7 +79,7 @@ class LearntThreshold:
         """Louder than that is speech."""
         return self.room.threshold(self.k)
 
-    def tell(self, context: DriverContext, was: float) -> dict[str, Json]:
+    def publish(self, context: DriverContext, was: float) -> dict[str, Json]:
         """Publish the threshold and say what to think of it; returns the same for the log.
 
         Raises `DriverError`, and publishes nothing, if there was no sound at all.

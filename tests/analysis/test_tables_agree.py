@@ -110,7 +110,7 @@ def exported(messages: Iterable[m.AnyMessage]) -> ExportSession:
         raw = codec.encode(message)
         fields = codec.decode_unknown(raw)
         kind = str(fields["kind"])
-        extractor.take(message, LogLine(message.seq, message.t, "", kind, fields, raw, message))
+        extractor.add(message, LogLine(message.seq, message.t, "", kind, fields, raw, message))
     extractor.finish()
     return extractor.session
 

@@ -39,7 +39,7 @@ def here(t: int) -> m.AnyMessage:
 
 def ran(again: ModelRerun, lines: Sequence[m.AnyMessage]) -> ModelRerun:
     for line in lines:
-        again.take(line)
+        again.apply(line)
     return again
 
 
@@ -50,15 +50,15 @@ def places(again: ModelRerun) -> int:
 
 def test_there_is_no_model_before_the_log_tells_its_settings_and_none_after_the_last() -> None:
     again = ModelRerun(None, SettingsOverride())
-    assert again.take(here(0)) == ()
-    again.take(told(SECOND, QUICK))
-    [change] = again.take(here(SECOND))
+    assert again.apply(here(0)) == ()
+    again.apply(told(SECOND, QUICK))
+    [change] = again.apply(here(SECOND))
     assert (change.now, change.t) == ("PersonDetected", SECOND)
-    again.take(told(2 * SECOND, None))
+    again.apply(told(2 * SECOND, None))
     assert again.follower is None
     assert again.until(9 * SECOND) == ()
-    again.take(told(9 * SECOND, QUICK))
-    assert [change.now for change in again.take(here(9 * SECOND))] == ["PersonDetected"]
+    again.apply(told(9 * SECOND, QUICK))
+    assert [change.now for change in again.apply(here(9 * SECOND))] == ["PersonDetected"]
 
 
 def test_a_model_that_comes_back_knows_what_the_robot_says() -> None:

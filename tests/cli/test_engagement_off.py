@@ -127,7 +127,7 @@ def test_the_share_is_the_reports(steps: list[tuple[int, str | m.AnyMessage]]) -
     then = RecordedModel(present=False, on=True)
     path: list[Transition] = []
     for message in messages:
-        then.take(message)
+        then.apply(message)
         if isinstance(message, m.EngagementChanged):
             path.append(Transition(message.t, message.was, message.now, "", "", {}, "", False))
     end = messages[-1].t

@@ -14,7 +14,7 @@ from woz_tui.config.visitor_names import (
     key_of,
     label_of,
     name_of,
-    shown,
+    quoted_name,
     word_of,
 )
 
@@ -95,8 +95,8 @@ def test_words_of_a_profile_may_be_empty_and_labels_may_not() -> None:
 
 
 def test_what_would_not_be_seen_is_shown_escaped() -> None:
-    assert shown("a\x1b[2Jb\u202e") == r'"a\x1b[2Jb\u202e"'
-    assert shown("x" * 1000).endswith('..."')
+    assert quoted_name("a\x1b[2Jb\u202e") == r'"a\x1b[2Jb\u202e"'
+    assert quoted_name("x" * 1000).endswith('..."')
 
 
 @given(st.text())

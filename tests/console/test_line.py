@@ -26,7 +26,7 @@ class Rig:
             self.line.awake()
 
     def round_trip(self, seconds: float = 0.02) -> None:
-        self.line.asked()
+        self.line.question_sent()
         self.wait(seconds)
         self.line.arrived([])
         self.line.answered()
@@ -54,7 +54,7 @@ def test_the_question_is_asked_every_two_seconds(rig: Rig) -> None:
 
 
 def test_a_terminal_that_never_answers_counts_as_well(rig: Rig) -> None:
-    rig.line.asked()
+    rig.line.question_sent()
     rig.wait(60)
 
     assert rig.line.ok
@@ -64,7 +64,7 @@ def test_a_terminal_that_never_answers_counts_as_well(rig: Rig) -> None:
 
 def test_a_line_that_falls_silent_is_dead_until_it_answers(rig: Rig) -> None:
     rig.round_trip()
-    rig.line.asked()
+    rig.line.question_sent()
     rig.wait(DEAD_S - 0.1)
     assert rig.line.ok
     rig.wait(0.2)
@@ -78,7 +78,7 @@ def test_a_line_that_falls_silent_is_dead_until_it_answers(rig: Rig) -> None:
 
 def test_a_key_after_a_stall_is_stale_until_the_answer(rig: Rig) -> None:
     rig.round_trip()
-    rig.line.asked()
+    rig.line.question_sent()
     rig.wait(STALE_S + 0.5)
 
     assert rig.line.arrived(["a"])
@@ -89,7 +89,7 @@ def test_a_key_after_a_stall_is_stale_until_the_answer(rig: Rig) -> None:
 
 def test_a_pause_ends_a_burst_even_without_an_answer(rig: Rig) -> None:
     rig.round_trip()
-    rig.line.asked()
+    rig.line.question_sent()
     rig.wait(STALE_S + 0.5)
     assert rig.line.arrived(["a"])
     rig.wait(PAUSE_S + 0.1)
@@ -113,7 +113,7 @@ def test_ten_keys_in_one_read_after_a_silence_are_stale_without_any_measure(rig:
 
 def test_a_slow_line_that_goes_on_talking_is_not_stale(rig: Rig) -> None:
     rig.round_trip()
-    rig.line.asked()
+    rig.line.question_sent()
     for _ in range(20):
         rig.wait(0.4)
         assert not rig.line.arrived(["a"])
@@ -173,7 +173,7 @@ def test_nobody_watches_while_suspended(rig: Rig) -> None:
 
 def test_no_question_while_the_terminal_takes_nothing(rig: Rig) -> None:
     rig.round_trip()
-    rig.line.asked()
+    rig.line.question_sent()
     rig.wait(12)
     rig.line.put_off()
 

@@ -58,7 +58,7 @@ COURSES: dict[str, tuple[list[m.AnyMessage], Callable[[ConsoleState], object], o
     ),
     "a questionnaire that was had, and then begun and left, was had": (
         [assigned(), started(), ended("robot"), started(), ended("robot", "left")],
-        lambda picture: (picture.study.over, picture.study.asked),
+        lambda picture: (picture.study.over, picture.study.open_questionnaire),
         ({"robot"}, None),
     ),
     "where a participant sits": (

@@ -336,7 +336,7 @@ def study(*messages: m.Message, **told: m.Json) -> StudyView:
 def tell(made: StudyView, *messages: m.Message) -> None:
     for message in messages:
         made.session.apply(message)
-        made.take(message)
+        made.apply(message)
 
 
 @pytest.mark.parametrize(

@@ -199,7 +199,7 @@ def test_limits_in_the_wrong_order(wrong: dict[str, float]) -> None:
 
 def taken(gates: FilterLimits, values: list[float]) -> list[float | None]:
     one = DistanceFilter(gates)
-    return [one.take(value).metres for value in values]
+    return [one.judge(value).metres for value in values]
 
 
 def test_a_single_stray_echo_changes_nothing() -> None:

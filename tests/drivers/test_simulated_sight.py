@@ -55,11 +55,11 @@ async def test_it_looks_while_somebody_watches(tmp_path: Path) -> None:
     clock = ManualClock()
     heard = Heard(tmp_path, clock)
     sight, feed = SimulatedCamera(heard.context), heard.context.feed(PICTURE)
-    sight.look(None)
+    sight.show(None)
     assert feed.latest().serial == 0
     heard.context.feed(WATCHED).put(CameraWatched(1_000_000, 320, 5.0))
     for _ in range(20):
-        sight.look(None)
+        sight.show(None)
         clock.advance(0.1)
     assert feed.latest().serial == 10
     last = feed.latest().value

@@ -40,7 +40,7 @@ def test_a_segment_has_pre_roll_hang_over_and_words() -> None:
     for tick in range(60):
         if tick == 20:
             hearing.words("How old is it?")
-        told += hearing.take(LOUD if 20 <= tick < 35 else QUIET)
+        told += hearing.add(LOUD if 20 <= tick < 35 else QUIET)
     started, ended, text = told
     assert (started.what, ended.what, text.what) == ("started", "ended", "text")
     assert started.began == ended.began == pytest.approx((20 - PRE_ROLL) * TICK)

@@ -100,7 +100,7 @@ def states(levels: list[float], ear: SpeechCriteria = EAR) -> str:
     one = SpeechDetector(ear)
     found = ""
     for level in levels:
-        one.take(np.full(320, level, np.float32))
+        one.judge(np.full(320, level, np.float32))
         found += "m" if one.state == "silent" else one.state[0]
     return found
 

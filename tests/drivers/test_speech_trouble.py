@@ -147,11 +147,11 @@ def test_the_cache_forgets_what_was_used_longest_ago(tmp_path: Path) -> None:
     cache = SpeechCache(tmp_path / "cache", megabytes=1)
     paths = [cache.path(["espeak-ng", text]) for text in ("a", "b", "c")]
     for age, path in zip((30, 20, 10), paths, strict=True):
-        cache.put(path, bytes(400_000))
+        cache.store(path, bytes(400_000))
         os.utime(path, (1000 - age, 1000 - age))
     assert [path.exists() for path in paths] == [False, True, True]
     assert cache.get(paths[1]) == bytes(400_000)  # used now
-    cache.put(paths[0], bytes(400_000))
+    cache.store(paths[0], bytes(400_000))
     assert [path.exists() for path in paths] == [True, True, False]
     assert cache.get(paths[2]) is None
     assert list((tmp_path / "cache").glob("*.part")) == []

@@ -242,7 +242,7 @@ def seen_by_wizard(state: ConsoleState, local: int = 0) -> dict[str, object]:
             name: getattr(state.study, name)
             for name in (
                 *("trial", "last", "break_began", "planned", "order", "due", "checks", "next"),
-                *("participants", "asked"),
+                *("participants", "open_questionnaire"),
             )
         },
         "had": set(state.study.over),

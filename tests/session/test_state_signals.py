@@ -169,16 +169,16 @@ def test_nearly_engaged(verdicts: dict[str, Json], uses: tuple[str, ...], is_so:
 def test_who_is_nearly_engaged_sees_green_come_and_go_until_they_are_not(tmp_path: Path) -> None:
     """E6: intermittent green while all conditions hold but the distance."""
     signals = StateSignals(made(tmp_path, {"robot": (EYES, SCREEN)}))
-    assert signals.noticed(True) == ()  # nothing was entered yet
+    assert signals.nearly_engaged(True) == ()  # nothing was entered yet
     assert [one.verb for one in signals.entered("PersonDetected")] == ["eyes", "screen"]
-    [green] = signals.noticed(True)
+    [green] = signals.nearly_engaged(True)
     assert green.args == {"color": "green", "animation": "intermittent"}
-    assert signals.noticed(True) == ()
-    [white] = signals.noticed(False)
+    assert signals.nearly_engaged(True) == ()
+    [white] = signals.nearly_engaged(False)
     assert (white.verb, white.args["color"]) == ("eyes", "white")
-    signals.noticed(True)
+    signals.nearly_engaged(True)
     assert len(signals.entered("EngagedWithKnown")) == 2
-    assert signals.noticed(True) == ()
+    assert signals.nearly_engaged(True) == ()
 
 
 # -- pictures and sound ---------------------------------------------------------------------------

@@ -92,7 +92,7 @@ class _Cues:
         self._open: dict[str, _Open] = {}
         self._early: _Open | None = None
         self._acts: deque[WizardAct] = deque(maxlen=_KEPT)
-        self.found: list[Placed] = []
+        self.placed: list[Placed] = []
 
     def act(self, act: WizardAct) -> None:
         """The wizard does something: it may answer open cues."""
@@ -185,7 +185,7 @@ class _Cues:
             result=result,
             echo=cue.echo,
         )
-        self.found.append((cue.context, row))
+        self.placed.append((cue.context, row))
 
 
 def cues_of(
@@ -216,7 +216,7 @@ def cues_of(
         case(what)
     cues.t = timeline.end
     cues.finish()
-    return cues.found
+    return cues.placed
 
 
 # -- training -------------------------------------------------------------------------------------

@@ -148,4 +148,4 @@ def _show(paper: ReportPage, found: Agreement, one: str, other: str) -> None:
         made.add_row(row or NO_CODE, *map(str, counts), str(sum(counts)))
     totals = [sum(found.table.get((row, column), 0) for row in codes) for column in codes]
     made.add_row("all", *map(str, totals), str(sum(totals)))
-    paper.put([Text(title, "bold"), made])
+    paper.print([Text(title, "bold"), made])

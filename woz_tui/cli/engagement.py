@@ -143,7 +143,7 @@ def run(arguments: Namespace) -> int:
     try:
         return with_error_sentences(lambda: _run(arguments), SamplesFileError, who="woz engagement")
     except OptionsError as error:
-        _tell(str(error))
+        _print_error(str(error))
         return 2
 
 
@@ -256,7 +256,7 @@ def _experiments(file: Path) -> EngagementSettings:
 
     engagement = load(file, plugins.installed()).engagement
     if engagement is None:
-        _tell(f"{file} has no section engagement; the defaults are used")
+        _print_error(f"{file} has no section engagement; the defaults are used")
         return EngagementSettings()
     return engagement.settings
 
@@ -295,14 +295,14 @@ class _Lines:
         """Each line's object; None for a line that is none."""
         while self._line:
             self._number += 1
-            if not self._whole():
+            if not self._skip_rest():
                 self._is_wrong(f"is longer than {LONGEST} bytes")
                 yield None
             elif self._line.strip(_BLANK):
                 yield self._row()
             self._line = self._file.readline(LONGEST)
 
-    def _whole(self) -> bool:
+    def _skip_rest(self) -> bool:
         """Throw away the rest of a line that is too long."""
         part = self._line
         if len(part) < LONGEST or part.endswith(b"\n"):
@@ -329,7 +329,7 @@ class _Lines:
     def _is_wrong(self, why: str) -> None:
         self.wrong += 1
         if self.wrong <= TOLD:
-            _tell(f"{self._name}:{self._number}: the line {why}")
+            _print_error(f"{self._name}:{self._number}: the line {why}")
 
 
 def _rows(lines: _Lines, settings: EngagementSettings, live: bool) -> None:
@@ -349,15 +349,15 @@ def _rows(lines: _Lines, settings: EngagementSettings, live: bool) -> None:
 def _hints(rows: SampleRowReader, settings: EngagementSettings, wrong: int) -> None:
     """What may explain that nothing came of it."""
     if wrong > TOLD:
-        _tell(f"{wrong} lines are not rows of samples")
+        _print_error(f"{wrong} lines are not rows of samples")
     silent = [sign for sign in settings.signs if sign not in rows.sampled]
     if silent:
-        _tell(
+        _print_error(
             f"no line gave {' or '.join(silent)}, so engagement never began"
             f" (--signs sets the signs of the condition: {','.join(settings.signs)})"
         )
     if rows.over:
-        _tell(
+        _print_error(
             f"{rows.over} values of rms lie above 1 and were left out"
             " (--loud above 1 puts loudness on another scale)"
         )
@@ -402,5 +402,5 @@ def _object(text: bytes) -> dict[str, object] | None:
     return line if isinstance(line, dict) else None
 
 
-def _tell(text: str) -> None:
+def _print_error(text: str) -> None:
     print(f"woz engagement: {text}", file=sys.stderr)

@@ -77,7 +77,7 @@ class ModelRerun:
         #: When the log told settings, in microseconds.
         self.settings_at: list[int] = []
 
-    def take(self, message: m.AnyMessage) -> Sequence[Transition]:
+    def apply(self, message: m.AnyMessage) -> Sequence[Transition]:
         """One message; the transitions that it brought."""
         if not isinstance(message, m.Reading | m.EngagementShown):
             self._state.apply(message)
@@ -199,7 +199,7 @@ class RecordedModel:
         self._present, self._on, self._has_settings = present, on, False
         self.off.see(0, present=present, on=on)
 
-    def take(self, message: m.AnyMessage) -> None:
+    def apply(self, message: m.AnyMessage) -> None:
         """A message of the session."""
         match message:
             case m.EngagementAdopted(settings=settings):
@@ -288,8 +288,8 @@ def rerun(
         message = message_of(line)
         if message is not None:
             _note(recount, message)
-            then.take(message)
-            follow(again.take(message))
+            then.apply(message)
+            follow(again.apply(message))
             _switched(recount.computed_off, again, message.t)
     follow(again.until(recount.end))
     for off in (recount.recorded_off, recount.computed_off):

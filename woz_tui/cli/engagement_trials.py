@@ -185,7 +185,7 @@ def trials(
         if isinstance(message, m.Marker):
             marks.append((message.t, message.text.strip().casefold()))
         for again, course in zip(models, courses, strict=True):
-            again.take(message)
+            again.apply(message)
             if again.follower is not None:
                 model = again.follower.model
                 course.note(message.t, {**model.verdicts, ENGAGED: int(model.engaged)})

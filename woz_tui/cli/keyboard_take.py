@@ -159,7 +159,7 @@ class KeyboardTake:
             if key in EMOTIONS:
                 self._puppeteer.apply("emotion", {"emotion": EMOTIONS[key], "intensity": 1.0})
             elif key in EYES:
-                self._look(*EYES[key])
+                self._look_at(*EYES[key])
             elif steps := self._steps(key):
                 held = self._puppeteer.engine.held
                 joints = {name: held[name] + step for name, step in steps.items()}
@@ -178,7 +178,7 @@ class KeyboardTake:
                 return {name: -STEP}
         return {}
 
-    def _look(self, x: float, y: float) -> None:
+    def _look_at(self, x: float, y: float) -> None:
         wished = (self._eyes[0] + x, self._eyes[1] + y)
         self._eyes = [min(1.0, max(-1.0, value)) for value in wished]
         self._puppeteer.apply("look", {"x": self._eyes[0], "y": self._eyes[1]})

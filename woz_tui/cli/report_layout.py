@@ -126,7 +126,7 @@ class ReportPage:
         block: Block = [Text(found.title, "bold"), self.table(found, most_rows)]
         return [*block, *([more] * (left > 0))] if found.rows else []
 
-    def put(self, *blocks: Block) -> None:
+    def print(self, *blocks: Block) -> None:
         """Print blocks one after the other; two beside each other where there is room."""
         blocks = tuple(filter(None, blocks))
         if self.wide and len(blocks) == 2:

@@ -38,16 +38,16 @@ def show_session(page: ReportPage, report: SessionReport, top: int = TOP) -> Non
         for line in picture(report.timeline, page.width, page.signs):
             page.console.print(line, no_wrap=True, overflow="crop")
     whole = figures.whole
-    page.put(page.block(tables.figures_table(figures)), _actions(page, figures, top))
-    page.put(page.block(tables.commands(figures), top), page.block(tables.cues(figures)))
-    page.put(_reaction_bars(page, figures), _press_bars(page, whole))
-    page.put(_states(page, figures), _transitions(whole))
+    page.print(page.block(tables.figures_table(figures)), _actions(page, figures, top))
+    page.print(page.block(tables.commands(figures), top), page.block(tables.cues(figures)))
+    page.print(_reaction_bars(page, figures), _press_bars(page, whole))
+    page.print(_states(page, figures), _transitions(whole))
     for table in (tables.trials, tables.phases):
-        page.put(page.block(table(figures)))
-    page.put(page.block(tables.settings(figures), top))
+        page.print(page.block(table(figures)))
+    page.print(page.block(tables.settings(figures), top))
     for table in (tables.stops, tables.answers):
-        page.put(page.block(table(figures)))
-    page.put(page.block(tables.marks(figures), top))
+        page.print(page.block(table(figures)))
+    page.print(page.block(tables.marks(figures), top))
     sentences = list(tables.circumstances(figures))
     if sentences:
         page.head("Circumstances")
@@ -204,9 +204,9 @@ def show_sessions(page: ReportPage, grouped: GroupedSessions) -> None:
         left = excluded_sentence((row.participant, row.counted) for row in rows)
         if left:
             page.trouble(left)
-        page.put(page.block(tables.condition_totals(grouped.totals(experiment))))
-        page.put(page.block(tables.item_totals(grouped.items(experiment))))
-    page.put(page.block(tables.trainings(grouped)))
+        page.print(page.block(tables.condition_totals(grouped.totals(experiment))))
+        page.print(page.block(tables.item_totals(grouped.items(experiment))))
+    page.print(page.block(tables.trainings(grouped)))
     if grouped.reruns:
         page.say()
         page.trouble(f"re-runs are not counted as sessions: {', '.join(grouped.reruns)}")

@@ -14,7 +14,7 @@ from rich.text import Text
 
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.safe_streams import json_text
-from woz_tui.config.visitor_names import key_of, shown
+from woz_tui.config.visitor_names import key_of, quoted_name
 from woz_tui.console.text_console import TextConsole
 from woz_tui.protocol.messages import Json
 from woz_tui.sensing.visitor_store import (
@@ -230,7 +230,7 @@ def _find(store: VisitorStore, name: str) -> Visitor:
     remedy = (
         f"did you mean {' or '.join(similar)}?" if similar else "list all with: woz visitors list"
     )
-    raise VisitorRefusedError(f"{store.path}: there is no visitor {shown(name)}", remedy)
+    raise VisitorRefusedError(f"{store.path}: there is no visitor {quoted_name(name)}", remedy)
 
 
 def _print_visitor(visitor: Visitor, arguments: Namespace) -> None:

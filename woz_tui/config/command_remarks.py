@@ -50,7 +50,7 @@ class CommandChecker:
         }
         return cls(folder, {name: {**always, **depending} for name, depending in each.items()})
 
-    def look(
+    def check(
         self,
         offer: VerbOffer,
         args: Mapping[str, Json],

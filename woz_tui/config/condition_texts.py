@@ -101,16 +101,20 @@ def read_choice(
         )
         table[ANY].error(f"stands alone{under}")
         return None
-    chosen = {"": variants(cursor)} if ANY in table else _each(cursor, conditions, variants)
+    chosen = (
+        {"": variants(cursor)} if ANY in table else _read_by_condition(cursor, conditions, variants)
+    )
     return None if wrong or set(chosen) not in ({""}, {*conditions}) else TextVariants(chosen)
 
 
 def texts(cursor: Cursor, conditions: Sequence[str]) -> dict[str, str]:
     """A text for each condition, none left out; what is wrong is reported."""
-    return _each(cursor, conditions, lambda entry: read_text(entry) or "")
+    return _read_by_condition(cursor, conditions, lambda entry: read_text(entry) or "")
 
 
-def _each(cursor: Cursor, conditions: Sequence[str], read: Callable[[Cursor], T]) -> dict[str, T]:
+def _read_by_condition(
+    cursor: Cursor, conditions: Sequence[str], read: Callable[[Cursor], T]
+) -> dict[str, T]:
     if not conditions:
         cursor.error(
             "depends on the condition, but the file has no conditions; add conditions: [...]"

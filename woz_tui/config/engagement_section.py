@@ -205,7 +205,7 @@ def check_engagement(
         name for names in published_names(robots.drivers).values() for name in names.values()
     ]
     _sensors(engagement.settings, published, report)
-    given = {*published, *_given(drafts), *_asked(robots)}
+    given = {*published, *_given(drafts), *_signs_of_buttons(robots)}
     _signs(engagement.settings, given, published, report)
     _choices(engagement.settings, published, report)
     _handshake(engagement.settings, robots, published, report)
@@ -347,7 +347,7 @@ def _of_verb(verb: str, args: Mapping[str, Json]) -> Sequence[str]:
     return CONDITION if sign == "all" else (sign,)
 
 
-def _asked(robots: Robots) -> Iterator[str]:
+def _signs_of_buttons(robots: Robots) -> Iterator[str]:
     """Signs that some driver's buttons give."""
     for asking in robots.asking:
         for _, ask in asking.asks:

@@ -150,10 +150,10 @@ def _settings(old: object, new: object, prefix: str = "") -> Iterable[str]:
         if dataclasses.is_dataclass(now):
             yield from _settings(was, now, f"{prefix}{item.name}.")
         elif was != now:
-            yield f"{prefix}{item.name} {_said(now)}, it was {_said(was)}"
+            yield f"{prefix}{item.name} {_as_written(now)}, it was {_as_written(was)}"
 
 
-def _said(value: object) -> str:
+def _as_written(value: object) -> str:
     """A setting's value as a file would have it."""
     match value:
         case None:

@@ -306,7 +306,11 @@ def _check_shaping(
         cursor.warning("delays nothing; add a floor, such as floor: 0.8 s")
     if "engagement" in shaping.cues and not around.engaged:
         cues.warning("the cue engagement never occurs: the file has no section engagement")
-    if "speech" in shaping.cues and around.sensors is not None and not _heard(around.sensors):
+    if (
+        "speech" in shaping.cues
+        and around.sensors is not None
+        and not _hears_speech(around.sensors)
+    ):
         cues.warning("the cue speech never occurs: no driver detects the end of speech")
 
 
@@ -339,7 +343,7 @@ def _playable(cursor: Cursor, playable: Collection[str] | None) -> tuple[str, ..
     return () if isinstance(names, Invalid) else tuple(names)
 
 
-def _heard(sensors: Collection[str]) -> bool:
+def _hears_speech(sensors: Collection[str]) -> bool:
     return SPEECH in {name.rpartition(".")[2] for name in sensors}
 
 

@@ -393,7 +393,7 @@ class _Arguments:
         whole = True
         for argument in self._verb.arguments:
             if argument.name in given and not self._misplaced(given[argument.name]):
-                whole = self._take(given[argument.name], argument, args) and whole
+                whole = self._read_argument(given[argument.name], argument, args) and whole
             elif argument.required and argument.name not in given:
                 what = f" ({argument.summary})" if argument.summary else ""
                 cursor, absent = self._cursor, join(self._cursor.path, argument.name)
@@ -402,10 +402,10 @@ class _Arguments:
                 )
                 whole = False
         if whole and None not in args.values():
-            self._looker.look(self._offer, args, given, self._cursor, self.choices)
+            self._looker.check(self._offer, args, given, self._cursor, self.choices)
         return args
 
-    def _take(self, entry: Cursor, argument: Argument, args: dict[str, Json]) -> bool:
+    def _read_argument(self, entry: Cursor, argument: Argument, args: dict[str, Json]) -> bool:
         """Read one argument; whether it is right, as far as no None among `args` says so."""
         if not self._is_choice(entry, argument):
             args[argument.name] = self._value(entry, argument)

@@ -36,11 +36,13 @@ def name_of(text: str) -> str:
     _check(name, "a visitor's name", LONGEST)
     if not any(character.isalnum() for character in name):
         raise VisitorNameError(
-            f"{shown(name)} has no letters and no digits", "give a code or a name"
+            f"{quoted_name(name)} has no letters and no digits", "give a code or a name"
         )
     reason = RESERVED.get(key_of(name))
     if reason is not None:
-        raise VisitorNameError(f"{shown(name)} cannot be a name: {reason}", "choose another name")
+        raise VisitorNameError(
+            f"{quoted_name(name)} cannot be a name: {reason}", "choose another name"
+        )
     return name
 
 
@@ -68,7 +70,7 @@ def key_of(name: str) -> str:
     return _tidy("".join(character for character in folded if character not in _JOINERS))
 
 
-def shown(text: str) -> str:
+def quoted_name(text: str) -> str:
     """The text in quotes, with everything escaped that would not be seen on a terminal."""
     kept = "".join(
         character

@@ -148,7 +148,7 @@ class Console(ScreenApp):
         if not self.is_running or not self.screen_stack:
             return
         local = self._painted = self.clock.now_us()
-        self._take(local)
+        self._take_in(local)
         if self._flash_until and local >= self._flash_until:
             self._flash_until = 0
             self._panels.press("")
@@ -157,7 +157,7 @@ class Console(ScreenApp):
         self._measure()
         self._show(self.state.now(local))
 
-    def _take(self, local: int) -> None:
+    def _take_in(self, local: int) -> None:
         for batch in self.inbox.batches():
             self.state.apply(batch, local)
             for message in batch:

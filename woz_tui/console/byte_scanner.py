@@ -120,7 +120,7 @@ class Scanner:
         if (self._still or self._doubtful) and data:
             data = self._wake_paste(data)
         for byte in data:
-            self._take(byte)
+            self._scan(byte)
         return self._give()
 
     def expire(self) -> list[Token]:
@@ -149,7 +149,7 @@ class Scanner:
         tokens, self._tokens = self._tokens, []
         return tokens
 
-    def _take(self, byte: int) -> None:
+    def _scan(self, byte: int) -> None:
         match self._state:
             case _In.GROUND:
                 self._ground(byte)
@@ -298,7 +298,7 @@ class Scanner:
         rest = self._release()[1:]
         self._tokens.append(StopToken("escape", b"\x1b"))
         for byte in rest:
-            self._take(byte)
+            self._scan(byte)
 
     def _begin(self, state: _In, byte: int) -> None:
         self._state = state

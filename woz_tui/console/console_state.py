@@ -384,7 +384,7 @@ class ConsoleState:
     def _unsay(self) -> None:
         """Take what was said from the list of events: it may tell what is kept from now on."""
         for event in self.events:
-            event.said = ""
+            event.utterance = ""
 
     def _plan(self, plan: r.Welcome | r.PanelsChanged, drivers: list[str]) -> None:
         self.title = plan.title
@@ -420,7 +420,7 @@ class ConsoleState:
         recorder = self.session.recorder
         outcome = self.runs.apply(self.session.apply(message))
         self.engaged.apply(message)
-        self.study.take(message)
+        self.study.apply(message)
         self._follow_up(message)
         match message:
             case m.End():
@@ -550,9 +550,9 @@ class ConsoleState:
         run, over = self.runs.of(name), self.runs.outcomes.get(name)
         said = ""
         if run is not None:
-            said = self.runs.said(run.id)
+            said = self.runs.utterance(run.id)
         elif over is not None and standing.of_run:
-            said = over.said
+            said = over.utterance
         return said or self.sentence(name)
 
     def filled(self, words: str) -> str:

@@ -103,7 +103,7 @@ def event_row(event: EventLine, state: ConsoleState, frame: PaintFrame) -> Row:
     times = f"{event.times} times" if event.times > 1 else ""
     detail = glyphs.plain(clean(", ".join(filter(None, (times, event.detail)))))
     tone = look if event.mark in ("failed", "error", "refused", "warning", "stop") else "plain"
-    said = glyphs.plain(clean(event.said)) if event.said != HIDDEN_TEXT else ""
+    said = glyphs.plain(clean(event.utterance)) if event.utterance != HIDDEN_TEXT else ""
     said = f" {glyphs.opening}{said}{glyphs.closing}" if said else ""
     body: Row = ((text, tone), (said, "muted"), (f"  {detail}" if detail else "", "muted"))
     if tone != "plain":  # why it went wrong comes before what it was

@@ -109,7 +109,7 @@ class EventLine:
     #: The sensor whose line it is.
     sensor: str = ""
     #: What an action has said so far.
-    said: str = ""
+    utterance: str = ""
     #: Whether how long it took is kept from the wizard.
     untimed: bool = False
     #: A change of the engagement model: of these there is one line, the last one.
@@ -136,8 +136,8 @@ class EventLine:
 
     def say(self, text: str) -> None:
         """Put what is said behind the action; what two robots say together is there once."""
-        if text and text not in self.said:
-            self.said = f"{self.said} {text}".strip()
+        if text and text not in self.utterance:
+            self.utterance = f"{self.utterance} {text}".strip()
 
     def end(self, outcome: RunOutcome) -> None:
         """Put the outcome behind what was begun."""

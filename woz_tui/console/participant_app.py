@@ -83,7 +83,7 @@ class ParticipantApp(ScreenApp):
     def _begin(self) -> None:
         """Whoever waits for one questionnaire alone asks for it as soon as it is due."""
         study = self.state.study
-        due = self._only in study.due and study.asked is None and not self.state.lost
+        due = self._only in study.due and study.open_questionnaire is None and not self.state.lost
         if due and not self._begun:
             request = AskQuestionnaire(questionnaire=self._only, source="participant")
             self._ask(request, _nobody)
@@ -97,7 +97,7 @@ class ParticipantApp(ScreenApp):
             on_reply(Reply(ref=ref, ok=False, reason=GONE))
 
     def _open_questionnaire(self) -> OpenQuestionnaire | None:
-        asked = self.state.study.asked
+        asked = self.state.study.open_questionnaire
         wanted = asked is not None and self._only in ("", asked.name)
         return asked if wanted else None
 

@@ -34,14 +34,14 @@ def shown_outcome(outcome: str) -> str:
 @dataclass(frozen=True, slots=True)
 class RunOutcome:
     """How a run ended; `how` is done, waits (done, but it counts later), failed, refused, stopped
-    or replaced. `said`: the words of the run.
+    or replaced. `utterance`: the words of the run.
     """
 
     run: str
     how: str
     t: int
     reason: str = ""
-    said: str = ""
+    utterance: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,8 +129,8 @@ class RunningActions:
     _refusal: DriverRefusal | None = None
     #: Of runs under way: what was to be said when they were asked for, what is said so far, and
     #: the last remedy that a command of theirs named.
-    _wanted: dict[str, str] = field(default_factory=dict)
-    _said: dict[str, str] = field(default_factory=dict)
+    _requested_words: dict[str, str] = field(default_factory=dict)
+    _utterances: dict[str, str] = field(default_factory=dict)
     _remedies: dict[str, str] = field(default_factory=dict)
 
     @property
@@ -171,11 +171,11 @@ class RunningActions:
 
     def expect(self, run: str, words: str) -> None:
         """What a run that has just been asked for is to say, as far as that is known."""
-        keep_latest(self._wanted, run, words)
+        keep_latest(self._requested_words, run, words)
 
-    def said(self, run: str) -> str:
+    def utterance(self, run: str) -> str:
         """The words of a run under way: those sent to drivers are right where the others differ."""
-        wanted, said = self._wanted.get(run, ""), self._said.get(run, "")
+        wanted, said = self._requested_words.get(run, ""), self._utterances.get(run, "")
         return wanted if said in wanted else said
 
     def failure_of(self, action: str) -> Failure | None:
@@ -216,9 +216,9 @@ class RunningActions:
         return found
 
     def _action(self, ended: m.ActionEnd, outcome: str, *, waits: bool = False) -> RunOutcome:
-        text = self.said(ended.run)
-        self._wanted.pop(ended.run, None)
-        said, remedy = self._said.pop(ended.run, ""), self._remedies.pop(ended.run, "")
+        text = self.utterance(ended.run)
+        self._requested_words.pop(ended.run, None)
+        said, remedy = self._utterances.pop(ended.run, ""), self._remedies.pop(ended.run, "")
         what = f"“{said}”" if said else ended.action
         found = RunOutcome(ended.run, shown_outcome(outcome), ended.t, ended.reason, text)
         if waits and outcome == Word.DONE:
@@ -232,9 +232,9 @@ class RunningActions:
         request, ended, run = command.request, command.ended, command.request.run
         what = command_words(request)
         if ended is None:
-            said, text = self._said.get(run, ""), spoken_text(request)
+            said, text = self._utterances.get(run, ""), spoken_text(request)
             if run and text not in said:  # what two robots say together is there once
-                keep_latest(self._said, run, f"{said} {text}".strip())
+                keep_latest(self._utterances, run, f"{said} {text}".strip())
             return None
         if command.outcome == Word.REFUSED:
             self._refusal = DriverRefusal(request.action, what, ended.reason, ended.remedy)

@@ -47,13 +47,13 @@ def status_rows(state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> lis
     vitals = (*_profile(state, frame), *vitals)
     failures = (*_seers(state), *_failures(state, glyphs, line.failures))
     room = width - length(vitals)
-    first = spread(_whole(_session(state, frame, room), room), vitals, width, glyphs.ellipsis)
+    first = spread(_fitting(_session(state, frame, room), room), vitals, width, glyphs.ellipsis)
     drivers = _drivers(state, glyphs)
     phase = _phase(state, frame, line.phase, width - length(drivers) - length(failures))
     return [first, spread(drivers, (*phase, *failures), width, glyphs.ellipsis)]
 
 
-def _whole(parts: list[Row], width: int) -> Row:
+def _fitting(parts: list[Row], width: int) -> Row:
     """As many parts as fit, at least the first."""
     row = parts[0]
     for part in parts[1:]:
@@ -98,7 +98,7 @@ def _badge(state: ConsoleState) -> Row:
 
 def _values(state: ConsoleState, frame: PaintFrame) -> list[str]:
     """Who takes part, under which condition, in which trial, and so on."""
-    asked, start = state.study.asked, state.session.start
+    asked, start = state.study.open_questionnaire, state.session.start
     found = (
         clean(state.participant) or "no participant",
         clean(state.condition) or ("no condition" if state.conditions else ""),
@@ -117,7 +117,7 @@ def _trial(state: ConsoleState, frame: PaintFrame) -> str:
         return f"break {elapsed(now - study.break_began)}"
     if study.trial is not None:
         return f"trial {study.trial.number}{of} {elapsed(now - study.trial.began)}"
-    if study.asked is not None:
+    if study.open_questionnaire is not None:
         return ""  # how far that is has its place
     if study.last is not None:
         return f"trial {study.last[0]}{of} {study.last[1]:<5}"

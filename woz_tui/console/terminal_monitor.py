@@ -98,7 +98,7 @@ class TerminalMonitor:
         asked = self._first_us
         return asked is None or self._clock.now_us() - asked < DEAD_S * 1_000_000
 
-    def asked(self) -> None:
+    def question_sent(self) -> None:
         """The question went out just now."""
         now = self._clock.now_us()
         self._asked_us = now

@@ -234,9 +234,9 @@ class WizardDriver(LinuxDriver):
                 if data is None:
                     self._endings.end(GONE)
                     return
-                self._take(scanner.feed(data))
+                self._handle(scanner.feed(data))
             elif scanner.waiting is not None and self._quiet_s() >= scanner.waiting:
-                self._take(scanner.expire())
+                self._handle(scanner.expire())
             self._ask_line()
             self._keyboard.tick()
 
@@ -273,13 +273,13 @@ class WizardDriver(LinuxDriver):
         if self._line.question_in_s > 0:
             return
         if self._output is not None and not self._output.stalled and self._output.write(QUESTION):
-            self._line.asked()
+            self._line.question_sent()
         else:
             self._line.put_off()
 
     # -- tokens ---------------------------------------------------------------------------------
 
-    def _take(self, tokens: list[Token]) -> None:
+    def _handle(self, tokens: list[Token]) -> None:
         """Carry out what came in one read. A fault in it must not end the reading: the stop."""
         try:
             self._carry_out(tokens)

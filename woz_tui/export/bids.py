@@ -391,10 +391,10 @@ class _Resampled:
             while due < reading.t:
                 yield self._row()
                 due += _STEP_US
-            self._take(reading)
+            self._add(reading)
         yield self._row()
 
-    def _take(self, reading: Reading) -> None:
+    def _add(self, reading: Reading) -> None:
         if reading.sensor in self._latest:
             self._latest[reading.sensor] = NONE if reading.value is None else repr(reading.value)
 

@@ -38,7 +38,7 @@ class JsonlExporter(Exporter):
         with actions, samples:
             copy = _Copy(actions, samples, redact=self._options.redact)
             for line in source.everything(Damage()):
-                copy.take(line)
+                copy.add(line)
         return []
 
 
@@ -54,7 +54,7 @@ class _Copy:
         self._sum = hashlib.sha256()
         self._lines = 0
 
-    def take(self, line: LogLine) -> None:
+    def add(self, line: LogLine) -> None:
         line = redacted_line(line) if self._redact and not _wordless(line) else line
         if line.sample:
             self._samples.write(line.raw + b"\n")

@@ -121,8 +121,8 @@ def read_session(source: LogSource, *, redact: bool = False) -> ExportSession:
     extractor = EventExtractor(session, source.log.parent)
     sums = _Sums()
     for line in source.lines(damage):
-        sums.take(line)
-        extractor.take(line.message, redacted_line(line) if redact else line)
+        sums.add(line)
+        extractor.add(line.message, redacted_line(line) if redact else line)
     unread: list[str] = []
     extractor.finish(_codings(source, unread))
     damage_shown = nameless(damage) if redact else damage
@@ -173,7 +173,7 @@ class _Sums:
         self._sound_to = -1
         self._broken = False
 
-    def take(self, line: LogLine) -> None:
+    def add(self, line: LogLine) -> None:
         recorded = line.fields.get("sha256")
         if line.kind in ("checkpoint", "session.end") and recorded and not self._broken:
             if recorded == self._hash.hexdigest():

@@ -100,14 +100,14 @@ class PictureService:
     ) -> None:
         shown = PictureShown(ref=request.ref, driver=driver, cameras=self.cameras)
         try:
-            client.send(await self._shown(shown, request))
+            client.send(await self._reply(shown, request))
         except Exception as error:
             # Whoever asked waits for an answer, also when a driver's picture is none.
             if not isinstance(error, ValueError):
                 log.exception("a picture of %s could not be drawn", driver)
             client.refuse(request.ref, f"a picture of {driver} could not be drawn: {error}")
 
-    async def _shown(self, shown: PictureShown, request: AskPicture) -> PictureShown:
+    async def _reply(self, shown: PictureShown, request: AskPicture) -> PictureShown:
         found = await self._next(shown.driver, request.after)
         if found is None:
             why = f"{shown.driver} sent no new picture within {WAIT_S:g} s"

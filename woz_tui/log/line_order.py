@@ -136,7 +136,7 @@ class SequenceChecker(Generic[N]):
         self._gaps = gaps
         self._last: N | None = None
 
-    def take(self, batch: list[N]) -> list[N]:
+    def new_lines(self, batch: list[N]) -> list[N]:
         """What is new in `batch`."""
         numbers = list(map(seq_of, batch))
         before = self._last.seq if self._last is not None else -1

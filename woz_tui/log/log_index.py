@@ -115,7 +115,7 @@ def _in_place(files: LogFiles, opened: ExitStack, block: int, indexed: bool) -> 
             quick = entries_in(chunk)
             entries = list[SampleEntry](quick) or _looked_at(chunk, found.damage)
             if entries and source is not None:
-                low, high = weave.take(entries)
+                low, high = weave.add(entries)
                 read = partial(_piece, source, len(chunk.data or b""), chunk.offset)
                 found.blocks.append(SampleBlock(read, low, high, last_samples(quick or entries)))
         if ended and source is not None and is_long(source.fileno()):
@@ -186,7 +186,7 @@ class _Interleaving:
         self._passed = 0
         self._last = self._last_us = -1
 
-    def take(self, entries: list[SampleEntry]) -> tuple[int, int]:
+    def add(self, entries: list[SampleEntry]) -> tuple[int, int]:
         """More samples; the smallest and the greatest `t` of them."""
         numbers, times = list(map(seq_of, entries)), list(map(t_of, entries))
         if numbers[0] <= self._last or not is_rising(numbers):
@@ -194,7 +194,7 @@ class _Interleaving:
         end = bisect_right(self._numbers, numbers[-1], self._passed)
         actions = list[SampleEntry](self._actions[self._passed : end])
         backwards = count_falls(times)
-        self._checker.take(sorted([*actions, *entries], key=seq_of))
+        self._checker.new_lines(sorted([*actions, *entries], key=seq_of))
         self._passed, self._last, self._last_us = end, numbers[-1], times[-1]
         return (min(times), max(times)) if backwards else (times[0], times[-1])
 
@@ -222,7 +222,7 @@ class _Interleaving:
 
     def end(self) -> None:
         """There are no more samples."""
-        self._checker.take(list[SampleEntry](self._actions[self._passed :]))
+        self._checker.new_lines(list[SampleEntry](self._actions[self._passed :]))
         self._checker.end()
         if self._damage.repeated + self._damage.conflicting > self._lost:
             raise _OutOfOrderError

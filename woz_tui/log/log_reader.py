@@ -73,7 +73,7 @@ def _merged(
 
     checker = SequenceChecker[N](damage, same, gaps=gaps)
     for batch in merged([in_order(decoded(path), damage) for path in paths]):
-        yield checker.take(batch)
+        yield checker.new_lines(batch)
     checker.end()
 
 

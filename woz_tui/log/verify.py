@@ -82,7 +82,7 @@ def verify(path: Path, *, places: Iterable[Path] | None = None) -> Verification:
     verdict.damage.lacks(files.missing)
     checker = _Checker(verdict)
     for line in merge(files.paths, verdict.damage):
-        checker.take(line)
+        checker.add(line)
     checker.finish()
     return verdict
 
@@ -96,7 +96,7 @@ class _Checker:
         self._ends: dict[tuple[str, str], int] = {}
         self._orphans: dict[str, None] = {}
 
-    def take(self, line: LogLine) -> None:
+    def add(self, line: LogLine) -> None:
         if line.sample:
             self._verdict.samples += 1
             return

@@ -144,7 +144,7 @@ class Engine:
             "breathing": self._breathing,
             "emotion": lambda args: face.show(args, self._token),
             "affect": lambda args: face.show_affect(args["valence"], args["arousal"]),
-            "look": self._look,
+            "look": self._eyes_to,
             "brightness": self._brightness,
             "blink": self._blink,
             "blinking": self._blinking,
@@ -409,7 +409,7 @@ class Engine:
     def _centre_eyes(self) -> None:
         """The eyes are the face's own again, in its middle."""
         self._face.led = None
-        self._face.look(0.0, 0.0)
+        self._face.look_at(0.0, 0.0)
 
     def _primary(self, mode: Mode) -> PoseSource:
         if mode is Mode.TRACKING:
@@ -427,8 +427,8 @@ class Engine:
 
     # -- face and ways --------------------------------------------------------------------------
 
-    def _look(self, args: Args) -> InputResult:
-        answer = self._face.look(args["x"], args["y"])
+    def _eyes_to(self, args: Args) -> InputResult:
+        answer = self._face.look_at(args["x"], args["y"])
         self._eyes_moved(True)
         return answer
 

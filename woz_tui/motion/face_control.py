@@ -127,8 +127,8 @@ class FaceControl:
             {"valence": valence, "arousal": arousal, "emotion": emotion, "intensity": intensity}
         )
 
-    def look(self, x: float, y: float) -> InputResult:
-        """Verb `look`."""
+    def look_at(self, x: float, y: float) -> InputResult:
+        """Verb `look_at`."""
         self._touched |= {"x", "y"}
         self.x, self.y = x, y
         return InputResult({"x": x, "y": y})
@@ -138,9 +138,9 @@ class FaceControl:
         value = FACE[control].value(place)
         match control:
             case "eye-x":
-                self.look(value, self.y)
+                self.look_at(value, self.y)
             case "eye-y":
-                self.look(self.x, value)
+                self.look_at(self.x, value)
             case "valence":
                 self.show_affect(value, self.arousal)
             case "arousal":

@@ -186,14 +186,14 @@ def _lights(place: EyeLayout, column: float, out: int, test: Test) -> Lights:
     nose = sum(place.columns) / 2
     return frozenset(
         (x, y)
-        for x, y in _around(place, column)
+        for x, y in _lights_within_reach(place, column)
         if (x - nose) * out > 0
         and test((x - column) * out / place.radius, (y - place.row) / place.radius)
     )
 
 
 @lru_cache(maxsize=64)
-def _around(place: EyeLayout, column: float) -> tuple[Light, ...]:
+def _lights_within_reach(place: EyeLayout, column: float) -> tuple[Light, ...]:
     """The matrix's lights to which an eye in this column may reach with its brow."""
     reach = math.ceil(_FARTHEST * place.radius)
     across = range(max(0, int(column) - reach), min(place.width, int(column) + reach + 2))
@@ -226,7 +226,7 @@ def _sparks(place: EyeLayout, look: EyeShape) -> Lights:
     return frozenset(
         (x, y)
         for column in place.columns
-        for x, y in _around(place, column)
+        for x, y in _lights_within_reach(place, column)
         if math.hypot(x - column + 0.4 * place.radius, y - place.row + 0.5 * place.radius) <= reach
     )
 

@@ -79,7 +79,7 @@ class _Reader:
         except (ValueError, RecursionError) as error:
             raise InputLineError(f"{place}: no JSON: {error}") from None
         if not isinstance(read, dict):
-            raise InputLineError(f"{place}: expected an object in braces, not {_shown(read)}")
+            raise InputLineError(f"{place}: expected an object in braces, not {_quoted(read)}")
         if "kind" in read:
             self._logged(place, read)
         else:
@@ -102,7 +102,7 @@ class _Reader:
         given = read.pop("t", None)
         t = _time(given)
         if t is None:
-            what = f"a number of seconds from 0 up, not {_shown(given)}"
+            what = f"a number of seconds from 0 up, not {_quoted(given)}"
             raise InputLineError(f'{place}: "t" is {what}')
         if t < self._last:
             raise InputLineError(f"{place}: t {t:g} lies before {self._last:g}, which stands above")
@@ -114,7 +114,7 @@ class _Reader:
         for hand in Operator:
             if value == hand.value:
                 return hand
-        raise InputLineError(f'{place}: "hand" is wizard or program, not {_shown(value)}')
+        raise InputLineError(f'{place}: "hand" is wizard or program, not {_quoted(value)}')
 
     # -- a session's log ------------------------------------------------------------------------
 
@@ -147,7 +147,7 @@ class _Reader:
         t = _time(read.get("t", 0))
         if t is None:
             raise InputLineError(
-                f'{place}: "t" is a number of microseconds, not {_shown(read["t"])}'
+                f'{place}: "t" is a number of microseconds, not {_quoted(read["t"])}'
             )
         return t / 1_000_000
 
@@ -162,6 +162,6 @@ def _no_constant(word: str) -> float:
     raise ValueError(f"{word} is no number in JSON")
 
 
-def _shown(value: object) -> str:
+def _quoted(value: object) -> str:
     text = json.dumps(value, default=repr)
     return text if len(text) <= 40 else f"{text[:37]}..."

@@ -215,7 +215,7 @@ class MoveLayerReader:
         others = ("seconds", "beats", "at", "joints", *self._inline)
         entry = read_section(cursor, FrameEntry, others)
         joints = {name: table[name] for name in self._inline if name in table}
-        joints |= _known(table.get("joints"), self._joints, "joints are")
+        joints |= _entries_named(table.get("joints"), self._joints, "joints are")
         angles = {name: self._angle(spot, name) for name, spot in joints.items()}
         if entry is None:
             return None
@@ -279,7 +279,9 @@ class MoveLayerReader:
         return LayerSamples(rate, roles, joints, face)
 
 
-def _known(cursor: Cursor | None, names: Collection[str], listing: str) -> dict[str, Cursor]:
+def _entries_named(
+    cursor: Cursor | None, names: Collection[str], listing: str
+) -> dict[str, Cursor]:
     """The entries of a mapping that have one of these names; others are reported."""
     table = (cursor.table("a mapping") if cursor is not None else None) or {}
     for name, entry in table.items():
@@ -293,7 +295,7 @@ def _lists(
 ) -> dict[str, tuple[float, ...]]:
     lists = {
         name: _numbers(entry, ranges[name])
-        for name, entry in _known(cursor, ranges, listing).items()
+        for name, entry in _entries_named(cursor, ranges, listing).items()
     }
     return {name: values for name, values in lists.items() if values}
 

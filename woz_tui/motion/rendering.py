@@ -133,11 +133,11 @@ class Rendering:
         while (moment := self._due(t)) is not None:
             if self._last is None or moment > self._last.t:
                 self._tick(moment)
-            self._take(moment)
+            self._carry_out(moment)
         tick = self._last
         if tick is None or tick.t < t:
             tick = self._tick(t)
-        self._take(t)
+        self._carry_out(t)
         return tick
 
     def _due(self, t: float) -> float | None:
@@ -150,7 +150,7 @@ class Rendering:
             return None
         return max(min(due), self._last.t if self._last is not None else 0.0)
 
-    def _take(self, now: float) -> None:
+    def _carry_out(self, now: float) -> None:
         """Everything that is to be done by `now`."""
         while self._inputs and self._inputs[0].t <= now:
             self._apply(self._inputs.popleft(), now)

@@ -143,7 +143,7 @@ class ReplayPlayer:
         lines += map(self._as_event, codes)
         if samples:
             lines = sorted([*lines, *samples], key=_number)
-        return [each for line in lines for each in _shown(line)]
+        return [each for line in lines for each in _incoming(line)]
 
     def _restart_at(self, t: int, now: int, index: int | None = None) -> list[Incoming]:
         """Begin anew at `t`."""
@@ -314,7 +314,7 @@ def _number(line: Incoming) -> int:
     return number if isinstance(number, int) else -1
 
 
-def _shown(line: Incoming) -> list[Incoming]:
+def _incoming(line: Incoming) -> list[Incoming]:
     """The line, and the message that a console gets with it."""
     return [line, panels_changed(line)] if isinstance(line, m.SessionPlan) else [line]
 

@@ -247,13 +247,13 @@ class _RedactedSamples:
 
     def between(self, after_us: int, until_us: int) -> Iterable[m.AnyMessage]:
         """See `SampleSource`."""
-        return self._seen(self._samples.between(after_us, until_us))
+        return self._redacted(self._samples.between(after_us, until_us))
 
     def at(self, t_us: int) -> Iterable[m.AnyMessage]:
         """See `SampleSource`."""
-        return self._seen([*self._samples.at(t_us)], t_us)
+        return self._redacted([*self._samples.at(t_us)], t_us)
 
-    def _seen(self, samples: Iterable[m.AnyMessage], t_us: int = -1) -> Iterator[m.AnyMessage]:
+    def _redacted(self, samples: Iterable[m.AnyMessage], t_us: int = -1) -> Iterator[m.AnyMessage]:
         for sample in samples:
             t = max(sample.t, t_us)
             place = bisect.bisect_right(self._kept, t, key=lambda entry: entry[0])

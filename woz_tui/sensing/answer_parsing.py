@@ -13,7 +13,7 @@ import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from woz_tui.config.visitor_names import key_of, shown
+from woz_tui.config.visitor_names import key_of, quoted_name
 
 
 @dataclass(frozen=True, slots=True)
@@ -233,7 +233,7 @@ class NameAnswerParser:
             return NameAnswer(why="nothing was understood")
         if _anywhere(words, self._declines):
             return NameAnswer(declined=True)
-        why = f"no name in {shown(text.strip())}"
+        why = f"no name in {quoted_name(text.strip())}"
         if not proposed:
             return NameAnswer(name=self._name(self._led(words)), why=why)
         return self._about(words, proposed)

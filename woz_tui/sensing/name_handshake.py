@@ -30,7 +30,7 @@ from dataclasses import dataclass
 
 from woz_tui.config.engagement import HandshakeSettings
 from woz_tui.config.utterance_template import fill
-from woz_tui.config.visitor_names import VisitorNameError, name_of, shown
+from woz_tui.config.visitor_names import VisitorNameError, name_of, quoted_name
 from woz_tui.sensing.answer_parsing import NameAnswer, NameAnswerParser
 
 _SECOND = 1_000_000
@@ -180,7 +180,7 @@ class Handshake:
         if self.stage is not HandshakeStage.LEARNING:
             return None
         if not ok:
-            return self._fail(why or f"{shown(self.name)} could not be learnt")
+            return self._fail(why or f"{quoted_name(self.name)} could not be learnt")
         return self._done("a visitor from before" if self._known else "name confirmed and learnt")
 
     def recognised(self, name: str, t: int) -> NameLearned | None:
@@ -224,7 +224,10 @@ class Handshake:
     def _confirmed(self) -> Order:
         known = self._is_taken(self.name)
         if known and self.stage is not HandshakeStage.ACQUAINTANCE:
-            return self._next_attempt(f"{shown(self.name)} was taken meanwhile") or self._ask_back()
+            return (
+                self._next_attempt(f"{quoted_name(self.name)} was taken meanwhile")
+                or self._ask_back()
+            )
         self.stage = HandshakeStage.LEARNING
         self._known = known
         return Learn(self.name, known)
@@ -241,13 +244,13 @@ class Handshake:
         """Ask whether the name is right, or whether it is the visitor who has it already."""
         if self._is_taken(self.name):
             self.stage = HandshakeStage.ACQUAINTANCE
-            return self._say(self._settings.taken, f"{shown(self.name)} is known already")
+            return self._say(self._settings.taken, f"{quoted_name(self.name)} is known already")
         self.stage = HandshakeStage.CONFIRMATION
-        return self._say(self._settings.confirm, f"understood {shown(self.name)}")
+        return self._say(self._settings.confirm, f"understood {quoted_name(self.name)}")
 
     def _ask_for_another(self) -> Say:
         taken = self.stage is HandshakeStage.ACQUAINTANCE
-        why = f"{shown(self.name)} was denied"
+        why = f"{quoted_name(self.name)} was denied"
         self.stage, self.name = HandshakeStage.NAME, ""
         return self._say(self._settings.another if taken else self._settings.again, why)
 

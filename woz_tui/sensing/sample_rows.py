@@ -67,11 +67,11 @@ class SampleRowReader:
             if key in row:
                 self._sampled(key, sign, row[key], bad)
         named = _events(row.get("events"), bad)
-        return self._said(t, list(self._steps(named)), bad)
+        return self._row(t, list(self._steps(named)), bad)
 
     def no_row(self) -> Row:
         """A line that is no row: nothing happens, time included."""
-        return self._said(_seconds(self._stamp), [], ["line"])
+        return self._row(_seconds(self._stamp), [], ["line"])
 
     def _timed(self, row: Mapping[str, object], bad: list[str]) -> Json:
         """Move the stamp on; a row without a time comes one period after the one before."""
@@ -108,7 +108,7 @@ class SampleRowReader:
             if change is not None:
                 yield change
 
-    def _said(self, t: Json, changes: list[Transition], bad: list[str]) -> Row:
+    def _row(self, t: Json, changes: list[Transition], bad: list[str]) -> Row:
         model = self.model
         verdicts = model.verdicts
         last = changes[-1] if changes else None

@@ -14,7 +14,14 @@ from typing import Any
 import msgspec
 from msgspec.structs import replace
 
-from woz_tui.config.visitor_names import VisitorNameError, key_of, label_of, name_of, shown, word_of
+from woz_tui.config.visitor_names import (
+    VisitorNameError,
+    key_of,
+    label_of,
+    name_of,
+    quoted_name,
+    word_of,
+)
 
 FORMAT = "woz-tui visitors"
 VERSION = 1
@@ -122,7 +129,7 @@ def profiled(name: str, facts: Mapping[str, str], *, anew: bool) -> Change:
             old: str = getattr(visitor, fact)
             if old and value != old and not anew:
                 raise VisitorRefusedError(
-                    f"{visitor.name} has {fact} {shown(old)}, not {shown(value)}",
+                    f"{visitor.name} has {fact} {quoted_name(old)}, not {quoted_name(value)}",
                     f"woz visitors profile {visitor.name} changes it",
                 )
         return replace(
@@ -169,7 +176,7 @@ def _visitor_named(people: People, name: str) -> Visitor:
     visitor = people.get(key_of(name))
     if visitor is None:
         raise VisitorRefusedError(
-            f"there is no visitor {shown(name)}", "woz visitors list shows them all"
+            f"there is no visitor {quoted_name(name)}", "woz visitors list shows them all"
         )
     return visitor
 
@@ -181,14 +188,14 @@ def _free(people: People, name: str, *, label: bool = False) -> None:
 
 
 def _taken(name: str, owner: Visitor, *, label: bool) -> VisitorRefusedError:
-    what = f"{'the face label' if label else 'the name'} {shown(name)} is taken"
+    what = f"{'the face label' if label else 'the name'} {quoted_name(name)} is taken"
     if key_of(owner.name) == key_of(name):
         return VisitorRefusedError(
-            f"{what}: there is a visitor {shown(owner.name)}",
+            f"{what}: there is a visitor {quoted_name(owner.name)}",
             "take another one, or rename or forget that visitor first",
         )
     return VisitorRefusedError(
-        f"{what}: it is a face label of {shown(owner.name)}",
+        f"{what}: it is a face label of {quoted_name(owner.name)}",
         "take another one, or forget that visitor first",
     )
 
@@ -273,7 +280,9 @@ def _check_kind(content: Any, place: str) -> None:
             "take the woz-tui that wrote it; the file was left as it is",
         )
     if version != VERSION or isinstance(version, bool):
-        raise _unreadable(f"{place}: version: {shown(str(version))} is none that there ever was")
+        raise _unreadable(
+            f"{place}: version: {quoted_name(str(version))} is none that there ever was"
+        )
 
 
 def _check(visitor: Visitor) -> None:
@@ -287,11 +296,11 @@ def _check(visitor: Visitor) -> None:
     )
     if tidy != visitor:
         raise ValueError(
-            f"{shown(visitor.name)} has blanks too many, or letters that are not composed"
+            f"{quoted_name(visitor.name)} has blanks too many, or letters that are not composed"
         )
     for day in filter(None, (visitor.first_met, visitor.last_met)):
         if date.fromisoformat(day).isoformat() != day:
-            raise ValueError(f"{shown(day)} is not written like 2026-03-01")
+            raise ValueError(f"{quoted_name(day)} is not written like 2026-03-01")
     if visitor.meetings < 0:
         raise ValueError(f"meetings: {visitor.meetings} is less than none")
 
@@ -305,5 +314,5 @@ def _without_double_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) < len(pairs):
         twice = next(key for key, _ in pairs if [one for one, _ in pairs].count(key) > 1)
-        raise ValueError(f"the key {shown(twice)} stands twice")
+        raise ValueError(f"the key {quoted_name(twice)} stands twice")
     return found

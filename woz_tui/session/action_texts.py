@@ -179,7 +179,9 @@ class ActionTexts:
 
     def _publish(self, actions: Iterable[Action]) -> None:
         values = self._values().to_show()
-        filled = {action.name: _shown(self._steps(action, values, set())) for action in actions}
+        filled = {
+            action.name: _filled_steps(self._steps(action, values, set())) for action in actions
+        }
         self._hub.publish(m.ActionsFilled(actions=filled))
 
     def _steps(
@@ -206,7 +208,7 @@ class ActionTexts:
         return steps
 
 
-def _shown(steps: Steps) -> list[list[m.FilledCall] | float]:
+def _filled_steps(steps: Steps) -> list[list[m.FilledCall] | float]:
     return [
         step
         if isinstance(step, float | int)

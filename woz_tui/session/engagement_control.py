@@ -349,4 +349,4 @@ class EngagementController:
         self._shown_us = self._hub.now()
         self._hub.publish(shown)
         if shown.run != "off":  # the signs are shown all the same, and the robot shows nothing
-            self._effects.noticed(shown)
+            self._effects.nearly_engaged(shown)

@@ -92,10 +92,10 @@ class StateEffects:
         for name in engagement.plays.get(change.now, ()):
             self._play_named(name, again)
 
-    def noticed(self, shown: m.EngagementShown) -> None:
+    def nearly_engaged(self, shown: m.EngagementShown) -> None:
         """The signs moved: somebody may be nearly engaged, or not any more."""
         verdicts: dict[str, m.Json] = {name: sign.verdict for name, sign in shown.signs.items()}
-        calls = self._signals.noticed(nearly(verdicts, shown.uses))
+        calls = self._signals.nearly_engaged(nearly(verdicts, shown.uses))
         if self._robot.may_move:
             self._signal(calls)
 

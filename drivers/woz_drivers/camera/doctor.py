@@ -22,7 +22,7 @@ async def examine(probe: Probe) -> list[Finding]:
     settings: CameraSettings = probe.settings
     try:
         words = settings.words
-        taken = await _take(settings, words, probe)
+        taken = await _take_pictures(settings, words, probe)
     except DriverError as error:
         return [Finding("error", probe.name, error.what, error.remedy)]
     return [_finding(probe.name, settings, taken)]
@@ -40,7 +40,7 @@ class _Capture:
         self.ended = False
         self._began = 0.0
 
-    def take(self, data: bytes) -> None:
+    def add(self, data: bytes) -> None:
         if not self.total:
             self._began = time.monotonic()
             self.came.set()
@@ -50,9 +50,11 @@ class _Capture:
             self.first += data[: self._size - len(self.first)]
 
 
-async def _take(settings: CameraSettings, words: tuple[str, ...], probe: Probe) -> _Capture:
+async def _take_pictures(
+    settings: CameraSettings, words: tuple[str, ...], probe: Probe
+) -> _Capture:
     taken = _Capture(settings.layout.size)
-    running = await child_process.start(words, probe.folder, on_output=taken.take)
+    running = await child_process.start(words, probe.folder, on_output=taken.add)
     try:
         status = await running.wait_or(taken.came, _PATIENCE_S)
         if taken.came.is_set():

@@ -197,7 +197,7 @@ class PictureFeed:
             return
         self._offered_us = now_us
         settings = self._settings
-        picture = settings.layout.whole(data, wish.width)
+        picture = settings.layout.for_people(data, wish.width)
         turned = picture[:: -1 if settings.flip else 1, :: -1 if settings.mirror else 1]
         height, width = turned.shape[:2]
         rgb = np.ascontiguousarray(turned).tobytes()

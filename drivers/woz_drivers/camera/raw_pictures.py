@@ -52,7 +52,7 @@ class PictureLayout:
         picture = rows[:, : 3 * self.width].reshape(self.height, self.width, 3)
         return picture[:, :, ::-1] if self.format == "bgr24" else picture
 
-    def whole(self, data: bytes, widest: int) -> Picture:
+    def for_people(self, data: bytes, widest: int) -> Picture:
         """One picture for people, about `widest` pixels wide: every second, third ... row and
         column where it is at least twice as wide. Colours of yuv420 count for two by two pixels.
         """

@@ -112,9 +112,9 @@ class FaceLink:
     def received(self, data: bytes, now_us: int) -> None:
         """The face said `data`."""
         for packet in self._reader.feed(data):
-            self._take(packet, now_us)
+            self._handle(packet, now_us)
 
-    def _take(self, packet: Packet, now_us: int) -> None:
+    def _handle(self, packet: Packet, now_us: int) -> None:
         if packet.type == HERE:
             self._introduced(packet, now_us)
         elif packet.type == SHOWN:

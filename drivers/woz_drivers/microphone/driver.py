@@ -168,13 +168,13 @@ class Microphone(PassiveDriver):
     # -- sound ---------------------------------------------------------------------------------
 
     def _fresh_blocks(self) -> ChunkCutter:
-        return ChunkCutter(self.settings.block_bytes, self._take)
+        return ChunkCutter(self.settings.block_bytes, self._process)
 
     def _received(self, data: bytes) -> None:
         self._blocks.feed(data)
         self._slow_down()
 
-    def _take(self, block: bytes) -> None:
+    def _process(self, block: bytes) -> None:
         settings = self.settings
         if not self._blocks_heard:
             self.context.health(
@@ -184,17 +184,17 @@ class Microphone(PassiveDriver):
             )
         self._blocks_heard += 1
         samples = settings.samples(block)
-        level = self._speaking.take(samples)
+        level = self._speaking.judge(samples)
         self.context.sensor(SENSOR, self._speaking.state, self._reason(level))
         self._cut(samples, level)
         if self._learning is not None:
-            self._learning.take(level)
+            self._learning.add(level)
         self._levels.append(level)
         if self._blocks_heard * BLOCK_S * settings.publish >= 1 + self._published():
             self._publish()
 
     def _cut(self, samples: pcm_audio.Samples, level: float) -> None:
-        self._segments.take(samples, level, self.context.clock.now_us())
+        self._segments.add(samples, level, self.context.clock.now_us())
         event = self._speaking.event
         self._segments.happened(event, self._speaking.earliest)
         if isinstance(event, SpeechEnd):
@@ -259,7 +259,7 @@ class Microphone(PassiveDriver):
         learnt = room_threshold.LearntThreshold(
             self.name, noise, self.settings.sensitivity, BLOCK_S, keeping
         )
-        published = learnt.tell(self.context, self._speaking.threshold)
+        published = learnt.publish(self.context, self._speaking.threshold)
         self._speaking.threshold = learnt.threshold
         return published
 
@@ -273,7 +273,7 @@ class _Learning:
         self._wanted = max(1, round(seconds / BLOCK_S))
         self._levels: list[float] = []
 
-    def take(self, level: float) -> None:
+    def add(self, level: float) -> None:
         self._levels.append(level)
         if len(self._levels) >= self._wanted and not self.done.done():
             self.done.set_result(self._levels)

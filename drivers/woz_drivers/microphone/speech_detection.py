@@ -69,7 +69,7 @@ class SpeechDetector:
         """The first block that a segment may still hold."""
         return self._ends.earliest
 
-    def take(self, samples: Samples) -> float:
+    def judge(self, samples: Samples) -> float:
         """Judge the next block; returns its RMS. `event` is what begins or ends with it."""
         level = rms(samples)
         self._zeros = 0 if samples.any() else self._zeros + 1

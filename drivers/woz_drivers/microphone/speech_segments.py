@@ -87,7 +87,7 @@ class SpeechSegments:
         """Sound is missing between the last block and the next."""
         self._time.forget()
 
-    def take(self, samples: pcm_audio.Samples, level: float, clock_us: int) -> None:
+    def add(self, samples: pcm_audio.Samples, level: float, clock_us: int) -> None:
         """The next block, and the clock when it came."""
         wanted = self._keep or self._transcriber is not None
         pcm = pcm_audio.encode(samples, "S16_LE") if wanted else b""

@@ -157,14 +157,14 @@ class PanelKnob:
         present = self._present(state)
         return None if present is None else self.fitted.value(present)
 
-    def take(self, value: int, state: BodyState | None) -> None:
+    def moved(self, value: int, state: BodyState | None) -> None:
         """The hand moved it to `value`, 0..127."""
-        self.look(state)
+        self.compare(state)
         to = self.fitted.place(value)
         if self.pickup.turn(to, self._present(state)):
             self._line.send(self.fitted.turned(to))
 
-    def look(self, state: BodyState | None) -> None:
+    def compare(self, state: BodyState | None) -> None:
         """Compare with the robot's state, unless something is under way that it cannot show yet."""
         if not self._line.under_way and self._now_us() - self._answered_us >= SETTLED_US:
             self.pickup.compare(self._present(state))
@@ -195,7 +195,7 @@ class PanelButton:
         #: Whether a toggling verb is on; nobody else knows.
         self._on = False
 
-    def take(self, value: int, state: BodyState | None) -> None:
+    def pressed(self, value: int, state: BodyState | None) -> None:
         """It sent `value`: 0 when it is let go."""
         down = value > 0
         was, self._down = self._down, down
@@ -214,7 +214,7 @@ class PanelButton:
 
     def let_go(self) -> None:
         """The panel is gone, and with it the finger."""
-        self.take(0, None)
+        self.pressed(0, None)
 
     def on(self, state: BodyState | None) -> bool:
         """Whether what it does is so now, as its light shows."""

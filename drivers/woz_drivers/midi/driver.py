@@ -183,11 +183,11 @@ class MidiPanel(PassiveDriver):
 
     def _received(self, data: bytes) -> None:
         for message in self._decoder.feed(data):
-            self._take(message)
+            self._handle(message)
         if self._now_us() - self._shown_us >= LOOK_S * 1_000_000:
             self._compare_and_show()
 
-    def _take(self, message: MidiMessage) -> None:
+    def _handle(self, message: MidiMessage) -> None:
         signal = MidiSignal(message.kind, message.number, message.channel)
         it = self._by_signal.get(signal) or self._by_signal.get(
             MidiSignal(message.kind, message.number)
@@ -197,10 +197,10 @@ class MidiPanel(PassiveDriver):
         self._moved[it.name] = message.value
         state = self._state(it.on)
         if it.name in self._buttons:
-            self._buttons[it.name].take(message.value, state)
+            self._buttons[it.name].pressed(message.value, state)
         elif it.name in self._knobs:
             knob = self._knobs[it.name]
-            knob.take(message.value, state)
+            knob.moved(message.value, state)
             if knob.waiting:
                 self._explain_waiting(it, state)
 
@@ -241,7 +241,7 @@ class MidiPanel(PassiveDriver):
     def _compare_and_show(self) -> None:
         """Compare the hands with the robot, switch lights, show what is new."""
         for knob in self._knobs.values():
-            knob.look(self._state(knob.fitted.on))
+            knob.compare(self._state(knob.fitted.on))
         lit = [name for name, button in self._buttons.items() if self._lit(button)]
         if self._with_lights and self._port.ready:
             self._port.write(self._lights.bytes_for(lit))

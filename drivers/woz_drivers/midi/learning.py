@@ -101,9 +101,9 @@ class MapLearning:
             raise DriverError(f"the panel is disconnected: {error.strerror or error}") from error
         if not data:
             raise DriverError("the panel is disconnected: it delivers no more data")
-        return self.take(data)
+        return self.add(data)
 
-    def take(self, data: bytes) -> str:
+    def add(self, data: bytes) -> str:
         """The same for bytes that were read already."""
         for message in self._decoder.feed(data):
             sentence = "" if self.over else self._message(message)

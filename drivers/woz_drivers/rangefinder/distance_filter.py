@@ -46,7 +46,7 @@ class DistanceFilter:
         self._accepted: deque[float] = deque(maxlen=gates.median)
         self._candidates: list[float] = []
 
-    def take(self, metres: float) -> FilteredDistance:
+    def judge(self, metres: float) -> FilteredDistance:
         """Judge the next value; NaN and infinity are out of range."""
         gates = self._gates
         if not gates.nearest <= metres <= gates.farthest:

@@ -116,7 +116,7 @@ class Rangefinder(PassiveDriver):
         if measurement.metres is None:
             self._why = measurement.why
             return
-        verdict = self._filter.take(measurement.metres)
+        verdict = self._filter.judge(measurement.metres)
         if verdict.metres is None:
             if verdict.why == "range":
                 self._out_of_range += 1

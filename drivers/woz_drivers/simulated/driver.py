@@ -263,7 +263,7 @@ class SimulatedRobot(Driver):
         """What its camera sees of the visitor, unless it is unplugged."""
         if self._sight is not None and self._failure(now) is None:
             person = DrawnPerson(visitor.distance, visitor.side, visitor.looking, visitor.talking)
-            self._sight.look(person if visitor.present else None)
+            self._sight.show(person if visitor.present else None)
 
     def _listen(self, visitor: SimulatedVisitor, now: float) -> None:
         """What the microphone makes of the visitor's voice, unless it is unplugged."""
@@ -272,7 +272,7 @@ class SimulatedRobot(Driver):
             self._teller.break_off(self._world(now), failure)
             return
         self.context.sensor("loudness", "speaking" if visitor.hearing.ends.speaks else "quiet")
-        self._teller.tell(speech)
+        self._teller.publish(speech)
 
     def _report_health(self, now: float) -> None:
         failure = self._failure(now)

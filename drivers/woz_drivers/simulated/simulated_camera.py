@@ -44,7 +44,7 @@ class SimulatedCamera:
         self._clock = context.clock
         self._published_us: int | None = None
 
-    def look(self, person: DrawnPerson | None) -> None:
+    def show(self, person: DrawnPerson | None) -> None:
         """Give a picture, if one is wanted now."""
         now = self._clock.now_us()
         wish = self._watched.latest().value

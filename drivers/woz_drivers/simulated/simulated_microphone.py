@@ -33,7 +33,7 @@ class SpeechMessages:
         self._began = 0
         self._understood: set[int] = set()
 
-    def tell(self, speech: Iterable[SpeechInProgress]) -> None:
+    def publish(self, speech: Iterable[SpeechInProgress]) -> None:
         """What happened, in order."""
         for one in speech:
             if one.what == "started":
@@ -98,7 +98,7 @@ class LevelCollection:
         """How long it takes at the most: it may begin just after a tick."""
         return (self._wanted + 1) * TICK
 
-    def take(self, level: float) -> None:
+    def add(self, level: float) -> None:
         """The next tick."""
         if not self.done():
             self.levels.append(level)
@@ -132,7 +132,7 @@ class SimulatedMicrophone:
             if sample.sensor == _SENSOR:
                 level = self._publisher.broken(_SENSOR, sample.value, now)
                 if level is not None and math.isfinite(level):
-                    self._listening.take(level)
+                    self._listening.add(level)
 
     @contextlib.contextmanager
     def lesson(self, seconds: float) -> Iterator[LevelCollection]:
@@ -154,7 +154,7 @@ class SimulatedMicrophone:
         keeping = "the next session begins with the usual one again"
         learnt = room_threshold.room_noise(heard.levels)
         lesson = room_threshold.LearntThreshold(self._name, learnt, SENSITIVITY, TICK, keeping)
-        reports = lesson.tell(self._context, self._hearing.ends.threshold)
+        reports = lesson.publish(self._context, self._hearing.ends.threshold)
         self._hearing.ends.threshold = lesson.threshold
         return reports
 
@@ -199,7 +199,7 @@ class SpeechSegmenter:
         """The visitor begins to say this."""
         self._words.append(text)
 
-    def take(self, loudness: float) -> list[SpeechInProgress]:
+    def add(self, loudness: float) -> list[SpeechInProgress]:
         """The loudness of the next tick; what it tells."""
         event = self.ends.judge(loudness)
         now = self.ends.chunks * self._tick

@@ -311,7 +311,7 @@ class SimulatedVisitor:
             ),
         )
         loudness = next(sample.value for sample in samples if sample.sensor == "loudness")
-        self._speech += self.hearing.take(loudness or 0.0)
+        self._speech += self.hearing.add(loudness or 0.0)
         return samples
 
 

@@ -17,7 +17,7 @@ async def examine(probe: Probe) -> list[Finding]:
     settings: SpeechSettings = probe.settings
     try:
         if settings.speak:
-            return [_found(probe, settings.speak_words()[0])]
+            return [_program_finding(probe, settings.speak_words()[0])]
         return [
             await _synthesiser(probe, settings),
             await _player(probe, settings),
@@ -27,7 +27,7 @@ async def examine(probe: Probe) -> list[Finding]:
         return [Finding("error", probe.name, error.what, error.remedy)]
 
 
-def _found(probe: Probe, program: str) -> Finding:
+def _program_finding(probe: Probe, program: str) -> Finding:
     try:
         path = command_lines.find(program, probe.folder)
     except DriverError as error:
@@ -46,7 +46,7 @@ async def _synthesiser(probe: Probe, settings: SpeechSettings) -> Finding:
 
 async def _player(probe: Probe, settings: SpeechSettings) -> Finding:
     program = settings.play_words()[0]
-    found = _found(probe, program)
+    found = _program_finding(probe, program)
     if found.level != "ok" or program != "aplay":
         return found
     try:

@@ -50,7 +50,7 @@ class SpeechCache:
             os.utime(path)
         return content
 
-    def put(self, path: Path, content: bytes) -> None:
+    def store(self, path: Path, content: bytes) -> None:
         """Store a file whole or not at all, then make room. Raises OSError."""
         self._folder.mkdir(parents=True, exist_ok=True, mode=0o700)
         handle, name = tempfile.mkstemp(dir=self._folder, suffix=".part")
@@ -172,7 +172,7 @@ class SpeechSynthesis:
                 return PreparedUtterance(path, wav.parse(known), "cache")
         made = await self._synthesise(words, text)
         try:
-            await asyncio.to_thread(self._cache.put, path, made.to_bytes())
+            await asyncio.to_thread(self._cache.store, path, made.to_bytes())
         except OSError as error:
             raise DriverError(
                 f"no room for synthesised speech in {path.parent}: {error.strerror}",

@@ -26,7 +26,7 @@ def played(
         sent.append((now, cost, took))
         pace.requested(now)
         began, now = now, now + round(took * SECOND) + 1000
-        pace.shown(began, cost, round(took * SECOND))
+        pace.drawn(began, cost, round(took * SECOND))
     return sent
 
 
@@ -58,7 +58,7 @@ def test_a_fast_line_is_known_after_a_few_pictures() -> None:
 def test_a_line_that_turns_slow_is_heard_of_at_once() -> None:
     pace = PictureBudget()
     played(pace, 1e9, 60_000, 2.0)
-    pace.shown(10 * SECOND, 40_000, 2 * SECOND)
+    pace.drawn(10 * SECOND, 40_000, 2 * SECOND)
     assert pace.allowance == 20_000 * FILLS_S
     assert not pace.due(13 * SECOND)
     assert pace.due(14 * SECOND)
@@ -69,10 +69,10 @@ def test_small_pictures_tell_nothing_and_drawing_counts() -> None:
     before = pace.allowance
     pace.requested(0)
     assert not pace.due(200_000 - 1)
-    pace.shown(0, 500, 3 * SECOND)
+    pace.drawn(0, 500, 3 * SECOND)
     assert pace.allowance == before
     assert not pace.due(6 * SECOND - 1)
-    pace.shown(10 * SECOND, 0, 0, drawing_us=SECOND)
+    pace.drawn(10 * SECOND, 0, 0, drawing_us=SECOND)
     assert not pace.due(12 * SECOND - 1)
     assert pace.due(12 * SECOND)
 

@@ -31,7 +31,7 @@ class Seat:
 
     def question(self, after: float = 0.0) -> None:
         """It is asked, and answers `after` seconds."""
-        self.line.asked()
+        self.line.question_sent()
         self.clock.advance(after)
         self.line.answered()
 
@@ -47,7 +47,7 @@ def seat() -> Iterator[Seat]:
 
 
 def test_only_a_question_asked_behind_it_tells(seat: Seat) -> None:
-    seat.line.asked()
+    seat.line.question_sent()
     seat.clock.advance(0.01)
     written = seat.clock.now_us()
     seat.line.answered()
@@ -62,7 +62,7 @@ def test_hurry_asks_at_once_or_right_behind_the_question_that_is_out(seat: Seat)
     seat.side.hurry()
     assert seat.woken == 1
     assert seat.line.question_in_s == 0
-    seat.line.asked()
+    seat.line.question_sent()
     assert seat.line.question_in_s == AGAIN_S
     seat.side.hurry()
     assert seat.line.question_in_s == AGAIN_S, "one question at a time"
@@ -74,7 +74,7 @@ def test_hurry_asks_at_once_or_right_behind_the_question_that_is_out(seat: Seat)
 
 def test_a_terminal_that_never_answers_has_what_it_has_taken(seat: Seat) -> None:
     written = seat.clock.now_us()
-    seat.line.asked()
+    seat.line.question_sent()
     assert seat.side.arrived_us(written) is None, "it may still answer"
     seat.clock.advance(DEAD_S)
     assert seat.side.write("x" * 200_000)

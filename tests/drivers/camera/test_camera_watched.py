@@ -127,7 +127,7 @@ async def test_a_turned_camera_is_turned_back(
 )
 def test_pictures_of_planes_keep_their_size(width: int, wanted: int, gets: int) -> None:
     made = with_block(100, 60, 40, width, 480)
-    shown = PictureLayout(width, 480, "yuv420", width).whole(planes(made, width), wanted)
+    shown = PictureLayout(width, 480, "yuv420", width).for_people(planes(made, width), wanted)
     assert shown.shape[1] == gets
     step = -(-width // gets)
     assert np.abs(shown.astype(int) - made[::step, ::step].astype(int)).max() <= 4
@@ -136,6 +136,6 @@ def test_pictures_of_planes_keep_their_size(width: int, wanted: int, gets: int) 
 @given(st.integers(1, 40), st.integers(1, 40), st.integers(1, 60), st.integers(0, 3))
 def test_planes_of_any_size(width: int, height: int, wanted: int, padding: int) -> None:
     layout = PictureLayout(width, height, "yuv420", width + padding)
-    shown = layout.whole((bytes(range(256)) * 20)[: layout.size], wanted)
+    shown = layout.for_people((bytes(range(256)) * 20)[: layout.size], wanted)
     assert shown.shape[0] >= 1
     assert min(width, wanted) <= shown.shape[1] <= max(width, wanted)

@@ -38,14 +38,14 @@ def read_back(lesson: MapLearning, folder: Path) -> PanelMap:
 def test_each_target_gets_the_control_that_was_moved_for_it(tmp_path: Path) -> None:
     lesson = MapLearning(PANEL, "", -1)
     assert lesson.question == "[1/3] move the knob or slider for: pitch"
-    assert lesson.take(knob(21, 127, 0)) == "", "a button is no knob"
-    assert lesson.take(knob(20, 60, 61, 62)) == "cc-20: pitch"
+    assert lesson.add(knob(21, 127, 0)) == "", "a button is no knob"
+    assert lesson.add(knob(20, 60, 61, 62)) == "cc-20: pitch"
     assert lesson.question == "[2/3] press the button for: nod"
-    assert lesson.take(knob(20, 63, 64, 127)) == "", "the hand is still on the knob"
-    assert lesson.take(knob(22, 30, 90, 127)) == "", "a slider on its way is no button"
-    assert lesson.take(bytes((0x99, 36, 80))) == "note-36-10: nod"
-    assert lesson.take(knob(20, 5, 6, 7, 8, 127)) == ""
-    assert lesson.take(bytes((0xC1, 4))) == "program-4-2: STOP"
+    assert lesson.add(knob(20, 63, 64, 127)) == "", "the hand is still on the knob"
+    assert lesson.add(knob(22, 30, 90, 127)) == "", "a slider on its way is no button"
+    assert lesson.add(bytes((0x99, 36, 80))) == "note-36-10: nod"
+    assert lesson.add(knob(20, 5, 6, 7, 8, 127)) == ""
+    assert lesson.add(bytes((0xC1, 4))) == "program-4-2: STOP"
     assert lesson.over
     assert lesson.count == 3
     panel = read_back(lesson, tmp_path)
@@ -59,11 +59,11 @@ def test_skip_and_back(tmp_path: Path) -> None:
     lesson = MapLearning(PANEL, "", -1)
     lesson.back()
     lesson.skip()
-    assert lesson.take(knob(9, 0, 127)) == "cc-9: nod"
+    assert lesson.add(knob(9, 0, 127)) == "cc-9: nod"
     lesson.back()
     assert lesson.question == "[2/3] press the button for: nod"
     assert lesson.count == 0
-    assert lesson.take(knob(10, 127)) == "cc-10: nod"
+    assert lesson.add(knob(10, 127)) == "cc-10: nod"
     lesson.skip()
     assert lesson.over
     assert set(read_back(lesson, tmp_path).controls) == {"cc-10"}
@@ -71,10 +71,10 @@ def test_skip_and_back(tmp_path: Path) -> None:
 
 def test_a_control_cannot_be_taken_twice() -> None:
     lesson = MapLearning(PANEL, "", -1)
-    lesson.take(knob(20, 1, 2, 3))
-    lesson.take(knob(9, 127))
+    lesson.add(knob(20, 1, 2, 3))
+    lesson.add(knob(9, 127))
     assert lesson.question.startswith("[3/3]")
-    assert lesson.take(knob(20, 0, 127)) == (
+    assert lesson.add(knob(20, 0, 127)) == (
         "cc-20 is used for pitch already; use another one, or press b to go back"
     )
     assert lesson.question.startswith("[3/3]")
@@ -86,7 +86,7 @@ def test_a_known_panel_keeps_its_names_and_its_lights(name: str, tmp_path: Path)
     wanted = [it for it in mapped_controls(MidiSettings(map=name)) if not it.free]
     for it in wanted:
         number = it.control.signal.number
-        said = lesson.take(knob(number, 127, 0) if it.pressed else knob(number, 1, 2, 3))
+        said = lesson.add(knob(number, 127, 0) if it.pressed else knob(number, 1, 2, 3))
         assert said == f"{it.name}: {it.label}"
     panel = read_back(lesson, tmp_path)
     assert panel.layout == "nanokontrol2"
@@ -96,7 +96,7 @@ def test_a_known_panel_keeps_its_names_and_its_lights(name: str, tmp_path: Path)
 def test_learning_again_keeps_what_is_skipped(tmp_path: Path) -> None:
     lesson = MapLearning(PANEL, "", -1, keep=True)
     lesson.skip()
-    lesson.take(knob(50, 127))
+    lesson.add(knob(50, 127))
     panel = read_back(lesson, tmp_path)
     assert panel.controls["k"] == PANEL.controls["k"]
     assert panel.controls["s"] == PANEL.controls["s"]
@@ -108,7 +108,7 @@ def test_whatever_is_done_the_file_can_be_read(acts: list[bytes | str]) -> None:
     lesson = MapLearning(PANEL, "", -1)
     for act in acts:
         if isinstance(act, bytes):
-            lesson.take(act)
+            lesson.add(act)
         elif act == "back":
             lesson.back()
         elif not lesson.over:

@@ -84,10 +84,10 @@ def test_a_hand_keeps_hold_until_the_robot_can_show_what_was_sent() -> None:
     )
     for value in (64, 80, 100):
         now[0] += 20_000
-        knob.take(value, old)
+        knob.moved(value, old)
     assert len(asked) == 3
     now[0] += SETTLED_US
-    knob.look(old)
+    knob.compare(old)
     assert knob.waiting, "by now it is somebody else's"
 
 

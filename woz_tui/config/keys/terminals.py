@@ -270,7 +270,7 @@ def _legacy_simple(chord: Chord, data: bytes) -> KeyDelivery:
 
 def _function(chord: Chord, terminal: Terminal) -> KeyDelivery:
     """Arrows, F-keys and the six above the arrows."""
-    kept = _kept(chord, terminal)
+    kept = _reason_kept(chord, terminal)
     if kept:
         return KeyDelivery(KeyOutcome.NEVER, why=kept)
     if chord.base in PEDALS:
@@ -299,7 +299,7 @@ def _pedal(chord: Chord, terminal: Terminal) -> KeyDelivery:
     )
 
 
-def _kept(chord: Chord, terminal: Terminal) -> str:
+def _reason_kept(chord: Chord, terminal: Terminal) -> str:
     if terminal.linux and chord.alt and chord.base in (*ARROWS, *FUNCTION_KEYS):
         return "the Linux console uses alt with arrows and F-keys itself"
     if chord == Chord("f4", alt=True):

@@ -89,7 +89,7 @@ def translate(root: Cursor, own: Collection[str], move: PathRewriter) -> Transla
     sections |= {name: (cursor.place, cursor.node) for name, cursor in kept.items()}
     sections["robot"] = (start, robot)
     sections["steps"] = (start, pepper_robot.steps(table, start))
-    nodes = [(panel, panel.node()) for panel in found if panel.shown]
+    nodes = [(panel, panel.node()) for panel in found if panel.needed]
     sections["panels"] = (start, ListNode(start, [node for _, node in nodes]))
     made_table = made_nodes.table([(name, *entry) for name, entry in sections.items()], start)
     return Translation(made_table, _remarks(made_table, nodes))

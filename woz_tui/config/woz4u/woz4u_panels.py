@@ -38,7 +38,7 @@ class PanelDraft:
     locked: bool = False
 
     @property
-    def shown(self) -> bool:
+    def needed(self) -> bool:
         """A section without a button makes no panel, unless something is locked there."""
         return bool(self.buttons) or self.locked
 

@@ -107,14 +107,14 @@ def _control(board: PanelState, control: ControlOutline, width: int, glyphs: Gly
         return [_button(board, control, width, glyphs)]
     draw = _knob if control.kind == "knob" else _slider
     label = clean(control.label)
-    look = "faint" if not label else "warn" if board.waits(control) else _look(board, "plain")
+    look = "faint" if not label else "warn" if board.waits(control) else _style(board, "plain")
     return [
         *draw(board, control, glyphs),
         ((_short_label(label or glyphs.middle, width, glyphs.ellipsis), look),),
     ]
 
 
-def _look(board: PanelState, look: str) -> str:
+def _style(board: PanelState, look: str) -> str:
     return "stale" if board.old else look
 
 
@@ -126,7 +126,7 @@ def _button(board: PanelState, control: ControlOutline, width: int, glyphs: Glyp
         return ((fit(sign if pressed else glyphs.middle, width), "faint"),)
     look = "flash" if pressed else "run" if lit else "muted"
     label = _short_label(clean(control.label), width - 2, glyphs.ellipsis)
-    return ((f"{sign} {label}", _look(board, look)),)
+    return ((f"{sign} {label}", _style(board, look)),)
 
 
 def _short_label(label: str, width: int, ellipsis: str) -> str:
@@ -141,7 +141,7 @@ def _figures(board: PanelState, control: ControlOutline, glyphs: Glyphs) -> tupl
     """The value, and where it has to go."""
     value = board.value(control)
     shown = glyphs.dash if value is None else str(value)
-    look = _look(board, "strong" if control.label else "muted")
+    look = _style(board, "strong" if control.label else "muted")
     return (f"{shown:>3}", look), (_takeover_arrow(board, control, glyphs), "warn")
 
 
@@ -194,7 +194,7 @@ def _slider(board: PanelState, control: ControlOutline, glyphs: Glyphs) -> list[
     width, height = BAR
     value = board.value(control)
     halves = round((value or 0) / MOST * height * 2)
-    look = _look(board, "run" if control.label else "muted")
+    look = _style(board, "run" if control.label else "muted")
     number, way = _figures(board, control, glyphs)
     signs, edge = (" .#", "|") if glyphs.ascii else (" ▄█", "▏")
     rows: list[Row] = []
@@ -216,7 +216,7 @@ def _button_text(
     for control in controls:
         if control.label:
             lit = control.name in board.knobs.lit or (board.value(control) or 0) > 0
-            look = _look(board, "run" if lit else "muted")
+            look = _style(board, "run" if lit else "muted")
             sign = glyphs.yes if lit else glyphs.no
             words = clean(control.label)
             name = "" if words == control.name else f"{clean(control.name)} "

@@ -58,7 +58,7 @@ class PictureBudget:
         """Note that a picture is requested: the next one waits as long as the rate asks for."""
         self.wait(now_us, 1 / self.rate)
 
-    def shown(self, began_us: int, cost: int, took_us: int, drawing_us: int = 0) -> None:
+    def drawn(self, began_us: int, cost: int, took_us: int, drawing_us: int = 0) -> None:
         """A picture of `cost` bytes, drawn from `began_us` on, filled the line for `took_us`; to
         draw it took `drawing_us` of the processor.
         """
@@ -241,4 +241,4 @@ class PictureRequester:
             cost = self._side.written - drawing.written
             took = arrived - painted - self._side.shortest_us
         self._drawing = None
-        self.pace.shown(drawing.began_us, cost, took, painted - drawing.began_us)
+        self.pace.drawn(drawing.began_us, cost, took, painted - drawing.began_us)

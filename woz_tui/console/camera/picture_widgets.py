@@ -202,7 +202,7 @@ class KittyView(SentView):
         """Send the picture under the name that is not shown, then change the names."""
         self._turn = 1 - self._turn
         name = kitty.NAMES[self._turn]
-        if not self._put(kitty.transmission(name, self.room.columns, self.room.rows, shown.data)):
+        if not self._write(kitty.transmission(name, self.room.columns, self.room.rows, shown.data)):
             return False
         self.learn_size(shown)
         self._drawn = name
@@ -212,16 +212,16 @@ class KittyView(SentView):
     def settled(self) -> None:
         """The picture before is not shown any more: let go of it."""
         if self._drawn:
-            self._put(kitty.deletion(*(name for name in kitty.NAMES if name != self._drawn)))
+            self._write(kitty.deletion(*(name for name in kitty.NAMES if name != self._drawn)))
 
     def clear(self) -> None:
         """Blank cells, no pictures in the terminal's memory."""
         if self._drawn:
             self._drawn = 0
-            self._put(kitty.deletion(*kitty.NAMES))
+            self._write(kitty.deletion(*kitty.NAMES))
         self.refresh()
 
-    def _put(self, text: str) -> bool:
+    def _write(self, text: str) -> bool:
         return self._terminal.write(kitty.tmux_passthrough(text) if self._tmux else text)
 
     def line(self, y: int) -> Strip:

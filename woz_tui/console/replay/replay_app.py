@@ -72,8 +72,8 @@ class ReplayConsole(Console):
         if self.state.rate > 1:
             self.wake()
 
-    def _take(self, local: int) -> None:
-        super()._take(local)
+    def _take_in(self, local: int) -> None:
+        super()._take_in(local)
         if self._news_until == 1:  # a stop of then; what the viewer is told stays
             self._news_until = self._sentence_until
         while self.inbox.played:

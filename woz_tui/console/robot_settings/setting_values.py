@@ -83,7 +83,7 @@ def typed_value(setting: Setting, typed: str) -> Json:
         raise SettingValueError(f"{typed!r} is not a number; type {_range(setting)}.") from None
     if not setting.low <= value <= setting.high:  # NaN is not, either
         raise SettingValueError(f"{bare} is out of range; type {_range(setting)}.")
-    return _whole(setting, value)
+    return _rounded(setting, value)
 
 
 def allowed_values(setting: Setting) -> str:
@@ -107,10 +107,10 @@ def _next_choice(choices: list[str], value: Json, by: int) -> str:
 
 def _limited(setting: Setting, value: float) -> Json:
     value = round(value, _decimals(setting.step))
-    return _whole(setting, float(min(setting.high, max(setting.low, value))))
+    return _rounded(setting, float(min(setting.high, max(setting.low, value))))
 
 
-def _whole(setting: Setting, value: float) -> Json:
+def _rounded(setting: Setting, value: float) -> Json:
     """Whole numbers where a setting goes by them."""
     return int(value) if float(setting.step).is_integer() and value.is_integer() else value
 

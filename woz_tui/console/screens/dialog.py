@@ -370,9 +370,9 @@ class EntryDialog(Dialog):
     def action_history(self, by: int) -> None:
         """Walk through what was typed before; down from the newest is the empty line."""
         self._back = max(0, min(len(self.history), self._back - by))
-        self.put(self.history[-self._back] if self._back else "")
+        self.set_text(self.history[-self._back] if self._back else "")
 
-    def put(self, text: str, caret: int | None = None) -> None:
+    def set_text(self, text: str, caret: int | None = None) -> None:
         """Put a text into the field; the caret goes to its end."""
         self.entry.value = text
         self.entry.cursor_position = len(text) if caret is None else caret

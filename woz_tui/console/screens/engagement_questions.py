@@ -34,7 +34,7 @@ _OUTCOME = 16
 _KNOWN = 6
 
 
-def asked(order: Override, engaged: EngagementView, key: str = "") -> Dialog | None:
+def dialog_for(order: Override, engaged: EngagementView, key: str = "") -> Dialog | None:
     """The dialog that `order` needs as things stand, or None."""
     if order.id == "force":
         return ForceDialog(key)
@@ -51,7 +51,7 @@ def steer(app: ConsoleApp, order: Override, key: str = "") -> None:
     if not is_offered(engaged, app.state.verbs):
         app.news("This session has no engagement model")
         return
-    dialog = asked(order, engaged, key)
+    dialog = dialog_for(order, engaged, key)
     if dialog is not None:
         app.open_dialog(dialog)
     else:

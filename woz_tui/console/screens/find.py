@@ -68,7 +68,7 @@ class SearchItem:
     where: str
     do: Callable[[], None]
     search: str
-    said: str = ""
+    utterance: str = ""
     acts: bool = False
 
 
@@ -82,21 +82,21 @@ def _rank(matcher: Matcher, typed: str, find: SearchItem) -> tuple[int, float]:
     """
     pieces = typed.casefold().split()
     if not find.acts:
-        texts = ((5, find.name), (4, find.said), (0, find.search))
+        texts = ((5, find.name), (4, find.utterance), (0, find.search))
         rank = next((rank for rank, text in texts if _begins_words(text, pieces)), None)
         whole = typed.casefold() in find.name.casefold()
         return (0, 0.0) if rank is None else (rank, 1.0 + whole)
     named = typed.casefold() in find.name.casefold()
-    said = all(piece in find.said.casefold() for piece in pieces)
+    said = all(piece in find.utterance.casefold() for piece in pieces)
     letters = matcher.match(find.name)
-    if named and find.said:
+    if named and find.utterance:
         return 6, letters
-    if said and find.said:
+    if said and find.utterance:
         return 4, letters
     if named:
         return 3, letters
     if letters:
-        return (2 if find.said else 1), letters
+        return (2 if find.utterance else 1), letters
     return 0, float(all(piece in find.search.casefold() for piece in pieces))
 
 

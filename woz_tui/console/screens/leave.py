@@ -48,7 +48,7 @@ class LeaveDialog(ChoiceDialog):
         asked: then the dialog has told of it.
         """
         study = self.state.study
-        due = study.unasked() if study.asked is None else []
+        due = study.unasked() if study.open_questionnaire is None else []
         if due and self.state.role == "wizard":
             self.console_app.open_dialog(OfferDialog(due[0], self._end))
         else:
@@ -67,8 +67,8 @@ def cut_off(study: StudyView) -> list[str]:
     found: list[str] = []
     if study.trial is not None:
         found.append(f"trial {study.trial.number} is running: the end makes it aborted")
-    if study.asked is not None:
-        found.append(f"{clean(study.asked.questionnaire.heading)}: {progress(study.asked)}")
+    if (opened := study.open_questionnaire) is not None:
+        found.append(f"{clean(opened.questionnaire.heading)}: {progress(opened)}")
     found += [
         f"{clean(questionnaire_title(study, name))} has not been answered"
         for name in study.unasked()

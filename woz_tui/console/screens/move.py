@@ -110,7 +110,7 @@ class MoveDialog(EntryDialog):
     def action_complete(self) -> None:
         """Take the first name that matches."""
         for name in names_containing(self.entry.value.strip(), self._names)[:1]:
-            self.put(name)
+            self.set_text(name)
 
     @property
     def history(self) -> Sequence[str]:

@@ -194,9 +194,9 @@ class PreflightDialog(ReportDialog):
         self._reply = self._terminal = None
         self.renew()
         self.requests.ask(AskPreflight(), self._answered)
-        self.run_worker(self._look(), exclusive=True)
+        self.run_worker(self._check_terminal(), exclusive=True)
 
-    async def _look(self) -> None:
+    async def _check_terminal(self) -> None:
         self._terminal = await asyncio.to_thread(terminal_findings, os.environ)
         self._conclude()
 

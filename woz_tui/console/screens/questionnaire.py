@@ -39,7 +39,7 @@ class QuestionnaireDialog(Dialog):
 
     def refreshed(self) -> None:
         """Follow what is asked."""
-        asked, lost = self.state.study.asked, bool(self.state.lost)
+        asked, lost = self.state.study.open_questionnaire, bool(self.state.lost)
         for sheet in self.query(QuestionnaireSheet):
             words = self.state.settings.study.words
             self._over = asked is None and not lost and self.state.welcomed

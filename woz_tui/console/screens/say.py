@@ -155,7 +155,7 @@ class SayDialog(EntryDialog):
         entry, before = self.entry, self._numbered
         self._numbered = before.goes_on(entry.value) if before is not None else None
         if self._numbered is not None and self._numbered.text != entry.value:
-            self.put(self._numbered.text, self._numbered.caret)
+            self.set_text(self._numbered.text, self._numbered.caret)
         self._show_matches()
 
     def submit(self, text: str) -> None:
@@ -169,7 +169,7 @@ class SayDialog(EntryDialog):
         begun, _ = self._offers(self.entry.value, self.entry.cursor_position)
         whole, caret = self.completed(self.entry.value, self.entry.cursor_position)
         if whole is not None:
-            self.put(whole, caret)
+            self.set_text(whole, caret)
             self._numbered = NumberEntry.put_in(whole, begun, caret) if begun is not None else None
 
     def completed(self, text: str, caret: int) -> tuple[str | None, int]:

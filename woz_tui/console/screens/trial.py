@@ -64,8 +64,8 @@ class TrialDialog(Dialog):
         rows: list[Row] = [first]
         if study.order:
             rows.append(order_row(study.order, _here(study), self.glyphs.here))
-        if study.asked is not None:
-            asked = study.asked
+        if study.open_questionnaire is not None:
+            asked = study.open_questionnaire
             told = f"{asked.questionnaire.heading}: {progress(asked)}"
             rows.append(((clean(told), "wait"),))
         return [*rows, ()]
@@ -86,7 +86,7 @@ class TrialDialog(Dialog):
         for step in self._steps:
             if event.character == step.key:
                 event.stop()
-                self._take(step)
+                self._begin_step(step)
                 return
         if event.is_printable and event.character:
             event.stop()
@@ -96,9 +96,9 @@ class TrialDialog(Dialog):
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """So does enter."""
         event.stop()
-        self._take(self._steps[event.option_index])
+        self._begin_step(self._steps[event.option_index])
 
-    def _take(self, step: TrialStep) -> None:
+    def _begin_step(self, step: TrialStep) -> None:
         if not step.asks:
             self.leave()
             step.do(self.console_app, "")
@@ -156,12 +156,12 @@ class OfferDialog(ChoiceDialog):
 def trial_steps(study: StudyView) -> list[TrialStep]:
     """All that makes sense now, the most likely first."""
     found: list[TrialStep] = []
-    if study.asked is not None:
-        title = study.asked.questionnaire.heading
+    if study.open_questionnaire is not None:
+        title = study.open_questionnaire.questionnaire.heading
         found.append(
             TrialStep("q", f"go on with: {title}", lambda app, why: app.do("questionnaire"))
         )
-        found.append(TrialStep("l", "leave it unfinished", _leave(study.asked.name)))
+        found.append(TrialStep("l", "leave it unfinished", _leave(study.open_questionnaire.name)))
     elif study.due:
         title = fit_most(questionnaire_title(study, study.due[0]), 50, "…")
         found.append(TrialStep("q", f"ask: {title}", _offer(study.due[0])))
@@ -173,11 +173,11 @@ def trial_steps(study: StudyView) -> list[TrialStep]:
             TrialStep("a", "aborted: it will be run again", _trial("aborted"), asks=True),
             TrialStep("x", "excluded: not to be analysed", _trial("excluded"), asks=True),
         ]
-    elif study.asked is None and not study.all_over:
+    elif study.open_questionnaire is None and not study.all_over:
         found.append(TrialStep("b", _beginning(study), _trial("begin")))
     if study.break_began is None:
         found.append(TrialStep("p", "pause: a break", _trial("break")))
-    if study.asked is None:
+    if study.open_questionnaire is None:
         others = [one for one in study.questionnaires if one.name not in study.due[:1]]
         for number, one in enumerate(others[:_NUMBERED], start=1):
             over = "  (asked already)" if one.name in study.over else ""
@@ -250,7 +250,7 @@ def questionnaire_title(study: StudyView, name: str) -> str:
 def offer_due(app: ConsoleApp) -> None:
     """Offer what is to be asked now, if anything is and nothing is being asked."""
     study = app.state.study
-    if study.due and study.asked is None:
+    if study.due and study.open_questionnaire is None:
         app.open_dialog(OfferDialog(study.due[0]))
 
 

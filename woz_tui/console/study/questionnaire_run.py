@@ -253,7 +253,7 @@ class QuestionnaireRun:
             self._set_typed(item, "")
             self.complaint = self.words.number.format(low=item.low, high=item.high)
         elif item.digits:
-            self._take(item, ItemAnswer(int(typed)))
+            self._set_answer(item, ItemAnswer(int(typed)))
             self._last, self._settled_us = digit, self._now_us() + SETTLING_US
         else:
             self._set_typed(item, typed)
@@ -266,14 +266,14 @@ class QuestionnaireRun:
     def _confirm(self, item: QuestionnaireItem) -> None:
         """Not with nothing chosen: an enter too many must leave nothing out."""
         if self.mark is not None:
-            self._take(item, ItemAnswer(self.mark))
+            self._set_answer(item, ItemAnswer(self.mark))
         else:
             words = self.words.number_or_skip if item.optional else self.words.number
             self.complaint = words.format(low=item.low, high=item.high)
 
     def _skip(self, item: QuestionnaireItem) -> None:
         if item.optional:
-            self._take(item, ItemAnswer(skipped=True))
+            self._set_answer(item, ItemAnswer(skipped=True))
         else:
             self.complaint = self.words.wants_answer
 
@@ -285,13 +285,13 @@ class QuestionnaireRun:
         if len(text.strip()) > LONGEST:
             self.complaint = self.words.too_long.format(most=LONGEST)
         elif text.strip():
-            self._take(item, ItemAnswer(text=text.strip()))
+            self._set_answer(item, ItemAnswer(text=text.strip()))
         else:
             self._skip(item)
 
     # -- answers ------------------------------------------------------------------------------
 
-    def _take(self, item: QuestionnaireItem, answer: ItemAnswer) -> None:
+    def _set_answer(self, item: QuestionnaireItem, answer: ItemAnswer) -> None:
         request = AskAnswer(
             questionnaire=self.asked.name,
             item=item.name,

@@ -68,9 +68,9 @@ class AnswerField(TextArea):
             event.stop()
             event.prevent_default()
         elif event.key == "enter":
-            self._take(event, self.Submitted())
+            self._post(event, self.Submitted())
         elif event.key in ("tab", "ctrl+d") or self._goes_back(event.key):
-            self._take(event, self.KeyPassed(event.key))
+            self._post(event, self.KeyPassed(event.key))
         else:
             await super()._on_key(event)
 
@@ -80,7 +80,7 @@ class AnswerField(TextArea):
             return not self.text
         return key == "up" and self.wrapped_document.location_to_offset(self.cursor_location).y == 0
 
-    def _take(self, event: events.Key, message: Message) -> None:
+    def _post(self, event: events.Key, message: Message) -> None:
         event.stop()
         event.prevent_default()
         self.post_message(message)

@@ -48,7 +48,7 @@ class OpenQuestionnaire:
         """Items with an answer, those left out included."""
         return sum(item.name in self.answers for item in self.items)
 
-    def take(self, told: m.QuestionnaireAnswered) -> None:
+    def apply(self, told: m.QuestionnaireAnswered) -> None:
         """Somebody answered, here or at another terminal."""
         value = None if told.value is None else round(told.value)
         self.answers[told.item] = ItemAnswer(value, told.text, told.skipped)

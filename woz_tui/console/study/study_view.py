@@ -48,12 +48,12 @@ class RunningTrial(NamedTuple):
 
 @dataclass(slots=True)
 class StudyView:
-    """What holds is in `session`; `adopt` and `take` add what only a screen needs."""
+    """What holds is in `session`; `adopt` and `apply` add what only a screen needs."""
 
     session: SessionState = field(default_factory=SessionState)
     questionnaires: tuple[Questionnaire, ...] = ()
     #: The questionnaire that is put to somebody now, and the message that began it.
-    asked: OpenQuestionnaire | None = None
+    open_questionnaire: OpenQuestionnaire | None = None
     _started: m.QuestionnaireStarted | None = None
     #: The last cue of a training.
     _cue: m.CueGiven | None = None
@@ -163,7 +163,7 @@ class StudyView:
         """
         at_end = [one.name for one in self.questionnaires if one.when == "end"]
         wanted = [*self.due, *(name for name in at_end if name not in self.over)]
-        asked = self.asked.name if self.asked is not None else None
+        asked = self.open_questionnaire.name if self.open_questionnaire is not None else None
         return [name for name in dict.fromkeys(wanted) if name != asked]
 
     def right_actions(self, told: m.CueAnswered) -> tuple[str, ...]:
@@ -186,7 +186,7 @@ class StudyView:
         """The file has been read, again."""
         self.questionnaires = tuple(self.session.study.settings.questionnaires)
 
-    def take(self, message: m.Message) -> None:
+    def apply(self, message: m.Message) -> None:
         """Work a message in that `session` has taken."""
         match message:
             case m.ActionRequested(source=source) if source in _HANDS:
@@ -207,8 +207,8 @@ class StudyView:
                 self.follow()
             case m.QuestionnaireAnswered():
                 self.follow()
-                if self.asked is not None:
-                    self.asked.take(message)
+                if self.open_questionnaire is not None:
+                    self.open_questionnaire.apply(message)
 
     def _outside(self) -> None:
         """Say once that what is played belongs to no trial, in a study that has trials."""
@@ -225,16 +225,19 @@ class StudyView:
         """
         current = self.session.study.questionnaire
         if current is None:
-            self.asked = self._started = None
+            self.open_questionnaire = self._started = None
             return
         round_ = (current.name, current.started)
-        if self.asked is None or (self.asked.name, self._started) != round_:
+        if (
+            self.open_questionnaire is None
+            or (self.open_questionnaire.name, self._started) != round_
+        ):
             self._started = current.started
-            self.asked = OpenQuestionnaire(self._put(current.name, current.started))
+            self.open_questionnaire = OpenQuestionnaire(self._open(current.name, current.started))
             for answer in current.answers.values():
-                self.asked.take(answer)
+                self.open_questionnaire.apply(answer)
 
-    def _put(self, name: str, started: m.QuestionnaireStarted | None) -> Questionnaire:
+    def _open(self, name: str, started: m.QuestionnaireStarted | None) -> Questionnaire:
         """As it was begun; what that does not say, as the file has it."""
         known = self.questionnaire(name) or Questionnaire(name)
         if started is None:

@@ -63,9 +63,9 @@ class ErrorModel:
     def rate(self, row: str) -> float:
         """Real episodes per second that are a sign's own, for an average trial."""
         shared = 0.0 if row in ("people", "distance") else self.visible["people"]
-        return self.times * (self.visible[row] - shared) / self._seen()
+        return self.times * (self.visible[row] - shared) / self._share_seen()
 
-    def _seen(self) -> float:
+    def _share_seen(self) -> float:
         """Share of the episodes that hold at least one sample at 3 Hz."""
         periods = self.episode * PAPER_RATE
         return periods * -math.expm1(-1.0 / periods)

@@ -104,7 +104,7 @@ class StateSignals:
         self._state, self._nearly = state, False
         return self._calls.get(state, ())
 
-    def noticed(self, near: bool) -> tuple[Call, ...]:
+    def nearly_engaged(self, near: bool) -> tuple[Call, ...]:
         """Whether they are `nearly` engaged now; calls only where that makes a difference."""
         near = near and self._state == "PersonDetected"
         if near is self._nearly:

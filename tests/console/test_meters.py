@@ -135,6 +135,11 @@ def test_joints_show_where_they_are_and_where_they_go() -> None:
     assert "-6° →" not in shown
 
 
+def test_a_joint_that_is_no_angle_has_its_own_unit() -> None:
+    lifted = scenes.reading(NOW, "joint.lift", 8.0, driver="reachy", unit="mm")
+    assert "8 mm" in meters(lifted)
+
+
 def test_joints_fold_where_there_is_no_room() -> None:
     shown = meters(*scenes.sensors(), frame=PaintFrame(40, 5, NOW))
     assert "yaw 14°" in shown

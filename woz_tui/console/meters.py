@@ -86,6 +86,12 @@ def _sensor(state: ConsoleState, kind: str, joint: str) -> SensorView | None:
     return found or state.sensor(f"{whose}{dot}{kind}.{name}")
 
 
+def _unit(sensor: SensorView | None, frame: PaintFrame) -> str:
+    """Of a joint: degrees, unless its driver says otherwise."""
+    unit = sensor.unit if sensor is not None else ""
+    return frame.glyphs.degrees if unit in ("", "deg") else f" {unit}"
+
+
 def _limits(state: ConsoleState) -> dict[str, tuple[float, float]]:
     """Joint -> lowest and highest angle in degrees, as far as the host has told."""
     joints = state.settings.joints
@@ -104,11 +110,11 @@ def _joint(state: ConsoleState, name: str, shown: str, frame: PaintFrame) -> Row
     spots: dict[int, tuple[str, str]] = {}
     texts = []
     if here is not None:
-        texts.append(f"{round(here):4}{glyphs.degrees}")
+        texts.append(f"{round(here):4}{_unit(present, frame)}")
     if there is not None:
         spots[track_cell((there - low) / (high - low), width)] = (glyphs.target, "run")
         if here is None or abs(there - here) >= 1:
-            texts.append(f"{glyphs.next} {round(there)}{glyphs.degrees}")
+            texts.append(f"{glyphs.next} {round(there)}{_unit(wanted, frame)}")
     if here is not None:
         spots[track_cell((here - low) / (high - low), width)] = (
             glyphs.position,
@@ -136,7 +142,8 @@ def _folded(state: ConsoleState, joints: dict[str, str], frame: PaintFrame, room
     for name, short in joints.items():
         sensor = _sensor(state, "joint", name) or _sensor(state, "setpoint", name)
         if sensor is not None:
-            value = "?" if sensor.value is None else f"{round(sensor.value)}{frame.glyphs.degrees}"
+            unit = _unit(sensor, frame)
+            value = "?" if sensor.value is None else f"{round(sensor.value)}{unit}"
             pieces.append(_member(short, f"{value:<4}", state.is_stale(sensor, frame.now), frame))
     return _wrapped(name_piece("pose"), pieces, frame, room)
 

@@ -53,7 +53,7 @@ Sent = Mapping[str, Json]
 
 # -- what it can do --------------------------------------------------------------------------------
 
-_BODY, _VOICE, _CONTROL = "body", "voice", "control"
+_BODY, _HEAD, _VOICE, _CONTROL = "body", "head", "voice", "control"
 _ANGLE, _METRES, _STEP = Range(-180, 180, "deg"), Range(-100, 100, "m"), Range(-90, 90, "deg")
 _SECONDS = Argument("seconds", "seconds", "0: as fast as it may", False, 0.0, Range(0, 60, "s"))
 
@@ -158,7 +158,7 @@ def _moving(settings: ReachyMiniSettings) -> tuple[Verb, ...]:
                 Argument("y", "number", "to its left", range=_METRES),
                 Argument("z", "number", "above the head", range=_METRES),
             ),
-            lane=_BODY,
+            lane=_HEAD,
             stream=True,
         ),
         Verb(
@@ -168,7 +168,7 @@ def _moving(settings: ReachyMiniSettings) -> tuple[Verb, ...]:
                 Argument("yaw", "number", "left is positive", default=0.0, range=_STEP),
                 Argument("pitch", "number", "down is positive", default=0.0, range=_STEP),
             ),
-            lane=_BODY,
+            lane=_HEAD,
             limit_s=5.0,
             brief=True,
         ),

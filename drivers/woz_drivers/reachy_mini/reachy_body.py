@@ -71,6 +71,10 @@ class ReachyBody:
         #: own pose counts.
         self._sent: Pose | None = None
         self._held: Pose | None = None
+        #: The pose from which the frames of a gesture under way count.
+        self._base: Pose | None = None
+        #: Where it shall look as soon as the move that is under way lets it.
+        self._next: Pose = {}
         #: What an emotion adds to the pose of the body that is followed.
         self._posture: Pose = {}
         self._streaming: asyncio.Task[None] | None = None
@@ -86,7 +90,8 @@ class ReachyBody:
     @property
     def pose(self) -> dict[str, float]:
         """The pose that it has taken, or is about to take."""
-        return dict(self._held or reachable({}, self._link.pose))
+        pose = self._base or self._held or reachable({}, self._link.pose)
+        return {**pose, **self._next}
 
     @property
     def setpoint(self) -> Pose:
@@ -100,6 +105,7 @@ class ReachyBody:
     def _unknown(self) -> None:
         """Something may have moved it otherwise than it was told to."""
         self._sent = self._held = None
+        self._next = {}
 
     # -- moves of the daemon ---------------------------------------------------------------------
 
@@ -108,14 +114,23 @@ class ReachyBody:
 
         Raises `DriverError`.
         """
-        await self.begin()
         pose = reachable(wanted, self.pose)
-        seconds = max(seconds, shortest_s(pose, self.setpoint))
-        await self._carry_out(lambda: self._link.goto(pose, seconds), seconds, pose)
+        self._next = {}
+        try:
+            taken = await self._go(pose, seconds)
+        finally:
+            self._look_on()
         return {
             "joints": {name: round(pose[name], 2) for name in wanted},
-            "seconds": round(seconds, 3),
+            "seconds": round(taken, 3),
         }
+
+    async def _go(self, pose: Pose, seconds: float) -> float:
+        """Take a whole pose; in how many seconds."""
+        self._need()
+        seconds = max(seconds, shortest_s(pose, self.setpoint))
+        await self._carry_out(lambda: self._link.goto(pose, seconds), seconds, pose)
+        return seconds
 
     def seconds_for(self, wanted: Pose, seconds: float) -> float:
         """How long `go` will take, in seconds."""
@@ -129,11 +144,20 @@ class ReachyBody:
     async def gesture(
         self, frames: Sequence[PoseFrame], base: Pose, amplitude: float, speed: float
     ) -> float:
-        """Pass through frames one after the other; how many seconds that took by plan."""
-        total = 0.0
-        for frame in frames:
-            sent = await self.go(frame.after(base, amplitude), frame.seconds / speed)
-            total += sent["seconds"]
+        """Pass through frames one after the other; how many seconds that took by plan.
+
+        Where it is told to look meanwhile, the frames that are left come along.
+        """
+        total, pose = 0.0, self.pose
+        try:
+            for frame in frames:
+                base = {**base, **self._next}
+                pose = reachable(frame.after(base, amplitude), {**pose, **self._next})
+                self._base, self._next = base, {}
+                total += await self._go(pose, frame.seconds / speed)
+        finally:
+            self._base = None
+            self._look_on()
         return total
 
     def gesture_s(
@@ -149,16 +173,17 @@ class ReachyBody:
 
     async def play(self, name: str) -> None:
         """Have the daemon play a move of its own, to its end."""
-        await self.begin()
-        await self._carry_out(lambda: self._link.play(name), None, None)
+        self._need()
+        try:
+            await self._carry_out(lambda: self._link.play(name), None, None)
+        finally:
+            self._look_on()
 
-    async def begin(self) -> None:
-        """Wait until nothing of before moves it. Raises `DriverError` if it cannot be moved."""
+    def _need(self) -> None:
+        """Raises `DriverError` if it cannot be moved now."""
         if self._stopped:
             raise CutShortError
         self.need_motors()
-        if not self.following:
-            await self._end_stream()
 
     def need_motors(self) -> None:
         """Raises `RejectedError` while the motors do not hold a pose."""
@@ -178,6 +203,8 @@ class ReachyBody:
         async with self._lane:
             while self._tidying:
                 await asyncio.wait(set(self._tidying))
+            if not self.following:
+                await self._end_stream()
             if self._stopped:
                 raise CutShortError
             await self._move(asyncio.ensure_future(begin()), seconds, pose)
@@ -225,13 +252,24 @@ class ReachyBody:
     # -- setpoints -------------------------------------------------------------------------------
 
     async def aim(self, joints: Mapping[str, float]) -> dict[str, float]:
-        """Turn towards these angles, smoothly, and return at once; a newer aim takes over."""
-        if not self._aiming:
-            await self.begin()
-        self._held = goal = reachable(joints, self.pose)
-        if not self._aiming:
-            self._streaming = self._task(self._stream)
+        """Turn towards these angles, smoothly, and return at once; a newer aim takes over.
+
+        A move that is under way is not disturbed: it turns afterwards, a gesture at its next frame.
+        """
+        self.need_motors()
+        goal = reachable(joints, self.pose)
+        self._next = {name: goal[name] for name in ("pan", "tilt", "body")}
+        if not self._lane.locked():
+            self._need()
+            self._look_on()
         return {name: round(goal[name], 2) for name in joints}
+
+    def _look_on(self) -> None:
+        """Turn to where it shall look, if that has not been done."""
+        if self._next and not self._stopped and not self._lane.locked():
+            self._held, self._next = reachable(self._next, self.pose), {}
+            if not self._aiming:
+                self._streaming = self._task(self._stream)
 
     def follow(self) -> None:
         """Begin to follow the body, if it is to."""
@@ -253,11 +291,13 @@ class ReachyBody:
             self._sent = sent
             await self._link.setpoint(sent)
             if all(one.landed for one in joints.values()):
-                break
-        await self._arrive()
+                await self._arrive()
+                if self._held is goal or self._held is None:
+                    break  # else it was to look elsewhere meanwhile
 
     async def _arrive(self) -> None:
         """Ask whether setpoints count: a lock that a failed move left has the daemon ignore all."""
+        goal = self._held
         match await self._link.ask("POST", "move/set_target", json={}):
             case {"status": "ignored"} if not await self._link.running():
                 if not self._locked:
@@ -268,7 +308,8 @@ class ReachyBody:
                         " that is over",
                         "restart the daemon",
                     )
-                self._unknown()
+                if self._held is goal:
+                    self._unknown()
             case _:
                 self._locked = False
 

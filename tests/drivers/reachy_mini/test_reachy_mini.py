@@ -167,6 +167,26 @@ async def test_a_move_begins_where_the_gaze_leads(it: PlayedReachy) -> None:
     await arrives(it, pan=40, tilt=0)
 
 
+async def test_a_head_that_is_turned_during_a_gesture_turns_with_its_next_frame(
+    it: PlayedReachy,
+) -> None:
+    nodding = it.begin("play", move="nod", speed=0.2)
+    await until(lambda: it.asked_to_move)
+    assert await it.do("nudge", yaw=15) == {"yaw": 15, "pitch": 0}
+    assert it.asked("set_full_target") == []
+    await nodding
+    pans = [math.degrees(goto["head_pose"]["yaw"]) for goto in it.asked("move/goto")]
+    assert pans == pytest.approx([0, 15, 15, 15])
+
+
+async def test_a_gaze_during_a_pose_comes_after_it(it: PlayedReachy) -> None:
+    posing = it.begin("pose", joints={"roll": 20}, seconds=4)
+    await until(lambda: it.asked_to_move)
+    await it.do("gaze", yaw=-30)
+    await posing
+    await arrives(it, pan=-30, roll=20)
+
+
 async def test_targets_that_are_ignored_are_told_of_once(it: PlayedReachy) -> None:
     it.robot.oddities.locked = True
     await it.do("gaze", yaw=10)

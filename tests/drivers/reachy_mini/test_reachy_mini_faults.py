@@ -1,0 +1,260 @@
+"""A Reachy Mini that is lost, returns, freezes or answers nonsense."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+from naoqi_simulator.robot_time import PacedTime
+from robot_simulators.reachy_mini import ReachyMiniSimulator
+from woz_drivers import web_socket_line
+from woz_drivers.reachy_mini import ReachyMini, ReachyMiniSettings
+
+from tests.drivers.reachy_mini.conftest import PACE, VOICE, PlayedReachy, reachy
+from woz_tui.drivers.contract import (
+    DeviceLostError,
+    DriverError,
+    Finding,
+    Health,
+    Probe,
+    Scope,
+)
+from woz_tui.testing import RecordingContext, until
+
+
+@pytest.fixture(autouse=True)
+def soon_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Silence of a fifth of a second is a loss."""
+    monkeypatch.setattr(web_socket_line, "_PING_S", 0.05)
+    monkeypatch.setattr(web_socket_line, "_SILENCE_S", 0.2)
+
+
+@pytest.fixture
+async def it(folder: Path) -> AsyncIterator[PlayedReachy]:
+    """Without questions about data sets, which come when they come."""
+    async with reachy(folder, libraries=False) as made:
+        yield made
+
+
+# -- lost and there again --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("how", ["killed", "frozen", "cut"])
+@pytest.mark.parametrize(
+    ("verb", "args"),
+    [
+        ("pose", {"joints": {"pan": 90}, "seconds": 400}),
+        ("recorded", {"move": "dances/groovy_sway_and_roll"}),
+        ("say", {"text": "A long story."}),
+    ],
+)
+async def test_a_loss_ends_what_is_under_way_and_it_is_found_again(
+    it: PlayedReachy, how: str, verb: str, args: dict[str, object]
+) -> None:
+    command = it.begin(verb, **args)
+    await until(lambda: it.asked_to_move or it.robot.sound is not None)
+    match how:
+        case "killed":
+            await it.robot.close()
+        case "frozen":
+            it.robot.freeze()
+        case "cut":
+            it.robot.drop()
+    with pytest.raises(DeviceLostError):
+        await command
+    await until(lambda: (Health.LOST) in [health for health, *_ in it.context.healths])
+    if how != "cut":
+        await it.lost()
+        with pytest.raises(DeviceLostError):
+            await it.do("home")
+        report = await it.driver.stop(Scope.ALL)
+        assert report is None or report.missing
+        await it.driver.resume()
+    if how == "killed":
+        await it.robot.start()
+    it.robot.thaw()
+    await it.connected()
+    await it.driver.stop(Scope.ALL)
+    await it.driver.resume()
+    await it.do("pose", joints={"pan": 5})
+
+
+async def test_a_robot_that_is_back_moves_nothing_by_itself(it: PlayedReachy) -> None:
+    aiming = it.begin("gaze", yaw=120)
+    await aiming
+    await it.robot.close()
+    await it.lost()
+    it.robot.calls.clear()
+    await it.robot.start()
+    await it.connected()
+    polls = len(it.asked("media/tracking/face"))
+    await until(lambda: len(it.asked("media/tracking/face")) > polls + 3)
+    moving = ("goto", "set_full_target", "set_target", "play_sound", "set_mode")
+    assert [name for name, _ in it.robot.calls if any(word in name for word in moving)] == []
+
+
+async def test_sounds_are_sent_anew_to_a_robot_that_was_away(it: PlayedReachy) -> None:
+    await it.do("say", text="Hello.")
+    await it.robot.close()
+    await it.lost()
+    await it.robot.start()
+    await it.connected()
+    await it.do("say", text="Hello.")
+    assert len(it.asked("media/sounds/upload")) == 2
+
+
+async def test_what_it_perceived_is_stale_while_it_is_away(it: PlayedReachy) -> None:
+    it.robot.doa = (1.0, True)
+    await until(lambda: it.context.told != [])
+    it.robot.freeze()
+    await it.lost()
+    states = {sensor: state for sensor, state, _ in it.context.states}
+    assert (states["presence"], states["direction"], states["speech"]) == ("stale",) * 3
+    assert len(it.context.told) == 2  # what began has ended
+    it.robot.thaw()
+    await until(lambda: {name: to for name, to, _ in it.context.states}["presence"] == "ok")
+
+
+async def test_a_stop_while_it_is_frozen_is_not_confirmed(it: PlayedReachy) -> None:
+    moving = it.begin("pose", joints={"pan": 90}, seconds=400)
+    await until(lambda: it.asked_to_move)
+    it.robot.freeze()
+    report = await it.driver.stop(Scope.ALL)
+    assert report is not None and set(report.missing) == {"motion", "sound"}
+    moving.cancel()
+    it.robot.thaw()
+
+
+async def test_a_command_that_comes_late_moves_nothing_after_the_stop(it: PlayedReachy) -> None:
+    """The goto hangs; the stop comes; the daemon carries out the goto afterwards."""
+    it.robot.faults.delay_s = 0.2 * PACE
+    moving = it.begin("pose", joints={"pan": 90}, seconds=400)
+    await asyncio.sleep(0)
+    stop = asyncio.ensure_future(it.driver.stop(Scope.ALL))
+    await asyncio.sleep(0)
+    moving.cancel()
+    it.robot.faults.delay_s = 0.0
+    await stop
+    await asyncio.gather(moving, return_exceptions=True)
+    await until(lambda: it.asked("move/stop") != [] and not it.asked_to_move)
+
+
+# -- nonsense --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("path", "verb", "args"),
+    [
+        ("move/goto", "home", {}),
+        ("move/running", "home", {}),
+        ("media/play_sound", "say", {"text": "Hello."}),
+        ("media/sounds/upload", "say", {"text": "Hello."}),
+        ("motors/set_mode/disabled", "torque", {"on": False}),
+        ("media/wobbling/disable", "wobble", {"on": False}),
+        ("media/tracking/enable", "mode", {"mode": "tracking"}),
+    ],
+)
+async def test_a_refusal_is_said_and_the_next_command_counts(
+    it: PlayedReachy, path: str, verb: str, args: dict[str, object]
+) -> None:
+    it.robot.faults.refused[f"/api/{path}"] = "the motor bus is on fire"
+    with pytest.raises(DriverError, match="on fire"):
+        await it.do(verb, **args)
+    assert it.health is Health.CONNECTED
+    it.robot.faults.refused.clear()
+    await it.do(verb, **args)
+
+
+@pytest.mark.parametrize("answer", ["<html>", "{", "[1, 2]", "NaN", '"yes"', "{}", ""])
+async def test_answers_that_make_no_sense_confirm_no_stop(it: PlayedReachy, answer: str) -> None:
+    it.robot.oddities.answers["/api/move/running"] = answer
+    report = await it.driver.stop(Scope.ALL)
+    assert report is not None
+    # A list of something else is a list without moves.
+    assert ("motion" in report.missing) is (answer != "[1, 2]")
+    it.robot.oddities.answers.clear()
+    await it.driver.resume()
+    await it.do("home")
+
+
+@pytest.mark.parametrize("answer", ["<html>", "{", "[]", '{"angle": "left"}', "7"])
+async def test_perceptions_that_make_no_sense_are_left_out(it: PlayedReachy, answer: str) -> None:
+    it.robot.oddities.answers["/api/state/doa"] = answer
+    it.robot.oddities.answers["/api/media/tracking/face"] = answer
+    await until(lambda: ("direction", "stale") in [each[:2] for each in it.context.states])
+    await until(lambda: ("presence", "stale") in [each[:2] for each in it.context.states])
+    assert it.health is Health.CONNECTED
+    it.robot.oddities.answers.clear()
+    await until(lambda: it.context.states[-1][1] in ("ok", "ready"))
+
+
+async def test_poses_that_are_none_are_told_of_once_and_confirm_nothing(it: PlayedReachy) -> None:
+    it.robot.oddities.nan = True
+    await until(lambda: any("understand" in text for _, text, _ in it.context.notices))
+    report = await it.driver.stop(Scope.ALL)
+    assert report is not None and report.missing == ("motion",)
+    assert sum("understand" in text for _, text, _ in it.context.notices) == 1
+    assert all(reading.value is not None for reading in it.context.of("joint.pan"))
+    it.robot.oddities.nan = False
+    await it.driver.resume()
+    await it.do("home")
+
+
+async def test_an_error_of_the_daemon_costs_no_further_command(it: PlayedReachy) -> None:
+    """It hangs up after an error of its own: the next request finds a closed connection."""
+    await it.driver._link.end("0b9b0a3e-0000-4000-8000-000000000000")
+    await it.do("home")
+    assert it.health is Health.CONNECTED
+
+
+@pytest.mark.parametrize("answer", ["<html>", '{"detail": "Not Found"}', "[]"])
+async def test_what_is_no_daemon_is_not_connected(folder: Path, answer: str) -> None:
+    async with ReachyMiniSimulator(PacedTime(PACE)) as robot:
+        robot.oddities.answers["/api/daemon/status"] = answer
+        context = RecordingContext(folder)
+        driver = ReachyMini("it", ReachyMiniSettings(robot.address, voice=VOICE), context)
+        await driver.open()
+        await until(lambda: context.healths[-1][0] is Health.LOST)
+        assert context.healths[-1][2] != ""
+        await driver.close()
+
+
+async def test_a_daemon_without_its_robot_says_why(folder: Path) -> None:
+    async with ReachyMiniSimulator(PacedTime(PACE)) as robot:
+        robot.oddities.state = "error"
+        context = RecordingContext(folder)
+        driver = ReachyMini("it", ReachyMiniSettings(robot.address, voice=VOICE), context)
+        await driver.open()
+        await until(lambda: context.healths[-1][0] is Health.LOST)
+        assert "error" in context.healths[-1][1]
+        robot.oddities.state = "running"
+        await until(lambda: context.healths[-1][0] is Health.CONNECTED)
+        await driver.close()
+
+
+# -- the doctor ------------------------------------------------------------------------------------
+
+
+async def found(robot: ReachyMiniSimulator, folder: Path) -> list[Finding]:
+    settings = ReachyMiniSettings(robot.address, voice=VOICE)
+    return await ReachyMini.examine(Probe("reachy", settings, folder))
+
+
+async def test_the_doctor_looks_and_moves_nothing(folder: Path) -> None:
+    async with ReachyMiniSimulator() as robot:
+        findings = await found(robot, folder)
+        assert "1.12.0" in " ".join(finding.text for finding in findings)
+        assert {finding.level for finding in findings[:3]} == {"ok"}
+        assert [name for name, _ in robot.calls if "GET" in name or "goto" in name] == []
+
+
+async def test_the_doctor_names_what_is_missing(folder: Path) -> None:
+    async with ReachyMiniSimulator() as robot:
+        robot.media, robot.motors = False, "disabled"
+        texts = {finding.level: finding for finding in await found(robot, folder)}
+        assert "sound" in texts["warning"].text
+        assert "torque" in texts["info"].remedy
+    [gone, *_] = await found(robot, folder)
+    assert (gone.level, bool(gone.remedy)) == ("error", True)

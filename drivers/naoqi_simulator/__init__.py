@@ -1,8 +1,8 @@
 """A Pepper that needs no hardware: for rehearsals, demonstrations and tests. See `README.md`."""
 
-from naoqi_simulator.pepper import PepperSimulator
+from naoqi_simulator.robot import NaoqiSimulator
 from naoqi_simulator.robot_time import PacedTime
 from naoqi_simulator.simulator_process import start
 from naoqi_simulator.world import SimulatedWorld, SimulatorOptions
 
-__all__ = ["PacedTime", "PepperSimulator", "SimulatedWorld", "SimulatorOptions", "start"]
+__all__ = ["NaoqiSimulator", "PacedTime", "SimulatedWorld", "SimulatorOptions", "start"]

@@ -1,4 +1,4 @@
-"""Pepper's joints: ranges, speeds, chains and postures.
+"""A robot's body: joints with ranges and speeds, chains, postures. Here is Pepper's.
 
 Ranges and speeds are those of the robot's published description (radians, radians a second); hands
 go from closed to open.
@@ -7,7 +7,55 @@ go from closed to open.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from types import MappingProxyType
+
+
+@dataclass(frozen=True, slots=True)
+class BodyPlan:
+    """What the body of one kind of robot is like.
+
+    Attributes:
+        robot: Its name in sentences.
+        joints: Lowest and highest angle (rad), highest speed (rad/s).
+        chains: Names that stand for several joints.
+        stiffened: What may be stiffened by itself; None: everything.
+        breathing: Chains that can breathe, and which single ones they stand for.
+        postures: Angles (rad) by joint.
+        families: Posture to its family, where that is not Standing.
+        speed: Highest speeds of the way it goes by itself: m/s, rad/s.
+        step_s: Seconds until it stands after `stopMove`: a foot in the air comes down first.
+        walks: Whether it goes on legs: then it can fall.
+    """
+
+    robot: str
+    joints: Mapping[str, tuple[float, float, float]]
+    chains: Mapping[str, tuple[str, ...]]
+    stiffened: frozenset[str] | None
+    breathing: Mapping[str, tuple[str, ...]]
+    postures: Mapping[str, Mapping[str, float]]
+    families: Mapping[str, str]
+    speed: tuple[float, float]
+    step_s: float = 0.0
+    walks: bool = False
+
+    def expand(self, name: str) -> tuple[str, ...]:
+        """The joints that a name of a joint or a chain stands for. Raises KeyError."""
+        if name in self.chains:
+            return self.chains[name]
+        if name in self.joints:
+            return (name,)
+        raise KeyError(name)
+
+    def clip(self, joint: str, angle: float) -> float:
+        """The angle that the joint can really take, in radians."""
+        low, high, _ = self.joints[joint]
+        return min(high, max(low, angle))
+
+    def family(self, posture: str) -> str:
+        """Of a posture."""
+        return self.families.get(posture, "Standing")
+
 
 #: Lowest and highest angle (rad), highest speed (rad/s).
 JOINTS: Mapping[str, tuple[float, float, float]] = MappingProxyType(
@@ -47,10 +95,9 @@ CHAINS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "JointActuators": tuple(JOINTS),
         "Joints": tuple(JOINTS),
         "Wheels": (),
+        **dict.fromkeys(_WHEELS, ()),
     }
 )
-#: What of a Pepper may be stiffened by itself; the rest is by waking up and resting alone.
-SET_STIFF = frozenset({"Head", "LArm", "RArm", "LHand", "RHand"})
 #: Chains that can breathe, and which single ones they stand for.
 BREATHING: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
@@ -80,18 +127,14 @@ POSTURES: Mapping[str, Mapping[str, float]] = MappingProxyType(
 )
 
 
-def expand(name: str) -> tuple[str, ...]:
-    """The joints that a name of a joint or a chain stands for. Raises KeyError."""
-    return CHAINS[name] if name in CHAINS else (name,) if name in JOINTS else _unknown(name)
-
-
-def _unknown(name: str) -> tuple[str, ...]:
-    if name in _WHEELS:
-        return ()
-    raise KeyError(name)
-
-
-def clip(joint: str, angle: float) -> float:
-    """The angle that the joint can really take, in radians."""
-    low, high, _ = JOINTS[joint]
-    return min(high, max(low, angle))
+PEPPER = BodyPlan(
+    robot="Pepper",
+    joints=JOINTS,
+    chains=CHAINS,
+    stiffened=frozenset({"Head", "LArm", "RArm", "LHand", "RHand"}),
+    breathing=BREATHING,
+    postures=POSTURES,
+    families={"Crouch": "Crouching"},
+    # NAOqi's own figures for MaxVelXY (m/s) and MaxVelTheta (rad/s), when nothing is set.
+    speed=(0.35, 1.0),
+)

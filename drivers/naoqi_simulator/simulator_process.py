@@ -20,7 +20,7 @@ from qimessaging.server import QiServer
 
 from naoqi_simulator.faults import CallRecord
 from naoqi_simulator.life import STATES
-from naoqi_simulator.pepper import PepperSimulator
+from naoqi_simulator.robot import NaoqiSimulator
 from naoqi_simulator.robot_time import PacedTime
 from naoqi_simulator.service_table import CallRefusedError, Service, ServiceMethod, methods_of
 from naoqi_simulator.test_service import TestService
@@ -191,7 +191,7 @@ async def _serve(parsed: argparse.Namespace, out: int, hosting: Hosting) -> None
         version=parsed.naoqi,
         files=parsed.files,
     )
-    pepper = PepperSimulator(SimulatedWorld(PacedTime(parsed.pace), options))
+    pepper = NaoqiSimulator(SimulatedWorld(PacedTime(parsed.pace), options))
     host, address = await start(pepper, parsed.host, parsed.port, hosting)
     ended = asyncio.Event()
     for one in (signal.SIGTERM, signal.SIGINT):
@@ -209,7 +209,7 @@ async def _serve(parsed: argparse.Namespace, out: int, hosting: Hosting) -> None
 
 
 async def start(
-    pepper: PepperSimulator, host: str = "127.0.0.1", port: int = 0, hosting: Hosting = ServiceHost
+    pepper: NaoqiSimulator, host: str = "127.0.0.1", port: int = 0, hosting: Hosting = ServiceHost
 ) -> tuple[ServiceCarrier, str]:
     """Let a robot be reached; how to hang up, and the address. Raises OSError."""
     hosted = hosting(pepper.world.desk)
@@ -225,7 +225,7 @@ async def start(
 class StdinControl:
     """Reads orders, answers each with `{"ok": ...}` or `{"error": ...}`, in order."""
 
-    def __init__(self, pepper: PepperSimulator, out: int) -> None:
+    def __init__(self, pepper: NaoqiSimulator, out: int) -> None:
         self._standin, self._out = pepper.standin, out
 
     async def run(self) -> None:

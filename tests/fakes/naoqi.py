@@ -15,7 +15,7 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from typing import Any, NamedTuple
 
-from naoqi_simulator.pepper import PepperSimulator
+from naoqi_simulator.robot import NaoqiSimulator
 from naoqi_simulator.robot_time import PacedTime, SimulatorTime
 from naoqi_simulator.service_table import CallRefusedError
 from naoqi_simulator.simulator_process import carry_out, start
@@ -202,7 +202,7 @@ async def stand_in(
 class StandInHere(Robot):
     """A robot in the test's own loop, on our own server; `pepper` is all of it."""
 
-    def __init__(self, pepper: PepperSimulator) -> None:
+    def __init__(self, pepper: NaoqiSimulator) -> None:
         self.pepper = pepper
 
     async def order(self, **order: Any) -> Any:
@@ -222,7 +222,7 @@ async def stand_in_here(
     What goes on by itself needs `robot.pepper.tick()`.
     """
     world = SimulatedWorld(time or PacedTime(20.0), options or SimulatorOptions(visitors=False))
-    robot = StandInHere(PepperSimulator(world))
+    robot = StandInHere(NaoqiSimulator(world))
     host, robot.address = await start(robot.pepper)
     try:
         yield robot

@@ -10,7 +10,7 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from typing import Any, Protocol
 
-from naoqi_simulator.pepper import TICK_S
+from naoqi_simulator.robot import TICK_S
 from qimessaging import NaoqiClient, RefusedError
 
 from tests.fakes.naoqi import Robot, StandInHere

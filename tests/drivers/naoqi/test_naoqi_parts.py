@@ -12,7 +12,7 @@ from naoqi_simulator.animations import LENGTHS, with_tag
 from naoqi_simulator.audio import HIGHEST, energy
 from naoqi_simulator.body import SimulatedBody
 from naoqi_simulator.joints import JOINTS
-from naoqi_simulator.pepper import PepperSimulator
+from naoqi_simulator.robot import NaoqiSimulator
 from naoqi_simulator.robot_time import PacedTime
 from naoqi_simulator.service_table import methods_of, split_signature
 from naoqi_simulator.speech import Animate, Pause, SpeechManner, Words, animated, plain
@@ -135,7 +135,7 @@ def test_a_joint_never_leaves_its_range(
 
 
 async def test_every_signature_is_one() -> None:
-    pepper = PepperSimulator(SimulatedWorld(PacedTime()))
+    pepper = NaoqiSimulator(SimulatedWorld(PacedTime()))
     count = 0
     for service in pepper.services.values():
         for method in methods_of(service):

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from naoqi_simulator.pepper import PepperSimulator as Standing
+from naoqi_simulator.robot import NaoqiSimulator as Standing
 from naoqi_simulator.robot_time import PacedTime
 from naoqi_simulator.service_table import Service, ServiceMethod
 from naoqi_simulator.simulator_process import start

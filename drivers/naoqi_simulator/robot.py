@@ -30,7 +30,7 @@ TICK_S = 0.1
 MOOD_PER_S = 0.1
 
 
-class PepperSimulator:
+class NaoqiSimulator:
     """One robot."""
 
     def __init__(self, world: SimulatedWorld) -> None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from types import MappingProxyType
 
 from naoqi_simulator.service_table import CallRefusedError, Service, offers
 from naoqi_simulator.world import SimulatedWorld
 
+#: What stands for `[posture]` in a path, by the family of the posture (alanimationplayer of 2.8).
+POSTURES = {"Standing": "Stand", "Sitting": "Sit", "SittingOnChair": "SitOnPod"}
 #: Seconds that a second animation waits for the body before it gives up.
 PATIENCE_S = 1.0
 
@@ -18,7 +20,7 @@ class AnimationLibrary:
 
     def __init__(self, world: SimulatedWorld) -> None:
         self._world = world
-        self.lengths = dict(LENGTHS)
+        self.lengths = dict(LENGTHS[world.options.robot])
         self.done: list[str] = []
         #: By what a text asked for: what was begun, and which path that was.
         self._started: dict[str, asyncio.Task[None]] = {}
@@ -26,14 +28,18 @@ class AnimationLibrary:
 
     def find(self, requested: str, method: str) -> str:
         """The path of an animation; `[posture]` and `[robot]` are filled in. Raises Refused."""
-        path = requested.replace("[posture]", "Stand").replace("[robot]", "Pepper").strip("/")
+        body = self._world.body
+        posture = POSTURES.get(body.family, "Stand")
+        robot = body.plan.robot.capitalize()
+        path = requested.replace("[posture]", posture).replace("[robot]", robot).strip("/")
         if path not in self.lengths:
             raise CallRefusedError(f"{method}\n\tanimation {requested} is not installed")
         return path
 
     def any_of(self, tag: str, method: str) -> str:
         """The path of an animation for a tag. Raises Refused."""
-        paths = with_tag(tag)
+        posture = POSTURES.get(self._world.body.family, "Stand")
+        paths = with_tag(tag, self.lengths, posture)
         if not paths:
             raise CallRefusedError(f"{method}\n\tno animation has the tag {tag}")
         return self._world.random.choice(paths)
@@ -50,9 +56,15 @@ class AnimationLibrary:
                 f"{method}\n\t{path} was not played: {running[0].about} has the body"
             )
         going.end("joints")
+        body = self._world.body
+        if body.plan.walks and POSTURES.get(body.family, "") not in path.split("/"):
+            self._world.note(f"{path} while it is {body.family}")
+            self._world.falls.fall()
+            return
         if await going.last("animation", self.lengths[path], path):
             self.done.append(path)
-        self._world.body.posture = "Stand"
+        if not body.plan.walks:
+            body.posture = "Stand"
 
     async def from_speech(self, how: str, requested: str) -> None:
         """What a tag in a text asks for; what cannot be played is noted, and speech goes on."""
@@ -163,9 +175,8 @@ class BehaviorManager(Service):
 # the far end of the wire, which knows nothing of who calls. Two lists, typed apart, find each
 # other's mistakes.
 
-_ROOT = "animations/Stand/"
-#: Folder: seconds, and names with their numbers.
-_FOLDERS = {
+#: Pepper's. Folder: seconds, and names with their numbers.
+_STANDING = {
     "Gestures": (
         2.5,
         "Angry:1-3 BowShort:1-3 But:1 CalmDown:1-6 Choice:1 ComeOn:1 Confused:1-2 CountFive:1"
@@ -218,20 +229,72 @@ def _names(entry: str) -> Iterator[str]:
         yield from (f"{name}_{number}" for number in range(int(first), int(last or first) + 1))
 
 
-#: Seconds by path.
-LENGTHS: Mapping[str, float] = MappingProxyType(
+#: A NAO's, as a list of one that was read out has them; those that a Pepper has by the same name
+#: are here once more.
+_NAO = {
+    "Stand/Gestures": (
+        2.5,
+        "Angry:1-3 Applause:1 BowShort:1-3 CalmDown:1-5 Caress:1-2 CatchFly:1 Choice:1-2 Claw:1-2"
+        " Coaxing:1-2 ComeOn:1 Confused:1-2 CountFive:1-2 CountFour:1-2 CountMore:1-2 CountOne:1-2"
+        " CountThree:1-2 CountTwo:1-2 Desperate:1-5 Enthusiastic:2-5 Everything:1-6 Excited:1"
+        " Explain:1-10 Far:1-3 Follow:1 Freeze:1 Give:1-6 Great:1 HeSays:1-3 Hey:1-7 Hide:1"
+        " IDontKnow:1-5 JointHands:1-2 Joy:1 Look:1-2 Maybe:1 Me:1-7 Mime:1-2 No:1-9 Nothing:1-2"
+        " OnTheEvening:1-5 Please:1-2 Reject:1-6 Salute:1-2 Shoot:1 ShowFloor:1-5 ShowSky:1-11"
+        " Shy:1 Stretch:1-2 Take:1 Thinking:1-4 This:1-15 WhatSThis:1-16 Wings:1-5 Yes:1-3"
+        " You:1-5 YouKnowWhat:1-6",
+    ),
+    "Stand/Emotions/Positive": (4.0, "Happy:1-4 Hungry:1 Laugh:1-3 Proud:1-3 Shy:1-2 Winner:1-2"),
+    "Stand/Emotions/Negative": (4.0, "Angry:1-4 Fear:1-2 Hurt:1-2 Late:1 Sad:1-2 Surprise:1-3"),
+    "Stand/Waiting": (
+        5.0,
+        "AirGuitar:1 Bandmaster:1 Binoculars:1 CallSomeone:1 DriveCar:1 Fitness:1-3 FunnyDancer:1"
+        " HappyBirthday:1 Helicopter:1 KungFu:1 LookHand:1-2 LoveYou:1 Monster:1 MysticalPower:1"
+        " Relaxation:1-4 Rest:1 Robot:1 ScratchHead:1 SpaceShuttle:1 Stretch:1-2 TakePicture:1"
+        " Think:1-4 Zombie:1",
+    ),
+    "Stand/BodyTalk/Speaking": (3.0, "BodyTalk:1-22"),
+    "Sit/Gestures": (2.5, "ComeOn:1 Hey:3 Me:7 You:4"),
+    "Sit/Emotions/Positive": (4.0, "Happy:1-4 Hungry:1 Laugh:1-2 Mocker:1 Shy:1 Winner:1"),
+    "Sit/Emotions/Neutral": (4.0, "AskForAttention:1-3 Sneeze:1"),
+    "Sit/Emotions/Negative": (4.0, "Angry:1 Fear:1 Frustrated:1 Hurt:1 Late:1 Sad:1 Surprise:1"),
+    "Sit/Reactions": (2.0, "Heat:1 LightShine:1-4 SeeColor:1-3 ShakeBody:1-3 TouchHead:1-4"),
+    "Sit/Waiting": (
+        5.0,
+        "Binoculars:1 Bored:1 CallSomeone:1 DriveCar:1 Fitness:1 KnockEye:1 KnockKnee:1-2"
+        " LookHand:1-2 MysticalPower:1 PlayHands:1-3 Puppet:1 Relaxation:1-3 Rest:1 Robot:1"
+        " ScratchBack:1 ScratchEye:1 ScratchHand:1 ScratchHead:1 ScratchLeg:1 ScratchTorso:1"
+        " TakePicture:1 Think:1-3 WakeUp:1 Yawn:1 ZenCircles:1",
+    ),
+    "Sit/BodyTalk/Listening": (3.0, "Listening:1-4"),
+    "Sit/BodyTalk/Speaking": (3.0, "BodyTalk:1-12"),
+    "Sit/BodyTalk/Thinking": (3.0, "Remember:1-3 ThinkingLoop:1-2"),
+}
+_FOLDERS = {
+    "pepper": {f"Stand/{folder}": entries for folder, entries in _STANDING.items()},
+    "nao": _NAO,
+}
+#: Seconds by path, by what `--robot` says.
+LENGTHS: Mapping[str, Mapping[str, float]] = MappingProxyType(
     {
-        f"{_ROOT}{folder}/{name}": seconds
-        for folder, (seconds, entries) in _FOLDERS.items()
-        for entry in entries.split()
-        for name in _names(entry)
+        robot: {
+            f"animations/{folder}/{name}": seconds
+            for folder, (seconds, entries) in folders.items()
+            for entry in entries.split()
+            for name in _names(entry)
+        }
+        for robot, folders in _FOLDERS.items()
     }
 )
 
 
-def with_tag(tag: str) -> list[str]:
-    """Paths of the animations that stand for a tag: those whose name is the tag and a number."""
+def with_tag(tag: str, paths: Iterable[str], posture: str) -> list[str]:
+    """Those of these paths that stand for a tag in this posture: their name is the tag and a
+    number.
+    """
     plain_tag = tag.replace(" ", "").lower()
     return [
-        path for path in LENGTHS if path.rpartition("/")[2].partition("_")[0].lower() == plain_tag
+        path
+        for path in paths
+        if path.split("/")[1] == posture
+        and path.rpartition("/")[2].partition("_")[0].lower() == plain_tag
     ]

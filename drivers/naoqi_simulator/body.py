@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from naoqi_simulator.joints import BREATHING, JOINTS, POSTURES, clip
+from naoqi_simulator.joints import PEPPER, BodyPlan
 from naoqi_simulator.robot_time import SimulatorTime
 
 
@@ -40,15 +40,17 @@ class Drive:
 class SimulatedBody:
     """Angles in radians, poses in metres and radians of the world in which it was started."""
 
-    def __init__(self, time_: SimulatorTime) -> None:
+    def __init__(self, time_: SimulatorTime, plan: BodyPlan = PEPPER) -> None:
         self._time = time_
+        self.plan = plan
         self._courses = {
-            name: _JointCourse(angle, angle, 0.0, 0.0) for name, angle in POSTURES["Crouch"].items()
+            name: _JointCourse(angle, angle, 0.0, 0.0)
+            for name, angle in plan.postures["Crouch"].items()
         }
-        self.stiffness = dict.fromkeys(JOINTS, 0.0)
+        self.stiffness = dict.fromkeys(plan.joints, 0.0)
         self.awake = False
         self.posture = "Crouch"
-        self.breathing = dict.fromkeys(BREATHING["Body"], False)
+        self.breathing = dict.fromkeys(plan.breathing["Body"], False)
         self._pose = (0.0, 0.0, 0.0)
         self._drive: Drive | None = None
         #: Metres to what stands in front or at the side, as of where the robot stood then.
@@ -65,35 +67,47 @@ class SimulatedBody:
         """Let a joint go; without stiffness it stays where it is."""
         if self.stiffness[joint] > 0:
             now = self._time.now()
-            self._courses[joint] = _JointCourse(self.angle(joint), clip(joint, angle), now, seconds)
+            self._courses[joint] = _JointCourse(
+                self.angle(joint), self.plan.clip(joint, angle), now, seconds
+            )
 
-    def hold(self, joints: Iterable[str] = JOINTS) -> None:
-        """These joints stay where they are."""
+    def hold(self, joints: Iterable[str] | None = None) -> None:
+        """These joints, or all, stay where they are."""
         now = self._time.now()
-        for joint in joints:
+        for joint in self.plan.joints if joints is None else joints:
             here = self._courses[joint].at(now)
             self._courses[joint] = _JointCourse(here, here, now, 0.0)
 
     def take(self, posture: str, seconds: float) -> None:
         """Let all joints go to those of a posture."""
-        for joint, angle in POSTURES[posture].items():
+        for joint, angle in self.plan.postures[posture].items():
             self.move_joint(joint, angle, seconds)
 
     def wake(self) -> None:
         """Motors on."""
         self.awake = True
-        self.stiffness = dict.fromkeys(JOINTS, 1.0)
+        self.stiffness = dict.fromkeys(self.plan.joints, 1.0)
 
     def relax(self) -> None:
         """Motors off; nothing breathes."""
         self.awake = False
-        self.stiffness = dict.fromkeys(JOINTS, 0.0)
+        self.stiffness = dict.fromkeys(self.plan.joints, 0.0)
         self.breathing = dict.fromkeys(self.breathing, False)
+
+    @property
+    def family(self) -> str:
+        """Of its posture."""
+        return self.plan.family(self.posture)
+
+    @property
+    def stiff(self) -> bool:
+        """Whether all joints hold: then it can take another posture."""
+        return all(stiffness > 0 for stiffness in self.stiffness.values())
 
     def seconds_to(self, targets: Mapping[str, float], fraction: float) -> float:
         """How long the slowest of these joints needs at a fraction of its full speed."""
         return max(
-            (abs(angle - self.angle(joint)) / (JOINTS[joint][2] * fraction))
+            (abs(angle - self.angle(joint)) / (self.plan.joints[joint][2] * fraction))
             for joint, angle in targets.items()
         )
 
@@ -101,6 +115,12 @@ class SimulatedBody:
         """Drive with these speeds of the robot's own frame, for so long."""
         self.halt()
         self._drive = Drive(x, y, turn, self._time.now(), seconds)
+
+    def last_step(self, seconds: float) -> None:
+        """It goes on for so long, and stands then."""
+        if self._drive is not None:
+            until = min(self._drive.seconds, self._elapsed() + seconds)
+            self._drive = replace(self._drive, seconds=until)
 
     def halt(self) -> None:
         """The base stands; where it is now is where it stays."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,6 +17,8 @@ RESOLUTIONS = {
 }
 RGB, BGR, GREY = 11, 13, 0
 _LAYERS = {RGB: 3, BGR: 3, GREY: 1}
+#: How far a NAO's lower camera looks down, in radians (family/nao_technical/video_naov6).
+LOWER_TURN = math.radians(39.7)
 #: How often the same name may be subscribed, as the documentation says.
 _MOST = 6
 
@@ -29,7 +32,7 @@ class _Subscription:
 
 
 class VideoDevice(Service):
-    """The cameras; both see the same here."""
+    """The cameras: both see the same here, but that a NAO's lower one looks down to its feet."""
 
     name = "ALVideoDevice"
 
@@ -92,7 +95,8 @@ class VideoDevice(Service):
             raise CallRefusedError(f"ALVideoDevice::getImageRemote\n\t{handle} is not subscribed")
         width, height = RESOLUTIONS[held.resolution]
         body, now = self._world.body, self._world.time.now()
-        look = body.angle("HeadYaw"), body.angle("HeadPitch")
+        down = LOWER_TURN if held.camera == 1 and body.plan.walks else 0.0
+        look = body.angle("HeadYaw"), body.angle("HeadPitch") + down
         # In a thread: a large picture takes longer than anybody else should wait.
         picture = await asyncio.to_thread(
             _drawn, width, height, held.space, self._world.person(), look

@@ -33,6 +33,8 @@ class SimulatedFaults:
         self._until: dict[str, float] = {}
         self._detail: dict[str, str] = {}
         self._healed = asyncio.Event()
+        #: What else happens once, on this kind of robot: it is given what stands after the colon.
+        self.happens: dict[str, Callable[[str], None]] = {}
 
     def begin(self, fault: str, seconds: float) -> None:
         """Let a fault be there, for so many seconds of the robot; 0: until `clear`.
@@ -46,12 +48,18 @@ class SimulatedFaults:
             os.kill(os.getpid(), signal.SIGKILL)
         elif kind == "frozen":
             freeze(seconds)
+        elif kind in self.happens:
+            try:
+                self.happens[kind](detail)
+            except KeyError:
+                raise CallRefusedError(f"no {kind} {detail!r}") from None
         elif kind in LASTING_FAULTS:
             self._until[kind] = self._time.now() + seconds if seconds > 0 else float("inf")
             self._detail[kind] = detail
         else:
             raise CallRefusedError(
-                f"no fault {kind!r}; there are none, {', '.join(SUDDEN + LASTING_FAULTS)}"
+                f"no fault {kind!r}; there are none,"
+                f" {', '.join((*SUDDEN, *self.happens, *LASTING_FAULTS))}"
             )
 
     def clear(self) -> None:

@@ -1,4 +1,4 @@
-"""ALLeds: eyes, ears and chest."""
+"""ALLeds: eyes, ears and chest, of a NAO also feet and head."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from naoqi_simulator.world import SimulatedWorld
 _EYES = tuple(f"{side}FaceLed{number}" for side in ("Right", "Left") for number in range(1, 9))
 _EARS = tuple(f"{side}EarLed{number}" for side in ("Right", "Left") for number in range(1, 11))
 _CHEST = ("ChestLed",)
+_FEET = ("LeftFootLed", "RightFootLed")
+_BRAIN = tuple(f"BrainLed{number}" for number in range(12))
 GROUPS = {
     "FaceLeds": _EYES,
     "RightFaceLeds": _EYES[:8],
@@ -19,6 +21,9 @@ GROUPS = {
     "ChestLeds": _CHEST,
     "AllLeds": _EYES + _EARS + _CHEST,
 }
+#: A NAO has lights in its feet and on its head, too.
+_NAO_GROUPS = {"FeetLeds": _FEET, "LeftFootLeds": _FEET[:1], "RightFootLeds": _FEET[1:]}
+_NAO_GROUPS |= {"BrainLeds": _BRAIN, "AllLeds": GROUPS["AllLeds"] + _FEET + _BRAIN}
 _NAMED = {
     **{"white": 0xFFFFFF, "red": 0xFF0000, "green": 0x00FF00, "blue": 0x0000FF},
     **{"yellow": 0xFFFF00, "magenta": 0xFF00FF, "cyan": 0x00FFFF},
@@ -56,7 +61,8 @@ class Leds(Service):
         super().__init__()
         self._world = world
         self._fades: dict[str, tuple[Color, Color, float, float]] = {}
-        self._set(GROUPS["AllLeds"], _WHITE, 0.0)
+        self._groups = GROUPS | (_NAO_GROUPS if world.options.robot == "nao" else {})
+        self._set(self._groups["AllLeds"], _WHITE, 0.0)
 
     def color(self, led: str) -> Color:
         """The colour now; while the eyes play something, of what they play."""
@@ -124,7 +130,7 @@ class Leds(Service):
     @offers("listGroups()[s]")
     def list_groups(self) -> list[str]:
         """Names of groups."""
-        return sorted(GROUPS)
+        return sorted(self._groups)
 
     @offers("randomEyes(f)v")
     async def random_eyes(self, seconds: float) -> None:
@@ -152,7 +158,8 @@ class Leds(Service):
         return playing[-1].about if playing else ""
 
     def _leds(self, method: str, name: str) -> tuple[str, ...]:
-        leds: Any = GROUPS.get(name, (name,) if name in GROUPS["AllLeds"] else ())
+        everything = self._groups["AllLeds"]
+        leds: Any = self._groups.get(name, (name,) if name in everything else ())
         if not leds:
             raise CallRefusedError(f"ALLeds::{method}\n\tunknown group or LED {name}")
         return tuple(leds)

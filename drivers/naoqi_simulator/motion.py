@@ -6,12 +6,9 @@ import asyncio
 import math
 from typing import Any
 
-from naoqi_simulator.joints import BREATHING, JOINTS, SET_STIFF, expand
 from naoqi_simulator.service_table import CallRefusedError, Service, offers
 from naoqi_simulator.world import SimulatedWorld, flat
 
-#: NAOqi's own figures for MaxVelXY (m/s) and MaxVelTheta (rad/s) on Pepper, when nothing is set.
-SPEED_M_S, SPEED_RAD_S = 0.35, 1.0
 #: Distances kept when nothing else was set, in metres.
 ORTHOGONAL_M, TANGENTIAL_M = 0.4, 0.1
 _FOR_EVER = 1e9
@@ -72,9 +69,9 @@ class MotionService(Service):
         """
         by_joint = self._pairs("setStiffnesses", names, values)
         for name in flat(names):
-            if name not in SET_STIFF:
+            if self._body.plan.stiffened is not None and name not in self._body.plan.stiffened:
                 raise CallRefusedError(
-                    f"ALMotion::setStiffnesses\n\t{name} is not allowed on Pepper"
+                    f"ALMotion::setStiffnesses\n\t{name} is not allowed on {self._body.plan.robot}"
                 )
         for joint, stiffness in by_joint.items():
             self._body.stiffness[joint] = min(1.0, max(0.0, float(stiffness)))
@@ -97,7 +94,7 @@ class MotionService(Service):
     @offers("getLimits(s)m")
     def get_limits(self, name: str) -> list[list[float]]:
         """Lowest, highest angle (rad), highest speed (rad/s), highest torque (not simulated: 0)."""
-        return [[*JOINTS[one], 0.0] for one in self._joints("getLimits", name)]
+        return [[*self._body.plan.joints[one], 0.0] for one in self._joints("getLimits", name)]
 
     @offers("setAngles(mmf)v")
     def set_angles(self, names: Any, angles: Any, fraction: float) -> None:
@@ -186,13 +183,13 @@ class MotionService(Service):
         return all(self._body.breathing[one] for one in chains)
 
     def _breathing(self, method: str, chain: str) -> tuple[str, ...]:
-        if chain not in BREATHING:
+        if chain not in self._body.plan.breathing:
             raise CallRefusedError(f"ALMotion::{method}\n\t{chain} is not a valid chain name")
-        return BREATHING[chain]
+        return self._body.plan.breathing[chain]
 
     def _joints(self, method: str, names: Any) -> list[str]:
         try:
-            return [joint for name in flat(names) for joint in expand(str(name))]
+            return [joint for name in flat(names) for joint in self._body.plan.expand(str(name))]
         except KeyError as error:
             raise CallRefusedError(
                 f"ALMotion::{method}\n\tunknown joint name {error.args[0]}"
@@ -217,16 +214,17 @@ class MotionService(Service):
     @offers("moveTo(fff)b")
     async def move_to(self, x: float, y: float, turn: float) -> bool:
         """Drive by x, y (m) and turn (rad); False if it did not get there."""
-        if self._world.faults.active("says-no") or not self._body.awake:
+        if self._world.faults.active("says-no") or not self._stands():
             return False
         self._world.going.end("move")
-        seconds = max(math.hypot(x, y) / SPEED_M_S, abs(turn) / SPEED_RAD_S)
+        m_s, rad_s = self._body.plan.speed
+        seconds = max(math.hypot(x, y) / m_s, abs(turn) / rad_s)
         share = self._free(x, y)
         if seconds <= 0 or share <= 0:
             return share > 0
         self._body.drive(x / seconds, y / seconds, turn / seconds, seconds * share)
         arrived = await self._world.going.last("move", seconds * share, "moveTo")
-        if arrived or not self._world.going.of("move"):
+        if arrived or not (self._world.going.of("move") or self._body.plan.step_s):
             self._body.halt()
         return arrived and share >= 1
 
@@ -243,7 +241,7 @@ class MotionService(Service):
     @offers("move(fff)v")
     async def move(self, x: float, y: float, turn: float) -> None:
         """Drive with these speeds (m/s, m/s, rad/s) until stopped."""
-        if self._body.awake and not self._world.faults.active("says-no"):
+        if self._stands() and not self._world.faults.active("says-no"):
             self._world.going.end("move")
             self._body.drive(x, y, turn, _FOR_EVER)
 
@@ -253,7 +251,13 @@ class MotionService(Service):
         for share in (x, y, turn):
             if not -1 <= share <= 1:
                 raise CallRefusedError("ALMotion::moveToward\n\tvelocities must be within [-1, 1]")
-        await self.move(x * SPEED_M_S, y * SPEED_M_S, turn * SPEED_RAD_S)
+        m_s, rad_s = self._body.plan.speed
+        await self.move(x * m_s, y * m_s, turn * rad_s)
+
+    def _stands(self) -> bool:
+        """Whether it can go: awake, and on its feet."""
+        walks = self._body.plan.walks
+        return self._body.awake and not (walks and self._body.family != "Standing")
 
     @offers("moveIsActive()b")
     def move_is_active(self) -> bool:
@@ -262,18 +266,26 @@ class MotionService(Service):
 
     @offers("stopMove()v")
     def stop_move(self) -> None:
-        """The base stops; joints and animations go on."""
+        """The base stops; joints and animations go on. Who walks takes the step to its end."""
         self._world.going.end("move")
-        self._body.halt()
+        if self._body.plan.step_s and self.move_is_active():
+            self._body.last_step(self._body.plan.step_s)
+        else:
+            self._body.halt()
 
     @offers("killMove()v")
     def kill_move(self) -> None:
-        """As stopMove, less gently."""
-        self.stop_move()
+        """As stopMove, less gently: who walks loses its balance."""
+        walks = self._body.plan.walks and self.move_is_active()
+        self._world.going.end("move")
+        self._body.halt()
+        if walks:
+            self._world.falls.fall()
 
     @offers("killAll()v")
     def kill_all(self) -> None:
-        """All movements end where they are."""
+        """All movements end where they are; who walks loses its balance."""
+        self.kill_move()
         self._end_all()
 
     @offers("killTasksUsingResources([s])v")
@@ -284,6 +296,8 @@ class MotionService(Service):
             if span.kind != "joints" or joints & set(span.about.split(",")):
                 self._world.going.end(span.kind, about=span.about)
         self._body.hold(joints)
+        if self._body.plan.walks and joints & set(self._body.plan.chains["Legs"]):
+            self.kill_move()
 
     @offers("waitUntilMoveIsFinished()v")
     async def wait_until_move_is_finished(self) -> None:

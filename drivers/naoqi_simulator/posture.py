@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from naoqi_simulator.joints import POSTURES
 from naoqi_simulator.service_table import CallRefusedError, Service, offers
 from naoqi_simulator.world import SimulatedWorld
 
+#: Getting up takes so much longer, in seconds.
+GET_UP_S = 6.0
+
 
 class RobotPosture(Service):
-    """Named postures; the ways between them are not checked for balance."""
+    """Named postures; the ways between them are not checked for balance. What lies gets up, too."""
 
     name = "ALRobotPosture"
 
@@ -19,19 +21,21 @@ class RobotPosture(Service):
     @offers("goToPosture(sf)b")
     async def go_to_posture(self, posture: str, fraction: float) -> bool:
         """Take a posture; False if it was not reached."""
-        if posture not in POSTURES:
+        body = self._world.body
+        if posture not in body.plan.postures:
             raise CallRefusedError(f"ALRobotPosture::goToPosture\n\tunknown posture {posture}")
         if not 0 < fraction <= 1:
             raise CallRefusedError("ALRobotPosture::goToPosture\n\tspeed must be within ]0, 1]")
-        body = self._world.body
-        if not body.awake or self._world.faults.active("says-no"):
+        if not body.stiff or self._world.faults.active("says-no"):
             return False
         # As the real one it is never at its fastest: half a second at the least.
-        seconds = max(0.5, body.seconds_to(POSTURES[posture], fraction))
+        seconds = max(0.5, body.seconds_to(body.plan.postures[posture], fraction))
+        if self._world.falls.lies:
+            seconds += GET_UP_S
         body.take(posture, seconds)
         reached = await self._world.going.last("posture", seconds, posture)
         if reached:
-            body.posture = posture
+            body.posture, body.awake = posture, True
         return reached
 
     @offers("applyPosture(sf)b")
@@ -52,10 +56,10 @@ class RobotPosture(Service):
 
     @offers("getPostureFamily()s")
     def get_posture_family(self) -> str:
-        """Standing or Crouching."""
-        return "Crouching" if self._world.body.posture == "Crouch" else "Standing"
+        """Standing, Crouching; of a NAO also Sitting, LyingBack, LyingBelly."""
+        return self._world.body.family
 
     @offers("getPostureList()[s]")
     def get_posture_list(self) -> list[str]:
         """All that goToPosture takes."""
-        return sorted(POSTURES)
+        return sorted(self._world.body.plan.postures)

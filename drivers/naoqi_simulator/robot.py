@@ -8,6 +8,7 @@ from types import MappingProxyType
 
 from naoqi_simulator.animations import AnimationLibrary, AnimationPlayer, BehaviorManager
 from naoqi_simulator.audio import AudioDevice
+from naoqi_simulator.body_sensors import BodySensors, BodyTemperature
 from naoqi_simulator.camera import VideoDevice
 from naoqi_simulator.leds import Leds
 from naoqi_simulator.life import Ability, AutonomousLife, Awareness
@@ -44,7 +45,8 @@ class NaoqiSimulator:
         self.recognition = SpeechRecognition(world)
         self.battery = Battery(world)
         self.awareness = Awareness(world)
-        self.tablet = TabletService(world)
+        self.tablet = TabletService(world) if world.options.robot == "pepper" else None
+        self.sensors = BodySensors(world) if world.options.robot == "nao" else None
         self.disk = RobotDisk(world)
         self.player = AudioPlayer(world, self.disk)
         self.recorder = AudioRecorder(world, self.disk)
@@ -54,14 +56,19 @@ class NaoqiSimulator:
         for name in ("ALAutonomousBlinking", "ALListeningMovement", "ALSpeakingMovement"):
             abilities[name] = Ability(name, world)
         self.life = AutonomousLife(world, self.motion, abilities)
-        self.standin = TestService(world, self.knobs, self.tablet.touch)
+        self.standin = TestService(world, self.knobs, self.tablet.touch if self.tablet else None)
+        own: tuple[Service, ...] = ()
+        if self.tablet:
+            own = (self.tablet,)
+        if self.sensors:
+            own = (BodyTemperature(self.sensors),)
         everything: tuple[Service, ...] = (
             *(self.motion, RobotPosture(world), self.leds, self.battery, System(world), self.life),
             *(TextToSpeech(self.voice, self.animations), MemoryService(world)),
             *(AnimatedSpeech(self.voice, self.animations), *abilities.values()),
             *(AnimationPlayer(self.animations, world), BehaviorManager(self.animations, world)),
             *(*self.senses.extractors.values(), self.recognition),
-            *(self.tablet, self.player, self.recorder, self.audio, self.camera),
+            *(*own, self.player, self.recorder, self.audio, self.camera),
             self.standin,
         )
         self._knobs()
@@ -112,9 +119,6 @@ class NaoqiSimulator:
         add("battery", self.battery.get_battery_charge, lambda p: self.battery.fill(float(p)))
         add("breathing", lambda: world.body.breathing)
         add("now", world.time.now)
-        add("tablet", self.tablet.state)
-        add("tablet.fetched", lambda: [asdict(one) for one in self.tablet.fetched])
-        add("tablet.video_seconds", lambda: self.tablet.video_s, self._video_seconds)
         add("sounds", lambda: self.disk.table, self.disk.table.update)
         add("sounds.loaded", self.player.state)
         add("sounds.streamed", lambda: self.player.streamed)
@@ -123,14 +127,33 @@ class NaoqiSimulator:
         add("sound.subscribers", self.audio.subscribers)
         add("camera.subscribers", self.camera.get_subscribers)
 
+        if self.tablet:
+            self._knobs_of_tablet(self.tablet)
+        if self.sensors:
+            self._knobs_of_sensors(self.sensors)
+
+    def _knobs_of_tablet(self, tablet: TabletService) -> None:
+        def video_seconds(seconds: float) -> None:
+            tablet.video_s = float(seconds)
+
+        add = self.knobs.add
+        add("tablet", tablet.state)
+        add("tablet.fetched", lambda: [asdict(one) for one in tablet.fetched])
+        add("tablet.video_seconds", lambda: tablet.video_s, video_seconds)
+
+    def _knobs_of_sensors(self, sensors: BodySensors) -> None:
+        leds, add = self.leds.color, self.knobs.add
+        add("touched", lambda: sensors.touched, sensors.touch)
+        add("temperatures", lambda: sensors.temperatures, sensors.heat)
+        add("ears", lambda: leds("LeftEarLed1"))
+        add("chest", lambda: leds("ChestLed"))
+        add("feet", lambda: leds("LeftFootLed"))
+
     def _front(self, metres: float | None) -> None:
         self.world.body.front = None if metres is None else float(metres)
 
     def _side(self, metres: float | None) -> None:
         self.world.body.side = None if metres is None else float(metres)
-
-    def _video_seconds(self, seconds: float) -> None:
-        self.tablet.video_s = float(seconds)
 
     def angles(self) -> dict[str, float]:
         """Every joint's angle in radians."""

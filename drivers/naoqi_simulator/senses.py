@@ -6,6 +6,7 @@ fills it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -15,8 +16,13 @@ from naoqi_simulator.world import SimulatedWorld
 
 SONAR = "Device/SubDeviceList/Platform/Front/Sonar/Sensor/Value"
 SONAR_BACK = "Device/SubDeviceList/Platform/Back/Sonar/Sensor/Value"
+SONAR_LEFT, SONAR_RIGHT = (
+    f"Device/SubDeviceList/US/{side}/Sensor/Value" for side in ("Left", "Right")
+)
 #: What the sonar says when nothing is there, in metres: its range.
 SONAR_M = 5.0
+#: A NAO's sonars look this far to the side, in radians, and see so much around that.
+NAO_SONAR_TURN, NAO_SONAR_HALF = math.radians(20), math.radians(30)
 VISIBLE = "PeoplePerception/VisiblePeopleList"
 PEOPLE = "PeoplePerception/PeopleList"
 PERSON = "PeoplePerception/Person/"
@@ -116,8 +122,12 @@ class SensorKeys:
         store = world.store
         # Written by the body's own loop, whether anybody is subscribed or not; the sonar itself
         # sends only while somebody is.
-        store.provide(SONAR, self.sonar)
-        store.provide(SONAR_BACK, lambda: SONAR_M)
+        if world.options.robot == "nao":
+            store.provide(SONAR_LEFT, lambda: self.nao_sonar(1))
+            store.provide(SONAR_RIGHT, lambda: self.nao_sonar(-1))
+        else:
+            store.provide(SONAR, self.sonar)
+            store.provide(SONAR_BACK, lambda: SONAR_M)
         store.provide(VISIBLE, self.visible)
         store.provide(PEOPLE, self.visible)
         store.provide_all(PERSON, self.of_person)
@@ -132,6 +142,16 @@ class SensorKeys:
         """Metres to what is in front."""
         ahead = self._world.nearest() if self._on("ALSonar") else None
         return SONAR_M if ahead is None else min(SONAR_M, round(ahead, 3))
+
+    def nao_sonar(self, side: int) -> float:
+        """Metres to the nearest thing on one side: 1 is left, -1 is right."""
+        if not self._on("ALSonar"):
+            return SONAR_M
+        person, ahead = self._world.person(), self._world.body.front
+        seen = [] if ahead is None else [ahead]
+        if person and abs(person.angle - side * NAO_SONAR_TURN) <= NAO_SONAR_HALF:
+            seen.append(person.distance)
+        return min([SONAR_M, *(round(one, 3) for one in seen)])
 
     def visible(self) -> list[int]:
         """Numbers of the people seen."""

@@ -24,7 +24,7 @@ from naoqi_simulator.robot import NaoqiSimulator
 from naoqi_simulator.robot_time import PacedTime
 from naoqi_simulator.service_table import CallRefusedError, Service, ServiceMethod, methods_of
 from naoqi_simulator.test_service import TestService
-from naoqi_simulator.world import ConnectedClients, SimulatedWorld, SimulatorOptions
+from naoqi_simulator.world import ROBOTS, ConnectedClients, SimulatedWorld, SimulatorOptions
 
 
 class ServiceHost(ConnectedClients):
@@ -110,8 +110,11 @@ Or write `robots: [simulated]`, and the driver starts one by itself.
   {"do": "touch", "x": 0.5, "y": 0.5}                   somebody touches the tablet
   {"do": "fault", "kind": "slow:300", "seconds": 5}     every answer 300 ms late
   {"do": "trace"}, {"do": "clear"}
-Faults: killed, frozen, deaf, slow:MS, refuse:SERVICE.METHOD,...=TEXT, says-no (moves),
-moody, invalid-signature (ALMemory), none. The service StandIn on the wire does the same.
+  {"do": "set", "name": "touched", "value": ["Head/Touch/Front"]}       of a NAO; [] again
+  {"do": "set", "name": "temperatures", "value": {"LKneePitch": 78}}    of a NAO, in Celsius
+Faults: killed, frozen, fall and fall:back (NAO), deaf, slow:MS, refuse:SERVICE.METHOD,...=TEXT,
+says-no (moves), moody, invalid-signature (ALMemory), none.
+The service StandIn on the wire does the same.
 """
 
 
@@ -135,11 +138,12 @@ def parser() -> argparse.ArgumentParser:
     """What the command line takes."""
     made = argparse.ArgumentParser(
         prog="python -m naoqi_simulator",
-        description="A simulated Pepper that speaks NAOqi's protocol.",
+        description="A simulated Pepper or NAO that speaks NAOqi's protocol.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add = made.add_argument
+    add("--robot", choices=tuple(ROBOTS), default="pepper", help="what kind of robot it is")
     add("--host", default="127.0.0.1", help="address to listen on (default: this machine only)")
     add("--port", type=int, default=0, help="0: any that is free")
     add("--server", help=argparse.SUPPRESS)  # there were two; older calls name one
@@ -148,8 +152,8 @@ def parser() -> argparse.ArgumentParser:
     add("--visitors", choices=("seeded", "none"), default="seeded", help="people who come and go")
     add("--life", choices=STATES, default="solitary", help="autonomous life at the start")
     add("--moody", action="store_true", help="it changes its autonomy by itself now and then")
-    add("--naoqi", default="2.5.10.7", metavar="VERSION", help="what ALSystem says it is")
-    add("--subscriber", action="store_true", help="ALMemory.subscriber works, unlike in 2.5.8")
+    add("--naoqi", default="", metavar="VERSION", help="what ALSystem says it is")
+    add("--subscriber", action="store_true", help="ALMemory.subscriber works, as it does on a NAO")
     add("--files", type=Path, help="folder that is the root of its file system")
     add("--control", action="store_true", help="orders on standard input, see below")
     return made
@@ -183,23 +187,24 @@ def _own_output() -> int:
 async def _serve(parsed: argparse.Namespace, out: int, hosting: Hosting) -> None:
     loop = asyncio.get_running_loop()
     options = SimulatorOptions(
+        robot=parsed.robot,
         seed=parsed.seed,
         visitors=parsed.visitors == "seeded",
         life=parsed.life,
         moody=parsed.moody,
-        invalid_signature=not parsed.subscriber,
+        invalid_signature=not parsed.subscriber and parsed.robot == "pepper",
         version=parsed.naoqi,
         files=parsed.files,
     )
-    pepper = NaoqiSimulator(SimulatedWorld(PacedTime(parsed.pace), options))
-    host, address = await start(pepper, parsed.host, parsed.port, hosting)
+    robot = NaoqiSimulator(SimulatedWorld(PacedTime(parsed.pace), options))
+    host, address = await start(robot, parsed.host, parsed.port, hosting)
     ended = asyncio.Event()
     for one in (signal.SIGTERM, signal.SIGINT):
         loop.add_signal_handler(one, ended.set)
     os.write(out, json.dumps({"address": address}).encode() + b"\n")
-    tasks = {asyncio.ensure_future(pepper.live()), asyncio.ensure_future(ended.wait())}
+    tasks = {asyncio.ensure_future(robot.live()), asyncio.ensure_future(ended.wait())}
     if parsed.control:
-        tasks.add(asyncio.ensure_future(StdinControl(pepper, out).run()))
+        tasks.add(asyncio.ensure_future(StdinControl(robot, out).run()))
     done, going = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     for task in going:
         task.cancel()
@@ -209,13 +214,13 @@ async def _serve(parsed: argparse.Namespace, out: int, hosting: Hosting) -> None
 
 
 async def start(
-    pepper: NaoqiSimulator, host: str = "127.0.0.1", port: int = 0, hosting: Hosting = ServiceHost
+    robot: NaoqiSimulator, host: str = "127.0.0.1", port: int = 0, hosting: Hosting = ServiceHost
 ) -> tuple[ServiceCarrier, str]:
     """Let a robot be reached; how to hang up, and the address. Raises OSError."""
-    hosted = hosting(pepper.world.desk)
-    hosted.offer(pepper.services)
+    hosted = hosting(robot.world.desk)
+    hosted.offer(robot.services)
     address = await hosted.listen(host, port)
-    pepper.world.clients = hosted
+    robot.world.clients = hosted
     return hosted, address
 
 
@@ -225,8 +230,8 @@ async def start(
 class StdinControl:
     """Reads orders, answers each with `{"ok": ...}` or `{"error": ...}`, in order."""
 
-    def __init__(self, pepper: NaoqiSimulator, out: int) -> None:
-        self._standin, self._out = pepper.standin, out
+    def __init__(self, robot: NaoqiSimulator, out: int) -> None:
+        self._standin, self._out = robot.standin, out
 
     async def run(self) -> None:
         """Until nobody can give orders any more; then the robot ends, too."""

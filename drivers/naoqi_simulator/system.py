@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from naoqi_simulator.service_table import Service, offers
-from naoqi_simulator.world import SimulatedWorld
+from naoqi_simulator.world import VERSIONS, SimulatedWorld
 
-#: Percent that the battery loses in an hour awake: from 100 to 0 in the 12 hours the maker names.
-PER_HOUR = 100 / 12
+#: Percent that the battery loses in an hour awake: from 100 to 0 in the hours the maker names, 12
+#: for Pepper, one and a half for NAO.
+PER_HOUR = {"pepper": 100 / 12, "nao": 100 / 1.5}
 
 
 CHARGE = "Device/SubDeviceList/Battery/Charge/Sensor/Value"
@@ -20,12 +21,13 @@ class System(Service):
     def __init__(self, world: SimulatedWorld) -> None:
         super().__init__()
         self._world = world
-        self._robot_name = "Pepper"
+        self._robot_name = world.body.plan.robot
 
     @offers("systemVersion()s")
     def system_version(self) -> str:
         """As of NAOqi, for example, 2.5.10.7."""
-        return self._world.options.version
+        options = self._world.options
+        return options.version or VERSIONS[options.robot]
 
     @offers("robotName()s")
     def robot_name(self) -> str:
@@ -53,6 +55,7 @@ class Battery(Service):
         super().__init__()
         self._world = world
         self.full = 87.0
+        self._per_hour = PER_HOUR[world.options.robot]
         self._since = world.time.now()
         world.store.provide(CHARGE, self.share)
 
@@ -64,7 +67,7 @@ class Battery(Service):
     def share(self) -> float:
         """0 to 1."""
         hours = (self._world.time.now() - self._since) / 3600
-        return max(0.0, self.full - hours * PER_HOUR) / 100
+        return max(0.0, self.full - hours * self._per_hour) / 100
 
     def fill(self, percent: float) -> None:
         """Let it be this full now."""

@@ -46,7 +46,10 @@ class TestService(Service):
     name = "StandIn"
 
     def __init__(
-        self, world: SimulatedWorld, knobs: TestCalls, touch: Callable[[float, float], None]
+        self,
+        world: SimulatedWorld,
+        knobs: TestCalls,
+        touch: Callable[[float, float], None] | None,
     ) -> None:
         super().__init__()
         self._world, self._knobs, self._touch = world, knobs, touch
@@ -109,6 +112,8 @@ class TestService(Service):
         """Somebody touches the tablet: shares of its width and height from the left top."""
         if not (0 <= x <= 1 and 0 <= y <= 1):
             raise CallRefusedError("StandIn::touch\n\tx and y are shares of the screen, 0 to 1")
+        if self._touch is None:
+            raise CallRefusedError("StandIn::touch\n\tthis robot has no tablet; set touched")
         self._touch(x, y)
 
     @offers("person(s)v")

@@ -3,75 +3,19 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Protocol
 
 from naoqi_simulator.body import SimulatedBody
+from naoqi_simulator.falls import SimulatedFalls
 from naoqi_simulator.faults import CallRecord, SimulatedFaults
+from naoqi_simulator.joints import PEPPER, BodyPlan
+from naoqi_simulator.memory_store import MemoryStore
+from naoqi_simulator.nao_body import NAO
 from naoqi_simulator.robot_time import Activities, SimulatorTime
 from naoqi_simulator.visitor import SimulatedPerson, SimulatedVisitors
-
-#: Answers for keys of one kind: the value, or None when there is none for that key now.
-Provider = Callable[[str], Any]
-
-
-class MemoryStore:
-    """Keys and values; events reach their listeners in the order they were raised."""
-
-    def __init__(self) -> None:
-        self._data: dict[str, Any] = {}
-        self._exact: dict[str, Callable[[], Any]] = {}
-        self._prefixes: dict[str, Provider] = {}
-        self._listeners: dict[str, list[Callable[[Any], None]]] = {}
-
-    def provide(self, key: str, value: Callable[[], Any]) -> None:
-        """Look this key up whenever it is asked for."""
-        self._exact[key] = value
-
-    def provide_all(self, prefix: str, provider: Provider) -> None:
-        """Look up every key that begins so; a provider's None means that there is no such key."""
-        self._prefixes[prefix] = provider
-
-    def put(self, key: str, value: Any) -> None:
-        """Keep a value; it hides what is provided under that key."""
-        self._data[key] = value
-
-    def drop(self, key: str) -> None:
-        """Forget a value that was put. Raises KeyError."""
-        del self._data[key]
-
-    def get(self, key: str) -> Any:
-        """The value now. Raises KeyError."""
-        if key in self._data:
-            return self._data[key]
-        if key in self._exact:
-            return self._exact[key]()
-        for prefix, provider in self._prefixes.items():
-            if key.startswith(prefix):
-                value = provider(key)
-                if value is not None:
-                    return value
-        raise KeyError(key)
-
-    def raise_event(self, key: str, value: Any) -> None:
-        """Keep the value and tell everybody who listens."""
-        self._data[key] = value
-        self.notify(key, value)
-
-    def notify(self, key: str, value: Any) -> None:
-        """Tell everybody who listens, of a value that is provided."""
-        for listener in list(self._listeners.get(key, ())):
-            listener(value)
-
-    def listen(self, key: str, listener: Callable[[Any], None]) -> None:
-        """Hear this event from now on."""
-        self._listeners.setdefault(key, []).append(listener)
-
-    def keys(self) -> Iterable[str]:
-        """All keys by name, but those provided by prefix."""
-        return sorted({*self._data, *self._exact})
 
 
 class ConnectedClients(Protocol):
@@ -82,16 +26,23 @@ class ConnectedClients(Protocol):
         ...
 
 
+#: By what `--robot` says.
+ROBOTS: Mapping[str, BodyPlan] = {"pepper": PEPPER, "nao": NAO}
+#: What ALSystem says it runs unless told otherwise.
+VERSIONS = {"pepper": "2.5.10.7", "nao": "2.8.6.23"}
+
+
 @dataclass(frozen=True, slots=True)
 class SimulatorOptions:
     """How this robot is: `python -m naoqi_simulator --help` says what each means."""
 
+    robot: str = "pepper"
     seed: int = 7
     visitors: bool = True
     life: str = "solitary"
     moody: bool = False
     invalid_signature: bool = True
-    version: str = "2.5.10.7"
+    version: str = ""
     files: Path | None = None
 
 
@@ -107,6 +58,7 @@ class SimulatedWorld:
     going: Activities = field(init=False)
     body: SimulatedBody = field(init=False)
     store: MemoryStore = field(init=False)
+    falls: SimulatedFalls = field(init=False)
     random: random.Random = field(init=False)
     #: What went wrong without anybody being told on the wire: an animation in speech that is not
     #: installed, an address that the tablet could not load.
@@ -121,8 +73,11 @@ class SimulatedWorld:
         self.faults = SimulatedFaults(self.time)
         self.desk = CallRecord(self.faults)
         self.going = Activities(self.time)
-        self.body = SimulatedBody(self.time)
+        self.body = SimulatedBody(self.time, ROBOTS[self.options.robot])
         self.store = MemoryStore()
+        self.falls = SimulatedFalls(self.body, self.going, self.store)
+        if self.body.plan.walks:
+            self.faults.happens["fall"] = self.falls.fall
         self.random = random.Random(self.options.seed)
         self.notes = []
         self.talks = False

@@ -6,11 +6,11 @@ import asyncio
 import math
 
 import pytest
-from naoqi_simulator.joints import JOINTS, POSTURES
-from naoqi_simulator.motion import SPEED_M_S
+from naoqi_simulator.joints import JOINTS, PEPPER, POSTURES
 
 from tests.drivers.naoqi.hands import Said, Wired
 
+SPEED_M_S = PEPPER.speed[0]
 HEAD = ["HeadYaw", "HeadPitch"]
 
 

@@ -155,11 +155,13 @@ def test_a_wrong_declaration_is_refused(wire: str) -> None:
 
 
 def test_names_and_numbers_make_the_library() -> None:
-    assert "animations/Stand/Gestures/Hey_1" in LENGTHS
-    assert "animations/Stand/Gestures/Hey_5" not in LENGTHS
-    assert "animations/Stand/Emotions/Neutral/Sneeze" in LENGTHS
-    assert set(with_tag("hey")) == {one for one in LENGTHS if "/Hey_" in one}
-    assert with_tag("he") == []
+    pepper, nao = LENGTHS["pepper"], LENGTHS["nao"]
+    assert "animations/Stand/Gestures/Hey_1" in pepper
+    assert "animations/Stand/Gestures/Hey_5" not in pepper
+    assert "animations/Stand/Emotions/Neutral/Sneeze" in pepper
+    assert set(with_tag("hey", pepper, "Stand")) == {one for one in pepper if "/Hey_" in one}
+    assert with_tag("he", pepper, "Stand") == []
+    assert with_tag("hey", nao, "Sit") == ["animations/Sit/Gestures/Hey_3"]
 
 
 @pytest.mark.parametrize("pace", [0.0, -1.0])

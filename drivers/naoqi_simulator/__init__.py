@@ -1,4 +1,4 @@
-"""A Pepper or a NAO that needs no hardware: for rehearsals, demonstrations and tests. See `README.md`."""
+"""A Pepper or NAO without hardware, for rehearsals, demonstrations and tests. See `README.md`."""
 
 from naoqi_simulator.robot import NaoqiSimulator
 from naoqi_simulator.robot_time import PacedTime
